@@ -1,0 +1,24 @@
+/* lattice.h -- coordinates become integers.
+ * Scanners resolve 20 um at best, so a grid of 1 um loses nothing; on integers the
+ * predicates are exact and the same bytes give the same digits on every machine. */
+#ifndef CORE_LATTICE_H
+#define CORE_LATTICE_H
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+#include "vec.h"
+
+#define LATTICE_PER_MM 1000.0              /* lattice units per millimetre, for faces */
+#define LATTICE_MAX    (INT32_C(1) << 24) /* |coordinate| <= this: incircle fits 128 bits */
+
+/* lattice_round(mm, scale, out): nearest lattice coordinate, ties to even; scale is units
+ * per millimetre.  Returns ST_OK, ST_ENOTFINITE, or ST_ERANGE beyond LATTICE_MAX. */
+enum status lattice_round(double mm, double scale, int32_t *out);
+
+/* lattice_from_mm(pts, n, scale, out, bad): round n points into out[0..n-1].
+ * On failure *bad (may be NULL) is the index of the first point refused, and out is
+ * unspecified.  Returns ST_OK, ST_ENOTFINITE, ST_ERANGE. */
+enum status lattice_from_mm(const struct dvec3 *pts, size_t n, double scale,
+                            struct ivec3 *out, size_t *bad);
+
+#endif

@@ -1,0 +1,31 @@
+/* mem.h -- the only place where core asks for memory.
+ * Sizes are checked for overflow; a failed call returns NULL and changes nothing. */
+#ifndef CORE_MEM_H
+#define CORE_MEM_H
+#include <stddef.h>
+
+/* mem_array(n, size): n objects of size bytes, uninitialised, 64-byte aligned; NULL when
+ * out of memory or on overflow.  n == 0 gives a valid pointer.  Release with mem_free(). */
+void *mem_array(size_t n, size_t size);
+void mem_free(void *p); /* NULL is allowed */
+
+/* A scratch block that a worker owns and reuses, so that the steady state allocates
+ * nothing.  All zero is an empty one. */
+struct scratch {
+    unsigned char *block;
+    size_t size;
+};
+
+/* scratch_need(s, bytes): a 64-byte aligned block of at least bytes, owned by s, valid
+ * until the next scratch_need() or scratch_free(); its former content is lost.  NULL when
+ * out of memory: then s is as before. */
+void *scratch_need(struct scratch *s, size_t bytes);
+void scratch_free(struct scratch *s); /* s is empty again */
+
+/* mem_round(bytes): bytes rounded up so that the next array begins on a cache line. */
+static inline size_t mem_round(size_t bytes)
+{
+    return (bytes + 63) & ~(size_t)63;
+}
+
+#endif

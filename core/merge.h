@@ -1,0 +1,27 @@
+/* merge.h -- the general triangulation: the Delaunay triangulation of the union of two
+ * meshes that overlap, made from their triangulations.
+ * Paper 1 section 3.5 and [8] (Mestetskiy and Tsarik). */
+#ifndef CORE_MERGE_H
+#define CORE_MERGE_H
+#include <stdint.h>
+#include "status.h"
+
+struct location; /* locate.h */
+struct mesh;     /* mesh.h */
+struct scratch;  /* mem.h */
+
+/* merge_build(a, b, b_in_a, s, out, b_vertex): out = the Delaunay triangulation of the
+ * points of a and of b, triangle for triangle what delaunay_build() makes of the union.
+ * Vertices 0..a->nv-1 of out are a's; b_vertex[v] is the vertex of out at b's vertex v:
+ * one of a's where both meshes have a point there, else a new one (in b's order).
+ * b_in_a  from locate_mesh(a, b, b_in_a).
+ * out     reserved as needed; its z is a's or b's own height; it has no spanning tree.
+ * Needs   b->parent.
+ * Cost    O(a->nv + b->nv) for meshes that sample the plane comparably; never worse than
+ *         triangulating the union from scratch, O(N log N).
+ * Returns ST_OK; ST_ELIMIT; ST_ENOMEM.  On failure out has nv == 0. */
+enum status merge_build(const struct mesh *a, const struct mesh *b,
+                        const struct location *b_in_a, struct scratch *s,
+                        struct mesh *out, uint32_t *b_vertex);
+
+#endif

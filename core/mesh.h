@@ -1,0 +1,94 @@
+/* mesh.h -- a triangulated surface over the plane: points, triangulation, spanning tree.
+ *
+ * Half-edges.  Triangle t owns the half-edges 3t, 3t+1, 3t+2 in counter-clockwise order;
+ * half-edge h runs from vertex org[h] to org[mesh_next(h)] with its triangle on the left;
+ * twin[h] is the same edge seen from the other side.
+ * The ghost.  A vertex "at infinity", numbered nv, closes the surface to a sphere: across
+ * each hull edge a -> b lies the ghost triangle with the half-edge b -> a and the corner
+ * nv.  So every half-edge has a twin, every vertex a full ring of triangles, and there
+ * are always nt = 2 nv - 2 triangles, ghosts included.
+ * The tree.  parent[] is the minimum spanning tree of the Delaunay graph, made by
+ * mst_build(), which also numbers the vertices along a depth-first walk of it: parent[0]
+ * is 0 and parent[v] < v for every other v, so 0, 1, 2, ... visits parents first.
+ *
+ * All arrays live in one block without inner pointers; a mesh is copied by mesh_copy().
+ * Units: lattice units (lattice.h).  A built mesh is immutable and may be read by any
+ * number of threads. */
+#ifndef CORE_MESH_H
+#define CORE_MESH_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+#include "vec.h"
+
+struct scratch; /* mem.h */
+
+#define MESH_MAX_POINTS (UINT32_C(1) << 21)
+
+struct mesh {
+    uint32_t nv;      /* points, at distinct (x, y) */
+    uint32_t nt;      /* triangles, ghosts included: 2 nv - 2 */
+    uint32_t cap;     /* points there is room for */
+    struct ivec2 *xy; /* [nv] */
+    int32_t *z;       /* [nv] height over (x, y) */
+    uint32_t *org;    /* [3 nt] where the half-edge starts */
+    uint32_t *twin;   /* [3 nt] its other side */
+    uint32_t *out;    /* [nv + 1] a half-edge that leaves the vertex */
+    uint32_t *parent; /* [nv] towards the root of the spanning tree */
+    void *block;      /* holds all of the above */
+};
+
+static inline uint32_t mesh_next(uint32_t h)
+{
+    return h % 3 == 2 ? h - 2 : h + 1;
+}
+
+static inline uint32_t mesh_prev(uint32_t h)
+{
+    return h % 3 == 0 ? h + 2 : h - 1;
+}
+
+/* mesh_dest(m, h): the vertex where h ends. */
+static inline uint32_t mesh_dest(const struct mesh *m, uint32_t h)
+{
+    return m->org[mesh_next(h)];
+}
+
+/* mesh_turn(m, h): the next half-edge out of org[h], counter-clockwise. */
+static inline uint32_t mesh_turn(const struct mesh *m, uint32_t h)
+{
+    return m->twin[mesh_prev(h)];
+}
+
+static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
+{
+    return m->org[3 * t] == m->nv || m->org[3 * t + 1] == m->nv || m->org[3 * t + 2] == m->nv;
+}
+
+/* mesh_reserve(m, n): room for n points; the content is lost.  A mesh that is all zero is
+ * empty.  Memory: 68 bytes a point.  Returns ST_OK; ST_ELIMIT n > MESH_MAX_POINTS;
+ * ST_ENOMEM: then m is as before. */
+enum status mesh_reserve(struct mesh *m, uint32_t n);
+void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */
+
+/* mesh_copy(dst, src): dst becomes src, with room for at least extra more points.
+ * Returns ST_OK, ST_ELIMIT, ST_ENOMEM (dst is as before). */
+enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra);
+
+/* mesh_link(m, s): make twin[] and out[] from nv, xy and org[], and prove that the result
+ * is a triangulation of the convex hull: indices in range, every edge shared by exactly
+ * two triangles, every finite triangle counter-clockwise, one ring of ghosts round a
+ * convex hull, every vertex with one full ring of triangles, Euler's formula; the tree's
+ * edges among the mesh's, parent[v] < v.  Hostile input is safe.  For decoding.
+ * Cost  O(nv) time.  Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
+enum status mesh_link(struct mesh *m, struct scratch *s);
+
+/* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
+ * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
+ * surfacectl check.  The tree is looked at only if tree is true; it must then be a
+ * spanning tree of mesh edges (minimality: mst_check()).  O(nv).
+ * Returns ST_OK or ST_ECORRUPT. */
+enum status mesh_check(const struct mesh *m, bool tree);
+
+#endif

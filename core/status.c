@@ -1,0 +1,32 @@
+#include "status.h"
+
+const char *status_message(enum status st)
+{
+    static const char *const text[ST_COUNT] = {
+        [ST_OK] = "ok",
+        [ST_EINVAL] = "malformed input",
+        [ST_ENOMEM] = "out of memory",
+        [ST_ELIMIT] = "over the limit",
+        [ST_ETOOFEW] = "too few points",
+        [ST_ENOTFINITE] = "a coordinate is not finite",
+        [ST_ERANGE] = "a coordinate is out of range",
+        [ST_EDEGENERATE] = "the points lie on one line",
+        [ST_EUNITS] = "the extent is not that of a face in the given units",
+        [ST_ENOTFACE] = "not a face",
+        [ST_EQUALITY] = "the scan's quality is too low",
+        [ST_ECORRUPT] = "damaged data",
+        [ST_EVERSION] = "unsupported version",
+        [ST_ENOTFOUND] = "not found",
+        [ST_EEXISTS] = "already there",
+        [ST_EMISMATCH] = "the sample does not fit the subject's others",
+        [ST_EDENIED] = "not permitted",
+        [ST_EBUSY] = "busy",
+        [ST_EIO] = "input or output failed",
+        [ST_EDB] = "the database failed",
+        [ST_EINTERNAL] = "internal error",
+    };
+
+    if ((unsigned)st >= ST_COUNT)
+        return "unknown status";
+    return text[st];
+}

@@ -1,0 +1,36 @@
+/* status.h -- the outcome of every call that can fail.
+ * ST_OK is 0.  core returns a status and nothing else: it prints nothing and never exits;
+ * db and server add text (db/errinfo.h).  HTTP codes exist only in server/errmap.c. */
+#ifndef CORE_STATUS_H
+#define CORE_STATUS_H
+
+enum status {
+    ST_OK = 0,
+    ST_EINVAL,      /* an argument or a field is malformed */
+    ST_ENOMEM,      /* memory ran out; nothing was changed */
+    ST_ELIMIT,      /* more than the stated limit (points, bytes, depth) */
+    ST_ETOOFEW,     /* fewer than the points needed */
+    ST_ENOTFINITE,  /* a coordinate is NaN or infinite */
+    ST_ERANGE,      /* a coordinate lies off the lattice */
+    ST_EDEGENERATE, /* all points on one line, or no area */
+    ST_EUNITS,      /* the extent is not that of a face in millimetres */
+    ST_ENOTFACE,    /* the surface is not a face (quality gate) */
+    ST_EQUALITY,    /* a face, but too poor a scan (quality gate) */
+    ST_ECORRUPT,    /* stored or internal data contradicts itself */
+    ST_EVERSION,    /* data of another, unsupported version */
+    ST_ENOTFOUND,   /* no such subject, template or token */
+    ST_EEXISTS,     /* it is already there */
+    ST_EMISMATCH,   /* a sample does not fit the subject's others */
+    ST_EDENIED,     /* no permission */
+    ST_EBUSY,       /* try again later */
+    ST_EIO,         /* reading or writing failed */
+    ST_EDB,         /* the database failed */
+    ST_EINTERNAL,   /* a defect of this program */
+    ST_COUNT        /* number of codes; not a code */
+};
+
+/* status_message(st): one short English phrase for st, never NULL; "unknown status" for
+ * values that are no code. */
+const char *status_message(enum status st);
+
+#endif

@@ -1,0 +1,20 @@
+/* surface.h -- height of a triangulated surface at a located point.
+ * Paper 1 section 3.4: barycentric interpolation. */
+#ifndef CORE_SURFACE_H
+#define CORE_SURFACE_H
+#include "vec.h"
+
+struct mesh;     /* mesh.h */
+struct location; /* locate.h */
+
+/* surface_height(m, loc, q): the surface's height at q, in lattice units; exact at the
+ * vertices, error below 1e-6 units elsewhere.  Outside the hull: the height at the nearest
+ * point of the hull edge. */
+double surface_height(const struct mesh *m, struct location loc, struct ivec2 q);
+
+/* surface_interpolate(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for
+ * all of them; loc from locate_mesh(m, pts, loc).  O(pts->nv). */
+void surface_interpolate(const struct mesh *m, const struct mesh *pts,
+                         const struct location *loc, double *out);
+
+#endif

@@ -1,0 +1,129 @@
+/* store.h -- the template store: an interface; SQLite (store_sqlite.c) is its embedded
+ * default.  A store may be used from any number of threads; each call either takes full
+ * effect or none, and is durable when it returns ST_OK.
+ * Strings are UTF-8 without NUL; ids are checked by the callee (ST_EINVAL).
+ * Every call returns a status and fills *e (may be NULL) on failure:
+ * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row), ST_EVERSION (database of
+ * a newer version), ST_EBUSY, ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
+#ifndef DB_STORE_H
+#define DB_STORE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "face.h"
+#include "status.h"
+
+struct errinfo;
+struct store;
+
+#define STORE_SUBJECT_MAX 128 /* A-Z a-z 0-9 . _ - @ : */
+#define STORE_ID_LEN      32  /* template and token ids: 128 random bits in hex */
+#define STORE_LABEL_MAX   256
+
+enum store_mode { STORE_READ, STORE_WRITE, STORE_CREATE }; /* create: if it is missing */
+
+enum status store_open(const char *path, enum store_mode mode, struct store **out,
+                       struct errinfo *e);
+void store_close(struct store *s); /* NULL is allowed */
+
+/* store_ready(s, e): can the database be reached, and is its schema this program's? */
+enum status store_ready(struct store *s, struct errinfo *e);
+
+bool store_subject_valid(const char *subject);
+bool store_id_valid(const char *id);
+
+struct store_template { /* everything about a template but its model */
+    char id[STORE_ID_LEN + 1];
+    char subject[STORE_SUBJECT_MAX + 1];
+    char label[STORE_LABEL_MAX + 1];
+    char created[32]; /* RFC 3339, UTC */
+    char digest[65];  /* SHA-256 of the canonical points */
+    char engine[64];
+    uint32_t points, triangles;
+    struct face_quality quality;
+};
+
+/* store_enroll(s, subject, label, f, t, created, e): encode and store a template, and the
+ * subject where it is new; an event with it.  *created is false when the subject has
+ * this very cloud (digest) already: then *t describes the one that is there. */
+enum status store_enroll(struct store *s, const char *subject, const char *label,
+                         const struct face *f, struct store_template *t, bool *created,
+                         struct errinfo *e);
+
+enum status store_template_get(struct store *s, const char *id, struct store_template *t,
+                               struct errinfo *e);
+
+/* store_template_load(s, id, t, w, f, e): the model too, decoded and validated. */
+enum status store_template_load(struct store *s, const char *id, struct store_template *t,
+                                struct face_work *w, struct face *f, struct errinfo *e);
+
+enum status store_template_delete(struct store *s, const char *id, struct errinfo *e);
+
+/* store_template_list(s, subject, out, n, e): the subject's templates, oldest first; a new
+ * array released by free().  ST_ENOTFOUND when there is no such subject. */
+enum status store_template_list(struct store *s, const char *subject,
+                                struct store_template **out, size_t *n, struct errinfo *e);
+
+struct store_subject {
+    char id[STORE_SUBJECT_MAX + 1];
+    char created[32];
+    uint32_t templates;
+};
+
+enum status store_subject_get(struct store *s, const char *subject,
+                              struct store_subject *out, struct errinfo *e);
+
+/* store_subject_list(s, after, limit, out, n, e): up to limit subjects in order of id,
+ * those after `after` ("" from the start); a new array released by free(). */
+enum status store_subject_list(struct store *s, const char *after, size_t limit,
+                               struct store_subject **out, size_t *n, struct errinfo *e);
+
+/* store_subject_delete(s, subject, removed, e): the subject and all its templates. */
+enum status store_subject_delete(struct store *s, const char *subject, uint32_t *removed,
+                                 struct errinfo *e);
+
+/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
+ * table; no biometrics in it.  kind: "verify", "compare", ...; actor: a token's id or "";
+ * subject, template_id and outcome may be "". */
+enum status store_event(struct store *s, const char *kind, const char *actor,
+                        const char *subject, const char *template_id, const char *outcome,
+                        struct errinfo *e);
+
+struct store_token {
+    char id[STORE_ID_LEN + 1];
+    char name[65];
+    char created[32];
+    bool revoked;
+};
+
+/* store_token_create(s, name, secret, t, e): a new Bearer token; secret is shown once and
+ * only its hash is kept. */
+enum status store_token_create(struct store *s, const char *name, char secret[65],
+                               struct store_token *t, struct errinfo *e);
+enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
+                             struct errinfo *e);
+enum status store_token_revoke(struct store *s, const char *id, struct errinfo *e);
+
+/* store_token_check(s, secret, id, e): ST_OK and the token's id, or ST_EDENIED for an
+ * unknown or revoked one.  Compared in constant time.  Sees revocations at once. */
+enum status store_token_check(struct store *s, const char *secret,
+                              char id[STORE_ID_LEN + 1], struct errinfo *e);
+
+struct store_stats {
+    uint64_t subjects, templates, points, template_bytes, file_bytes, events, tokens;
+    uint32_t schema;
+};
+
+enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
+
+struct store_check {
+    uint64_t templates, bad_templates, problems;
+};
+
+/* store_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys,
+ * every template decoded, its triangulation Delaunay and its tree minimal, its digest and
+ * counts right.  report() is called once a problem with one line of text. */
+enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
+                        void *arg, struct store_check *out, struct errinfo *e);
+
+#endif
