@@ -55,10 +55,6 @@ enum status face_derive(struct face *f, struct face_work *w);
 
 enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
-/* The documented defaults of the decision (docs/decision.md). */
-extern const double face_default_threshold_mm;
-extern const double face_min_overlap;
-
 struct face_result {
     enum face_decision decision;
     double disparity_mm;  /* the weighted disparity the decision was taken on */
@@ -71,7 +67,7 @@ struct face_result {
 
 /* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
  * template, measure the minimal disparity, decide.
- * threshold_mm  0 or less: the default
+ * threshold_mm  0 or less: decision_threshold_mm (decision.h, docs/decision.md)
  * clock_ms      may be NULL; only ever read into align_ms and measure_ms
  * Deterministic: depends on the two models and the threshold alone.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */
