@@ -41,7 +41,7 @@ static inline predicates_i128 incircle_det(struct ivec2 a, struct ivec2 b, struc
            (predicates_i128)(cx * cx + cy * cy) * ab;
 }
 
-/* incircle_tie(a, b, c, d): incircle() for four distinct points on one circle. */
+/* incircle_tie(a, b, c, d): incircle() where the determinant is 0. */
 bool incircle_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
 
 /* incircle(a, b, c, d): does d lie inside the circle through the counter-clockwise
@@ -49,7 +49,7 @@ bool incircle_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d
  * as lying deepest (its lift x^2 + y^2 is lowered by an infinitesimal that dwarfs those of
  * the points after it).  So cocircular points have one triangulation whatever their order:
  * the fan from the lexicographically first.
- * Precondition: abc counter-clockwise, d distinct from a, b and c. */
+ * False where d is a, b or c.  Precondition: abc counter-clockwise. */
 static inline bool incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
 {
     predicates_i128 det = incircle_det(a, b, c, d);
