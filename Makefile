@@ -1,33 +1,214 @@
 # surfaced -- see README.md.  `make help` lists the targets.
+#
+# What is built follows from what is there: every core/*.c goes into libsurface.a, every
+# db/*.c but surfacectl's into the store's library, every tests/test_*.c is a program.
+# A test that needs a linker flag says so on a line of its own:  /* link: -Wl,--wrap=f */
+# Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
+# server/openapi.json -> build/gen/openapi_json.h (array openapi_json).
 
-CC       ?= gcc
-BUILD    ?= build
-PREFIX   ?= /usr/local
-DESTDIR  ?=
-OPT      ?= -O3
-WERROR   ?= -Werror
+ifeq ($(origin CC),default)
+CC           := gcc
+endif
+BUILD        ?= build
+PREFIX       ?= /usr/local
+DESTDIR      ?=
+OPT          ?= -O3
+WERROR       ?= -Werror
+FUZZ_SECONDS ?= 60
+VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
+
 WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
             -Wmissing-prototypes -Wcast-qual -Wformat=2 -Wvla -Wundef $(WERROR)
 # -ffp-contract=off and no fast-math: the same bytes in, the same digits out.
-CFLAGS   := -std=c11 -g $(OPT) -ffp-contract=off -fno-math-errno $(WARN) $(EXTRA)
-CPPFLAGS := -D_POSIX_C_SOURCE=200809L -D_FORTIFY_SOURCE=$(if $(findstring -O0,$(OPT)),0,2)
-LDFLAGS  := $(EXTRA)
+CFLAGS   := -std=c11 -g $(OPT) -ffp-contract=off -fno-math-errno \
+            -fstack-protector-strong -fPIE $(WARN) $(EXTRA)
+FORTIFY  := $(if $(findstring -O0,$(OPT))$(findstring sanitize,$(EXTRA)),0,2)
+CPPFLAGS := -D_POSIX_C_SOURCE=200809L -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=$(FORTIFY)
+LDFLAGS  := -pie -Wl,--as-needed -Wl,-z,relro -Wl,-z,now $(EXTRA)
+DB_LIBS  := -lsqlite3 -lsodium -lxxhash -lpthread -lm
+LIBS     := -lmicrohttpd -lcjson $(DB_LIBS)
 
+# V=1 shows the commands in full.
+Q   := $(if $(V),,@)
+say  = @$(if $(V),:,printf '  %-5s %s\n' $(1) $@)
+
+# ---- what is there
+
+CORE_SRC  := $(wildcard core/*.c)
+CTL_SRC   := $(wildcard db/surfacectl*.c)
+DB_SRC    := $(filter-out $(CTL_SRC),$(wildcard db/*.c))
+HTTP_SRC  := $(filter-out server/main.c,$(wildcard server/*.c))
+TEST_SRC  := $(wildcard tests/test_*.c)
+FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
+BENCH_SRC := $(wildcard tests/bench*.c)
+TOOL_SRC  := $(wildcard tests/*_main.c)
+HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC),$(wildcard tests/*.c))
+
+obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
+TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
+FUZZ_BIN  := $(FUZZ_SRC:%.c=$(BUILD)/%)
+BENCH_BIN := $(BENCH_SRC:tests/%.c=$(BUILD)/%)
+TOOL_BIN  := $(TOOL_SRC:tests/%_main.c=$(BUILD)/%)
+PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
+             $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
+GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
+             $(patsubst server/%.json,$(BUILD)/gen/%_json.h,$(wildcard server/*.json))
+ALL_OBJ   := $(call obj,$(wildcard core/*.c db/*.c server/*.c tests/*.c))
+
+CORE_A := $(BUILD)/libsurface.a
+DB_A   := $(BUILD)/libdb.a
+HTTP_A := $(BUILD)/libserver.a
+HELP_A := $(BUILD)/libtests.a
+
+# ---- build
+
+## all: the library, both programs and the face generator
 .PHONY: all
-all: $(BUILD)/libsurface.a
+all: $(CORE_A) $(PROGRAMS) $(TOOL_BIN)
 
-CORE_SRC := $(wildcard core/*.c)
-CORE_OBJ := $(CORE_SRC:%.c=$(BUILD)/%.o)
+# A folder sees the folders below it and no others: server -> db -> core.
+$(BUILD)/core/%.o:   INCLUDE := -Icore
+$(BUILD)/db/%.o:     INCLUDE := -Idb -Icore -I$(BUILD)/gen
+$(BUILD)/server/%.o: INCLUDE := -Iserver -Idb -Icore -I$(BUILD)/gen
+$(BUILD)/tests/%.o:  INCLUDE := -Itests -Iserver -Idb -Icore -I$(BUILD)/gen
 
-$(BUILD)/core/%.o: core/%.c
+$(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -Icore -MMD -MP -c -o $@ $<
+	$(call say,CC)
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(INCLUDE) -MMD -MP -c -o $@ $<
 
-$(BUILD)/libsurface.a: $(CORE_OBJ)
-	$(AR) rcs $@ $^
+$(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
+	@mkdir -p $(@D)
+	$(call say,GEN)
+	$(Q)scripts/embed.sh $*_sql < $< > $@.tmp && mv $@.tmp $@
 
+$(BUILD)/gen/%_json.h: server/%.json scripts/embed.sh
+	@mkdir -p $(@D)
+	$(call say,GEN)
+	$(Q)scripts/embed.sh $*_json < $< > $@.tmp && mv $@.tmp $@
+
+$(CORE_A): $(call obj,$(CORE_SRC))
+$(DB_A):   $(call obj,$(DB_SRC))
+$(HTTP_A): $(call obj,$(HTTP_SRC))
+$(HELP_A): $(call obj,$(HELP_SRC))
+$(BUILD)/lib%.a:
+	@mkdir -p $(@D)
+	@rm -f $@
+	$(call say,AR)
+	$(Q)$(AR) rcs $@ $^
+
+$(BUILD)/surfaced: $(call obj,$(wildcard server/main.c)) $(HTTP_A) $(DB_A) $(CORE_A)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(BUILD)/surfacectl: $(call obj,$(CTL_SRC)) $(DB_A) $(CORE_A)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lcjson $(DB_LIBS)
+
+# ---- tests
+
+TEST_LIBS := $(HELP_A) $(HTTP_A) $(DB_A) $(CORE_A)
+linkflags  = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
+
+$(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(call linkflags,tests/$*.c) -lcmocka $(LIBS)
+
+$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(CORE_A)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+
+$(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+.PHONY: tests
+tests: all $(TEST_BIN)
+
+## test: build and run the unit tests and the black-box tests
+.PHONY: test unit
+test: tests
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(wildcard tests/[0-9][0-9]-*.sh)
+
+## unit: the unit tests alone
+unit: tests
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN)
+
+## demo: faces enrolled and verified over HTTP (scripts/demo)
+.PHONY: demo
+demo:
+	scripts/demo
+
+## bench: the benchmarks, with compiler, flags, CPU, commit and seeds
+.PHONY: bench
+bench: all $(BENCH_BIN)
+	BUILD=$(BUILD) CC="$(CC)" CFLAGS="$(CFLAGS)" scripts/bench $(BENCH_BIN)
+
+# Sanitizers: a build and a run of the tests of their own.
+SANE := -fno-omit-frame-pointer -fno-sanitize-recover=all
+.PHONY: asan ubsan tsan sanitize
+## asan: the tests under the address and leak sanitizers
+asan:
+	$(MAKE) test BUILD=build/asan OPT=-O1 EXTRA="-fsanitize=address $(SANE)"
+## ubsan: the tests under the undefined-behaviour sanitizer
+ubsan:
+	$(MAKE) test BUILD=build/ubsan OPT=-O1 EXTRA="-fsanitize=undefined $(SANE)"
+## tsan: the tests under the thread sanitizer
+tsan:
+	$(MAKE) test BUILD=build/tsan OPT=-O1 EXTRA="-fsanitize=thread $(SANE)"
+## sanitize: address, leak and undefined-behaviour sanitizers in one run
+sanitize:
+	$(MAKE) test BUILD=build/sanitize OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANE)"
+
+## fuzz: every fuzzer for FUZZ_SECONDS seconds each (60), with clang's libFuzzer
+.PHONY: fuzz fuzzers
+fuzz:
+	$(MAKE) fuzzers BUILD=build/fuzz CC=clang OPT=-O1 \
+	    EXTRA="-fsanitize=fuzzer-no-link,address,undefined $(SANE)"
+	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
+
+fuzzers: $(FUZZ_BIN)
+$(FUZZ_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(if $(findstring fuzzer,$(EXTRA)),-fsanitize=fuzzer) \
+	    -o $@ $^ $(LIBS)
+
+## lint: the rules of the house: headers, symbols, dependencies, format, shell scripts
+.PHONY: lint
+lint: all
+	BUILD=$(BUILD) scripts/lint.sh
+
+# ---- install
+
+## install: programs, library, headers, man pages, systemd unit (PREFIX, DESTDIR)
+.PHONY: install
+install: all
+	install -d "$(DESTDIR)$(PREFIX)/bin" "$(DESTDIR)$(PREFIX)/sbin" \
+	    "$(DESTDIR)$(PREFIX)/include/surface" "$(DESTDIR)$(PREFIX)/lib/pkgconfig" \
+	    "$(DESTDIR)$(PREFIX)/share/man/man1" "$(DESTDIR)$(PREFIX)/share/man/man8" \
+	    "$(DESTDIR)$(PREFIX)/lib/systemd/system"
+	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
+	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
+	install -m 644 core/*.h "$(DESTDIR)$(PREFIX)/include/surface/"
+	install -m 644 $(CORE_A) "$(DESTDIR)$(PREFIX)/lib/"
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' packaging/surface.pc.in \
+	    > "$(DESTDIR)$(PREFIX)/lib/pkgconfig/surface.pc"
+	sed 's|@PREFIX@|$(PREFIX)|' packaging/surfaced.service.in \
+	    > "$(DESTDIR)$(PREFIX)/lib/systemd/system/surfaced.service"
+	install -m 644 man/surfaced.8 "$(DESTDIR)$(PREFIX)/share/man/man8/"
+	install -m 644 man/surfacectl.1 "$(DESTDIR)$(PREFIX)/share/man/man1/"
+
+## clean: remove everything that was built
 .PHONY: clean
 clean:
 	rm -rf $(BUILD)
 
--include $(CORE_OBJ:.o=.d)
+## help: this list
+.PHONY: help
+help:
+	@sed -n 's/^## \([a-z]*\): \(.*\)/  \1\t\2/p' Makefile | expand -t 12
+	@echo "Variables: BUILD=$(BUILD) PREFIX=$(PREFIX) DESTDIR= CC=$(CC) OPT=$(OPT) EXTRA="
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+-include $(ALL_OBJ:.o=.d)
