@@ -12,7 +12,6 @@ struct errinfo;
 struct face;
 struct face_work;
 struct mesh;
-struct scratch;
 
 size_t codec_size(const struct mesh *m); /* bytes codec_encode() writes */
 
@@ -25,7 +24,8 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
                          struct face *out, struct errinfo *e);
 
 /* codec_digest(m, hex): SHA-256 of the canonical points (FORMAT.md), in lower-case hex:
- * the same for the same set of points in any order. */
-void codec_digest(const struct mesh *m, char hex[65]);
+ * a function of the set of points alone, whatever their order.  O(nv log nv).
+ * Returns ST_OK, ST_ENOMEM. */
+enum status codec_digest(const struct mesh *m, char hex[65]);
 
 #endif

@@ -1,10 +1,15 @@
 /* store.h -- the template store: an interface; SQLite (store_sqlite.c) is its embedded
  * default.  A store may be used from any number of threads; each call either takes full
- * effect or none, and is durable when it returns ST_OK.
+ * effect or none, and is durable when it returns ST_OK.  Other processes may use the same
+ * database at the same time; each call sees what they have committed.  A template never
+ * changes and its id is never used again, so a model may be cached by id as long as
+ * store_template_list() or store_template_get() still names it.
  * Strings are UTF-8 without NUL; ids are checked by the callee (ST_EINVAL).
+ * actor: who asks, for the events table: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
- * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row), ST_EVERSION (database of
- * a newer version), ST_EBUSY, ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
+ * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row or file, not a database),
+ * ST_EVERSION (database of a newer version), ST_EBUSY (locked by another process for
+ * longer than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
 #ifndef DB_STORE_H
 #define DB_STORE_H
 #include <stdbool.h>
@@ -18,10 +23,16 @@ struct store;
 
 #define STORE_SUBJECT_MAX 128 /* A-Z a-z 0-9 . _ - @ : */
 #define STORE_ID_LEN      32  /* template and token ids: 128 random bits in hex */
-#define STORE_LABEL_MAX   256
+#define STORE_LABEL_MAX   256 /* bytes of UTF-8, no control characters */
+#define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
 
-enum store_mode { STORE_READ, STORE_WRITE, STORE_CREATE }; /* create: if it is missing */
+enum store_mode {
+    STORE_READ,  /* changes are refused with ST_EDENIED */
+    STORE_WRITE, /* the database must be there */
+    STORE_CREATE /* made if it is missing or empty, readable by its owner alone */
+};
 
+/* store_open(path, mode, out, e): ST_ENOTFOUND when there is no such file. */
 enum status store_open(const char *path, enum store_mode mode, struct store **out,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
@@ -37,18 +48,18 @@ struct store_template { /* everything about a template but its model */
     char subject[STORE_SUBJECT_MAX + 1];
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
-    char digest[65];  /* SHA-256 of the canonical points */
+    char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
     char engine[64];
-    uint32_t points, triangles;
+    uint32_t points, triangles; /* triangles: real ones, no ghosts */
     struct face_quality quality;
 };
 
-/* store_enroll(s, subject, label, f, t, created, e): encode and store a template, and the
- * subject where it is new; an event with it.  *created is false when the subject has
- * this very cloud (digest) already: then *t describes the one that is there. */
-enum status store_enroll(struct store *s, const char *subject, const char *label,
-                         const struct face *f, struct store_template *t, bool *created,
-                         struct errinfo *e);
+/* store_enroll(s, actor, subject, label, f, t, created, e): encode and store a template,
+ * and the subject where it is new; an event with it.  *created is false when the subject
+ * has this very cloud (digest) already: then *t describes the one that is there. */
+enum status store_enroll(struct store *s, const char *actor, const char *subject,
+                         const char *label, const struct face *f,
+                         struct store_template *t, bool *created, struct errinfo *e);
 
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e);
@@ -57,12 +68,15 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e);
 
-enum status store_template_delete(struct store *s, const char *id, struct errinfo *e);
+/* store_template_delete(s, actor, id, e): the subject stays, even without templates. */
+enum status store_template_delete(struct store *s, const char *actor, const char *id,
+                                  struct errinfo *e);
 
-/* store_template_list(s, subject, out, n, e): the subject's templates, oldest first; a new
- * array released by free().  ST_ENOTFOUND when there is no such subject. */
+/* store_template_list(s, subject, out, n, e): the subject's templates, oldest first; a
+ * new array released by free().  ST_ENOTFOUND when there is no such subject. */
 enum status store_template_list(struct store *s, const char *subject,
-                                struct store_template **out, size_t *n, struct errinfo *e);
+                                struct store_template **out, size_t *n,
+                                struct errinfo *e);
 
 struct store_subject {
     char id[STORE_SUBJECT_MAX + 1];
@@ -78,34 +92,39 @@ enum status store_subject_get(struct store *s, const char *subject,
 enum status store_subject_list(struct store *s, const char *after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e);
 
-/* store_subject_delete(s, subject, removed, e): the subject and all its templates. */
-enum status store_subject_delete(struct store *s, const char *subject, uint32_t *removed,
-                                 struct errinfo *e);
+/* store_subject_delete(s, actor, subject, removed, e): the subject and all its templates;
+ * the bytes are overwritten.  removed: how many templates went; may be NULL. */
+enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
+                                 uint32_t *removed, struct errinfo *e);
 
 /* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
- * table; no biometrics in it.  kind: "verify", "compare", ...; actor: a token's id or "";
- * subject, template_id and outcome may be "". */
+ * table; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
+ * outcome may be "".  Changes (enroll, delete, tokens) write their own. */
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,
                         struct errinfo *e);
 
 struct store_token {
     char id[STORE_ID_LEN + 1];
-    char name[65];
+    char name[STORE_NAME_MAX + 1];
     char created[32];
     bool revoked;
 };
 
-/* store_token_create(s, name, secret, t, e): a new Bearer token; secret is shown once and
- * only its hash is kept. */
-enum status store_token_create(struct store *s, const char *name, char secret[65],
-                               struct store_token *t, struct errinfo *e);
+/* store_token_create(s, actor, name, secret, t, e): a new Bearer token; secret is shown
+ * once and only its hash is kept. */
+enum status store_token_create(struct store *s, const char *actor, const char *name,
+                               char secret[65], struct store_token *t, struct errinfo *e);
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
-enum status store_token_revoke(struct store *s, const char *id, struct errinfo *e);
+
+/* store_token_revoke(s, actor, id, e): ST_OK also when it was revoked before. */
+enum status store_token_revoke(struct store *s, const char *actor, const char *id,
+                               struct errinfo *e);
 
 /* store_token_check(s, secret, id, e): ST_OK and the token's id, or ST_EDENIED for an
- * unknown or revoked one.  Compared in constant time.  Sees revocations at once. */
+ * unknown, malformed or revoked one.  Compared in constant time.  Sees revocations at
+ * once. */
 enum status store_token_check(struct store *s, const char *secret,
                               char id[STORE_ID_LEN + 1], struct errinfo *e);
 
