@@ -1,6 +1,8 @@
 /* locate.h -- where a point lies in a triangulation, by walking straight towards it.
  * Paper 1 sections 3.2 (one point) and 3.3 (a whole mesh, along its spanning tree).
- * Exact: every turn of the walk is decided by orient2d on the lattice. */
+ * Exact: every turn of the walk is decided by orient2d on the lattice, and each step gets
+ * strictly nearer along the segment, so the walk ends on every mesh that mesh_link() or
+ * mesh_check() accepts, Delaunay or not. */
 #ifndef CORE_LOCATE_H
 #define CORE_LOCATE_H
 #include <stddef.h>
@@ -13,8 +15,11 @@ enum locate_where {
     LOCATE_INSIDE, /* strictly inside the triangle of half-edge he */
     LOCATE_EDGE,   /* strictly inside the edge he, whose triangle is not a ghost */
     LOCATE_VERTEX, /* on the vertex org[he]; he's triangle is not a ghost */
-    LOCATE_OUTSIDE /* outside the hull; he is the hull edge nearest to the point, on the
-                      side of its real triangle */
+    LOCATE_OUTSIDE /* outside the hull; he is the hull edge nearest to the point among
+                      those that have the point on their outer side; he's own triangle
+                      is the real one.  Where the nearest point of the hull is a corner,
+                      the edge that ends there, if it faces the point, else the edge that
+                      starts there: a function of hull and point, not of the walk. */
 };
 
 struct location {
@@ -22,8 +27,9 @@ struct location {
     uint32_t where; /* enum locate_where */
 };
 
-/* Called for each triangle the walk enters, in order, the first included: consecutive
- * triangles share an edge or, where the walk passes through a vertex, that vertex. */
+/* Called for each triangle the walk enters, in order, the first included, ghosts not:
+ * consecutive triangles differ and share an edge or, where the walk passes through a
+ * vertex, that vertex. */
 struct locate_trace {
     void (*enter)(void *arg, uint32_t triangle);
     void *arg;
@@ -34,12 +40,14 @@ struct locate_trace {
  * trace  may be NULL
  * Degenerate cases: q on a vertex, on an edge, outside; the walk passing through a vertex
  * or running along edges; `from` on a vertex or edge.
- * Cost  one orient2d or two per triangle crossed: O(sqrt nv) on average from far away. */
+ * Cost  two orient2d per triangle crossed: O(sqrt nv) on average from far away; outside
+ * the hull also one step per hull edge between the exit and the nearest. */
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace);
 
 /* locate_mesh(in, pts, loc): locate every vertex of pts in `in`, each walk starting where
- * the vertex's parent in pts' spanning tree was found.  loc[0..pts->nv-1] is filled.
+ * the vertex's parent in pts' spanning tree was found (needs pts->parent, not in->parent).
+ * loc[0..pts->nv-1] is filled.
  * Cost  O(in->nv + pts->nv) for meshes of comparable density. */
 void locate_mesh(const struct mesh *in, const struct mesh *pts, struct location *loc);
 

@@ -7,9 +7,10 @@
 struct mesh;     /* mesh.h */
 struct location; /* locate.h */
 
-/* surface_height(m, loc, q): the surface's height at q, in lattice units; exact at the
- * vertices, error below 1e-6 units elsewhere.  Outside the hull: the height at the nearest
- * point of the hull edge. */
+/* surface_height(m, loc, q): the surface's height at q, in lattice units, where loc is q's
+ * location in m.  Exact at the vertices and on level triangles; elsewhere the weights are
+ * exact integers and the error stays below 1e-6 units.  Outside the hull: the height at
+ * the nearest point of the hull. */
 double surface_height(const struct mesh *m, struct location loc, struct ivec2 q);
 
 /* surface_interpolate(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for

@@ -1,0 +1,267 @@
+#include "locate.h"
+
+#include <stdbool.h>
+
+#include "mesh.h"
+#include "predicates.h"
+
+/* A walk along the segment from -> q.  It stands in one of three states:
+ *   crossing  it leaves its triangle through the inside of the edge he;
+ *   vertex    it has reached the vertex org[he], which lies on the segment before q;
+ *   done      `at` holds the answer. */
+struct walk {
+    const struct mesh *m;
+    struct ivec2 from, q;
+    uint32_t he;
+    struct location at;
+    const struct locate_trace *trace;
+};
+
+enum state { CROSSING, VERTEX, DONE };
+
+static inline void enter(const struct walk *w, uint32_t he)
+{
+    if (w->trace != NULL)
+        w->trace->enter(w->trace->arg, he / 3);
+}
+
+static inline enum state done(struct walk *w, uint32_t he, enum locate_where where)
+{
+    w->at.he = he;
+    w->at.where = where;
+    return DONE;
+}
+
+/* How far p lies ahead of o in the direction of d, as a dot product (< 2^52). */
+static inline int64_t ahead(struct ivec2 o, struct ivec2 p, struct ivec2 d_from,
+                            struct ivec2 d_to)
+{
+    return (int64_t)(p.x - o.x) * (d_to.x - d_from.x) +
+           (int64_t)(p.y - o.y) * (d_to.y - d_from.y);
+}
+
+static inline int64_t side_of(const struct mesh *m, uint32_t he, struct ivec2 q)
+{
+    return orient2d(m->xy[m->org[he]], m->xy[mesh_dest(m, he)], q);
+}
+
+/* The hull edge after e, counter-clockwise, and the one before: over the two ghosts. */
+static uint32_t hull_next(const struct mesh *m, uint32_t e)
+{
+    return m->twin[mesh_prev(m->twin[mesh_prev(m->twin[e])])];
+}
+
+static uint32_t hull_prev(const struct mesh *m, uint32_t e)
+{
+    return m->twin[mesh_next(m->twin[mesh_next(m->twin[e])])];
+}
+
+/* q lies on the outer side of the hull edge e: slide along the hull to the nearest edge.
+ * Along the part of a convex hull that faces q the distance falls, then rises: at a corner
+ * the direction of the hull turns left, so once the hull leads away from q it keeps
+ * leading away as long as it faces q. */
+static enum state outside(struct walk *w, uint32_t e)
+{
+    const struct mesh *m = w->m;
+    const struct ivec2 q = w->q;
+
+    for (;;) {
+        uint32_t f = hull_next(m, e);
+        struct ivec2 u = m->xy[m->org[f]], v = m->xy[mesh_dest(m, f)];
+
+        if (orient2d(u, v, q) >= 0 || ahead(u, q, u, v) <= 0)
+            break;
+        e = f;
+    }
+    for (;;) {
+        struct ivec2 u = m->xy[m->org[e]], v = m->xy[mesh_dest(m, e)];
+        uint32_t f;
+
+        if (ahead(u, q, u, v) > 0)
+            break;
+        f = hull_prev(m, e);
+        if (side_of(m, f, q) >= 0)
+            break;
+        e = f;
+    }
+    return done(w, e, LOCATE_OUTSIDE);
+}
+
+/* From a triangle left through the inside of the edge he, on to the next, and so on. */
+static inline enum state cross(struct walk *w)
+{
+    const struct mesh *m = w->m;
+
+    for (;;) {
+        const uint32_t h = m->twin[w->he], last = mesh_prev(h), c = m->org[last];
+        int64_t side, beyond;
+
+        if (c == m->nv)
+            return outside(w, w->he);
+        enter(w, h);
+        side = orient2d(w->from, w->q, m->xy[c]);
+        if (side == 0) { /* the segment's line meets the corner c */
+            beyond = ahead(m->xy[c], w->q, w->from, w->q);
+            if (beyond < 0)
+                return done(w, last, LOCATE_INSIDE);
+            if (beyond == 0)
+                return done(w, last, LOCATE_VERTEX);
+            w->he = last;
+            return VERTEX;
+        }
+        w->he = side > 0 ? mesh_next(h) : last;
+        beyond = side_of(m, w->he, w->q);
+        if (beyond >= 0)
+            return done(w, w->he, beyond > 0 ? LOCATE_INSIDE : LOCATE_EDGE);
+    }
+}
+
+/* The walk runs from a vertex along the edge he, whose triangle is real, to the vertex far
+ * at its other end; g is the half-edge of that triangle that leaves far. */
+static enum state along(struct walk *w, uint32_t he, uint32_t g)
+{
+    const struct mesh *m = w->m;
+    const int64_t beyond = ahead(m->xy[m->org[g]], w->q, w->from, w->q);
+
+    enter(w, he);
+    if (beyond < 0)
+        return done(w, he, LOCATE_EDGE);
+    if (beyond == 0)
+        return done(w, g, LOCATE_VERTEX);
+    w->he = g;
+    return VERTEX;
+}
+
+/* At a vertex on the segment: turn about it to the triangle or edge that leads on. */
+static enum state turn(struct walk *w)
+{
+    const struct mesh *m = w->m;
+    const uint32_t first = w->he;
+    const struct ivec2 o = m->xy[m->org[first]], q = w->q;
+    uint32_t g = first, hull = first;
+
+    do {
+        const uint32_t b = mesh_dest(m, g), c = m->org[mesh_prev(g)];
+
+        if (c == m->nv) { /* the ghost of the hull edge that ends here */
+            hull = m->twin[g];
+            if (orient2d(o, m->xy[b], q) == 0 && ahead(o, q, o, m->xy[b]) > 0)
+                return along(w, hull, hull);
+        } else if (b != m->nv && orient2d(o, m->xy[b], q) >= 0 &&
+                   orient2d(o, m->xy[c], q) < 0) {
+            const uint32_t e = mesh_next(g);
+            int64_t beyond;
+
+            if (orient2d(o, m->xy[b], q) == 0)
+                return along(w, g, e);
+            enter(w, g);
+            beyond = side_of(m, e, q);
+            if (beyond >= 0)
+                return done(w, e, beyond > 0 ? LOCATE_INSIDE : LOCATE_EDGE);
+            w->he = e;
+            return CROSSING;
+        }
+        g = mesh_turn(m, g);
+    } while (g != first);
+    /* Past the hull: one of the two hull edges that meet here faces q. */
+    return outside(w, side_of(m, hull, q) < 0 ? hull : hull_next(m, hull));
+}
+
+/* q lies in the closed triangle of he, at o[i] >= 0 from its edges. */
+static enum state within(struct walk *w, uint32_t he, const int64_t o[3])
+{
+    const uint32_t e1 = mesh_next(he), e2 = mesh_prev(he);
+
+    if ((o[0] != 0) & (o[1] != 0) & (o[2] != 0))
+        return done(w, he, LOCATE_INSIDE);
+    if (o[0] == 0 && o[1] == 0)
+        return done(w, e1, LOCATE_VERTEX);
+    if (o[1] == 0 && o[2] == 0)
+        return done(w, e2, LOCATE_VERTEX);
+    if (o[2] == 0 && o[0] == 0)
+        return done(w, he, LOCATE_VERTEX);
+    return done(w, o[0] == 0 ? he : o[1] == 0 ? e1 : e2, LOCATE_EDGE);
+}
+
+/* The first step, out of the closed triangle of he, which contains `from`. */
+static inline enum state start(struct walk *w, uint32_t he)
+{
+    const struct mesh *m = w->m;
+    const uint32_t e[3] = {he, mesh_next(he), mesh_prev(he)};
+    const struct ivec2 v[3] = {m->xy[m->org[e[0]]], m->xy[m->org[e[1]]],
+                               m->xy[m->org[e[2]]]};
+    const struct ivec2 from = w->from, q = w->q;
+    const int64_t o[3] = {orient2d(v[0], v[1], q), orient2d(v[1], v[2], q),
+                          orient2d(v[2], v[0], q)};
+    int64_t s[3], far = -1;
+    bool out0, out1, out2;
+
+    enter(w, he);
+    if ((o[0] | o[1] | o[2]) >= 0)
+        return within(w, he, o);
+    for (int i = 0; i < 3; i++)
+        s[i] = orient2d(from, q, v[i]);
+    /* Edge i is crossed if q lies beyond it and its ends on either side of the line. */
+    out0 = (o[0] < 0) & (s[0] < 0) & (s[1] > 0);
+    out1 = (o[1] < 0) & (s[1] < 0) & (s[2] > 0);
+    out2 = (o[2] < 0) & (s[2] < 0) & (s[0] > 0);
+    if (out0 | out1 | out2) {
+        w->he = out1 ? e[1] : out2 ? e[2] : e[0];
+        return CROSSING;
+    }
+    /* Else the triangle is left at a corner: the one farthest ahead on the line. */
+    for (int i = 0; i < 3; i++) {
+        const int64_t d = s[i] == 0 ? ahead(from, v[i], from, q) : -1;
+
+        if (d > far) {
+            far = d;
+            w->he = e[i];
+        }
+    }
+    return VERTEX;
+}
+
+static inline struct location walk(const struct mesh *m, uint32_t he, struct ivec2 from,
+                                   struct ivec2 q, const struct locate_trace *trace)
+{
+    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace};
+    enum state st = start(&w, he);
+
+    while (st != DONE)
+        st = st == CROSSING ? cross(&w) : turn(&w);
+    return w.at;
+}
+
+struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
+                             struct ivec2 q, const struct locate_trace *trace)
+{
+    return walk(m, he, from, q, trace);
+}
+
+/* From the hull edge nearest to the parent, which lies outside. */
+static struct location from_outside(const struct mesh *m, uint32_t he, struct ivec2 q)
+{
+    struct walk w = {m, q, q, he, {he, LOCATE_OUTSIDE}, NULL};
+
+    if (side_of(m, he, q) >= 0)
+        return walk(m, he, m->xy[m->org[he]], q, NULL);
+    (void)outside(&w, he);
+    return w.at;
+}
+
+void locate_mesh(const struct mesh *in, const struct mesh *pts, struct location *loc)
+{
+    uint32_t he = in->out[0];
+
+    while (mesh_is_ghost(in, he / 3))
+        he = mesh_turn(in, he);
+    loc[0] = walk(in, he, in->xy[0], pts->xy[0], NULL);
+    for (uint32_t v = 1; v < pts->nv; v++) {
+        const uint32_t p = pts->parent[v];
+
+        if (loc[p].where == LOCATE_OUTSIDE)
+            loc[v] = from_outside(in, loc[p].he, pts->xy[v]);
+        else
+            loc[v] = walk(in, loc[p].he, pts->xy[p], pts->xy[v], NULL);
+    }
+}
