@@ -1,0 +1,574 @@
+#include "brute.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "predicates.h"
+
+uint64_t brute_seed(const char *name)
+{
+    const char *given = getenv("SEED");
+    const uint64_t seed = given != NULL ? strtoull(given, NULL, 0) : 20261121;
+
+    printf("%s: SEED=%llu\n", name, (unsigned long long)seed);
+    return seed;
+}
+
+uint64_t brute_rand(struct brute_rng *r)
+{
+    uint64_t x = r->state += UINT64_C(0x9e3779b97f4a7c15);
+
+    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return x ^ (x >> 31);
+}
+
+int32_t brute_int(struct brute_rng *r, int32_t lo, int32_t hi)
+{
+    const uint64_t span = (uint64_t)((int64_t)hi - lo) + 1;
+
+    return (int32_t)(lo + (int64_t)(brute_rand(r) % span));
+}
+
+double brute_real(struct brute_rng *r)
+{
+    return (double)(brute_rand(r) >> 11) * 0x1p-53;
+}
+
+static void *allocate(size_t n, size_t size)
+{
+    void *p = calloc(n, size);
+
+    if (p == NULL)
+        abort();
+    return p;
+}
+
+/* ---- point sets */
+
+/* Every (x, y) on the circle of radius 5 * 13 * 17 * 29 round the origin: 324 points. */
+static size_t circle_points(struct ivec3 *out)
+{
+    const int64_t r = 5 * 13 * 17 * 29;
+    size_t n = 0;
+
+    for (int64_t x = -r; x <= r; x++) {
+        const int64_t y2 = r * r - x * x;
+        const int64_t y = (int64_t)llround(sqrt((double)y2));
+
+        if (y * y != y2)
+            continue;
+        out[n++] = (struct ivec3){(int32_t)x, (int32_t)y, 0};
+        if (y != 0)
+            out[n++] = (struct ivec3){(int32_t)x, (int32_t)-y, 0};
+    }
+    return n;
+}
+
+static struct ivec3 one_point(enum brute_shape shape, size_t i, size_t n,
+                              struct brute_rng *r)
+{
+    const int32_t side = (int32_t)ceil(sqrt((double)n));
+    const int32_t far = 1 << 24;
+    struct ivec3 p = {0, 0, 0};
+
+    switch (shape) {
+    case BRUTE_SMALL:
+        p.x = brute_int(r, 0, side + 2);
+        p.y = brute_int(r, 0, side + 2);
+        break;
+    case BRUTE_LATTICE:
+        p.x = (int32_t)i % side * 700 - 3000;
+        p.y = (int32_t)i / side * 700 + 100;
+        break;
+    case BRUTE_HULL_LINE:
+        p.x = brute_int(r, 0, 40) * 1000;
+        p.y = brute_int(r, 0, 30) * 1000;
+        if (i % 2 == 0)
+            *(i % 4 == 0 ? &p.x : &p.y) = brute_int(r, 0, 1) * (i % 4 == 0 ? 40000 : 30000);
+        break;
+    case BRUTE_CLUSTERS:
+        p.x = (int32_t)(i % 3) * 5000000 + brute_int(r, 0, 300);
+        p.y = (int32_t)(i % 5) * 3000000 + brute_int(r, 0, 300);
+        break;
+    case BRUTE_COLUMNS:
+        p.x = (int32_t)(i / 2) * 1000;
+        p.y = (i % 2 == 0 ? 0 : 100000) + brute_int(r, 0, 3000);
+        break;
+    case BRUTE_EXTREME:
+        p.x = i % 3 == 0 ? brute_int(r, -1, 1) * far : brute_int(r, -far, far);
+        p.y = i % 5 == 0 ? brute_int(r, -1, 1) * far : brute_int(r, -far, far);
+        break;
+    default:
+        p.x = brute_int(r, -70000, 70000);
+        p.y = brute_int(r, -70000, 70000);
+    }
+    return p;
+}
+
+static int by_xy(const void *a, const void *b)
+{
+    const struct ivec3 *p = a, *q = b;
+
+    if (p->x != q->x)
+        return p->x < q->x ? -1 : 1;
+    return p->y < q->y ? -1 : p->y > q->y;
+}
+
+static bool on_a_line(const struct ivec3 *p, size_t n)
+{
+    const struct ivec2 a = {p[0].x, p[0].y}, b = {p[n > 1].x, p[n > 1].y};
+
+    for (size_t i = 2; i < n; i++)
+        if (orient2d(a, b, (struct ivec2){p[i].x, p[i].y}) != 0)
+            return false;
+    return true;
+}
+
+static size_t some_points(enum brute_shape shape, size_t n, struct brute_rng *r,
+                          struct ivec3 *out)
+{
+    struct ivec3 *all = allocate(n + 324, sizeof *all);
+    size_t m = 0, kept = 0;
+
+    if (shape == BRUTE_CIRCLE)
+        m = circle_points(all);
+    else
+        for (; m < n; m++)
+            all[m] = one_point(shape, m, n, r);
+    for (size_t i = m; i-- > 1;) { /* shuffle, so that a part of the circle is random */
+        const size_t j = brute_rand(r) % (i + 1);
+        const struct ivec3 t = all[i];
+
+        all[i] = all[j];
+        all[j] = t;
+    }
+    m = m < n ? m : n;
+    qsort(all, m, sizeof *all, by_xy);
+    for (size_t i = 0; i < m; i++)
+        if (i == 0 || by_xy(&all[i - 1], &all[i]) != 0)
+            out[kept++] = all[i];
+    for (size_t i = kept; i-- > 1;) {
+        const size_t j = brute_rand(r) % (i + 1);
+        const struct ivec3 t = out[i];
+
+        out[i] = out[j];
+        out[j] = t;
+    }
+    for (size_t i = 0; i < kept; i++)
+        out[i].z = (int32_t)(5000 * sin(out[i].x * 3e-5) * cos(out[i].y * 4e-5)) +
+                   brute_int(r, -900, 900);
+    free(all);
+    return kept;
+}
+
+size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
+                    struct ivec3 *out)
+{
+    size_t kept;
+
+    do
+        kept = some_points(shape, n, r, out);
+    while (on_a_line(out, kept));
+    return kept;
+}
+
+const char *brute_shape_name(enum brute_shape shape)
+{
+    static const char *const name[BRUTE_SHAPES] = {
+        "random", "small", "lattice", "circle", "hull line", "clusters", "columns",
+        "extreme"};
+
+    return name[shape];
+}
+
+/* ---- triangulation by definition */
+
+/* Directed edges and the half-edge that has them: a table by open addressing. */
+struct edge_table {
+    uint64_t *key;
+    uint32_t *he;
+    size_t mask;
+};
+
+static struct edge_table table_new(size_t nv)
+{
+    struct edge_table t = {NULL, NULL, 63};
+
+    while (t.mask < 16 * nv)
+        t.mask = 2 * t.mask + 1;
+    t.key = allocate(t.mask + 1, sizeof *t.key);
+    t.he = allocate(t.mask + 1, sizeof *t.he);
+    memset(t.key, 0xff, (t.mask + 1) * sizeof *t.key);
+    return t;
+}
+
+static void table_free(struct edge_table *t)
+{
+    free(t->key);
+    free(t->he);
+}
+
+static size_t table_slot(const struct edge_table *t, uint32_t u, uint32_t v)
+{
+    const uint64_t key = (uint64_t)u << 32 | v;
+    size_t i = (size_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 20) & t->mask;
+
+    while (t->key[i] != UINT64_MAX && t->key[i] != key)
+        i = (i + 1) & t->mask;
+    return i;
+}
+
+static bool table_has(const struct edge_table *t, uint32_t u, uint32_t v)
+{
+    return t->key[table_slot(t, u, v)] != UINT64_MAX;
+}
+
+static void table_put(struct edge_table *t, uint32_t u, uint32_t v, uint32_t he)
+{
+    const size_t i = table_slot(t, u, v);
+
+    assert(t->key[i] == UINT64_MAX);
+    t->key[i] = (uint64_t)u << 32 | v;
+    t->he[i] = he;
+}
+
+static void add_triangle(struct mesh *m, struct edge_table *t, uint32_t a, uint32_t b,
+                         uint32_t c)
+{
+    const uint32_t h = 3 * m->nt++;
+
+    m->org[h] = a;
+    m->org[h + 1] = b;
+    m->org[h + 2] = c;
+    table_put(t, a, b, h);
+    table_put(t, b, c, h + 1);
+    table_put(t, c, a, h + 2);
+}
+
+/* The point on the left of ab whose circle with ab is empty; nv if none is on the left. */
+static uint32_t apex(const struct mesh *m, uint32_t a, uint32_t b)
+{
+    uint32_t best = m->nv;
+
+    for (uint32_t c = 0; c < m->nv; c++) {
+        if (orient2d(m->xy[a], m->xy[b], m->xy[c]) <= 0)
+            continue;
+        if (best == m->nv || incircle(m->xy[a], m->xy[b], m->xy[best], m->xy[c]))
+            best = c;
+    }
+    return best;
+}
+
+/* A hull edge: the first point, and the nearest of those with all others on the left. */
+static void first_edge(const struct mesh *m, uint32_t *a, uint32_t *b)
+{
+    *a = 0;
+    for (uint32_t v = 1; v < m->nv; v++)
+        if (lex_less(m->xy[v], m->xy[*a]))
+            *a = v;
+    *b = *a == 0;
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const int64_t o = v == *a ? 1 : orient2d(m->xy[*a], m->xy[*b], m->xy[v]);
+
+        if (o < 0 || (o == 0 && lex_less(m->xy[v], m->xy[*b])))
+            *b = v;
+    }
+}
+
+void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out)
+{
+    struct edge_table t = table_new(n);
+    uint32_t a, b, c, finite;
+
+    if (mesh_reserve(out, (uint32_t)n) != ST_OK)
+        abort();
+    out->nv = (uint32_t)n;
+    for (uint32_t v = 0; v < n; v++) {
+        out->xy[v] = (struct ivec2){pts[v].x, pts[v].y};
+        out->z[v] = pts[v].z;
+    }
+    first_edge(out, &a, &b);
+    if ((c = apex(out, a, b)) == out->nv)
+        abort(); /* all on a line */
+    add_triangle(out, &t, a, b, c);
+    for (uint32_t h = 0; h < 3 * out->nt; h++) { /* grows as triangles are added */
+        a = mesh_dest(out, h);
+        b = out->org[h];
+        if (table_has(&t, a, b) || (c = apex(out, a, b)) == out->nv)
+            continue;
+        add_triangle(out, &t, a, b, c);
+    }
+    finite = 3 * out->nt;
+    for (uint32_t h = 0; h < finite; h++)
+        if (!table_has(&t, mesh_dest(out, h), out->org[h]))
+            add_triangle(out, &t, mesh_dest(out, h), out->org[h], out->nv);
+    for (uint32_t h = 0; h < 3 * out->nt; h++) {
+        const size_t i = table_slot(&t, mesh_dest(out, h), out->org[h]);
+
+        assert(t.key[i] != UINT64_MAX);
+        out->twin[h] = t.he[i];
+        out->out[out->org[h]] = h;
+    }
+    assert(out->nt == 2 * out->nv - 2);
+    table_free(&t);
+}
+
+struct corners {
+    struct ivec2 v[3];
+};
+
+static int by_corners(const void *a, const void *b)
+{
+    const struct corners *p = a, *q = b;
+
+    for (int i = 0; i < 3; i++) {
+        if (lex_less(p->v[i], q->v[i]))
+            return -1;
+        if (lex_less(q->v[i], p->v[i]))
+            return 1;
+    }
+    return 0;
+}
+
+/* The finite triangles, each from its first corner on, sorted. */
+static struct corners *canonical(const struct mesh *m, size_t *n)
+{
+    struct corners *c = allocate(m->nt + 1, sizeof *c);
+
+    *n = 0;
+    for (uint32_t t = 0; t < m->nt; t++) {
+        uint32_t h = 3 * t;
+
+        if (mesh_is_ghost(m, t))
+            continue;
+        for (uint32_t i = 3 * t; i < 3 * t + 3; i++)
+            if (lex_less(m->xy[m->org[i]], m->xy[m->org[h]]))
+                h = i;
+        c[*n].v[0] = m->xy[m->org[h]];
+        c[*n].v[1] = m->xy[mesh_dest(m, h)];
+        c[*n].v[2] = m->xy[m->org[mesh_prev(h)]];
+        ++*n;
+    }
+    qsort(c, *n, sizeof *c, by_corners);
+    return c;
+}
+
+bool brute_same(const struct mesh *a, const struct mesh *b)
+{
+    size_t na, nb;
+    struct corners *ca = canonical(a, &na), *cb = canonical(b, &nb);
+    const bool same = a->nv == b->nv && na == nb && memcmp(ca, cb, na * sizeof *ca) == 0;
+
+    free(ca);
+    free(cb);
+    return same;
+}
+
+/* ---- spanning tree */
+
+bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+{
+    const int64_t abx = b.x - a.x, aby = b.y - a.y, cdx = d.x - c.x, cdy = d.y - c.y;
+    const int64_t ab = abx * abx + aby * aby, cd = cdx * cdx + cdy * cdy;
+    struct corners e = {{a, b, {0, 0}}}, f = {{c, d, {0, 0}}};
+
+    if (ab != cd)
+        return ab < cd;
+    if (lex_less(b, a))
+        e = (struct corners){{b, a, {0, 0}}};
+    if (lex_less(d, c))
+        f = (struct corners){{d, c, {0, 0}}};
+    return by_corners(&e, &f) < 0;
+}
+
+void brute_prim(const struct mesh *m, uint32_t *parent)
+{
+    bool *in = allocate(m->nv, sizeof *in);
+    uint32_t root = 0;
+
+    for (uint32_t v = 1; v < m->nv; v++)
+        if (lex_less(m->xy[v], m->xy[root]))
+            root = v;
+    parent[root] = root;
+    in[root] = true;
+    for (uint32_t k = 1; k < m->nv; k++) {
+        uint32_t best = UINT32_MAX;
+
+        for (uint32_t h = 0; h < 3 * m->nt; h++) {
+            const uint32_t u = m->org[h], v = mesh_dest(m, h);
+
+            if (u == m->nv || v == m->nv || !in[u] || in[v])
+                continue;
+            if (best == UINT32_MAX ||
+                brute_edge_less(m->xy[u], m->xy[v], m->xy[m->org[best]],
+                                m->xy[mesh_dest(m, best)]))
+                best = h;
+        }
+        assert(best != UINT32_MAX);
+        in[mesh_dest(m, best)] = true;
+        parent[mesh_dest(m, best)] = m->org[best];
+    }
+    free(in);
+}
+
+/* ---- location */
+
+long double brute_distance2(const struct mesh *m, uint32_t he, struct ivec2 q)
+{
+    const struct ivec2 u = m->xy[m->org[he]], v = m->xy[mesh_dest(m, he)];
+    const long double dx = v.x - u.x, dy = v.y - u.y, px = q.x - u.x, py = q.y - u.y;
+    const long double len = dx * dx + dy * dy, dot = dx * px + dy * py;
+    const long double cross = dx * py - dy * px;
+
+    if (dot <= 0)
+        return px * px + py * py;
+    if (dot >= len)
+        return (px - dx) * (px - dx) + (py - dy) * (py - dy);
+    return cross * cross / len;
+}
+
+struct location brute_locate(const struct mesh *m, struct ivec2 q)
+{
+    struct location at = {UINT32_MAX, LOCATE_OUTSIDE};
+    long double nearest = INFINITY;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++) {
+        struct ivec2 a, b, c;
+        int64_t o[3];
+
+        if (mesh_is_ghost(m, h / 3))
+            continue;
+        a = m->xy[m->org[h]];
+        b = m->xy[mesh_dest(m, h)];
+        c = m->xy[m->org[mesh_prev(h)]];
+        o[0] = orient2d(a, b, q);
+        o[1] = orient2d(b, c, q);
+        o[2] = orient2d(c, a, q);
+        if (q.x == a.x && q.y == a.y)
+            return (struct location){h, LOCATE_VERTEX};
+        if (o[0] > 0 && o[1] > 0 && o[2] > 0)
+            return (struct location){h, LOCATE_INSIDE};
+        if (o[0] == 0 && o[1] > 0 && o[2] > 0)
+            return (struct location){h, LOCATE_EDGE};
+        if (mesh_is_ghost(m, m->twin[h] / 3) && o[0] < 0 &&
+            brute_distance2(m, h, q) < nearest) {
+            nearest = brute_distance2(m, h, q);
+            at.he = h;
+        }
+    }
+    return at;
+}
+
+/* ---- volume by overlay */
+
+struct corner {
+    double x, y, g; /* g: whatever is being clipped by: >= 0 is kept */
+};
+
+/* Keep the part of the polygon p where g >= 0 (Sutherland-Hodgman). */
+static size_t clip(const struct corner *p, size_t n, struct corner *out)
+{
+    size_t k = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const struct corner *a = &p[i], *b = &p[(i + 1) % n];
+
+        if (a->g >= 0)
+            out[k++] = *a;
+        if ((a->g > 0 && b->g < 0) || (a->g < 0 && b->g > 0)) {
+            const double t = a->g / (a->g - b->g);
+
+            out[k++] = (struct corner){a->x + t * (b->x - a->x), a->y + t * (b->y - a->y), 0};
+        }
+    }
+    return k;
+}
+
+/* z = c[0] + c[1] x + c[2] y over the triangle t of m. */
+static void plane(const struct mesh *m, uint32_t t, double c[3])
+{
+    const uint32_t *v = &m->org[3 * t];
+    const double x0 = m->xy[v[0]].x, y0 = m->xy[v[0]].y, z0 = m->z[v[0]];
+    const double x1 = m->xy[v[1]].x - x0, y1 = m->xy[v[1]].y - y0, z1 = m->z[v[1]] - z0;
+    const double x2 = m->xy[v[2]].x - x0, y2 = m->xy[v[2]].y - y0, z2 = m->z[v[2]] - z0;
+    const double det = x1 * y2 - x2 * y1;
+
+    c[1] = (z1 * y2 - z2 * y1) / det;
+    c[2] = (x1 * z2 - x2 * z1) / det;
+    c[0] = z0 - c[1] * x0 - c[2] * y0;
+}
+
+/* The integral of g over the convex polygon p; *area: its area. */
+static double integrate(const struct corner *p, size_t n, double *area)
+{
+    double sum = 0;
+
+    *area = 0;
+    for (size_t i = 2; i < n; i++) {
+        const double a = 0.5 * ((p[i - 1].x - p[0].x) * (p[i].y - p[0].y) -
+                                (p[i].x - p[0].x) * (p[i - 1].y - p[0].y));
+
+        sum += a * (p[0].g + p[i - 1].g + p[i].g) / 3;
+        *area += a;
+    }
+    return sum;
+}
+
+static double pair_volume(const struct mesh *a, uint32_t ta, const struct mesh *b,
+                          uint32_t tb, double *area)
+{
+    struct corner poly[2][16];
+    double pa[3], pb[3], up, down, part;
+    size_t n = 3, k;
+    int cur = 0;
+
+    for (int i = 0; i < 3; i++) {
+        const struct ivec2 v = a->xy[a->org[3 * ta + (uint32_t)i]];
+
+        poly[0][i] = (struct corner){v.x, v.y, 0};
+    }
+    for (uint32_t h = 3 * tb; h < 3 * tb + 3; h++) {
+        const struct ivec2 u = b->xy[b->org[h]], v = b->xy[mesh_dest(b, h)];
+
+        for (size_t i = 0; i < n; i++)
+            poly[cur][i].g = ((double)v.x - u.x) * (poly[cur][i].y - u.y) -
+                             ((double)v.y - u.y) * (poly[cur][i].x - u.x);
+        n = clip(poly[cur], n, poly[1 - cur]);
+        cur = 1 - cur;
+    }
+    *area = 0;
+    if (n < 3)
+        return 0;
+    plane(a, ta, pa);
+    plane(b, tb, pb);
+    for (size_t i = 0; i < n; i++)
+        poly[cur][i].g = pb[0] - pa[0] + (pb[1] - pa[1]) * poly[cur][i].x +
+                         (pb[2] - pa[2]) * poly[cur][i].y;
+    k = clip(poly[cur], n, poly[1 - cur]);
+    up = integrate(poly[1 - cur], k, &part);
+    (void)integrate(poly[cur], n, area);
+    for (size_t i = 0; i < n; i++)
+        poly[cur][i].g = -poly[cur][i].g;
+    k = clip(poly[cur], n, poly[1 - cur]);
+    down = integrate(poly[1 - cur], k, &part);
+    return up + down;
+}
+
+double brute_volume(const struct mesh *a, const struct mesh *b, double *area)
+{
+    double volume = 0, part;
+
+    *area = 0;
+    for (uint32_t ta = 0; ta < a->nt; ta++)
+        for (uint32_t tb = 0; tb < b->nt; tb++) {
+            if (mesh_is_ghost(a, ta) || mesh_is_ghost(b, tb))
+                continue;
+            volume += pair_volume(a, ta, b, tb, &part);
+            *area += part;
+        }
+    return volume;
+}

@@ -1,0 +1,68 @@
+/* brute.h -- the geometry by definition and by linear scan: slow, short, and independent of
+ * core's algorithms, to compare them with.  Also the point sets that tests use. */
+#ifndef TESTS_BRUTE_H
+#define TESTS_BRUTE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "locate.h"
+#include "mesh.h"
+
+/* A small generator (splitmix64): the same numbers on every machine. */
+struct brute_rng {
+    uint64_t state;
+};
+
+/* brute_seed(name): the test's seed: SEED in the environment, else a fixed one; printed. */
+uint64_t brute_seed(const char *name);
+uint64_t brute_rand(struct brute_rng *r);
+int32_t brute_int(struct brute_rng *r, int32_t lo, int32_t hi); /* lo..hi, both included */
+double brute_real(struct brute_rng *r);                         /* [0, 1) */
+
+/* Shapes of point sets.  All points are distinct in (x, y) and not all on a line. */
+enum brute_shape {
+    BRUTE_RANDOM,    /* uniform in a large square */
+    BRUTE_SMALL,     /* uniform in a square so small that alignments abound */
+    BRUTE_LATTICE,   /* a regular grid: all cocircular */
+    BRUTE_CIRCLE,    /* on one circle, exactly */
+    BRUTE_HULL_LINE, /* many points along the sides of a rectangle */
+    BRUTE_CLUSTERS,  /* tight clusters far apart */
+    BRUTE_COLUMNS,   /* two points in a column */
+    BRUTE_EXTREME,   /* the corners and sides of the whole lattice among others */
+    BRUTE_SHAPES
+};
+
+/* brute_points(shape, n, r, out): at most n points, heights a bumpy surface plus noise;
+ * returns how many.  n is 3 or more. */
+size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
+                    struct ivec3 *out);
+const char *brute_shape_name(enum brute_shape shape);
+
+/* brute_delaunay(pts, n, out): the triangulation by definition: over each directed edge
+ * the point on its left whose circle is empty, found by scanning all points. O(n^2). */
+void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out);
+
+/* brute_same(a, b): the same points and the same set of triangles, whatever the numbers. */
+bool brute_same(const struct mesh *a, const struct mesh *b);
+
+/* brute_prim(m): the least total of squared-length order, by Prim's rule with edges
+ * ordered by length, then coordinates; parent[] indexed by vertex of m, rooted at the
+ * lexicographically first point. O(nv^2). */
+void brute_prim(const struct mesh *m, uint32_t *parent);
+
+/* brute_edge_less(a, b, c, d): is the edge ab before the edge cd: shorter or, of equal
+ * length, lexicographically earlier by first end point, then by the other? */
+bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
+
+/* brute_locate(m, q): a correct location of q by scanning all triangles. */
+struct location brute_locate(const struct mesh *m, struct ivec2 q);
+
+/* brute_distance2(m, he, q): from q to the edge he, squared. */
+long double brute_distance2(const struct mesh *m, uint32_t he, struct ivec2 q);
+
+/* brute_volume(a, b, area): the integral of |height of b - height of a| over what both
+ * hulls have in common, from the exact overlay of both triangulations: each triangle of a
+ * is clipped against each of b.  *area: of what is common.  O(nv^2), lattice units. */
+double brute_volume(const struct mesh *a, const struct mesh *b, double *area);
+
+#endif

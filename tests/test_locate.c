@@ -1,0 +1,307 @@
+/* Location by walking, against a scan of all triangles; heights at what was located. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "locate.h"
+#include "mesh.h"
+#include "predicates.h"
+
+#define MAX_POINTS 400
+
+static uint64_t seed;
+
+static struct mesh make(enum brute_shape shape, size_t n, struct brute_rng *r)
+{
+    static struct ivec3 pts[MAX_POINTS];
+    struct mesh m = {0};
+
+    n = brute_points(shape, n, r, pts);
+    brute_delaunay(pts, n, &m);
+    return m;
+}
+
+static bool same_xy(struct ivec2 a, struct ivec2 b)
+{
+    return a.x == b.x && a.y == b.y;
+}
+
+/* Does `at` say truly where q lies?  The triangle's sides decide, nothing else. */
+static void check_location(const struct mesh *m, struct location at, struct ivec2 q)
+{
+    const struct location ref = brute_locate(m, q);
+    struct ivec2 a, b, c;
+
+    assert_int_equal(at.where, ref.where);
+    assert_in_range(at.he, 0, 3 * m->nt - 1);
+    assert_false(mesh_is_ghost(m, at.he / 3));
+    a = m->xy[m->org[at.he]];
+    b = m->xy[mesh_dest(m, at.he)];
+    c = m->xy[m->org[mesh_prev(at.he)]];
+    switch (at.where) {
+    case LOCATE_INSIDE:
+        assert_true(orient2d(a, b, q) > 0 && orient2d(b, c, q) > 0 && orient2d(c, a, q) > 0);
+        break;
+    case LOCATE_EDGE:
+        assert_true(orient2d(a, b, q) == 0 && orient2d(b, c, q) > 0 && orient2d(c, a, q) > 0);
+        break;
+    case LOCATE_VERTEX:
+        assert_true(same_xy(a, q));
+        break;
+    default:
+        assert_true(mesh_is_ghost(m, m->twin[at.he] / 3));
+        assert_true(orient2d(a, b, q) < 0);
+        assert_true(brute_distance2(m, at.he, q) <=
+                    brute_distance2(m, ref.he, q) * (1 + 1e-15L));
+    }
+}
+
+/* Points worth asking for: vertices, middles of edges, inside, near and far outside. */
+static struct ivec2 query(const struct mesh *m, struct brute_rng *r)
+{
+    const struct ivec2 a = m->xy[brute_rand(r) % m->nv], b = m->xy[brute_rand(r) % m->nv];
+    const int32_t far = 1 << 24;
+    struct ivec2 q = a;
+
+    switch (brute_rand(r) % 6) {
+    case 0:
+        break;
+    case 1:
+        q.x = (int32_t)(((int64_t)a.x + b.x) / 2);
+        q.y = (int32_t)(((int64_t)a.y + b.y) / 2);
+        break;
+    case 2: /* on the line through two points, beyond one: along collinear vertices */
+        q.x = 2 * a.x - b.x;
+        q.y = 2 * a.y - b.y;
+        break;
+    case 3:
+        q.x += brute_int(r, -3, 3);
+        q.y += brute_int(r, -3, 3);
+        break;
+    case 4:
+        q.x = a.x;
+        q.y = b.y;
+        break;
+    default:
+        q.x = brute_int(r, -far, far);
+        q.y = brute_int(r, -far, far);
+    }
+    q.x = q.x > far ? far : q.x < -far ? -far : q.x;
+    q.y = q.y > far ? far : q.y < -far ? -far : q.y;
+    return q;
+}
+
+struct path {
+    const struct mesh *m;
+    struct ivec2 from, q;
+    uint32_t n, last;
+    uint8_t seen[2 * MAX_POINTS];
+};
+
+static bool share_vertex(const struct mesh *m, uint32_t s, uint32_t t)
+{
+    for (uint32_t i = 0; i < 9; i++)
+        if (m->org[3 * s + i / 3] == m->org[3 * t + i % 3])
+            return true;
+    return false;
+}
+
+static void record(void *arg, uint32_t t)
+{
+    struct path *p = arg;
+
+    assert_in_range(t, 0, p->m->nt - 1);
+    assert_false(mesh_is_ghost(p->m, t));
+    assert_false(p->seen[t]); /* a straight walk never comes back */
+    if (p->n > 0)
+        assert_true(share_vertex(p->m, p->last, t));
+    p->seen[t] = 1;
+    p->last = t;
+    p->n++;
+}
+
+static int sign(int64_t x)
+{
+    return (x > 0) - (x < 0);
+}
+
+/* Does the open segment cross edge uv in the inside of both? */
+static bool crosses(struct ivec2 from, struct ivec2 q, struct ivec2 u, struct ivec2 v)
+{
+    return sign(orient2d(from, q, u)) * sign(orient2d(from, q, v)) < 0 &&
+           sign(orient2d(u, v, from)) * sign(orient2d(u, v, q)) < 0;
+}
+
+/* Every triangle that the segment crosses was entered; every one entered touches it. */
+static void check_path(const struct path *p)
+{
+    const struct mesh *m = p->m;
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        bool cut = false, touch = false;
+
+        if (mesh_is_ghost(m, t))
+            continue;
+        for (uint32_t h = 3 * t; h < 3 * t + 3; h++) {
+            const struct ivec2 u = m->xy[m->org[h]], v = m->xy[mesh_dest(m, h)];
+
+            cut |= crosses(p->from, p->q, u, v);
+            touch |= orient2d(p->from, p->q, u) == 0;
+        }
+        if (cut)
+            assert_true(p->seen[t]);
+        else if (p->seen[t] && p->n > 1)
+            assert_true(touch || t == p->last || brute_locate(m, p->from).where == LOCATE_EDGE);
+    }
+}
+
+static void walk_and_check(const struct mesh *m, struct brute_rng *r)
+{
+    struct path p = {m, query(m, r), query(m, r), 0, 0, {0}};
+    const struct locate_trace trace = {record, &p};
+    struct location from = brute_locate(m, p.from), at;
+
+    if (from.where == LOCATE_OUTSIDE) {
+        p.from = m->xy[m->org[from.he]];
+        from = brute_locate(m, p.from);
+    }
+    at = locate_point(m, from.he, p.from, p.q, &trace);
+    check_location(m, at, p.q);
+    check_path(&p);
+    assert_true(p.n > 0);
+    if (at.where != LOCATE_OUTSIDE)
+        assert_int_equal(p.last, at.he / 3);
+    from = locate_point(m, from.he, p.from, p.q, NULL); /* the trace only watches */
+    assert_int_equal(from.he, at.he);
+    assert_int_equal(from.where, at.where);
+}
+
+static void test_point(void **state)
+{
+    struct brute_rng r = {seed};
+
+    (void)state;
+    for (int round = 0; round < 40; round++)
+        for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+            struct mesh m = make(shape, 3 + brute_rand(&r) % 60, &r);
+
+            for (int k = 0; k < 60; k++)
+                walk_and_check(&m, &r);
+            mesh_free(&m);
+        }
+}
+
+/* For a point outside, the edge told does not depend on the way there. */
+static void test_outside(void **state)
+{
+    struct brute_rng r = {seed + 1};
+
+    (void)state;
+    for (int round = 0; round < 40; round++)
+        for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+            struct mesh m = make(shape, 3 + brute_rand(&r) % 40, &r);
+
+            for (int k = 0; k < 40; k++) {
+                const struct ivec2 q = query(&m, &r);
+                uint32_t told = UINT32_MAX;
+
+                if (brute_locate(&m, q).where != LOCATE_OUTSIDE)
+                    continue;
+                for (uint32_t v = 0; v < m.nv; v++) {
+                    const struct location from = brute_locate(&m, m.xy[v]);
+                    const struct location at = locate_point(&m, from.he, m.xy[v], q, NULL);
+
+                    if (v == 0)
+                        check_location(&m, at, q);
+                    else
+                        assert_int_equal(at.he, told);
+                    told = at.he;
+                }
+            }
+            mesh_free(&m);
+        }
+}
+
+/* Whole meshes, along any tree: what the walk finds does not depend on the tree. */
+static void test_mesh(void **state)
+{
+    struct brute_rng r = {seed + 2};
+    static struct location loc[MAX_POINTS];
+
+    (void)state;
+    for (int round = 0; round < 12; round++)
+        for (int pair = 0; pair < BRUTE_SHAPES * BRUTE_SHAPES; pair++) {
+            struct mesh in = make(pair / BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
+            struct mesh pts = make(pair % BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
+
+            pts.parent[0] = 0;
+            for (uint32_t v = 1; v < pts.nv; v++)
+                pts.parent[v] = (uint32_t)(brute_rand(&r) % v);
+            if (round % 3 == 0) /* points that both have */
+                for (uint32_t v = 0; v < pts.nv; v += 2)
+                    pts.xy[v] = in.xy[brute_rand(&r) % in.nv];
+            locate_mesh(&in, &pts, loc);
+            for (uint32_t v = 0; v < pts.nv; v++)
+                check_location(&in, loc[v], pts.xy[v]);
+            mesh_free(&in);
+            mesh_free(&pts);
+        }
+}
+
+/* A square cut by the diagonal 0-2, each answer by hand. */
+static void test_by_hand(void **state)
+{
+    const struct ivec3 square[] = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
+    const struct {
+        struct ivec2 q;
+        enum locate_where where;
+        struct ivec2 a, b; /* the edge told, or the vertex a */
+    } want[] = {
+        {{10, 10}, LOCATE_VERTEX, {10, 10}, {0, 0}},
+        {{0, 0}, LOCATE_VERTEX, {0, 0}, {0, 0}},
+        {{0, 4}, LOCATE_EDGE, {0, 10}, {0, 0}},
+        {{10, 9}, LOCATE_EDGE, {10, 0}, {10, 10}},
+        {{12, 5}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},
+        {{5, -1}, LOCATE_OUTSIDE, {0, 0}, {10, 0}},
+        {{20, 10}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},  /* nearest: a corner */
+        {{20, 20}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},  /* the edge that ends there */
+        {{10, 20}, LOCATE_OUTSIDE, {10, 10}, {0, 10}},  /* which does not face q here */
+        {{-3, -3}, LOCATE_OUTSIDE, {0, 10}, {0, 0}},
+    };
+    struct mesh m = {0};
+
+    (void)state;
+    brute_delaunay(square, 4, &m);
+    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
+        for (uint32_t h = 0; h < 3 * m.nt; h++) {
+            struct location at;
+
+            if (mesh_is_ghost(&m, h / 3))
+                continue;
+            at = locate_point(&m, h, m.xy[m.org[h]], want[i].q, NULL);
+            assert_int_equal(at.where, want[i].where);
+            assert_true(same_xy(m.xy[m.org[at.he]], want[i].a));
+            if (at.where != LOCATE_VERTEX)
+                assert_true(same_xy(m.xy[mesh_dest(&m, at.he)], want[i].b));
+        }
+    mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_by_hand),
+        cmocka_unit_test(test_point),
+        cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_mesh),
+    };
+
+    seed = brute_seed("test_locate");
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
