@@ -1,0 +1,242 @@
+#include "align.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "align_field.h"
+#include "align_pose.h"
+#include "lattice.h"
+#include "measure.h"
+#include "mem.h"
+#include "mesh.h"
+
+/* Turns are taken about a point this far behind the surface: a face is roughly a ball of
+ * that radius, so that turns and shifts disturb each other least. */
+#define CENTRE_MM 80.0
+
+#define COARSE_POINTS 200 /* points that decide between starts */
+#define DAMPING       1e-4
+#define MAX_TURN      0.25 /* longest step, radians and mm */
+#define MAX_SHIFT_MM  25.0
+
+/* A coarse pose with a cost below GOOD_MM over GOOD_WITHIN of the points needs no rival. */
+#define GOOD_MM     1.0
+#define GOOD_WITHIN 0.75
+
+/* Less than this share of the probe's points over the template: apart. */
+#define APART_WITHIN 0.2
+
+/* A search in progress. */
+struct search {
+    struct align_field field;
+    struct align_point *pts;
+    uint32_t n;
+    struct dvec3 centre;
+    struct align_result *out;
+};
+
+/* A pose with what it costs. */
+struct candidate {
+    struct align_pose pose;
+    double cost, within;
+};
+
+/* step(s, sum, pose): one Gauss-Newton step; returns its length in mm (turns at
+ * CENTRE_MM), or 0 when nothing can be told. */
+static double step(const struct search *s, const struct align_sum *sum,
+                   struct align_pose *pose)
+{
+    double x[6], turn, shift, scale = 1.0;
+
+    if (!align_solve(&sum->normal, DAMPING, x))
+        return 0.0;
+    turn = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    shift = sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]);
+    if (turn > MAX_TURN)
+        scale = MAX_TURN / turn;
+    if (shift * scale > MAX_SHIFT_MM)
+        scale = MAX_SHIFT_MM / shift;
+    for (int i = 0; i < 6; i++)
+        x[i] *= scale;
+    align_pose_move(pose, s->centre, x);
+    return scale * (turn * CENTRE_MM + shift);
+}
+
+/* descend(s, stride, loss, limit, enough, c): at most limit steps from c->pose, until one
+ * is shorter than enough (mm).  *c becomes the cheapest pose seen.  Returns true when the
+ * steps ended by themselves. */
+static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int limit,
+                    double enough, struct candidate *c)
+{
+    struct align_pose pose = c->pose;
+    bool ended = false;
+
+    c->cost = INFINITY;
+    for (int i = 0; i <= limit; i++) {
+        struct align_sum sum;
+
+        align_field_sum(&s->field, s->pts, s->n, stride, &pose, s->centre, loss, &sum);
+        s->out->evaluations++;
+        if (sum.cost < c->cost)
+            *c = (struct candidate){pose, sum.cost, sum.within};
+        if (ended || i == limit)
+            break;
+        ended = step(s, &sum, &pose) < enough;
+    }
+    return ended;
+}
+
+/* load(probe, pts): the probe's vertices as points; a vertex stands for a third of the
+ * triangles round it that were measured. */
+static void load(const struct measure_surface *probe, struct align_point *pts)
+{
+    const struct mesh *m = probe->mesh;
+
+    for (uint32_t v = 0; v < m->nv; v++)
+        pts[v] = (struct align_point){{m->xy[v].x / LATTICE_PER_MM,
+                                       m->xy[v].y / LATTICE_PER_MM,
+                                       m->z[v] / LATTICE_PER_MM},
+                                      0.0f,
+                                      ALIGN_FIELD_NONE};
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+        double ax, ay, bx, by;
+
+        if (probe->bridge[t])
+            continue;
+        ax = pts[v[1]].p.x - pts[v[0]].p.x;
+        ay = pts[v[1]].p.y - pts[v[0]].p.y;
+        bx = pts[v[2]].p.x - pts[v[0]].p.x;
+        by = pts[v[2]].p.y - pts[v[0]].p.y;
+        for (int i = 0; i < 3; i++)
+            pts[v[i]].area += (float)((ax * by - ay * bx) / 6.0);
+    }
+}
+
+/* between(to, from, by_nose, pose): the pose that lays the frame `from` on `to`, centre on
+ * centre or nose on nose. */
+static void between(const struct align_frame *to, const struct align_frame *from,
+                    bool by_nose, struct align_pose *pose)
+{
+    const struct dvec3 *a = to->axis, *b = from->axis;
+    const struct dvec3 p = by_nose ? from->nose : from->centre;
+    const struct dvec3 q = by_nose ? to->nose : to->centre;
+    struct dvec3 moved;
+
+    for (int i = 0; i < 9; i++)
+        pose->r[i] = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double to_k[3] = {a[k].x, a[k].y, a[k].z};
+        const double from_k[3] = {b[k].x, b[k].y, b[k].z};
+
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                pose->r[3 * i + j] += to_k[i] * from_k[j];
+    }
+    memset(pose->t, 0, sizeof pose->t);
+    moved = align_pose_apply(pose, p);
+    pose->t[0] = q.x - moved.x;
+    pose->t[1] = q.y - moved.y;
+    pose->t[2] = q.z - moved.z;
+}
+
+/* Where to start: the probe's frame laid on the template's, or the probe as it stands; by
+ * the centres or the noses; then tilted (tangents of the half angles). */
+struct start {
+    bool as_is, by_nose;
+    double yaw, pitch;
+};
+
+static const struct start starts[] = {
+    {false, true, 0.0, 0.0},   {false, false, 0.0, 0.0}, {true, true, 0.0, 0.0},
+    {true, false, 0.0, 0.0},   {false, true, 0.12, 0.0}, {false, true, -0.12, 0.0},
+    {false, true, 0.0, 0.12},  {false, true, 0.0, -0.12}, {true, false, 0.15, 0.0},
+    {true, false, -0.15, 0.0}, {true, false, 0.0, 0.15}, {true, false, 0.0, -0.15},
+};
+
+static void start_pose(const struct start *st, const struct align_frame *tmpl,
+                       const struct align_frame *probe, struct align_pose *pose)
+{
+    static const struct dvec3 scanner[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    struct align_frame a = *tmpl, b = *probe;
+    struct dvec3 back = st->by_nose ? tmpl->nose : tmpl->centre;
+
+    if (st->as_is) {
+        memcpy(a.axis, scanner, sizeof scanner);
+        memcpy(b.axis, scanner, sizeof scanner);
+    }
+    between(&a, &b, st->by_nose, pose);
+    back.z -= CENTRE_MM;
+    align_pose_tilt(pose, back, st->yaw, st->pitch);
+}
+
+/* choose(s, tmpl, probe, best): descend from the starts over few points until one is
+ * clearly good; best[0] and best[1] are the cheapest two. */
+static void choose(struct search *s, const struct align_frame *tmpl,
+                   const struct align_frame *probe, struct candidate best[2])
+{
+    const uint32_t stride = s->n > COARSE_POINTS ? s->n / COARSE_POINTS : 1;
+
+    best[0].cost = best[1].cost = INFINITY;
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+        struct candidate c;
+
+        start_pose(&starts[i], tmpl, probe, &c.pose);
+        (void)descend(s, stride, ALIGN_LOSS_L1, 8, 1.0, &c);
+        s->out->starts++;
+        if (c.cost < best[0].cost) {
+            best[1] = best[0];
+            best[0] = c;
+        } else if (c.cost < best[1].cost) {
+            best[1] = c;
+        }
+        if (best[0].cost < GOOD_MM && best[0].within > GOOD_WITHIN)
+            break;
+    }
+}
+
+static uint32_t at_least_one(uint32_t n)
+{
+    return n > 0 ? n : 1;
+}
+
+enum status align_search(const struct measure_surface *tmpl,
+                         const struct measure_surface *probe,
+                         const struct disparity_weight *u, struct scratch *s,
+                         struct align_result *out)
+{
+    const size_t cells = mem_round(align_field_bytes(tmpl->mesh->nt));
+    struct search search = {.n = probe->mesh->nv, .out = out};
+    struct align_frame tf, pf;
+    struct candidate best[2];
+    unsigned char *block;
+
+    block = scratch_need(s, cells + search.n * sizeof *search.pts);
+    if (block == NULL)
+        return ST_ENOMEM;
+    memset(out, 0, sizeof *out);
+    align_field_make(tmpl, u, (struct align_cell *)(void *)block, &search.field);
+    search.pts = (struct align_point *)(void *)(block + cells);
+    load(probe, search.pts);
+    align_pose_frame(tmpl, &tf);
+    align_pose_frame(probe, &pf);
+    search.centre = tf.centre;
+    search.centre.z -= CENTRE_MM;
+
+    choose(&search, &tf, &pf, best);
+    for (int i = 0; i < 2; i++)
+        if (i == 0 || (best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost))
+            (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
+                          &best[i]);
+    if (best[1].cost < best[0].cost)
+        best[0] = best[1];
+    (void)descend(&search, at_least_one(search.n / 1500), ALIGN_LOSS_L1, 8, 0.1, &best[0]);
+    (void)descend(&search, 1, ALIGN_LOSS_TUKEY, 12, 0.02, &best[0]);
+    out->stop = descend(&search, 1, ALIGN_LOSS_VOLUME, 12, 0.02, &best[0]) ? ALIGN_CONVERGED
+                                                                           : ALIGN_STEPS;
+    if (best[0].within < APART_WITHIN)
+        out->stop = ALIGN_APART;
+    align_pose_to_matrix(&best[0].pose, out->transform);
+    return ST_OK;
+}

@@ -1,0 +1,177 @@
+#include "align_field.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "disparity.h"
+#include "lattice.h"
+#include "measure.h"
+#include "mesh.h"
+
+#define SOFT_MM   0.05 /* |r| is rounded off below this: L1's weight 1 / |r| stays finite */
+#define TUKEY_MM  2.5
+#define CAP_MM    5.0 /* what one residual can add to the cost of a pose */
+#define NO_GAP_MM 3.0 /* and what a point without a gap adds, so that sliding apart
+                         cannot pay */
+
+_Static_assert(sizeof(struct align_cell) == 64, "a cell is a cache line");
+
+size_t align_field_bytes(uint32_t nt)
+{
+    return nt * sizeof(struct align_cell);
+}
+
+/* plane(c, z): the slopes through the corners' heights z (lattice units). */
+static void plane(struct align_cell *c, const int32_t z[3])
+{
+    const double ax = c->x[1] - c->x[0], ay = c->y[1] - c->y[0];
+    const double bx = c->x[2] - c->x[0], by = c->y[2] - c->y[0];
+    const double az = z[1] - z[0], bz = z[2] - z[0];
+    const double d = 1.0 / (ax * by - ay * bx);
+    const double zx = (az * by - bz * ay) * d, zy = (bz * ax - az * bx) * d;
+
+    c->z0 = (float)(z[0] / LATTICE_PER_MM);
+    c->zx = (float)zx;
+    c->zy = (float)zy;
+    c->flat = (float)(1.0 / sqrt(1.0 + zx * zx + zy * zy));
+}
+
+void align_field_make(const struct measure_surface *s, const struct disparity_weight *u,
+                      struct align_cell *cells, struct align_field *f)
+{
+    const struct mesh *m = s->mesh;
+
+    f->cell = cells;
+    f->n = m->nt;
+    f->first = ALIGN_FIELD_NONE;
+    for (uint32_t t = 0; t < m->nt; t++) {
+        struct align_cell *c = &cells[t];
+        int32_t z[3];
+
+        if (mesh_is_ghost(m, t))
+            continue;
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t h = 3 * t + i, v = m->org[h], across = m->twin[h] / 3;
+
+            c->x[i] = m->xy[v].x;
+            c->y[i] = m->xy[v].y;
+            z[i] = m->z[v];
+            c->next[i] = mesh_is_ghost(m, across) ? ALIGN_FIELD_NONE : across;
+        }
+        plane(c, z);
+        c->weight = 1.0f;
+        if (u != NULL)
+            c->weight = (float)u->at(u->arg, (c->x[0] + c->x[1] + c->x[2]) / 3.0,
+                                     (c->y[0] + c->y[1] + c->y[2]) / 3.0);
+        if (s->bridge[t])
+            c->flat = 0.0f;
+        f->first = t;
+    }
+}
+
+/* walk(f, t, x, y): the cell that contains (x, y), from cell t; NULL when it lies outside
+ * the hull.  *at becomes the last cell seen.  The step limit only matters for a template
+ * that is no Delaunay triangulation. */
+static const struct align_cell *walk(const struct align_field *f, uint32_t *at, int64_t x,
+                                     int64_t y)
+{
+    uint32_t t = *at;
+
+    for (uint32_t steps = 0; steps < f->n; steps++) {
+        const struct align_cell *c = &f->cell[t];
+        const int64_t x0 = c->x[0] - x, x1 = c->x[1] - x, x2 = c->x[2] - x;
+        const int64_t y0 = c->y[0] - y, y1 = c->y[1] - y, y2 = c->y[2] - y;
+        uint32_t next;
+
+        if (x0 * y1 < y0 * x1)
+            next = c->next[0];
+        else if (x1 * y2 < y1 * x2)
+            next = c->next[1];
+        else if (x2 * y0 < y2 * x0)
+            next = c->next[2];
+        else {
+            *at = t;
+            return c;
+        }
+        if (next == ALIGN_FIELD_NONE)
+            break;
+        t = next;
+    }
+    *at = t;
+    return NULL;
+}
+
+/* What one residual does to the sum: its weight in the normal equations, and its cost. */
+struct pull {
+    double weight, cost, share;
+};
+
+static struct pull pull_of(enum align_loss loss, double r, const struct align_point *p,
+                           const struct align_cell *c)
+{
+    const double a = fabs(r), soft = a > SOFT_MM ? a : SOFT_MM, u = (double)c->weight;
+
+    switch (loss) {
+    case ALIGN_LOSS_L1:
+        return (struct pull){1.0 / soft, a < CAP_MM ? a : CAP_MM, 1.0};
+    case ALIGN_LOSS_TUKEY: {
+        const double v = a / TUKEY_MM, s = v < 1.0 ? 1.0 - v * v : 0.0;
+
+        return (struct pull){u * s * s, u * TUKEY_MM * (1.0 - s * s * s), u};
+    }
+    case ALIGN_LOSS_VOLUME:
+        break;
+    }
+    /* |gap| = |r| / flat: the weight of r^2 is 1 / (|r| flat) */
+    return (struct pull){u * (double)p->area / (soft * (double)c->flat),
+                         u * (double)p->area * a / (double)c->flat, u * (double)p->area};
+}
+
+void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
+                     uint32_t stride, const struct align_pose *pose, struct dvec3 c,
+                     enum align_loss loss, struct align_sum *sum)
+{
+    const double limit = LATTICE_MAX / LATTICE_PER_MM;
+    uint32_t last = f->first, total = 0, within = 0;
+    double share = 0.0;
+
+    memset(sum, 0, sizeof *sum);
+    for (uint32_t i = 0; i < n; i += stride, total++) {
+        const struct dvec3 q = align_pose_apply(pose, pts[i].p);
+        const struct align_cell *cell;
+        struct pull pull;
+        double dx, dy, r, flat, j[6];
+
+        if (!(fabs(q.x) < limit && fabs(q.y) < limit))
+            continue;
+        if (pts[i].cell == ALIGN_FIELD_NONE)
+            pts[i].cell = last;
+        cell = walk(f, &pts[i].cell, llrint(q.x * LATTICE_PER_MM),
+                    llrint(q.y * LATTICE_PER_MM));
+        last = pts[i].cell;
+        if (cell == NULL || cell->flat == 0.0f)
+            continue;
+        within++;
+        flat = (double)cell->flat;
+        dx = q.x - cell->x[0] / LATTICE_PER_MM;
+        dy = q.y - cell->y[0] / LATTICE_PER_MM;
+        r = (q.z - (double)cell->z0 - (double)cell->zx * dx - (double)cell->zy * dy) * flat;
+        j[3] = -(double)cell->zx * flat;
+        j[4] = -(double)cell->zy * flat;
+        j[5] = flat;
+        j[0] = (q.y - c.y) * j[5] - (q.z - c.z) * j[4];
+        j[1] = (q.z - c.z) * j[3] - (q.x - c.x) * j[5];
+        j[2] = (q.x - c.x) * j[4] - (q.y - c.y) * j[3];
+        pull = pull_of(loss, r, &pts[i], cell);
+        align_solve_add(&sum->normal, j, r, pull.weight);
+        sum->cost += pull.cost;
+        share += pull.share;
+    }
+    if (total > 0)
+        sum->within = (double)within / total;
+    if (loss == ALIGN_LOSS_L1) {
+        sum->cost += NO_GAP_MM * (total - within);
+        share = total;
+    }
+    sum->cost = share > 0.0 ? sum->cost / share : INFINITY;
+}

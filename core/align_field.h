@@ -1,0 +1,71 @@
+/* align_field.h -- the template as a height field to slide points over, and the robust sum
+ * of the gaps at points of the probe.
+ * One cell of 64 bytes, a cache line, per triangle of the template: its plane, its corners
+ * and its neighbours.  A point is found again by a visibility walk from the cell where it
+ * was last time: exact, as the moved point is rounded to the lattice first, so that on a
+ * Delaunay triangulation the walk cannot turn in circles. */
+#ifndef CORE_ALIGN_FIELD_H
+#define CORE_ALIGN_FIELD_H
+#include <stddef.h>
+#include <stdint.h>
+#include "align_pose.h"
+#include "align_solve.h"
+#include "vec.h"
+
+struct disparity_weight; /* disparity.h */
+struct measure_surface;  /* measure.h */
+
+struct align_cell {
+    int32_t x[3], y[3]; /* corners, counter-clockwise, lattice units */
+    uint32_t next[3];   /* across the edge from corner i to i + 1; or ALIGN_FIELD_NONE */
+    float z0, zx, zy;   /* height at corner 0 (mm) and slopes */
+    float flat;         /* 1 / sqrt(1 + zx^2 + zy^2); 0 where the triangle bridges missing
+                           points: no gap is measured there */
+    float weight;       /* u at the centroid */
+    uint32_t spare[2];
+};
+
+#define ALIGN_FIELD_NONE UINT32_MAX
+
+struct align_field {
+    struct align_cell *cell;
+    uint32_t n;     /* triangles of the template, ghosts included (never walked into) */
+    uint32_t first; /* a cell to start from */
+};
+
+/* align_field_bytes(nt): memory for a template of nt triangles. */
+size_t align_field_bytes(uint32_t nt);
+
+/* align_field_make(s, u, cells, f): f over cells, align_field_bytes(s->mesh->nt) of
+ * memory.  O(nt). */
+void align_field_make(const struct measure_surface *s, const struct disparity_weight *u,
+                      struct align_cell *cells, struct align_field *f);
+
+/* A point of the probe. */
+struct align_point {
+    struct dvec3 p;   /* mm */
+    float area;       /* of the probe's surface that it stands for, seen along z, mm^2 */
+    uint32_t cell;    /* where it was last time */
+};
+
+enum align_loss {
+    ALIGN_LOSS_L1,    /* |r|, r the gap at right angles to the template's triangle */
+    ALIGN_LOSS_TUKEY, /* Tukey's biweight of r at 2.5 mm */
+    ALIGN_LOSS_VOLUME /* |gap| along z times the point's area: the measure, linearised */
+};
+
+struct align_sum {
+    struct align_normal normal;
+    double cost; /* mm; L1: mean of |r|, capped, where points without a gap cost 3 mm;
+                    the others: the loss's mean over the points that have a gap */
+    double within; /* share of the points that have a gap, 0..1 */
+};
+
+/* align_field_sum(f, pts, n, stride, pose, c, loss, sum): the points 0, stride, 2 stride, ...
+ * below n, moved by pose; their cells are brought up to date.  Turns in the normal
+ * equations are about c (template, mm). */
+void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
+                     uint32_t stride, const struct align_pose *pose, struct dvec3 c,
+                     enum align_loss loss, struct align_sum *sum);
+
+#endif

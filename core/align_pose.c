@@ -1,0 +1,236 @@
+#include "align_pose.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "lattice.h"
+#include "measure.h"
+#include "mesh.h"
+
+/* Share of the points that stick out most, whose mean is taken for the nose. */
+#define NOSE_SHARE 0.02
+#define NOSE_BINS  128
+
+static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
+{
+    return (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
+                          m->z[v] / LATTICE_PER_MM};
+}
+
+static double dot(struct dvec3 a, struct dvec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
+{
+    return (struct dvec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                          a.x * b.y - a.y * b.x};
+}
+
+static struct dvec3 sub(struct dvec3 a, struct dvec3 b)
+{
+    return (struct dvec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* turn(q, r): the rotation of the quaternion (q[0]; q[1..3]), which need not have length
+ * one. */
+static void turn(const double q[4], double r[9])
+{
+    const double s = 2.0 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double wx = s * q[0] * q[1], wy = s * q[0] * q[2], wz = s * q[0] * q[3];
+    const double xx = s * q[1] * q[1], xy = s * q[1] * q[2], xz = s * q[1] * q[3];
+    const double yy = s * q[2] * q[2], yz = s * q[2] * q[3], zz = s * q[3] * q[3];
+    const double m[9] = {1.0 - yy - zz, xy - wz,       xz + wy, xy + wz,      1.0 - xx - zz,
+                         yz - wx,       xz - wy,       yz + wx, 1.0 - xx - yy};
+
+    memcpy(r, m, sizeof m);
+}
+
+/* orthonormal(r): remove the rounding that products of rotations pile up. */
+static void orthonormal(double r[9])
+{
+    struct dvec3 x = {r[0], r[1], r[2]}, y = {r[3], r[4], r[5]}, z;
+    const double lx = 1.0 / sqrt(dot(x, x));
+    double ly, xy;
+
+    x = (struct dvec3){x.x * lx, x.y * lx, x.z * lx};
+    xy = dot(x, y);
+    y = (struct dvec3){y.x - xy * x.x, y.y - xy * x.y, y.z - xy * x.z};
+    ly = 1.0 / sqrt(dot(y, y));
+    y = (struct dvec3){y.x * ly, y.y * ly, y.z * ly};
+    z = cross(x, y);
+    memcpy(r, (const double[9]){x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z},
+           9 * sizeof *r);
+}
+
+/* turn_about(a, c, q, shift): follow a by the rotation q about c, then by shift. */
+static void turn_about(struct align_pose *a, struct dvec3 c, const double q[4],
+                       const double shift[3])
+{
+    const double from[3] = {c.x, c.y, c.z};
+    double r[9], m[9], t[3];
+
+    turn(q, r);
+    for (size_t i = 0; i < 3; i++) {
+        for (size_t k = 0; k < 3; k++)
+            m[3 * i + k] = r[3 * i] * a->r[k] + r[3 * i + 1] * a->r[3 + k] +
+                           r[3 * i + 2] * a->r[6 + k];
+        t[i] = r[3 * i] * (a->t[0] - c.x) + r[3 * i + 1] * (a->t[1] - c.y) +
+               r[3 * i + 2] * (a->t[2] - c.z) + from[i] + shift[i];
+    }
+    orthonormal(m);
+    memcpy(a->r, m, sizeof m);
+    memcpy(a->t, t, sizeof t);
+}
+
+void align_pose_move(struct align_pose *a, struct dvec3 c, const double x[6])
+{
+    turn_about(a, c, (const double[4]){1.0, 0.5 * x[0], 0.5 * x[1], 0.5 * x[2]}, x + 3);
+}
+
+void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pitch)
+{
+    static const double still[3] = {0.0, 0.0, 0.0};
+
+    turn_about(a, c, (const double[4]){1.0, 0.0, yaw, 0.0}, still);
+    turn_about(a, c, (const double[4]){1.0, pitch, 0.0, 0.0}, still);
+}
+
+void align_pose_to_matrix(const struct align_pose *a, double m[16])
+{
+    for (size_t i = 0; i < 3; i++) {
+        memcpy(m + 4 * i, a->r + 3 * i, 3 * sizeof *m);
+        m[4 * i + 3] = a->t[i];
+    }
+    memcpy(m + 12, (const double[4]){0.0, 0.0, 0.0, 1.0}, 4 * sizeof *m);
+}
+
+void align_pose_from_matrix(const double m[16], struct align_pose *a)
+{
+    for (size_t i = 0; i < 3; i++) {
+        memcpy(a->r + 3 * i, m + 4 * i, 3 * sizeof *m);
+        a->t[i] = m[4 * i + 3];
+    }
+}
+
+/* rotate(a, v, p, q): one Jacobi rotation that makes a[p][q] zero; v collects the
+ * eigenvectors in its columns. */
+static void rotate(double a[3][3], double v[3][3], size_t p, size_t q)
+{
+    const size_t o = 3 - p - q;
+    double theta, t, c, s, h;
+
+    if (a[p][q] == 0.0)
+        return;
+    theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    t = (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+    c = 1.0 / sqrt(t * t + 1.0);
+    s = t * c;
+    a[p][p] -= t * a[p][q];
+    a[q][q] += t * a[p][q];
+    a[p][q] = a[q][p] = 0.0;
+    h = a[o][p];
+    a[o][p] = a[p][o] = c * h - s * a[o][q];
+    a[o][q] = a[q][o] = s * h + c * a[o][q];
+    for (size_t i = 0; i < 3; i++) {
+        h = v[i][p];
+        v[i][p] = c * h - s * v[i][q];
+        v[i][q] = s * h + c * v[i][q];
+    }
+}
+
+/* principal(a, axis): the eigenvectors of the symmetric matrix a, by falling eigenvalue.
+ * Eight sweeps leave nothing off the diagonal of a 3 x 3 matrix in double precision. */
+static void principal(double a[3][3], struct dvec3 axis[3])
+{
+    double v[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    size_t order[3] = {0, 1, 2};
+
+    for (int sweep = 0; sweep < 8; sweep++) {
+        rotate(a, v, 0, 1);
+        rotate(a, v, 0, 2);
+        rotate(a, v, 1, 2);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        for (size_t k = i + 1; k < 3; k++) {
+            if (a[order[k]][order[k]] > a[order[i]][order[i]]) {
+                const size_t swap = order[i];
+
+                order[i] = order[k];
+                order[k] = swap;
+            }
+        }
+    }
+    for (size_t i = 0; i < 3; i++)
+        axis[i] = (struct dvec3){v[0][order[i]], v[1][order[i]], v[2][order[i]]};
+}
+
+/* nose_of(m, f): the mean of the NOSE_SHARE of the points furthest along f->axis[2]. */
+static struct dvec3 nose_of(const struct mesh *m, const struct align_frame *f)
+{
+    uint32_t count[NOSE_BINS] = {0}, n = 0;
+    const uint32_t want = 1 + (uint32_t)(NOSE_SHARE * m->nv);
+    double lo = INFINITY, hi = -INFINITY, scale;
+    struct dvec3 sum = {0.0, 0.0, 0.0};
+    int bin = NOSE_BINS;
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const double h = dot(sub(vertex_mm(m, v), f->centre), f->axis[2]);
+
+        lo = h < lo ? h : lo;
+        hi = h > hi ? h : hi;
+    }
+    scale = hi > lo ? (NOSE_BINS - 1) / (hi - lo) : 0.0;
+    for (uint32_t v = 0; v < m->nv; v++)
+        count[(int)((dot(sub(vertex_mm(m, v), f->centre), f->axis[2]) - lo) * scale)]++;
+    while (n < want && bin > 0)
+        n += count[--bin];
+    n = 0;
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 p = vertex_mm(m, v);
+
+        if ((int)((dot(sub(p, f->centre), f->axis[2]) - lo) * scale) < bin)
+            continue;
+        sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
+        n++;
+    }
+    return (struct dvec3){sum.x / n, sum.y / n, sum.z / n};
+}
+
+void align_pose_frame(const struct measure_surface *s, struct align_frame *f)
+{
+    const struct mesh *m = s->mesh;
+    struct dvec3 sum = {0.0, 0.0, 0.0}, axis[3];
+    double c[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 p = vertex_mm(m, v);
+
+        sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
+    }
+    f->centre = (struct dvec3){sum.x / m->nv, sum.y / m->nv, sum.z / m->nv};
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 d = sub(vertex_mm(m, v), f->centre);
+
+        c[0][0] += d.x * d.x;
+        c[0][1] += d.x * d.y;
+        c[0][2] += d.x * d.z;
+        c[1][1] += d.y * d.y;
+        c[1][2] += d.y * d.z;
+        c[2][2] += d.z * d.z;
+    }
+    c[1][0] = c[0][1];
+    c[2][0] = c[0][2];
+    c[2][1] = c[1][2];
+    principal(c, axis);
+    for (size_t i = 0; i < 3; i++) {
+        if ((i == 0 && axis[0].y < 0.0) || (i == 2 && axis[2].z < 0.0))
+            axis[i] = (struct dvec3){-axis[i].x, -axis[i].y, -axis[i].z};
+    }
+    f->axis[1] = axis[0];
+    f->axis[2] = axis[2];
+    f->axis[0] = cross(axis[0], axis[2]);
+    f->nose = nose_of(m, f);
+}

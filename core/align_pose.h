@@ -1,0 +1,44 @@
+/* align_pose.h -- rigid motions, and a first guess at one from principal axes. */
+#ifndef CORE_ALIGN_POSE_H
+#define CORE_ALIGN_POSE_H
+#include <stdint.h>
+#include "vec.h"
+
+struct measure_surface; /* measure.h */
+
+/* p -> r p + t, r a rotation (row-major), millimetres. */
+struct align_pose {
+    double r[9], t[3];
+};
+
+static inline struct dvec3 align_pose_apply(const struct align_pose *a, struct dvec3 p)
+{
+    return (struct dvec3){a->r[0] * p.x + a->r[1] * p.y + a->r[2] * p.z + a->t[0],
+                          a->r[3] * p.x + a->r[4] * p.y + a->r[5] * p.z + a->t[1],
+                          a->r[6] * p.x + a->r[7] * p.y + a->r[8] * p.z + a->t[2]};
+}
+
+/* align_pose_move(a, c, x): follow a by a small motion: a turn about c by the vector
+ * x[0..2] (radians to first order: the quaternion (1, x/2) normalised, which needs no
+ * sine), then a shift by x[3..5].  The rotation stays orthonormal to rounding. */
+void align_pose_move(struct align_pose *a, struct dvec3 c, const double x[6]);
+
+/* align_pose_tilt(a, c, yaw, pitch): the same with turns about y and x whose half angles'
+ * tangents are given. */
+void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pitch);
+
+void align_pose_to_matrix(const struct align_pose *a, double m[16]);
+void align_pose_from_matrix(const double m[16], struct align_pose *a);
+
+/* What a surface's points tell of its own pose. */
+struct align_frame {
+    struct dvec3 centre;  /* the mean of the points, mm */
+    struct dvec3 axis[3]; /* right-handed: about x, y and z; z is the least axis of inertia,
+                             y the greatest, both turned towards the scanner's */
+    struct dvec3 nose;    /* the mean of the points that stick out most along axis[2] */
+};
+
+/* align_pose_frame(s, f): O(nv). */
+void align_pose_frame(const struct measure_surface *s, struct align_frame *f);
+
+#endif

@@ -1,0 +1,32 @@
+/* align_solve.h -- weighted normal equations in six unknowns, solved by Cholesky. */
+#ifndef CORE_ALIGN_SOLVE_H
+#define CORE_ALIGN_SOLVE_H
+#include <stdbool.h>
+
+/* The sum of w J J^T (upper triangle, row by row) and of w r J over the residuals. */
+struct align_normal {
+    double h[21], g[6];
+};
+
+static inline void align_solve_add(struct align_normal *a, const double j[6], double r,
+                                   double w)
+{
+    double wj[6];
+    double *h = a->h;
+
+    for (int i = 0; i < 6; i++)
+        wj[i] = w * j[i];
+    for (int i = 0; i < 6; i++) {
+        for (int k = i; k < 6; k++)
+            *h++ += wj[i] * j[k];
+        a->g[i] += wj[i] * r;
+    }
+}
+
+/* align_solve(a, damping, x): x minimises sum w (r + J x)^2, damped: every diagonal element
+ * of the matrix grows by the factor 1 + damping, and by damping times the mean of its kind
+ * (the first three unknowns and the last three), so that what the residuals do not tell
+ * stays where it is.  Returns false, and x zero, when even so nothing can be told. */
+bool align_solve(const struct align_normal *a, double damping, double x[6]);
+
+#endif
