@@ -17,15 +17,24 @@ enum cloudfile_format {
 struct cloudfile_error {
     size_t where;   /* byte offset */
     uint32_t line;  /* line number from 1 for text, 0 in binary data */
-    char what[96];  /* "the header promises 3000 vertices, the data ends in the 1200th" */
+    char what[96];  /* "the header promises 3000 vertices, the data ends in number 1200" */
 };
 
 /* cloudfile_parse(bytes, len, format, max_points, out, n, err)
  * out   new array of *n points in the file's own units, released by mem_free(); NULL on
  *       error
  * err   filled on every failure but ST_ENOMEM; may be NULL
- * Numbers are read alike in every locale.  Cost O(len) time, O(points) memory: a lying
- * header cannot make it allocate more than the bytes present could hold.
+ * PLY   every scalar type, lists, any other elements and properties; each row of an ascii
+ *       file on a line of its own.  The data must be what the header says: too few rows,
+ *       values on a line too many, or bytes after the last row are errors (elements that
+ *       follow the vertices are not read).  No vertices at all is ST_OK with *n == 0.
+ * OBJ   "v" with 3 to 8 numbers, the first three taken; a backslash continues a line;
+ *       other keywords are passed over.
+ * XYZ   separated by blanks, or by commas, or by semicolons, but not by a mixture (which
+ *       would be a decimal comma); lines beginning with # or // are comments, and the
+ *       first other line may be a heading (it begins with a letter or a quotation mark).
+ * Numbers are read alike in every locale and correctly rounded.  Cost O(len) time; memory
+ * at most 8 bytes per byte of input, whatever the header claims.
  * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE; ST_ELIMIT more than
  * max_points; ST_EVERSION a format variant not supported; ST_ENOMEM. */
 enum status cloudfile_parse(const void *bytes, size_t len, enum cloudfile_format format,

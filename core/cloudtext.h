@@ -1,0 +1,52 @@
+/* cloudtext.h -- a cursor over the hostile text of a scanner file: words, numbers, lines,
+ * and errors that say where.  For cloudfile.c and cloudply.c. */
+#ifndef CORE_CLOUDTEXT_H
+#define CORE_CLOUDTEXT_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+
+struct cloudfile_error; /* cloudfile.h */
+
+struct cloudtext {
+    const char *start, *p, *end;
+    uint32_t line;               /* of p, from 1; 0: not counted (binary) */
+    bool continued;              /* a backslash before a line end joins two lines (OBJ) */
+    struct cloudfile_error *err; /* may be NULL */
+};
+
+/* cloudtext_fail(t, st, fmt, ...): fill *t->err for the byte at t->p; returns st. */
+__attribute__((format(printf, 3, 4))) enum status
+cloudtext_fail(struct cloudtext *t, enum status st, const char *fmt, ...);
+
+/* cloudtext_blank(t): pass over blanks and tabs. */
+void cloudtext_blank(struct cloudtext *t);
+
+/* cloudtext_eol(t): does the line, or the text, end here? */
+bool cloudtext_eol(const struct cloudtext *t);
+
+/* cloudtext_newline(t): pass over one line end (LF, CR LF or CR), if it is here. */
+void cloudtext_newline(struct cloudtext *t);
+
+/* cloudtext_skip(t): pass over the rest of the line and its end. */
+void cloudtext_skip(struct cloudtext *t);
+
+/* cloudtext_word(t, len): the word here, up to a blank or the line's end, which is passed
+ * over with the blanks before it; *len is 0 at the line's end. */
+const char *cloudtext_word(struct cloudtext *t, size_t *len);
+bool cloudtext_is(const char *word, size_t len, const char *what);
+
+/* cloudtext_number(t, out): the finite number here, after blanks; after it must come a
+ * blank, a comma, a semicolon or the line's end.
+ * Returns ST_OK, ST_EINVAL (no number), ST_ENOTFINITE. */
+enum status cloudtext_number(struct cloudtext *t, double *out);
+
+/* cloudtext_plain(t): is everything from p on text?  ST_EINVAL at the first control
+ * character other than tab, line feed, form feed and carriage return. */
+enum status cloudtext_plain(struct cloudtext *t);
+
+/* cloudtext_lines(t): an upper bound of the lines from p on. */
+size_t cloudtext_lines(const struct cloudtext *t);
+
+#endif

@@ -1,0 +1,164 @@
+/* number_read() against strtod() in the C locale, and in locales with a decimal comma. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "number.h"
+
+static uint64_t next_random(uint64_t *x) /* splitmix64 */
+{
+    uint64_t z = *x += UINT64_C(0x9E3779B97F4A7C15);
+
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ (z >> 31);
+}
+
+static void check(const char *text)
+{
+    const double want = strtod(text, NULL);
+    double got = NAN;
+    const char *end = number_read(text, text + strlen(text), &got);
+
+    if (end != text + strlen(text) || memcmp(&want, &got, sizeof want) != 0)
+        fail_msg("%.60s: %.17g, not %.17g", text, got, want);
+}
+
+static void test_known(void **state)
+{
+    static const char *const texts[] = {
+        "0", "-0", "+1", "1.", ".5", "-.5e1", "1e22", "1e23", "123456789012345678",
+        "9007199254740993", "9007199254740992", "9007199254740993.0", "1e-22", "1e-23",
+        "0.1", "0.30000000000000004", "2.2250738585072011e-308", "4.9e-324", "2.4e-324",
+        "2.5e-324", "1.7976931348623157e308", "1.7976931348623159e308", "1e400", "1e-400",
+        "0.000000000000000000000000000000000000000000000001e48", "0e99999999999999999999",
+        "1e99999999999999999999", "1e-99999999999999999999", "00000000000000000000001.50",
+        "8.5e15", "179769313486231580793728971405301e276", "1000000000000000000000000",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        check(texts[i]);
+}
+
+/* Half way between two doubles, then a digit far behind that decides. */
+static void test_half_way(void **state)
+{
+    char text[2000] = "1.00000000000000011102230246251565404236316680908203125";
+    const size_t len = strlen(text);
+
+    (void)state;
+    check(text); /* exactly half: to even */
+    memset(text + len, '0', 1500);
+    text[len + 1500] = 0;
+    check(text);
+    text[len + 1499] = '1';
+    check(text);
+    text[len + 400] = '1';
+    check(text);
+    memset(text, '9', 1500); /* far more digits than are kept before the point */
+    text[1500] = 0;
+    check(text);
+    strcpy(text + 1500, "e-1600");
+    check(text);
+}
+
+static void test_random(void **state)
+{
+    uint64_t seed = 20;
+    char text[64];
+
+    (void)state;
+    print_message("seed 20\n");
+    for (int i = 0; i < 200000; i++) {
+        const uint64_t bits = next_random(&seed);
+        double value;
+
+        memcpy(&value, &bits, sizeof value);
+        if (isfinite(value)) {
+            (void)snprintf(text, sizeof text, "%.*g", (int)(bits % 19) + 1, value);
+            check(text);
+        }
+        value = (double)(int64_t)bits / 1e16;
+        (void)snprintf(text, sizeof text, "%.*f", (int)(bits % 9), value);
+        check(text);
+    }
+}
+
+static void test_no_number(void **state)
+{
+    static const char *const texts[] = {"", "+", "-", ".", "-.", "e5", "nan", "inf",
+                                        "--1", "x1", "+e1", " 1"};
+    double value;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        assert_null(number_read(texts[i], texts[i] + strlen(texts[i]), &value));
+}
+
+/* A number ends where it stops being one; nothing past `end` is looked at. */
+static void test_ends(void **state)
+{
+    static const char text[] = "12.5e+7", comma[] = "1,5", hex[] = "0x10";
+    static const struct {
+        size_t given, taken;
+        double value;
+    } rows[] = {{1, 1, 1}, {2, 2, 12}, {3, 3, 12}, {4, 4, 12.5},
+                {5, 4, 12.5}, {6, 4, 12.5}, {7, 7, 12.5e7}};
+    double value;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char *copy = malloc(rows[i].given); /* so that asan sees a byte too far */
+
+        assert_non_null(copy);
+        memcpy(copy, text, rows[i].given);
+        assert_ptr_equal(number_read(copy, copy + rows[i].given, &value),
+                         copy + rows[i].taken);
+        assert_true(value == rows[i].value);
+        free(copy);
+    }
+    assert_ptr_equal(number_read(comma, comma + 3, &value), comma + 1);
+    assert_ptr_equal(number_read(hex, hex + 4, &value), hex + 1);
+    assert_true(value == 0); /* no hexadecimal: it ends at the x */
+}
+
+static void test_locale(void **state)
+{
+    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8",
+                                        "de_DE", "ru_RU.UTF-8"};
+    const char *digits = "3.14159265358979323846264338327950288";
+    double want, got;
+    size_t i;
+
+    (void)state;
+    want = strtod(digits, NULL);
+    for (i = 0; i < sizeof names / sizeof *names; i++)
+        if (setlocale(LC_ALL, names[i]) != NULL)
+            break;
+    if (i == sizeof names / sizeof *names) {
+        print_message("SKIP test_locale: no locale with a decimal comma is installed\n");
+        skip();
+    }
+    assert_non_null(number_read(digits, digits + strlen(digits), &got));
+    (void)setlocale(LC_ALL, "C");
+    assert_true(got == want);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known),  cmocka_unit_test(test_half_way),
+        cmocka_unit_test(test_random), cmocka_unit_test(test_no_number),
+        cmocka_unit_test(test_ends),   cmocka_unit_test(test_locale),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
