@@ -85,6 +85,7 @@ static void expect_error(const char *text, enum cloudfile_format format, enum st
 
     if (st != want || (line != 0 && err.line != line))
         fail_msg("status %d, line %u (%s) for: %.80s", st, err.line, err.what, text);
+    mem_free(pts);
 }
 
 /* ---- PLY */
