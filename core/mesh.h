@@ -39,14 +39,16 @@ struct mesh {
     void *block;      /* holds all of the above */
 };
 
+/* mesh_next(h), mesh_prev(h): the triangle's next and previous half-edge.  Without a
+ * branch: which corner h stands at is as good as random. */
 static inline uint32_t mesh_next(uint32_t h)
 {
-    return h % 3 == 2 ? h - 2 : h + 1;
+    return h + 1 - 3 * (uint32_t)(h % 3 == 2);
 }
 
 static inline uint32_t mesh_prev(uint32_t h)
 {
-    return h % 3 == 0 ? h + 2 : h - 1;
+    return h - 1 + 3 * (uint32_t)(h % 3 == 0);
 }
 
 /* mesh_dest(m, h): the vertex where h ends. */

@@ -8,7 +8,7 @@
 #include "predicates.h"
 
 #define DIGIT_BITS 11
-#define PER_CELL   2 /* points in a square cell of a strip; flat between 1 and 4 */
+#define PER_CELL   8 /* points in a square cell of a strip; measured: flat from 4 to 12 */
 
 struct item {
     int32_t x, y, z;
