@@ -25,10 +25,12 @@ struct face_quality {
 
 struct face {
     struct mesh mesh;
-    float *spacing;   /* [nv] holes_spacing() */
-    uint8_t *bridge;  /* [nt] holes_mark() */
-    double measured;  /* square lattice units */
+    float *spacing;  /* [nv] holes_spacing() */
+    uint8_t *bridge; /* [nt] holes_mark() */
+    double measured; /* square lattice units */
     struct face_quality quality;
+    void *block; /* holds spacing and bridge */
+    uint32_t cap; /* points block has room for */
 };
 
 /* A worker's reusable memory for building and comparing: after the first few calls nothing

@@ -1,0 +1,177 @@
+#include "face.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "decision.h"
+#include "delaunay.h"
+#include "holes.h"
+#include "lattice.h"
+#include "locate.h"
+#include "measure.h"
+#include "mem.h"
+#include "mst.h"
+#include "quality.h"
+#include "surface.h"
+
+struct face_work {
+    struct measure_work measure; /* its scratch serves the builders too */
+    struct scratch points;       /* a cloud on the lattice */
+};
+
+struct face_work *face_work_new(void)
+{
+    struct face_work *w = mem_array(1, sizeof *w);
+
+    if (w != NULL)
+        memset(w, 0, sizeof *w);
+    return w;
+}
+
+void face_work_free(struct face_work *w)
+{
+    if (w == NULL)
+        return;
+    measure_work_free(&w->measure);
+    scratch_free(&w->points);
+    mem_free(w);
+}
+
+void face_free(struct face *f)
+{
+    if (f == NULL)
+        return;
+    mesh_free(&f->mesh);
+    mem_free(f->block);
+    memset(f, 0, sizeof *f);
+}
+
+enum status face_derive(struct face *f, struct face_work *w)
+{
+    const size_t nv = f->mesh.nv, spacing = mem_round(nv * sizeof *f->spacing);
+    unsigned char *block;
+    enum status st;
+
+    if (f->block == NULL || f->cap < nv) {
+        if ((block = mem_array(spacing + 2 * nv, 1)) == NULL)
+            return ST_ENOMEM;
+        mem_free(f->block);
+        f->block = block;
+        f->cap = (uint32_t)nv;
+    }
+    f->spacing = f->block;
+    f->bridge = (uint8_t *)f->block + spacing;
+    if ((st = holes_spacing(&f->mesh, &w->measure.scratch, f->spacing)) != ST_OK)
+        return st;
+    f->measured = holes_mark(&f->mesh, f->spacing, f->bridge);
+    return ST_OK;
+}
+
+/* Triangulate pts and, where spikes stand out of the surface, again without them. */
+static enum status triangulate(struct ivec3 *pts, size_t n, struct scratch *s, struct mesh *m)
+{
+    enum status st = delaunay_build(pts, n, s, m);
+    uint32_t nv = m->nv, spikes;
+
+    if (st != ST_OK)
+        return st;
+    if (nv < FACE_MIN_POINTS)
+        return ST_ETOOFEW;
+    if ((spikes = quality_spikes(m, pts)) == 0)
+        return ST_OK;
+    if (nv - spikes < FACE_MIN_POINTS)
+        return ST_ETOOFEW;
+    return delaunay_build(pts, nv - spikes, s, m);
+}
+
+enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
+                       struct face *out, size_t *bad)
+{
+    struct scratch *s = &w->measure.scratch;
+    struct ivec3 *lattice;
+    enum status st;
+
+    out->mesh.nv = out->mesh.nt = 0;
+    if (n < FACE_MIN_POINTS)
+        return ST_ETOOFEW;
+    if (n > MESH_MAX_POINTS)
+        return ST_ELIMIT;
+    if ((lattice = scratch_need(&w->points, n * sizeof *lattice)) == NULL)
+        return ST_ENOMEM;
+    if ((st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad)) != ST_OK ||
+        (st = quality_extent(lattice, n, s)) != ST_OK ||
+        (st = triangulate(lattice, n, s, &out->mesh)) != ST_OK ||
+        (st = mst_build(&out->mesh, s)) != ST_OK || (st = face_derive(out, w)) != ST_OK ||
+        (st = quality_rate(out, s)) != ST_OK)
+        out->mesh.nv = out->mesh.nt = 0;
+    return st;
+}
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){&f->mesh, f->spacing, f->bridge, f->measured};
+}
+
+enum status face_compare(const struct face *tmpl, const struct face *probe,
+                         double threshold_mm, double (*clock_ms)(void),
+                         struct face_work *w, struct face_result *out)
+{
+    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
+    const double start = clock_ms != NULL ? clock_ms() : 0;
+    double aligned;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    st = align_search(&a, &b, NULL, &w->measure.scratch, &out->align);
+    if (st != ST_OK)
+        return st;
+    aligned = clock_ms != NULL ? clock_ms() : 0;
+    st = align_finish(&a, &b, NULL, &w->measure, &out->align, &out->measure);
+    if (st != ST_OK)
+        return st;
+    out->align_ms = aligned - start;
+    out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
+
+    out->threshold_mm = threshold_mm > 0 ? threshold_mm : decision_threshold_mm;
+    out->disparity_mm = out->measure.weighted_mm;
+    out->fmr_at_score = decision_fmr(out->disparity_mm);
+    if (out->align.stop == ALIGN_APART || out->measure.overlap < decision_min_overlap)
+        out->decision = FACE_INCONCLUSIVE;
+    else
+        out->decision = out->disparity_mm <= out->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+    return ST_OK;
+}
+
+/* transform * p on the lattice, or ST_ERANGE, ST_ENOTFINITE. */
+static enum status move(const double t[16], struct dvec3 p, struct ivec3 *out)
+{
+    const struct dvec3 q = {t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
+                            t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
+                            t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
+
+    return lattice_from_mm(&q, 1, LATTICE_PER_MM, out, NULL);
+}
+
+void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
+                  const double transform[16], double *gap_mm)
+{
+    const struct mesh *m = &tmpl->mesh;
+    uint32_t start = m->out[0];
+
+    while (mesh_is_ghost(m, start / 3))
+        start = mesh_turn(m, start);
+    for (size_t i = 0; i < n; i++) {
+        struct location at;
+        struct ivec3 p;
+        struct ivec2 q;
+
+        gap_mm[i] = NAN;
+        if (move(transform, pts[i], &p) != ST_OK)
+            continue;
+        q = (struct ivec2){p.x, p.y};
+        at = locate_point(m, start, m->xy[m->org[start]], q, NULL);
+        start = at.he;
+        if (at.where != LOCATE_OUTSIDE && !tmpl->bridge[at.he / 3])
+            gap_mm[i] = (p.z - surface_height(m, at, q)) / LATTICE_PER_MM;
+    }
+}

@@ -1,0 +1,252 @@
+#include "quality.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "face.h"
+#include "lattice.h"
+#include "mem.h"
+#include "mesh.h"
+#include "predicates.h"
+
+#define EXTENT_MIN (60 * LATTICE_PER_MM)
+#define EXTENT_MAX (500 * LATTICE_PER_MM)
+#define RELIEF_MIN (3 * LATTICE_PER_MM) /* root mean square from the best plane */
+#define NOISE_MAX  3.0                  /* mm */
+#define COVER_MIN  0.1
+
+/* A spike rises from each neighbour by more than this: 1 mm, and steeper than 45 degrees. */
+#define SPIKE_STEP (1 * LATTICE_PER_MM)
+
+#define NOISE_STRIDE 4 /* the noise is taken from every 4th point */
+
+/* The k-th smallest of v[0..n-1], which are put in another order (Hoare's selection). */
+static double kth(double *v, size_t n, size_t k)
+{
+    size_t lo = 0, hi = n - 1;
+
+    while (lo < hi) {
+        const double pivot = v[lo + (hi - lo) / 2];
+        size_t i = lo, j = hi;
+
+        for (;;) {
+            double t;
+
+            while (v[i] < pivot)
+                i++;
+            while (pivot < v[j])
+                j--;
+            if (i >= j)
+                break;
+            t = v[i];
+            v[i++] = v[j];
+            v[j--] = t;
+        }
+        /* v[lo..j] <= pivot <= v[j+1..hi], and j < hi */
+        if (k <= j)
+            hi = j;
+        else
+            lo = j + 1;
+    }
+    return v[k];
+}
+
+enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
+{
+    struct ivec3 lo = pts[0], hi = pts[0];
+    double side;
+    double *v;
+
+    for (size_t i = 1; i < n; i++) {
+        const struct ivec3 p = pts[i];
+
+        lo.x = p.x < lo.x ? p.x : lo.x;
+        lo.y = p.y < lo.y ? p.y : lo.y;
+        lo.z = p.z < lo.z ? p.z : lo.z;
+        hi.x = p.x > hi.x ? p.x : hi.x;
+        hi.y = p.y > hi.y ? p.y : hi.y;
+        hi.z = p.z > hi.z ? p.z : hi.z;
+    }
+    side = fmax(fmax((double)hi.x - lo.x, (double)hi.y - lo.y), (double)hi.z - lo.z);
+    if (side < EXTENT_MIN)
+        return ST_EUNITS;
+    if (side <= EXTENT_MAX)
+        return ST_OK;
+    if ((v = scratch_need(s, n * sizeof *v)) == NULL)
+        return ST_ENOMEM;
+    for (int axis = 0; axis < 3; axis++) {
+        for (size_t i = 0; i < n; i++)
+            v[i] = axis == 0 ? pts[i].x : axis == 1 ? pts[i].y : pts[i].z;
+        if (kth(v, n, n - 1 - n / 100) - kth(v, n, n / 100) > EXTENT_MAX)
+            return ST_EUNITS;
+    }
+    return ST_OK;
+}
+
+static bool is_spike(const struct mesh *m, uint32_t v)
+{
+    const struct ivec2 p = m->xy[v];
+    const uint32_t first = m->out[v];
+    uint32_t h = first, neighbours = 0, above = 0, below = 0;
+
+    do {
+        const uint32_t w = mesh_dest(m, h);
+
+        if (w != m->nv) {
+            const double dx = m->xy[w].x - p.x, dy = m->xy[w].y - p.y;
+            const int64_t rise = (int64_t)m->z[v] - m->z[w];
+            const int64_t step = (int64_t)(SPIKE_STEP + sqrt(dx * dx + dy * dy));
+
+            above += rise > step;
+            below += rise < -step;
+            neighbours++;
+        }
+        h = mesh_turn(m, h);
+    } while (h != first);
+    return 4 * above >= 3 * neighbours || 4 * below >= 3 * neighbours;
+}
+
+uint32_t quality_spikes(const struct mesh *m, struct ivec3 *keep)
+{
+    uint32_t kept = 0;
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        if (!is_spike(m, v))
+            keep[kept++] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+    }
+    return m->nv - kept;
+}
+
+/* Normal equations of a plane z = a x + b y + c through points relative to some origin. */
+struct plane_fit {
+    double n, x, y, z, xx, xy, yy, xz, yz, zz;
+};
+
+static void plane_add(struct plane_fit *f, double x, double y, double z)
+{
+    f->n += 1;
+    f->x += x;
+    f->y += y;
+    f->z += z;
+    f->xx += x * x;
+    f->xy += x * y;
+    f->yy += y * y;
+    f->xz += x * z;
+    f->yz += y * z;
+    f->zz += z * z;
+}
+
+/* The plane's height at the origin; *a and *b its slopes.  False: no such plane. */
+static bool plane_solve(const struct plane_fit *f, double *a, double *b, double *c)
+{
+    const double xx = f->xx - f->x * f->x / f->n, xy = f->xy - f->x * f->y / f->n;
+    const double yy = f->yy - f->y * f->y / f->n, xz = f->xz - f->x * f->z / f->n;
+    const double yz = f->yz - f->y * f->z / f->n, det = xx * yy - xy * xy;
+
+    if (!(det > 1e-9 * xx * yy))
+        return false;
+    *a = (xz * yy - yz * xy) / det;
+    *b = (yz * xx - xz * xy) / det;
+    *c = (f->z - *a * f->x - *b * f->y) / f->n;
+    return true;
+}
+
+/* Root mean square distance in height from the best plane; 0 when there is none. */
+static double relief(const struct mesh *m)
+{
+    struct plane_fit f = {0};
+    double a, b, c, sum = 0;
+
+    for (uint32_t v = 0; v < m->nv; v++)
+        plane_add(&f, (double)m->xy[v].x - m->xy[0].x, (double)m->xy[v].y - m->xy[0].y,
+                  (double)m->z[v] - m->z[0]);
+    if (!plane_solve(&f, &a, &b, &c))
+        return 0;
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const double r = (double)m->z[v] - m->z[0] - c -
+                         a * ((double)m->xy[v].x - m->xy[0].x) -
+                         b * ((double)m->xy[v].y - m->xy[0].y);
+
+        sum += r * r;
+    }
+    return sqrt(sum / m->nv / (1 + a * a + b * b));
+}
+
+/* Distance in height of vertex v from the plane through its neighbours, or -1. */
+static double ring_residual(const struct mesh *m, uint32_t v)
+{
+    const uint32_t first = m->out[v];
+    struct plane_fit f = {0};
+    uint32_t h = first;
+    double a, b, c;
+
+    do {
+        const uint32_t w = mesh_dest(m, h);
+
+        if (w == m->nv)
+            return -1;
+        plane_add(&f, (double)m->xy[w].x - m->xy[v].x, (double)m->xy[w].y - m->xy[v].y,
+                  (double)m->z[w] - m->z[v]);
+        h = mesh_turn(m, h);
+    } while (h != first);
+    if (f.n < 4 || !plane_solve(&f, &a, &b, &c))
+        return -1;
+    /* The plane's own error at v has about 1 / n of the noise's variance. */
+    return fabs(c) / sqrt((1 + a * a + b * b) * (1 + 1 / f.n));
+}
+
+/* White noise along the surface normal, in lattice units: from the median residual, so
+ * that edges and spikes do not count.  r has room for nv / NOISE_STRIDE + 1. */
+static double noise(const struct mesh *m, double *r)
+{
+    size_t n = 0;
+
+    for (uint32_t v = 0; v < m->nv; v += NOISE_STRIDE) {
+        const double d = ring_residual(m, v);
+
+        if (d >= 0)
+            r[n++] = d;
+    }
+    if (n == 0)
+        return 0;
+    return 1.4826 * kth(r, n, n / 2);
+}
+
+static double hull_area(const struct mesh *m)
+{
+    const uint32_t first = m->out[m->nv];
+    const struct ivec2 o = m->xy[mesh_dest(m, first)];
+    uint32_t h = first;
+    double twice = 0;
+
+    do { /* a fan from one corner of the convex hull */
+        const struct ivec2 a = m->xy[mesh_dest(m, h)];
+
+        h = mesh_turn(m, h);
+        twice += fabs((double)orient2d(o, a, m->xy[mesh_dest(m, h)]));
+    } while (h != first);
+    return twice / 2;
+}
+
+enum status quality_rate(struct face *f, struct scratch *s)
+{
+    const struct mesh *m = &f->mesh;
+    const double area = hull_area(m);
+    struct face_quality *q = &f->quality;
+    double *r, rough, dense, smooth;
+
+    if ((r = scratch_need(s, (m->nv / NOISE_STRIDE + 1) * sizeof *r)) == NULL)
+        return ST_ENOMEM;
+    rough = relief(m);
+    q->coverage = fmin(1, f->measured / area);
+    q->density_mm = sqrt(f->measured / m->nv) / LATTICE_PER_MM;
+    q->noise_mm = noise(m, r) / LATTICE_PER_MM;
+    dense = fmin(1, 3 / q->density_mm);
+    smooth = fmax(0, 1 - q->noise_mm / NOISE_MAX);
+    q->score = fmin(q->coverage, fmin(dense, smooth));
+    if (rough < RELIEF_MIN)
+        return ST_ENOTFACE;
+    if (q->noise_mm > NOISE_MAX || q->coverage < COVER_MIN)
+        return ST_EQUALITY;
+    return ST_OK;
+}

@@ -1,0 +1,32 @@
+/* quality.h -- what a scan is worth: spikes, noise, density, coverage, and the gate that
+ * refuses what is no face or too poor a scan of one. */
+#ifndef CORE_QUALITY_H
+#define CORE_QUALITY_H
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+#include "vec.h"
+
+struct face;    /* face.h */
+struct mesh;    /* mesh.h */
+struct scratch; /* mem.h */
+
+/* quality_extent(pts, n, s): do the points extend like a face?  Lattice units at
+ * LATTICE_PER_MM.  The longest side of the bounding box must reach 60 mm, and that of the
+ * middle 98 % of the points along each axis must not pass 500 mm: a few stray points do
+ * not matter.  O(n).  Returns ST_OK, ST_EUNITS, ST_ENOMEM.  n >= 1. */
+enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s);
+
+/* quality_spikes(m, keep): find the points that stand out of the surface alone: most of
+ * their neighbours lie on one side, further off in height than any face is steep.  keep
+ * receives the other points; there is room for m->nv.  O(m->nv).  Returns how many. */
+uint32_t quality_spikes(const struct mesh *m, struct ivec3 *keep);
+
+/* quality_rate(f, s): fill f->quality from the model (mesh, tree and holes are there) and
+ * gate it.  O(nv).
+ * Returns ST_OK; ST_ENOTFACE no relief: within 3 mm (root mean square) of a plane, or
+ * deeper than wide; ST_EQUALITY noise above 3 mm, or less than a tenth of the outline
+ * measured; ST_ENOMEM. */
+enum status quality_rate(struct face *f, struct scratch *s);
+
+#endif
