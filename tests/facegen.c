@@ -1,0 +1,409 @@
+#include "facegen.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* ---- random numbers: splitmix64, and a bell curve of twelve uniform ones, so that not
+ * even libm comes into the seeds' meaning */
+
+struct random {
+    uint64_t x;
+};
+
+static uint64_t next(struct random *r)
+{
+    uint64_t z = r->x += UINT64_C(0x9E3779B97F4A7C15);
+
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ (z >> 31);
+}
+
+/* A stream for each purpose: what one takes more or less does not shift the others. */
+static struct random stream(uint64_t a, uint64_t b, uint64_t purpose)
+{
+    struct random r = {a};
+
+    r.x = next(&r) ^ b;
+    r.x = next(&r) ^ purpose;
+    (void)next(&r);
+    return r;
+}
+
+enum purpose { P_SHAPE = 1, P_OWN, P_POSE, P_OUTLINE, P_SAMPLE, P_NOISE, P_WARP, P_HOLES,
+               P_SPIKES };
+
+static double uniform(struct random *r, double low, double high)
+{
+    return low + (high - low) * ((double)(next(r) >> 11) * 0x1p-53);
+}
+
+static double normal(struct random *r)
+{
+    double sum = -6;
+
+    for (int i = 0; i < 12; i++)
+        sum += uniform(r, 0, 1);
+    return sum;
+}
+
+/* ---- the face */
+
+static double square(double x)
+{
+    return x * x;
+}
+
+static void add(struct facegen_face *f, double x, double y, double sx, double sy, double h)
+{
+    f->bump[f->nbumps++] = (struct facegen_bump){x, y, sx, sy, h};
+}
+
+/* The same on both sides of the face. */
+static void add_pair(struct facegen_face *f, double x, double y, double sx, double sy,
+                     double h)
+{
+    add(f, x, y, sx, sy, h);
+    add(f, -x, y, sx, sy, h);
+}
+
+/* What people have in common, each measure with its spread; p: standard normal numbers. */
+static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
+                         double smile)
+{
+    const double eye_x = 31 + 1.8 * p[9], eye_y = 36 + 1.8 * p[10];
+    const double mouth_y = -30 + 2.2 * p[11], mouth = 17 + 1.6 * p[12] + 3.5 * smile;
+    const double lips = 5 + 1.2 * p[13] - 1.8 * smile, chin_y = -62 + 2.5 * p[14];
+
+    add_pair(f, f->side, -3, 6 + 0.5 * p[8], 6, 7 + p[8]);         /* wings of the nose */
+    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 1.8 * p[15]);     /* orbits */
+    add_pair(f, eye_x, eye_y - 1, 9, 7, 6 + 0.8 * p[16]);          /* eyeballs, lids */
+    add_pair(f, 22, eye_y + 14, 17, 6.5, 4 + 1.5 * p[17]);         /* brow */
+    add(f, 0, eye_y + 12, 9, 8, 2 + 1.2 * p[17]);                  /* between the brows */
+    add_pair(f, 43 + 1.5 * p[18], 14 + 2 * p[18], 16, 13,
+             6 + 1.6 * p[19] + 1.2 * smile);                       /* cheekbones */
+    add_pair(f, 37, -18, 17, 20, 2 + 2 * p[20]);                   /* cheeks */
+    add_pair(f, 33, -8, 11, 9, 3.2 * smile);                       /* and their apples */
+    add_pair(f, mouth + 9, -16, 5, 12, -1.2 - 0.4 * p[20] - 2 * smile); /* folds */
+    add(f, 0, mouth_y + 6, mouth * 0.75, 4.5, lips + 2);           /* lips */
+    add(f, 0, mouth_y - 5.5, mouth * 0.65, 4.5, lips + 1 + 0.6 * p[21]);
+    add(f, 0, mouth_y, mouth, 2.4, -3.2);
+    add_pair(f, mouth + 4, mouth_y + 3 * smile, 4, 4, -1.5 - 2.2 * smile); /* corners */
+    add(f, 0, mouth_y + 13, 4, 5, -1.2);                           /* philtrum */
+    add(f, 0, chin_y + 14, 13, 5, -4 - p[22]);                     /* below the lips */
+    add(f, 0, chin_y, 13 + p[22], 10, 9 + 1.8 * p[23]);            /* chin */
+    add(f, 0, 75, 32, 20, f->forehead);
+}
+
+void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
+{
+    struct random shape = stream(subject, 0, P_SHAPE), own = stream(subject, 0, P_OWN);
+    double p[FACEGEN_PARAMS];
+
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < FACEGEN_PARAMS; i++)
+        p[i] = normal(&shape);
+    out->width = 69 + 2.5 * p[0];
+    out->depth = 62 + 3 * p[1];
+    out->jaw = 0.16 + 0.03 * p[2];
+    out->forehead = 2 + 1.6 * p[3];
+    out->nose = 23 + 1.8 * p[4];
+    out->bridge = 8 + 1.4 * p[5];
+    out->hump = 1.2 + 1.1 * p[6];
+    out->length = 42 + 2.2 * p[7];
+    out->nose_width = 7 + 0.7 * p[8];
+    out->side = 14.5 + 1.2 * p[8];
+    add_features(out, p, smile);
+    while (out->nbumps < FACEGEN_BUMPS - 20) {
+        const double x = uniform(&own, -60, 60), y = uniform(&own, -75, 80);
+        const double s = uniform(&own, 9, 22);
+
+        add(out, x, y, s, s, 0.75 * normal(&own));
+    }
+}
+
+static double skull(const struct facegen_face *f, double x, double y)
+{
+    const double below = y < -20 ? -20 - y : 0; /* the jaw is narrower */
+    const double w = f->width - f->jaw * square(below) / 20;
+    const double u = fabs(x) / (w > 30 ? w : 30), v = fabs(y - 8) / 92;
+
+    return -22 - f->depth * pow(u, 2.5) - 20 * pow(v, 2.6);
+}
+
+static double nose(const struct facegen_face *f, double x, double y)
+{
+    const double soft = sqrt(y * y + 9) - 3; /* round the tip */
+    const double u = y > 0 ? soft / f->length : 0;
+    const double width = f->nose_width * (1.35 - 0.45 * (u < 1 ? u : 1));
+    double h;
+
+    if (y <= 0)
+        h = f->nose * exp(-square(y / 6.5) / 2);
+    else if (u < 1)
+        h = f->nose + (f->bridge - f->nose) * u + f->hump * exp(-square((u - 0.55) / 0.2));
+    else
+        h = f->bridge * exp(-square((u - 1) / 0.3)) + f->hump * exp(-square(0.45 / 0.2));
+    return h * exp(-square(x / width) / 2);
+}
+
+double facegen_height(const struct facegen_face *f, double x, double y)
+{
+    double z = skull(f, x, y) + nose(f, x, y);
+
+    for (uint32_t i = 0; i < f->nbumps; i++) {
+        const struct facegen_bump *b = &f->bump[i];
+        const double e = square((x - b->x) / b->sx) + square((y - b->y) / b->sy);
+
+        if (e < 40)
+            z += b->h * exp(-e / 2);
+    }
+    return z;
+}
+
+/* ---- the scan */
+
+/* The face's height on a grid, for what needs it often: slopes and what hides what. */
+#define GRID_STEP 1.5
+#define GRID_NX   112
+#define GRID_NY   136
+
+struct grid {
+    double z[GRID_NY][GRID_NX];
+};
+
+static void grid_make(const struct facegen_face *f, struct grid *g)
+{
+    for (int j = 0; j < GRID_NY; j++)
+        for (int i = 0; i < GRID_NX; i++)
+            g->z[j][i] = facegen_height(f, (i - GRID_NX / 2) * GRID_STEP,
+                                        (j - GRID_NY / 2) * GRID_STEP);
+}
+
+/* Bilinear; far below the face outside the grid. */
+static double grid_height(const struct grid *g, double x, double y, double slope[2])
+{
+    const double u = x / GRID_STEP + GRID_NX / 2, v = y / GRID_STEP + GRID_NY / 2;
+    int i, j;
+    double a, b, s, t;
+
+    if (!(u >= 0 && v >= 0 && u < GRID_NX - 1 && v < GRID_NY - 1))
+        return -1e3;
+    i = (int)u;
+    j = (int)v;
+    s = u - i;
+    t = v - j;
+    a = g->z[j][i] + s * (g->z[j][i + 1] - g->z[j][i]);
+    b = g->z[j + 1][i] + s * (g->z[j + 1][i + 1] - g->z[j + 1][i]);
+    if (slope != NULL) {
+        slope[0] = ((1 - t) * (g->z[j][i + 1] - g->z[j][i]) +
+                    t * (g->z[j + 1][i + 1] - g->z[j + 1][i])) / GRID_STEP;
+        slope[1] = (b - a) / GRID_STEP;
+    }
+    return a + t * (b - a);
+}
+
+struct pose {
+    double r[3][3]; /* Rz Rx Ry */
+    double t[3];
+};
+
+#define PIVOT (-80.0) /* z of the centre of rotation */
+
+static void pose_make(const struct facegen_scan *s, struct pose *p)
+{
+    const double rad = acos(-1.0) / 180;
+    const double cy = cos(s->yaw * rad), sy = sin(s->yaw * rad);
+    const double cx = cos(s->pitch * rad), sx = sin(s->pitch * rad);
+    const double cz = cos(s->roll * rad), sz = sin(s->roll * rad);
+    const double xy[3][3] = {{cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
+
+    for (int i = 0; i < 3; i++) {
+        p->r[0][i] = cz * xy[0][i] - sz * xy[1][i];
+        p->r[1][i] = sz * xy[0][i] + cz * xy[1][i];
+        p->r[2][i] = xy[2][i];
+    }
+    p->t[0] = s->tx;
+    p->t[1] = s->ty;
+    p->t[2] = s->tz;
+}
+
+static struct dvec3 pose_apply(const struct pose *p, struct dvec3 q)
+{
+    const double z = q.z - PIVOT;
+
+    return (struct dvec3){
+        p->r[0][0] * q.x + p->r[0][1] * q.y + p->r[0][2] * z + p->t[0],
+        p->r[1][0] * q.x + p->r[1][1] * q.y + p->r[1][2] * z + p->t[1],
+        p->r[2][0] * q.x + p->r[2][1] * q.y + p->r[2][2] * z + p->t[2] + PIVOT,
+    };
+}
+
+/* From the point towards the scanner: does the way lead through the face? */
+static bool hidden(const struct grid *g, const struct pose *p, struct dvec3 q)
+{
+    const double dx = p->r[2][0], dy = p->r[2][1], dz = p->r[2][2];
+
+    for (double t = 2.5; q.z + t * dz < 12 && t < 120; t += 1.5)
+        if (grid_height(g, q.x + t * dx, q.y + t * dy, NULL) > q.z + t * dz + 0.3)
+            return true;
+    return false;
+}
+
+struct outline {
+    double a, up, down, wave[5], phase[5];
+};
+
+static void outline_make(const struct facegen_scan *s, struct outline *o)
+{
+    struct random r = stream(s->subject, s->scan, P_OUTLINE);
+
+    o->a = uniform(&r, 61, 66);
+    o->up = uniform(&r, 70, 82);
+    o->down = uniform(&r, 78, 84);
+    for (int k = 0; k < 5; k++) {
+        o->wave[k] = 0.016 * normal(&r);
+        o->phase[k] = uniform(&r, 0, 6.28);
+    }
+}
+
+static bool outline_holds(const struct outline *o, double x, double y)
+{
+    const double u = x / o->a, v = (y - 2) / (y > 2 ? o->up : o->down);
+    const double angle = atan2(v, u);
+    double radius = 1;
+
+    for (int k = 0; k < 5; k++)
+        radius += o->wave[k] * cos((k + 2) * angle + o->phase[k]);
+    return u * u + v * v < radius * radius;
+}
+
+/* A smooth error over the face: a sum of waves, of the given root mean square. */
+static double warp_at(struct random r, double rms, double x, double y)
+{
+    double sum = 0;
+
+    for (int k = 0; k < 8; k++) {
+        const double fx = uniform(&r, -0.09, 0.09), fy = uniform(&r, -0.09, 0.09);
+
+        sum += cos(fx * x + fy * y + uniform(&r, 0, 6.28));
+    }
+    return rms * sum / 2; /* 8 waves of mean square 1/2 */
+}
+
+/* Cut blobs out until the share is reached.  Returns the points left. */
+static size_t cut_holes(const struct facegen_scan *s, struct dvec3 *p, size_t n)
+{
+    struct random r = stream(s->subject, s->scan, P_HOLES);
+    const size_t keep = (size_t)((double)n * (1 - s->holes));
+
+    while (n > keep && n > 1) {
+        const struct dvec3 c = p[next(&r) % n];
+        const double radius = uniform(&r, 6, 15), phase = uniform(&r, 0, 6.28);
+        size_t left = 0;
+
+        for (size_t i = 0; i < n; i++) {
+            const double dx = p[i].x - c.x, dy = p[i].y - c.y;
+            const double edge = radius * (1 + 0.25 * cos(3 * atan2(dy, dx) + phase));
+
+            if (dx * dx + dy * dy >= edge * edge)
+                p[left++] = p[i];
+        }
+        n = left;
+    }
+    return n;
+}
+
+static void throw_spikes(const struct facegen_scan *s, struct dvec3 *p, size_t n)
+{
+    struct random r = stream(s->subject, s->scan, P_SPIKES);
+    const size_t spikes = (size_t)(s->spikes * (double)n + 0.5);
+
+    for (size_t i = 0; i < spikes; i++) {
+        const double off = uniform(&r, 4, 40);
+
+        p[next(&r) % n].z += next(&r) & 1 ? off : -off;
+    }
+}
+
+void facegen_default(struct facegen_scan *s)
+{
+    memset(s, 0, sizeof *s);
+    s->points = 3000;
+    s->noise = 0.12;
+    s->warp = 0.15;
+}
+
+void facegen_pose(struct facegen_scan *s, double degrees, double mm)
+{
+    struct random r = stream(s->subject, s->scan, P_POSE);
+
+    s->yaw = uniform(&r, -degrees, degrees);
+    s->pitch = uniform(&r, -degrees, degrees);
+    s->roll = uniform(&r, -degrees, degrees);
+    s->tx = uniform(&r, -mm, mm);
+    s->ty = uniform(&r, -mm, mm);
+    s->tz = uniform(&r, -mm, mm);
+}
+
+/* One point of the face as scanned, or not: outside the outline, turned away, hidden, or
+ * lost in an eye or brow. */
+static bool sample_point(const struct facegen_face *f, const struct grid *g,
+                         const struct pose *pose, const struct outline *o,
+                         struct random *r, struct dvec3 *q, double *facing)
+{
+    double slope[2], towards;
+
+    q->x = uniform(r, -72, 72);
+    q->y = uniform(r, -88, 90);
+    towards = uniform(r, 0, 1);
+    if (!outline_holds(o, q->x, q->y))
+        return false;
+    (void)grid_height(g, q->x, q->y, slope);
+    /* The area seen of a piece of surface over dx dy is its normal's part towards the
+     * scanner; points are even in what the scanner sees. */
+    *facing = pose->r[2][2] - pose->r[2][0] * slope[0] - pose->r[2][1] * slope[1];
+    if (towards * 2.5 > *facing)
+        return false;
+    *facing /= sqrt(1 + square(slope[0]) + square(slope[1]));
+    if (*facing < 0.25)
+        return false;
+    if (fabs(fabs(q->x) - 30) < 14 && fabs(q->y - 38) < 9 && next(r) % 10 < 3)
+        return false;
+    q->z = facegen_height(f, q->x, q->y);
+    return !hidden(g, pose, *q);
+}
+
+size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out)
+{
+    struct random r = stream(s->subject, s->scan, P_SAMPLE);
+    struct random noise = stream(s->subject, s->scan, P_NOISE);
+    const struct random warp = stream(s->subject, s->scan, P_WARP);
+    struct facegen_face face;
+    struct grid grid;
+    struct pose pose;
+    struct outline outline;
+    size_t n = 0;
+
+    facegen_face(s->subject, s->smile, &face);
+    grid_make(&face, &grid);
+    pose_make(s, &pose);
+    outline_make(s, &outline);
+    for (uint64_t tries = 0; n < s->points && tries < 100 * (uint64_t)s->points; tries++) {
+        struct dvec3 q;
+        double facing;
+
+        if (!sample_point(&face, &grid, &pose, &outline, &r, &q, &facing))
+            continue;
+        q.z += warp_at(warp, s->warp, q.x, q.y);
+        out[n] = pose_apply(&pose, q);
+        out[n].z += s->noise * normal(&noise) * (1 + (1 - facing) * 2);
+        n++;
+    }
+    if (n < s->points)
+        return 0;
+    n = cut_holes(s, out, n);
+    throw_spikes(s, out, n);
+    return n;
+}

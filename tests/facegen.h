@@ -1,0 +1,57 @@
+/* facegen.h -- parametric faces and simulated scans of them, for the demo and the tests.
+ * A face is a height field z = f(x, y) in millimetres, the nose tip near the origin, z
+ * towards the scanner: a smooth skull, and on it nose, orbits, brow, cheeks, lips and chin
+ * from FACEGEN_PARAMS normally distributed numbers, and a few small bumps of its own.
+ * Everything follows from the seeds: an integer generator, no clock, no rand(). */
+#ifndef TESTS_FACEGEN_H
+#define TESTS_FACEGEN_H
+#include <stddef.h>
+#include <stdint.h>
+#include "vec.h"
+
+#define FACEGEN_PARAMS 24
+#define FACEGEN_BUMPS  64
+
+struct facegen_bump {
+    double x, y, sx, sy, h; /* a Gaussian hill or hollow: centre, widths, height */
+};
+
+struct facegen_face {
+    double width, depth, jaw, forehead; /* the skull */
+    double nose, bridge, hump, length, nose_width, side;
+    struct facegen_bump bump[FACEGEN_BUMPS];
+    uint32_t nbumps;
+};
+
+/* facegen_face(subject, smile, out): the face of a subject; smile 0 (neutral) to 1. */
+void facegen_face(uint64_t subject, double smile, struct facegen_face *out);
+
+/* facegen_height(f, x, y): z of the surface, in the head's own coordinates. */
+double facegen_height(const struct facegen_face *f, double x, double y);
+
+struct facegen_scan {
+    uint64_t subject, scan; /* seeds: who, and which scan of them */
+    uint32_t points;        /* sampled; the scan has fewer when holes are cut out */
+    double yaw, pitch, roll; /* degrees about y, x, z, round a centre 80 mm behind the nose */
+    double tx, ty, tz;       /* then moved, mm */
+    double noise;  /* white noise along z, mm; up to 2.5 times as much on steep places */
+    double warp;   /* smooth depth error, mm rms */
+    double holes;  /* share of the points cut out in blobs */
+    double spikes; /* share of the points thrown 4 to 40 mm off */
+    double smile;  /* 0 to 1 */
+};
+
+/* facegen_default(s): a clean frontal scan of subject 0: 3,000 points, 0.12 mm of noise,
+ * 0.15 mm of smooth error. */
+void facegen_default(struct facegen_scan *s);
+
+/* facegen_pose(s, degrees, mm): a pose drawn from the scan's seeds: each angle within
+ * +-degrees, each shift within +-mm. */
+void facegen_pose(struct facegen_scan *s, double degrees, double mm);
+
+/* facegen_sample(s, out): the points (out has room for s->points) that a scanner looking
+ * along -z sees, within an irregular oval outline of this scan's own, in random order.
+ * Returns how many; 0 when the pose hides nearly all of the face. */
+size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out);
+
+#endif
