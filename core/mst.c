@@ -110,7 +110,7 @@ static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
     for (uint32_t h = 0; h < 3 * m->nt; h += 3) {
         const uint32_t *const v = &m->org[h], *const twin = &m->twin[h];
         uint64_t len[3];
-        uint32_t k;
+        uint32_t k, beyond;
 
         if (v[0] == m->nv || v[1] == m->nv || v[2] == m->nv) {
             /* A ghost drops the two edges that are none. */
@@ -125,8 +125,10 @@ static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
         len[0] = length2(xy[v[0]], xy[v[1]]);
         len[1] = length2(xy[v[1]], xy[v[2]]);
         len[2] = length2(xy[v[2]], xy[v[0]]);
+        /* Which side is longest is as good as random: no branch. */
         k = len[1] > len[0];
-        k = len[2] > (len[1] > len[0] ? len[1] : len[0]) ? 2 : k;
+        beyond = (len[2] > len[0]) & (len[2] > len[1]);
+        k = (k & (beyond - 1)) | beyond << 1;
         if ((len[0] == len[1]) | (len[1] == len[2]) | (len[2] == len[0]))
             k = longest_tie(xy, v, len);
         dead[h + k] = 1;
@@ -143,15 +145,15 @@ static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
 static inline void offer(const struct forest *f, uint32_t tree, uint32_t e)
 {
     struct best *const best = &f->best[tree];
-    const uint64_t len = f->edge[e].len;
+    const uint64_t len = f->edge[e].len, less = -(uint64_t)(len < best->len);
 
     if (__builtin_expect(len == best->len, 0)) {
         if (edge_less(f->xy, &f->edge[e], &f->edge[best->e]))
             best->e = e;
         return;
     }
-    best->e = len < best->len ? e : best->e;
-    best->len = len < best->len ? len : best->len;
+    best->e ^= (best->e ^ e) & (uint32_t)less; /* less is all ones or zero: no branch */
+    best->len ^= (best->len ^ len) & less;
 }
 
 /* Every tree takes its shortest outgoing edge; then next[tree] is the number of the new
@@ -174,8 +176,9 @@ static void join(struct forest *f)
         const struct edge *const e = &f->edge[f->best[t].e];
         const uint32_t other = e->u ^ e->v ^ t;
         const bool mutual = f->best[other].e == f->best[t].e;
+        const bool root = mutual & (t < other);
 
-        next[t] = mutual & (t < other) ? t : other;
+        next[t] = other ^ ((other ^ t) & -(uint32_t)root);
         f->link[f->nlinks] = (struct link){e->a, e->b};
         f->nlinks += !(mutual & (t > other));
     }
