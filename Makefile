@@ -123,16 +123,16 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 .PHONY: tests
-tests: all $(TEST_BIN)
+tests: all $(TEST_BIN) $(FUZZ_BIN)
 
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
 test: tests
-	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(wildcard tests/[0-9][0-9]-*.sh)
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) $(wildcard tests/[0-9][0-9]-*.sh)
 
 ## unit: the unit tests alone
 unit: tests
-	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN)
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
 
 ## demo: faces enrolled and verified over HTTP (scripts/demo)
 .PHONY: demo
@@ -167,6 +167,7 @@ fuzz:
 	    EXTRA="-fsanitize=fuzzer-no-link,address,undefined $(SANE)"
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
+$(BUILD)/tests/fuzz_%.o: CPPFLAGS += $(if $(findstring fuzzer,$(EXTRA)),-DFUZZ_LIBFUZZER)
 fuzzers: $(FUZZ_BIN)
 $(FUZZ_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(call say,LD)
@@ -177,6 +178,11 @@ $(FUZZ_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 .PHONY: lint
 lint: all
 	BUILD=$(BUILD) scripts/lint.sh
+
+## format: lay out every source file by .clang-format
+.PHONY: format
+format:
+	clang-format -i core/*.[ch] $(wildcard db/*.[ch] server/*.[ch] tests/*.[ch])
 
 # ---- install
 

@@ -1,0 +1,64 @@
+#!/bin/sh
+# lint.sh: the rules of the house that a check can hold, on a finished build in $BUILD.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+BUILD=${BUILD:-build}
+export BUILD
+passed=0 failed=0
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+# check TITLE COMMAND...: a check passes when the command exits 0.
+check() {
+    title=$1
+    shift
+    if ! command -v "$1" >/dev/null 2>&1; then
+        echo "  SKIP  $title: $1 is not installed"
+    elif "$@" >"$log" 2>&1; then
+        echo "  ok    $title"
+        passed=$((passed + 1))
+    else
+        echo "  FAIL  $title"
+        head -n 40 "$log" | sed 's/^/        | /'
+        failed=$((failed + 1))
+    fi
+}
+
+# Files of at most 700 lines, functions of at most 80: some air above the aim, 600 and 60.
+check_length() {
+    awk 'FNR == 1 { start = 0 }
+        FNR == 701 { print FILENAME ": more than 700 lines"; bad = 1 }
+        /^{/ { start = FNR }
+        /^}/ && start && FNR - start > 80 {
+            print FILENAME ":" start ": a function of " FNR - start - 1 " lines"; bad = 1 }
+        END { exit bad }' core/*.c db/*.c server/*.c
+}
+
+check_unfinished() {
+    ! grep -nE 'TODO|FIXME|XXX|HACK' core/*.[ch] db/*.[ch] server/*.[ch] scripts/demo \
+        scripts/test scripts/setup README.md
+}
+
+clang_all() {
+    make -s BUILD="$BUILD/clang" CC=clang OPT=-O0 tests
+}
+
+check "each header compiles alone" scripts/check_headers.sh
+check "symbols begin with their file's name" scripts/check_symbols.sh
+check "dependencies: server, db, core" scripts/check_deps.sh
+check "no overlong file or function" check_length
+check "nothing unfinished" check_unfinished
+check "no warning from clang at -O0" clang_all
+check "format (make format)" clang-format --dry-run -Werror core/*.[ch] db/*.[ch] \
+    server/*.[ch] tests/*.[ch]
+check "shell scripts (shellcheck)" shellcheck scripts/setup scripts/demo scripts/test \
+    scripts/*.sh .ci/run tests/*.sh
+check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-suppr \
+    --enable=warning,portability --suppress=missingIncludeSystem \
+    --suppress=normalCheckLevelMaxBranches -D_POSIX_C_SOURCE=200809L \
+    -Icore -Idb -Iserver core db server
+check "man pages (mandoc)" mandoc -T lint -W warning man/surfaced.8 man/surfacectl.1
+
+[ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
