@@ -67,27 +67,29 @@ enum status face_derive(struct face *f, struct face_work *w)
     return ST_OK;
 }
 
-/* Triangulate pts and, where spikes stand out of the surface, again without them. */
-static enum status triangulate(struct ivec3 *pts, size_t n, struct scratch *s, struct mesh *m)
+/* What face_build() does once the points are on the lattice. */
+static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
+                         struct face *out)
 {
-    enum status st = delaunay_build(pts, n, s, m);
-    uint32_t nv = m->nv, spikes;
+    struct scratch *s = &w->measure.scratch;
+    struct mesh *m = &out->mesh;
+    enum status st;
 
-    if (st != ST_OK)
+    if ((st = quality_extent(pts, n, s)) != ST_OK)
         return st;
-    if (nv < FACE_MIN_POINTS)
+    if ((st = delaunay_build(pts, n, s, m)) != ST_OK)
+        return st;
+    if (m->nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((spikes = quality_spikes(m, pts)) == 0)
-        return ST_OK;
-    if (nv - spikes < FACE_MIN_POINTS)
-        return ST_ETOOFEW;
-    return delaunay_build(pts, nv - spikes, s, m);
+    if ((st = quality_spikes(m, s)) != ST_OK || (st = mst_build(m, s)) != ST_OK ||
+        (st = face_derive(out, w)) != ST_OK)
+        return st;
+    return quality_rate(out, s);
 }
 
 enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
                        struct face *out, size_t *bad)
 {
-    struct scratch *s = &w->measure.scratch;
     struct ivec3 *lattice;
     enum status st;
 
@@ -98,11 +100,10 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
         return ST_ELIMIT;
     if ((lattice = scratch_need(&w->points, n * sizeof *lattice)) == NULL)
         return ST_ENOMEM;
-    if ((st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad)) != ST_OK ||
-        (st = quality_extent(lattice, n, s)) != ST_OK ||
-        (st = triangulate(lattice, n, s, &out->mesh)) != ST_OK ||
-        (st = mst_build(&out->mesh, s)) != ST_OK || (st = face_derive(out, w)) != ST_OK ||
-        (st = quality_rate(out, s)) != ST_OK)
+    st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad);
+    if (st == ST_OK)
+        st = build(lattice, n, w, out);
+    if (st != ST_OK)
         out->mesh.nv = out->mesh.nt = 0;
     return st;
 }

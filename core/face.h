@@ -40,7 +40,7 @@ struct face_work *face_work_new(void); /* NULL: out of memory */
 void face_work_free(struct face_work *w);
 
 /* face_build(pts, n, w, out, bad): from a scanner's points (mm, any order) to a model:
- * lattice, spikes removed, quality gate, triangulation, spanning tree, holes.
+ * lattice, triangulation, spikes laid flat, spanning tree, holes, quality gate.
  * out   all zero or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL

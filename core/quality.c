@@ -106,15 +106,35 @@ static bool is_spike(const struct mesh *m, uint32_t v)
     return 4 * above >= 3 * neighbours || 4 * below >= 3 * neighbours;
 }
 
-uint32_t quality_spikes(const struct mesh *m, struct ivec3 *keep)
+enum status quality_spikes(struct mesh *m, struct scratch *s)
 {
-    uint32_t kept = 0;
+    const size_t heights = mem_round(m->nv);
+    unsigned char *spike = scratch_need(s, heights + m->nv * sizeof(double));
+    double *z;
 
+    if (spike == NULL)
+        return ST_ENOMEM;
+    z = (double *)(void *)(spike + heights);
+    for (uint32_t v = 0; v < m->nv; v++)
+        spike[v] = is_spike(m, v);
     for (uint32_t v = 0; v < m->nv; v++) {
-        if (!is_spike(m, v))
-            keep[kept++] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+        const uint32_t first = m->out[v];
+        uint32_t h = first;
+        size_t n = 0;
+
+        if (!spike[v])
+            continue;
+        do {
+            const uint32_t w = mesh_dest(m, h);
+
+            if (w != m->nv && !spike[w])
+                z[n++] = m->z[w];
+            h = mesh_turn(m, h);
+        } while (h != first);
+        if (n > 0)
+            m->z[v] = (int32_t)kth(z, n, n / 2);
     }
-    return m->nv - kept;
+    return ST_OK;
 }
 
 /* Normal equations of a plane z = a x + b y + c through points relative to some origin. */

@@ -17,10 +17,12 @@ struct scratch; /* mem.h */
  * not matter.  O(n).  Returns ST_OK, ST_EUNITS, ST_ENOMEM.  n >= 1. */
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s);
 
-/* quality_spikes(m, keep): find the points that stand out of the surface alone: most of
- * their neighbours lie on one side, further off in height than any face is steep.  keep
- * receives the other points; there is room for m->nv.  O(m->nv).  Returns how many. */
-uint32_t quality_spikes(const struct mesh *m, struct ivec3 *keep);
+/* quality_spikes(m, s): find the points that stand out of the surface alone (most
+ * of their neighbours lie on one side, further off in height than any face is steep) and
+ * lay each on the median height of its neighbours that are none: the surface then runs as
+ * if they had been left out, without triangulating again.  O(m->nv).
+ * Returns ST_OK, ST_ENOMEM. */
+enum status quality_spikes(struct mesh *m, struct scratch *s);
 
 /* quality_rate(f, s): fill f->quality from the model (mesh, tree and holes are there) and
  * gate it.  O(nv).
