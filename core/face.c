@@ -75,9 +75,11 @@ static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
     struct mesh *m = &out->mesh;
     enum status st;
 
-    if ((st = quality_extent(pts, n, s)) != ST_OK)
-        return st;
+    /* In this order: points on one spot are degenerate before they are small, and a face
+     * in metres taken for millimetres is small before its points coincide. */
     if ((st = delaunay_build(pts, n, s, m)) != ST_OK)
+        return st;
+    if ((st = quality_extent(pts, n, s)) != ST_OK)
         return st;
     if (m->nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
