@@ -1,0 +1,124 @@
+/* Millimetres to lattice units: rounding, range, and who the offender was. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "lattice.h"
+
+static int32_t rounded(double mm, double scale)
+{
+    int32_t u = INT32_MIN;
+
+    assert_int_equal(lattice_round(mm, scale, &u), ST_OK);
+    return u;
+}
+
+static enum status refused(double mm)
+{
+    int32_t u = 42;
+    const enum status st = lattice_round(mm, LATTICE_PER_MM, &u);
+
+    assert_int_equal(u, 42);
+    return st;
+}
+
+static void test_nearest(void **state)
+{
+    (void)state;
+    assert_int_equal(rounded(0, LATTICE_PER_MM), 0);
+    assert_int_equal(rounded(-0.0, LATTICE_PER_MM), 0);
+    assert_int_equal(rounded(1, LATTICE_PER_MM), 1000);
+    assert_int_equal(rounded(-12.3456, LATTICE_PER_MM), -12346);
+    assert_int_equal(rounded(0.00049, LATTICE_PER_MM), 0);
+    assert_int_equal(rounded(0.00051, LATTICE_PER_MM), 1);
+    assert_int_equal(rounded(0x1p-1074, LATTICE_PER_MM), 0);
+    assert_int_equal(rounded(3, 0.5), 2);
+}
+
+static void test_ties_to_even(void **state)
+{
+    static const double at[] = {0.5, 1.5, 2.5, 3.5, 1000000.5, 1000001.5};
+    static const int32_t want[] = {0, 2, 2, 4, 1000000, 1000002};
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        assert_int_equal(rounded(at[i], 1), want[i]);
+        assert_int_equal(rounded(-at[i], 1), -want[i]);
+    }
+}
+
+static void test_range(void **state)
+{
+    const double edge = LATTICE_MAX / LATTICE_PER_MM;
+
+    (void)state;
+    assert_int_equal(rounded(edge, LATTICE_PER_MM), LATTICE_MAX);
+    assert_int_equal(rounded(-edge, LATTICE_PER_MM), -LATTICE_MAX);
+    assert_int_equal(rounded(nextafter(edge, 0), LATTICE_PER_MM), LATTICE_MAX);
+    assert_int_equal(refused(edge + 0.001), ST_ERANGE);
+    assert_int_equal(refused(-edge - 0.001), ST_ERANGE);
+    assert_int_equal(refused(1e12), ST_ERANGE);
+    assert_int_equal(refused(1e308), ST_ERANGE); /* finite, though not in lattice units */
+    assert_int_equal(refused(-1e308), ST_ERANGE);
+}
+
+static void test_not_finite(void **state)
+{
+    (void)state;
+    assert_int_equal(refused((double)NAN), ST_ENOTFINITE);
+    assert_int_equal(refused((double)INFINITY), ST_ENOTFINITE);
+    assert_int_equal(refused(-(double)INFINITY), ST_ENOTFINITE);
+}
+
+static void test_array(void **state)
+{
+    const struct dvec3 good[] = {{1, 2, 3}, {-0.0015, 0.0025, 16777.216}};
+    struct ivec3 out[2];
+    size_t bad = 99;
+
+    (void)state;
+    assert_int_equal(lattice_from_mm(good, 2, LATTICE_PER_MM, out, &bad), ST_OK);
+    assert_int_equal(bad, 99);
+    assert_int_equal(out[0].x, 1000);
+    assert_int_equal(out[0].y, 2000);
+    assert_int_equal(out[0].z, 3000);
+    assert_int_equal(out[1].x, -2);
+    assert_int_equal(out[1].y, 2);
+    assert_int_equal(out[1].z, LATTICE_MAX);
+    assert_int_equal(lattice_from_mm(good, 0, LATTICE_PER_MM, out, &bad), ST_OK);
+}
+
+/* Each coordinate of each point in turn is refused, and its index told. */
+static void test_offender(void **state)
+{
+    static const double wrong[] = {(double)NAN, (double)INFINITY, 16778, -16778};
+    static const enum status want[] = {ST_ENOTFINITE, ST_ENOTFINITE, ST_ERANGE, ST_ERANGE};
+
+    (void)state;
+    for (size_t k = 0; k < 4; k++)
+        for (size_t i = 0; i < 5; i++)
+            for (int axis = 0; axis < 3; axis++) {
+                struct dvec3 pts[5] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}};
+                struct ivec3 out[5];
+                size_t bad = 99;
+
+                *(axis == 0 ? &pts[i].x : axis == 1 ? &pts[i].y : &pts[i].z) = wrong[k];
+                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, &bad), want[k]);
+                assert_int_equal(bad, i);
+                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, NULL), want[k]);
+            }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nearest),    cmocka_unit_test(test_ties_to_even),
+        cmocka_unit_test(test_range),      cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_array),      cmocka_unit_test(test_offender),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

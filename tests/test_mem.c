@@ -1,0 +1,104 @@
+/* Allocation: alignment, overflow, and that failure changes nothing. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "fail_alloc.h"
+#include "mem.h"
+
+static void test_aligned(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n < 300; n++) {
+        unsigned char *p = mem_array(n, 3);
+
+        assert_non_null(p);
+        assert_int_equal((uintptr_t)p % 64, 0);
+        memset(p, 0xa5, 3 * n);
+        mem_free(p);
+    }
+    mem_free(NULL);
+}
+
+static void test_overflow(void **state)
+{
+    const size_t half = SIZE_MAX / 2;
+
+    (void)state;
+    assert_null(mem_array(half + 2, 2));
+    assert_null(mem_array(2, half + 2));
+    assert_null(mem_array(SIZE_MAX, SIZE_MAX));
+    assert_null(mem_array(SIZE_MAX, 1));
+    assert_null(mem_array(SIZE_MAX - 63, 1));
+    assert_null(mem_array((size_t)1 << 33, (size_t)1 << 33));
+}
+
+static void test_fail(void **state)
+{
+    void *p;
+
+    (void)state;
+    fail_alloc_at(1);
+    assert_null(mem_array(1, 1));
+    p = mem_array(1, 1);
+    assert_non_null(p);
+    assert_int_equal(fail_alloc_count(), 2);
+    mem_free(p);
+}
+
+static void test_scratch(void **state)
+{
+    struct scratch s = {0};
+    unsigned char *a = scratch_need(&s, 1000), *b;
+
+    (void)state;
+    assert_non_null(a);
+    assert_int_equal((uintptr_t)a % 64, 0);
+    memset(a, 1, 1000);
+    fail_alloc_at(0);
+    assert_ptr_equal(scratch_need(&s, 1000), a);
+    assert_ptr_equal(scratch_need(&s, 1), a);
+    assert_ptr_equal(scratch_need(&s, 0), a);
+    assert_int_equal(fail_alloc_count(), 0);
+
+    fail_alloc_at(1); /* growing fails: what was there stays */
+    assert_null(scratch_need(&s, 2000));
+    assert_null(scratch_need(&s, SIZE_MAX));
+    assert_ptr_equal(s.block, a);
+    assert_int_equal(s.size, 1000);
+    assert_int_equal(a[999], 1);
+
+    b = scratch_need(&s, 100000);
+    assert_non_null(b);
+    memset(b, 2, 100000);
+    scratch_free(&s);
+    assert_null(s.block);
+    assert_int_equal(s.size, 0);
+    scratch_free(&s);
+    assert_non_null(scratch_need(&s, 0)); /* an empty one gives a block too */
+    scratch_free(&s);
+}
+
+static void test_round(void **state)
+{
+    (void)state;
+    assert_int_equal(mem_round(0), 0);
+    assert_int_equal(mem_round(1), 64);
+    assert_int_equal(mem_round(64), 64);
+    assert_int_equal(mem_round(65), 128);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_aligned), cmocka_unit_test(test_overflow),
+        cmocka_unit_test(test_fail),    cmocka_unit_test(test_scratch),
+        cmocka_unit_test(test_round),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

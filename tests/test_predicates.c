@@ -1,0 +1,323 @@
+/* The predicates against determinants written another way: four rows, not translated, in
+ * 128-bit integers, on grids round degenerate points; and the rule for cocircular points. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "lattice.h"
+#include "predicates.h"
+
+typedef predicates_i128 wide;
+
+static wide det3(wide a, wide b, wide c, wide d, wide e, wide f, wide g, wide h, wide i)
+{
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+}
+
+static int sign(wide v)
+{
+    return (v > 0) - (v < 0);
+}
+
+static wide slow_orient(struct ivec2 a, struct ivec2 b, struct ivec2 c)
+{
+    return det3(a.x, a.y, 1, b.x, b.y, 1, c.x, c.y, 1);
+}
+
+/* The determinant of the rows x, y, lift, 1 of four points, by the lifts' cofactors. */
+static wide lifted(const struct ivec2 p[4], const wide lift[4])
+{
+    wide sum = 0;
+
+    for (int i = 0; i < 4; i++) {
+        const struct ivec2 a = p[i == 0], b = p[i <= 1 ? 2 : 1], c = p[i == 3 ? 2 : 3];
+        const wide cofactor = slow_orient(a, b, c);
+
+        sum += (i % 2 == 0 ? 1 : -1) * lift[i] * cofactor;
+    }
+    return sum;
+}
+
+static wide slow_incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+{
+    const struct ivec2 p[4] = {a, b, c, d};
+    wide lift[4];
+
+    for (int i = 0; i < 4; i++)
+        lift[i] = (wide)p[i].x * p[i].x + (wide)p[i].y * p[i].y;
+    return lifted(p, lift);
+}
+
+/* The tie rule by its definition: the lift of the lexicographically first is lowered. */
+static bool slow_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+{
+    const struct ivec2 p[4] = {a, b, c, d};
+    wide lift[4] = {0, 0, 0, 0};
+    int first = 0;
+
+    for (int i = 1; i < 4; i++)
+        first = lex_less(p[i], p[first]) ? i : first;
+    lift[first] = -1;
+    return lifted(p, lift) > 0;
+}
+
+static void check_orient(struct ivec2 a, struct ivec2 b, struct ivec2 c)
+{
+    const int want = sign(slow_orient(a, b, c));
+
+    assert_int_equal(sign(orient2d(a, b, c)), want);
+    assert_int_equal(sign(orient2d(b, c, a)), want);
+    assert_int_equal(sign(orient2d(c, a, b)), want);
+    assert_int_equal(sign(orient2d(b, a, c)), -want);
+    assert_int_equal(sign(orient2d(a, c, b)), -want);
+    assert_int_equal(sign(orient2d(c, b, a)), -want);
+}
+
+static bool same(struct ivec2 a, struct ivec2 b)
+{
+    return a.x == b.x && a.y == b.y;
+}
+
+/* abc in any orientation; nothing is asked of three on a line. */
+static void check_incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+{
+    const wide det = slow_incircle(a, b, c, d), turn = slow_orient(a, b, c);
+    bool want;
+
+    assert_true(incircle_det(a, b, c, d) == det);
+    assert_true(incircle_det(b, c, a, d) == det);
+    assert_true(incircle_det(c, a, b, d) == det);
+    assert_true(incircle_det(b, a, c, d) == -det);
+    assert_true(incircle_det(a, c, b, d) == -det);
+    assert_true(incircle_det(c, b, a, d) == -det);
+    if (turn == 0)
+        return;
+    if (turn < 0) {
+        const struct ivec2 t = b;
+
+        b = c;
+        c = t;
+    }
+    if (same(d, a) || same(d, b) || same(d, c))
+        want = false;
+    else
+        want = det != 0 ? (turn > 0 ? det : -det) > 0 : slow_tie(a, b, c, d);
+    assert_int_equal(incircle(a, b, c, d), want);
+    assert_int_equal(incircle(b, c, a, d), want);
+    assert_int_equal(incircle(c, a, b, d), want);
+}
+
+static void test_orient_grid(void **state)
+{
+    static const struct ivec2 line[][3] = {
+        {{12, 12}, {24, 24}, {0, 0}},
+        {{-LATTICE_MAX, -LATTICE_MAX}, {LATTICE_MAX, LATTICE_MAX}, {0, 0}},
+        {{-LATTICE_MAX, LATTICE_MAX}, {LATTICE_MAX, -LATTICE_MAX}, {-12345, 12345}},
+        {{-LATTICE_MAX, 0}, {LATTICE_MAX - 2, 2}, {-1, 1}},
+        {{0, -7}, {0, 9}, {0, LATTICE_MAX - 40}},
+        {{-5, 3}, {5, 3}, {40 - LATTICE_MAX, 3}},
+        {{1, 2}, {1, 2}, {1, 2}},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
+        for (int dx = -32; dx < 32; dx++)
+            for (int dy = -32; dy < 32; dy++) {
+                const struct ivec2 *p = line[i];
+
+                check_orient(p[0], p[1], (struct ivec2){p[2].x + dx, p[2].y + dy});
+            }
+}
+
+/* A circle round the origin with many lattice points, and grids round one of them. */
+static void test_incircle_grid(void **state)
+{
+    static const struct ivec2 base[] = {{5, 0},  {4, 3},   {3, 4},   {0, 5},
+                                        {-3, 4}, {-4, 3},  {-5, 0},  {-4, -3},
+                                        {-3, -4}, {0, -5}, {3, -4},  {4, -3}};
+    static const int32_t scale[] = {1, 7, 65537, 3355435};
+
+    (void)state;
+    for (size_t s = 0; s < 4; s++)
+        for (size_t i = 0; i < 12; i++)
+            for (int dx = -6; dx <= 6; dx++)
+                for (int dy = -6; dy <= 6; dy++) {
+                    struct ivec2 p[4];
+
+                    for (size_t j = 0; j < 4; j++) {
+                        const struct ivec2 b = base[(i + j * (j + 1)) % 12];
+
+                        p[j] = (struct ivec2){b.x * scale[s], b.y * scale[s]};
+                    }
+                    p[3].x += dx;
+                    p[3].y += dy;
+                    check_incircle(p[0], p[1], p[2], p[3]);
+                    check_incircle(p[3], p[1], p[2], p[0]);
+                }
+}
+
+/* The largest determinants there are: points at and near the corners of the lattice. */
+static void test_extremes(void **state)
+{
+    static const int32_t at[] = {-LATTICE_MAX, 1 - LATTICE_MAX, -1,          0,
+                                 1,            LATTICE_MAX - 1, LATTICE_MAX};
+    struct brute_rng r = {brute_seed("extremes")};
+
+    (void)state;
+    for (int k = 0; k < 200000; k++) {
+        struct ivec2 p[4];
+
+        for (int i = 0; i < 4; i++)
+            p[i] = (struct ivec2){at[brute_rand(&r) % 7], at[brute_rand(&r) % 7]};
+        check_orient(p[0], p[1], p[2]);
+        check_incircle(p[0], p[1], p[2], p[3]);
+    }
+    for (int k = 0; k < 200000; k++) {
+        struct ivec2 p[4];
+
+        for (int i = 0; i < 4; i++)
+            p[i] = (struct ivec2){brute_int(&r, -LATTICE_MAX, LATTICE_MAX),
+                                  brute_int(&r, -LATTICE_MAX, LATTICE_MAX)};
+        check_orient(p[0], p[1], p[2]);
+        check_incircle(p[0], p[1], p[2], p[3]);
+    }
+}
+
+/* All small quadruples: every degenerate case of four points there is. */
+static void test_exhaustive_small(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < 1u << 16; k++) {
+        struct ivec2 p[4];
+
+        for (uint32_t i = 0; i < 4; i++)
+            p[i] = (struct ivec2){(int32_t)(k >> 4 * i & 3), (int32_t)(k >> (4 * i + 2) & 3)};
+        check_incircle(p[0], p[1], p[2], p[3]);
+    }
+}
+
+/* p[0..n-1] cocircular, counter-clockwise: only the fan from the first is Delaunay. */
+static void check_fan(const struct ivec2 *p, size_t n)
+{
+    size_t first = 0;
+
+    for (size_t i = 1; i < n; i++)
+        first = lex_less(p[i], p[first]) ? i : first;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = i + 1; j < n; j++)
+            for (size_t k = j + 1; k < n; k++) {
+                const size_t c[3] = {(i + n - first) % n, (j + n - first) % n,
+                                     (k + n - first) % n};
+                bool empty = true, fan = false;
+
+                for (size_t d = 0; d < n; d++)
+                    empty = empty && !incircle(p[i], p[j], p[k], p[d]);
+                for (int q = 0; q < 3; q++)
+                    fan |= c[q] == 0 && c[(q + 2) % 3] == c[(q + 1) % 3] + 1;
+                assert_int_equal(empty, fan);
+            }
+}
+
+static void test_one_diagonal(void **state)
+{
+    static const struct ivec2 square[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+    static const struct ivec2 rectangle[] = {{-3, 1}, {7, 1}, {7, 2}, {-3, 2}};
+    static const struct ivec2 diamond[] = {{0, -4}, {4, 0}, {0, 4}, {-4, 0}};
+    static const struct ivec2 tilted[] = {{1, 0}, {3, 1}, {2, 3}, {0, 2}};
+    static const struct ivec2 trapezium[] = {{-2, 0}, {2, 0}, {1, 3}, {-1, 3}};
+    static const struct ivec2 octagon[] = {{3, 1},   {1, 3},   {-1, 3}, {-3, 1},
+                                           {-3, -1}, {-1, -3}, {1, -3}, {3, -1}};
+    static const struct ivec2 twelve[] = {{5, 0},   {4, 3},   {3, 4},  {0, 5},
+                                          {-3, 4},  {-4, 3},  {-5, 0}, {-4, -3},
+                                          {-3, -4}, {0, -5},  {3, -4}, {4, -3}};
+
+    (void)state;
+    check_fan(square, 4);
+    check_fan(rectangle, 4);
+    check_fan(diamond, 4);
+    check_fan(tilted, 4);
+    check_fan(trapezium, 4);
+    check_fan(octagon, 8);
+    check_fan(twelve, 12);
+}
+
+/* Cocircular quadruples of a random circle: one diagonal, and through the first point. */
+static void test_ties(void **state)
+{
+    struct brute_rng r = {brute_seed("ties")};
+    struct ivec3 circle[324];
+    const size_t n = brute_points(BRUTE_CIRCLE, 324, &r, circle);
+    int seen = 0;
+
+    (void)state;
+    for (int k = 0; k < 100000; k++) {
+        struct ivec2 p[4];
+        bool ac;
+        size_t first = 0;
+
+        for (int i = 0; i < 4; i++) {
+            const struct ivec3 c = circle[brute_rand(&r) % n];
+
+            p[i] = (struct ivec2){c.x, c.y};
+        }
+        if (orient2d(p[0], p[1], p[2]) <= 0 || orient2d(p[0], p[2], p[3]) <= 0)
+            continue;
+        for (size_t i = 1; i < 4; i++)
+            first = lex_less(p[i], p[first]) ? i : first;
+        ac = !incircle(p[0], p[1], p[2], p[3]);
+        assert_int_equal(ac, first % 2 == 0);
+        assert_int_equal(ac, !incircle(p[2], p[3], p[0], p[1]));
+        assert_int_equal(ac, incircle(p[1], p[2], p[3], p[0]));
+        assert_int_equal(ac, incircle(p[3], p[0], p[1], p[2]));
+        seen++;
+    }
+    assert_true(seen > 5000);
+}
+
+static void test_translation(void **state)
+{
+    struct brute_rng r = {brute_seed("translation")};
+
+    (void)state;
+    for (int k = 0; k < 100000; k++) {
+        const int32_t dx = brute_int(&r, -LATTICE_MAX + 20, LATTICE_MAX - 20);
+        const int32_t dy = brute_int(&r, -LATTICE_MAX + 20, LATTICE_MAX - 20);
+        struct ivec2 p[4], q[4];
+
+        for (int i = 0; i < 4; i++) {
+            p[i] = (struct ivec2){brute_int(&r, -20, 20), brute_int(&r, -20, 20)};
+            q[i] = (struct ivec2){p[i].x + dx, p[i].y + dy};
+        }
+        assert_true(orient2d(p[0], p[1], p[2]) == orient2d(q[0], q[1], q[2]));
+        assert_true(incircle_det(p[0], p[1], p[2], p[3]) ==
+                    incircle_det(q[0], q[1], q[2], q[3]));
+        if (orient2d(p[0], p[1], p[2]) > 0)
+            assert_int_equal(incircle(p[0], p[1], p[2], p[3]),
+                             incircle(q[0], q[1], q[2], q[3]));
+    }
+}
+
+static void test_lex_less(void **state)
+{
+    const struct ivec2 a = {-1, 5}, b = {0, -LATTICE_MAX}, c = {0, 3};
+
+    (void)state;
+    assert_true(lex_less(a, b) && lex_less(b, c) && lex_less(a, c));
+    assert_false(lex_less(b, a) || lex_less(c, b) || lex_less(a, a));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_orient_grid),      cmocka_unit_test(test_incircle_grid),
+        cmocka_unit_test(test_extremes),         cmocka_unit_test(test_exhaustive_small),
+        cmocka_unit_test(test_one_diagonal),     cmocka_unit_test(test_ties),
+        cmocka_unit_test(test_translation),      cmocka_unit_test(test_lex_less),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
