@@ -28,9 +28,9 @@ LDFLAGS  := -pie -Wl,--as-needed -Wl,-z,relro -Wl,-z,now $(EXTRA)
 DB_LIBS  := -lsqlite3 -lsodium -lxxhash -lpthread -lm
 LIBS     := -lmicrohttpd -lcjson $(DB_LIBS)
 
-# V=1 shows the commands in full.
+# V=1 shows the commands in full; -s nothing.
 Q   := $(if $(V),,@)
-say  = @$(if $(V),:,printf '  %-5s %s\n' $(1) $@)
+say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\n' $(1) $@)
 
 # ---- what is there
 
@@ -41,6 +41,7 @@ HTTP_SRC  := $(filter-out server/main.c,$(wildcard server/*.c))
 TEST_SRC  := $(wildcard tests/test_*.c)
 FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
 BENCH_SRC := $(wildcard tests/bench*.c)
+BLACK_BOX := $(wildcard tests/[0-9][0-9]-*.sh)
 TOOL_SRC  := $(wildcard tests/*_main.c)
 HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC),$(wildcard tests/*.c))
 
@@ -128,11 +129,16 @@ tests: all $(TEST_BIN) $(FUZZ_BIN)
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
 test: tests
-	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) $(wildcard tests/[0-9][0-9]-*.sh)
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) $(BLACK_BOX)
 
 ## unit: the unit tests alone
 unit: tests
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
+
+THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
+.PHONY: threads
+threads: all $(THREAD_BIN)
+	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) $(BLACK_BOX)
 
 ## demo: faces enrolled and verified over HTTP (scripts/demo)
 .PHONY: demo
@@ -153,9 +159,9 @@ asan:
 ## ubsan: the tests under the undefined-behaviour sanitizer
 ubsan:
 	$(MAKE) test BUILD=build/ubsan OPT=-O1 EXTRA="-fsanitize=undefined $(SANE)"
-## tsan: the tests under the thread sanitizer
+## tsan: the tests with threads under the thread sanitizer
 tsan:
-	$(MAKE) test BUILD=build/tsan OPT=-O1 EXTRA="-fsanitize=thread $(SANE)"
+	$(MAKE) threads BUILD=build/tsan OPT=-O1 EXTRA="-fsanitize=thread $(SANE)"
 ## sanitize: address, leak and undefined-behaviour sanitizers in one run
 sanitize:
 	$(MAKE) test BUILD=build/sanitize OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANE)"

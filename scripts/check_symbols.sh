@@ -14,6 +14,7 @@ for source in core/*.c db/*.c server/*.c tests/*.c; do
     core/predicates.c) names="incircle_.*" ;; # named as in the literature
     core/mem.c) names="(mem|scratch)_.*" ;;
     server/main.c | db/surfacectl.c | tests/*_main.c | tests/test_* | tests/bench*) names="main" ;;
+    tests/fail_alloc.c) names="$names|__wrap_.*" ;;
     tests/fuzz_*) names="main|LLVMFuzzer.*" ;;
     esac
     nm -g --defined-only "$object" | awk '{ print $3 }' | grep -Ev "^($names)\$" |
