@@ -20,7 +20,8 @@ static bool is_letter(char c)
 static enum status points_add(struct points *list, struct cloudtext *t, struct dvec3 p)
 {
     if (list->n == list->max)
-        return cloudtext_fail(t, ST_ELIMIT, "more points than the limit of %zu", list->max);
+        return cloudtext_fail(t, ST_ELIMIT, "more points than the limit of %zu",
+                              list->max);
     list->at[list->n++] = p; /* a line each, of 6 bytes or more: there is room */
     return ST_OK;
 }
@@ -39,7 +40,8 @@ static enum status obj_vertex(struct cloudtext *t, struct points *list)
         if ((st = cloudtext_number(t, &value[n++])) != ST_OK)
             return st;
         if (!cloudtext_eol(t) && (*t->p == ',' || *t->p == ';'))
-            return cloudtext_fail(t, ST_EINVAL, "numbers of an OBJ file are set apart by blanks");
+            return cloudtext_fail(t, ST_EINVAL,
+                                  "numbers of an OBJ file are set apart by blanks");
     }
     return points_add(list, t, (struct dvec3){value[0], value[1], value[2]});
 }
@@ -149,8 +151,8 @@ static void skip_bom(struct cloudtext *t)
 /* By the first line that is not a comment. */
 static enum status recognise(const struct cloudtext *text, enum cloudfile_format *format)
 {
-    static const char *const obj[] = {"v", "vn", "vt", "vp", "o", "g", "s", "f",
-                                      "mtllib", "usemtl"};
+    static const char *const obj[] = {"v", "vn", "vt", "vp",     "o",
+                                      "g", "s",  "f",  "mtllib", "usemtl"};
     struct cloudtext t = *text;
     const char *word;
     size_t len;

@@ -15,9 +15,9 @@ enum cloudfile_format {
 };
 
 struct cloudfile_error {
-    size_t where;   /* byte offset */
-    uint32_t line;  /* line number from 1 for text, 0 in binary data */
-    char what[96];  /* "the header promises 3000 vertices, the data ends in number 1200" */
+    size_t where;  /* byte offset */
+    uint32_t line; /* line number from 1 for text, 0 in binary data */
+    char what[96]; /* a sentence without its full stop; no coordinates */
 };
 
 /* cloudfile_parse(bytes, len, format, max_points, out, n, err)

@@ -12,9 +12,9 @@
 enum type { T_NONE, T_I8, T_U8, T_I16, T_U16, T_I32, T_U32, T_F32, T_F64 };
 enum encoding { E_NONE, E_ASCII, E_LITTLE, E_BIG };
 
-static const unsigned char type_size[] = {[T_NONE] = 0, [T_I8] = 1,  [T_U8] = 1,
-                                          [T_I16] = 2,  [T_U16] = 2, [T_I32] = 4,
-                                          [T_U32] = 4,  [T_F32] = 4, [T_F64] = 8};
+static const unsigned char type_size[] = {
+    [T_NONE] = 0, [T_I8] = 1,  [T_U8] = 1,  [T_I16] = 2, [T_U16] = 2,
+    [T_I32] = 4,  [T_U32] = 4, [T_F32] = 4, [T_F64] = 8};
 
 struct property {
     unsigned char type;  /* enum type of the value, or of the list's items */
@@ -46,9 +46,9 @@ static enum type type_named(const char *word, size_t len)
         char name[8];
         enum type type;
     } names[] = {
-        {"char", T_I8},   {"int8", T_I8},    {"uchar", T_U8},   {"uint8", T_U8},
-        {"short", T_I16}, {"int16", T_I16},  {"ushort", T_U16}, {"uint16", T_U16},
-        {"int", T_I32},   {"int32", T_I32},  {"uint", T_U32},   {"uint32", T_U32},
+        {"char", T_I8},   {"int8", T_I8},     {"uchar", T_U8},   {"uint8", T_U8},
+        {"short", T_I16}, {"int16", T_I16},   {"ushort", T_U16}, {"uint16", T_U16},
+        {"int", T_I32},   {"int32", T_I32},   {"uint", T_U32},   {"uint32", T_U32},
         {"float", T_F32}, {"float32", T_F32}, {"double", T_F64}, {"float64", T_F64},
     };
 
@@ -124,14 +124,16 @@ static enum status read_property(struct cloudtext *t, struct header *h)
     if (h->elements == 0)
         return cloudtext_fail(t, ST_EINVAL, "a property before any element");
     if (h->properties == CLOUDPLY_PROPERTIES)
-        return cloudtext_fail(t, ST_EVERSION, "more than %d properties", CLOUDPLY_PROPERTIES);
+        return cloudtext_fail(t, ST_EVERSION, "more than %d properties",
+                              CLOUDPLY_PROPERTIES);
     e = &h->element[h->elements - 1];
     word = cloudtext_word(t, &len);
     if (cloudtext_is(word, len, "list")) {
         word = cloudtext_word(t, &len);
         p.count = (unsigned char)type_named(word, len);
         if (p.count == T_NONE || p.count >= T_F32)
-            return cloudtext_fail(t, ST_EINVAL, "a list's length must be of an integer type");
+            return cloudtext_fail(t, ST_EINVAL,
+                                  "a list's length must be of an integer type");
         word = cloudtext_word(t, &len);
         e->lists = true;
     }
@@ -253,7 +255,9 @@ static double load(const unsigned char *p, enum type type, bool swap)
         memcpy(&u32, p, sizeof u32);
         u32 = swap ? __builtin_bswap32(u32) : u32;
         memcpy(&f32, &u32, sizeof f32);
-        return type == T_F32 ? (double)f32 : type == T_I32 ? (double)(int32_t)u32 : (double)u32;
+        return type == T_F32   ? (double)f32
+               : type == T_I32 ? (double)(int32_t)u32
+                               : (double)u32;
     default:
         memcpy(&u64, p, sizeof u64);
         u64 = swap ? __builtin_bswap64(u64) : u64;
@@ -321,10 +325,9 @@ static void read_columns(const unsigned char *rows, const struct header *h, size
 
 static enum status cut_off(struct cloudtext *t, const struct header *h, uint64_t row)
 {
-    return cloudtext_fail(t, ST_EINVAL,
-                          "the header promises %llu vertices, the data ends in number %llu",
-                          (unsigned long long)h->element[h->vertex].rows,
-                          (unsigned long long)row + 1);
+    return cloudtext_fail(
+        t, ST_EINVAL, "the header promises %llu vertices, the data ends in number %llu",
+        (unsigned long long)h->element[h->vertex].rows, (unsigned long long)row + 1);
 }
 
 static enum status skip_element(struct cloudtext *t, const struct header *h,
@@ -365,7 +368,8 @@ static enum status read_binary(struct cloudtext *t, const struct header *h, size
             continue;
         if (!e->lists)
             t->p = rows + i * e->stride;
-        return cloudtext_fail(t, ST_ENOTFINITE, "vertex %zu is not three finite numbers", i);
+        return cloudtext_fail(t, ST_ENOTFINITE, "vertex %zu is not three finite numbers",
+                              i);
     }
     return ST_OK;
 }
@@ -413,7 +417,8 @@ static enum status read_text_row(struct cloudtext *t, const struct header *h,
     }
     cloudtext_blank(t);
     if (!cloudtext_eol(t))
-        return cloudtext_fail(t, ST_EINVAL, "the line has more numbers than the header says");
+        return cloudtext_fail(t, ST_EINVAL,
+                              "the line has more numbers than the header says");
     return ST_OK;
 }
 
@@ -428,8 +433,9 @@ static enum status read_text(struct cloudtext *t, const struct header *h,
 
         if (st == ST_ENOTFOUND)
             return out != NULL ? cut_off(t, h, i)
-                               : cloudtext_fail(t, ST_EINVAL, "the data ends before the "
-                                                              "vertices");
+                               : cloudtext_fail(t, ST_EINVAL,
+                                                "the data ends before the "
+                                                "vertices");
         if (st != ST_OK)
             return st;
         if (out != NULL)
@@ -441,7 +447,8 @@ static enum status read_text(struct cloudtext *t, const struct header *h,
 /* ---- all of it */
 
 /* The vertices stand at t->p: can the bytes present hold as many as promised? */
-static enum status check_count(struct cloudtext *t, const struct header *h, size_t max_points)
+static enum status check_count(struct cloudtext *t, const struct header *h,
+                               size_t max_points)
 {
     const struct element *e = &h->element[h->vertex];
     const uint64_t left = (uint64_t)(t->end - t->p);
@@ -462,8 +469,9 @@ static enum status check_end(struct cloudtext *t)
 {
     for (cloudtext_blank(t); t->p < t->end; cloudtext_blank(t)) {
         if (!cloudtext_eol(t))
-            return cloudtext_fail(t, ST_EINVAL,
-                                  "data is left after the last vertex that the header promises");
+            return cloudtext_fail(
+                t, ST_EINVAL,
+                "data is left after the last vertex that the header promises");
         cloudtext_newline(t);
     }
     return ST_OK;

@@ -110,7 +110,8 @@ enum status cloudtext_number(struct cloudtext *t, double *out)
     after = number_read(t->p, t->end, out);
     if (after == NULL || !ends_number(t, after)) {
         if (not_finite(t))
-            return cloudtext_fail(t, ST_ENOTFINITE, "a coordinate is not a finite number");
+            return cloudtext_fail(t, ST_ENOTFINITE,
+                                  "a coordinate is not a finite number");
         if (cloudtext_eol(t))
             return cloudtext_fail(t, ST_EINVAL, "the line has too few numbers");
         return cloudtext_fail(t, ST_EINVAL, "a number is expected here");

@@ -30,8 +30,8 @@ static bool is_digit(char c)
 
 /* Read digits; those after the decimal point lower the exponent.  text, unless NULL, gets
  * the digits kept. */
-static const char *take_digits(struct digits *d, const char *p, const char *end, bool after,
-                               char *text)
+static const char *take_digits(struct digits *d, const char *p, const char *end,
+                               bool after, char *text)
 {
     for (; p < end && is_digit(*p); p++) {
         if (d->kept < DIGITS_KEPT) {

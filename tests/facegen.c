@@ -31,8 +31,17 @@ static struct random stream(uint64_t a, uint64_t b, uint64_t purpose)
     return r;
 }
 
-enum purpose { P_SHAPE = 1, P_OWN, P_POSE, P_OUTLINE, P_SAMPLE, P_NOISE, P_WARP, P_HOLES,
-               P_SPIKES };
+enum purpose {
+    P_SHAPE = 1,
+    P_OWN,
+    P_POSE,
+    P_OUTLINE,
+    P_SAMPLE,
+    P_NOISE,
+    P_WARP,
+    P_HOLES,
+    P_SPIKES
+};
 
 static double uniform(struct random *r, double low, double high)
 {
@@ -55,7 +64,8 @@ static double square(double x)
     return x * x;
 }
 
-static void add(struct facegen_face *f, double x, double y, double sx, double sy, double h)
+static void add(struct facegen_face *f, double x, double y, double sx, double sy,
+                double h)
 {
     f->bump[f->nbumps++] = (struct facegen_bump){x, y, sx, sy, h};
 }
@@ -76,23 +86,23 @@ static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
     const double mouth_y = -30 + 2.2 * p[11], mouth = 17 + 1.6 * p[12] + 3.5 * smile;
     const double lips = 5 + 1.2 * p[13] - 1.8 * smile, chin_y = -62 + 2.5 * p[14];
 
-    add_pair(f, f->side, -3, 6 + 0.5 * p[8], 6, 7 + p[8]);         /* wings of the nose */
-    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 1.8 * p[15]);     /* orbits */
-    add_pair(f, eye_x, eye_y - 1, 9, 7, 6 + 0.8 * p[16]);          /* eyeballs, lids */
-    add_pair(f, 22, eye_y + 14, 17, 6.5, 4 + 1.5 * p[17]);         /* brow */
-    add(f, 0, eye_y + 12, 9, 8, 2 + 1.2 * p[17]);                  /* between the brows */
+    add_pair(f, f->side, -3, 6 + 0.5 * p[8], 6, 7 + p[8]);     /* wings of the nose */
+    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 1.8 * p[15]); /* orbits */
+    add_pair(f, eye_x, eye_y - 1, 9, 7, 6 + 0.8 * p[16]);      /* eyeballs, lids */
+    add_pair(f, 22, eye_y + 14, 17, 6.5, 4 + 1.5 * p[17]);     /* brow */
+    add(f, 0, eye_y + 12, 9, 8, 2 + 1.2 * p[17]);              /* between the brows */
     add_pair(f, 43 + 1.5 * p[18], 14 + 2 * p[18], 16, 13,
-             6 + 1.6 * p[19] + 1.2 * smile);                       /* cheekbones */
-    add_pair(f, 37, -18, 17, 20, 2 + 2 * p[20]);                   /* cheeks */
-    add_pair(f, 33, -8, 11, 9, 3.2 * smile);                       /* and their apples */
+             6 + 1.6 * p[19] + 1.2 * smile);     /* cheekbones */
+    add_pair(f, 37, -18, 17, 20, 2 + 2 * p[20]); /* cheeks */
+    add_pair(f, 33, -8, 11, 9, 3.2 * smile);     /* and their apples */
     add_pair(f, mouth + 9, -16, 5, 12, -1.2 - 0.4 * p[20] - 2 * smile); /* folds */
-    add(f, 0, mouth_y + 6, mouth * 0.75, 4.5, lips + 2);           /* lips */
+    add(f, 0, mouth_y + 6, mouth * 0.75, 4.5, lips + 2);                /* lips */
     add(f, 0, mouth_y - 5.5, mouth * 0.65, 4.5, lips + 1 + 0.6 * p[21]);
     add(f, 0, mouth_y, mouth, 2.4, -3.2);
     add_pair(f, mouth + 4, mouth_y + 3 * smile, 4, 4, -1.5 - 2.2 * smile); /* corners */
-    add(f, 0, mouth_y + 13, 4, 5, -1.2);                           /* philtrum */
-    add(f, 0, chin_y + 14, 13, 5, -4 - p[22]);                     /* below the lips */
-    add(f, 0, chin_y, 13 + p[22], 10, 9 + 1.8 * p[23]);            /* chin */
+    add(f, 0, mouth_y + 13, 4, 5, -1.2);                                   /* philtrum */
+    add(f, 0, chin_y + 14, 13, 5, -4 - p[22]);          /* below the lips */
+    add(f, 0, chin_y, 13 + p[22], 10, 9 + 1.8 * p[23]); /* chin */
     add(f, 0, 75, 32, 20, f->forehead);
 }
 
@@ -142,7 +152,8 @@ static double nose(const struct facegen_face *f, double x, double y)
     if (y <= 0)
         h = f->nose * exp(-square(y / 6.5) / 2);
     else if (u < 1)
-        h = f->nose + (f->bridge - f->nose) * u + f->hump * exp(-square((u - 0.55) / 0.2));
+        h = f->nose + (f->bridge - f->nose) * u +
+            f->hump * exp(-square((u - 0.55) / 0.2));
     else
         h = f->bridge * exp(-square((u - 1) / 0.3)) + f->hump * exp(-square(0.45 / 0.2));
     return h * exp(-square(x / width) / 2);
@@ -198,7 +209,8 @@ static double grid_height(const struct grid *g, double x, double y, double slope
     b = g->z[j + 1][i] + s * (g->z[j + 1][i + 1] - g->z[j + 1][i]);
     if (slope != NULL) {
         slope[0] = ((1 - t) * (g->z[j][i + 1] - g->z[j][i]) +
-                    t * (g->z[j + 1][i + 1] - g->z[j + 1][i])) / GRID_STEP;
+                    t * (g->z[j + 1][i + 1] - g->z[j + 1][i])) /
+                   GRID_STEP;
         slope[1] = (b - a) / GRID_STEP;
     }
     return a + t * (b - a);
@@ -217,7 +229,8 @@ static void pose_make(const struct facegen_scan *s, struct pose *p)
     const double cy = cos(s->yaw * rad), sy = sin(s->yaw * rad);
     const double cx = cos(s->pitch * rad), sx = sin(s->pitch * rad);
     const double cz = cos(s->roll * rad), sz = sin(s->roll * rad);
-    const double xy[3][3] = {{cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
+    const double xy[3][3] = {
+        {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
 
     for (int i = 0; i < 3; i++) {
         p->r[0][i] = cz * xy[0][i] - sz * xy[1][i];
@@ -390,7 +403,8 @@ size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out)
     grid_make(&face, &grid);
     pose_make(s, &pose);
     outline_make(s, &outline);
-    for (uint64_t tries = 0; n < s->points && tries < 100 * (uint64_t)s->points; tries++) {
+    for (uint64_t tries = 0; n < s->points && tries < 100 * (uint64_t)s->points;
+         tries++) {
         struct dvec3 q;
         double facing;
 

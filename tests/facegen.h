@@ -30,9 +30,9 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out);
 double facegen_height(const struct facegen_face *f, double x, double y);
 
 struct facegen_scan {
-    uint64_t subject, scan; /* seeds: who, and which scan of them */
-    uint32_t points;        /* sampled; the scan has fewer when holes are cut out */
-    double yaw, pitch, roll; /* degrees about y, x, z, round a centre 80 mm behind the nose */
+    uint64_t subject, scan;  /* seeds: who, and which scan of them */
+    uint32_t points;         /* sampled; the scan has fewer when holes are cut out */
+    double yaw, pitch, roll; /* degrees about y, x, z; centre 80 mm behind the nose */
     double tx, ty, tz;       /* then moved, mm */
     double noise;  /* white noise along z, mm; up to 2.5 times as much on steep places */
     double warp;   /* smooth depth error, mm rms */

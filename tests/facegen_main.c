@@ -10,14 +10,14 @@
 
 static const char usage[] =
     "usage: facegen [OPTION]... [-o FILE]\n"
-    "Write a simulated scan of a made-up face (millimetres; standard output by default).\n"
+    "Write a simulated scan of a made-up face in millimetres.\n"
     "  --subject N    whose face (0)\n"
     "  --scan N       which scan: sampling, noise, outline, holes (0)\n"
     "  --points N     points sampled, 100 to 1000000 (3000)\n"
-    "  --pose D       yaw, pitch and roll at random within +-D degrees (not with the next)\n"
+    "  --pose D       yaw, pitch and roll at random within +-D degrees\n"
     "  --shift MM     and moved at random within +-MM along each axis\n"
     "  --yaw D  --pitch D  --roll D  --tx MM  --ty MM  --tz MM\n"
-    "                 the same, told one by one (0)\n"
+    "                 instead of --pose and --shift: told one by one (0)\n"
     "  --noise MM     white noise (0.12)\n"
     "  --warp MM      smooth depth error, root mean square (0.15)\n"
     "  --holes S      share of the points cut out in blobs, 0 to 0.9 (0)\n"
@@ -27,7 +27,8 @@ static const char usage[] =
     "  -o FILE        where to (standard output)\n";
 
 enum format { PLY, PLY_ASCII, OBJ, XYZ, JSON, FORMATS };
-static const char *const format_names[FORMATS] = {"ply", "ply-ascii", "obj", "xyz", "json"};
+static const char *const format_names[FORMATS] = {"ply", "ply-ascii", "obj", "xyz",
+                                                  "json"};
 
 struct options {
     struct facegen_scan scan;
@@ -78,7 +79,8 @@ static int read_options(int argc, char **argv, struct options *o)
         if (k < count) {
             *numbers[k].value = strtod(argv[i + 1], &end);
             if (end == argv[i + 1] || *end != 0 ||
-                !(*numbers[k].value >= numbers[k].low && *numbers[k].value <= numbers[k].high))
+                !(*numbers[k].value >= numbers[k].low &&
+                  *numbers[k].value <= numbers[k].high))
                 return bad("bad value of ", argv[i]);
         } else if (strcmp(argv[i], "-o") == 0) {
             o->file = argv[i + 1];
@@ -119,10 +121,11 @@ static void put_float(FILE *out, double value)
 static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
 {
     if (format == PLY || format == PLY_ASCII)
-        (void)fprintf(out,
-                      "ply\nformat %s 1.0\ncomment a made-up face\nelement vertex %zu\n"
-                      "property float x\nproperty float y\nproperty float z\nend_header\n",
-                      format == PLY ? "binary_little_endian" : "ascii", n);
+        (void)fprintf(
+            out,
+            "ply\nformat %s 1.0\ncomment a made-up face\nelement vertex %zu\n"
+            "property float x\nproperty float y\nproperty float z\nend_header\n",
+            format == PLY ? "binary_little_endian" : "ascii", n);
     else if (format == OBJ)
         (void)fputs("# a made-up face\n", out);
     else if (format == JSON)
@@ -133,8 +136,8 @@ static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
             put_float(out, p[i].y);
             put_float(out, p[i].z);
         } else if (format == JSON) {
-            (void)fprintf(out, "%s[%.4f,%.4f,%.4f]", i != 0 ? ",\n" : "\n", p[i].x, p[i].y,
-                          p[i].z);
+            (void)fprintf(out, "%s[%.4f,%.4f,%.4f]", i != 0 ? ",\n" : "\n", p[i].x,
+                          p[i].y, p[i].z);
         } else {
             (void)fprintf(out, "%s%.4f %.4f %.4f\n", format == OBJ ? "v " : "", p[i].x,
                           p[i].y, p[i].z);

@@ -32,7 +32,8 @@ static size_t fuzz_below(size_t n) /* splitmix64 */
 /* Change data in place, which has room for twice its size; returns the new size. */
 static size_t fuzz_change(uint8_t *data, size_t size)
 {
-    static const uint8_t odd[] = {0, 1, 127, 128, 255, '-', '0', '9', '\n', ' ', '"', '['};
+    static const uint8_t odd[] = {0,   1,   127,  128, 255, '-',
+                                  '0', '9', '\n', ' ', '"', '['};
     const size_t at = fuzz_below(size), len = fuzz_below(size - at < 64 ? size - at : 64);
 
     switch (fuzz_below(5)) {
@@ -101,8 +102,8 @@ int main(int argc, char **argv)
             return 1;
         }
         while ((entry = readdir(dir)) != NULL) {
-            (void)snprintf(path, sizeof path, "tests/corpus/%s/%s", name + strlen("fuzz_"),
-                           entry->d_name);
+            (void)snprintf(path, sizeof path, "tests/corpus/%s/%s",
+                           name + strlen("fuzz_"), entry->d_name);
             if (entry->d_name[0] != '.')
                 files += fuzz_file(path);
         }

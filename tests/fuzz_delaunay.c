@@ -93,8 +93,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     for (const uint8_t *p = data + 1; size > 2 && n < MAX_POINTS && p + 1 < data + size;
          p += 2, n++)
-        pts[n] = (struct ivec3){coordinate(data[0] % 4, p), coordinate(data[0] % 4, p + 1),
-                                *p};
+        pts[n] = (struct ivec3){coordinate(data[0] % 4, p),
+                                coordinate(data[0] % 4, p + 1), *p};
     st = delaunay_build(pts, n, &s, &m);
     if (st == ST_OK) {
         require(mesh_check(&m, false) == ST_OK);

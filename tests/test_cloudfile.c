@@ -160,9 +160,10 @@ static void make_ply(struct buffer *b, int encoding, const size_t axis[3], size_
     (void)snprintf(line, sizeof line, "ply%sformat %s 1.0%scomment caf\xC3\xA9 element%s",
                    eol, encodings[encoding], eol, eol);
     put_text(b, line);
-    (void)snprintf(line, sizeof line, "element camera 2%sproperty double f%s"
-                   "property list %s short k%selement vertex %zu%s", eol, eol,
-                   types[count].name, eol, n, eol);
+    (void)snprintf(line, sizeof line,
+                   "element camera 2%sproperty double f%s"
+                   "property list %s short k%selement vertex %zu%s",
+                   eol, eol, types[count].name, eol, n, eol);
     put_text(b, line);
     (void)snprintf(line, sizeof line, "property float32 nx%sproperty %s y%s", eol,
                    types[axis[1]].name, eol);
@@ -172,10 +173,12 @@ static void make_ply(struct buffer *b, int encoding, const size_t axis[3], size_
                        types[count].name2, eol);
         put_text(b, line);
     }
-    (void)snprintf(line, sizeof line, "property %s x%sproperty uchar red%sobj_info z x%s"
-                   "property %s z%selement face 1%sproperty list uchar int vertex_indices%s"
-                   "end_header%s", types[axis[0]].name2, eol, eol, eol,
-                   types[axis[2]].name, eol, eol, eol, eol);
+    (void)snprintf(
+        line, sizeof line,
+        "property %s x%sproperty uchar red%sobj_info z x%s"
+        "property %s z%selement face 1%sproperty list uchar int vertex_indices%s"
+        "end_header%s",
+        types[axis[0]].name2, eol, eol, eol, types[axis[2]].name, eol, eol, eol, eol);
     put_text(b, line);
     for (size_t i = 0; i < 2; i++) {
         put_value(b, encoding, 7, 1.5);
@@ -239,10 +242,11 @@ static void test_ply_first_byte(void **state)
         char text[300];
 
         b.len = 0;
-        (void)snprintf(text, sizeof text, "ply%sformat binary_little_endian 1.0%s"
+        (void)snprintf(text, sizeof text,
+                       "ply%sformat binary_little_endian 1.0%s"
                        "element vertex 1%sproperty char x%sproperty char y%s"
-                       "property char z%send_header%s", eols[e], eols[e], eols[e], eols[e],
-                       eols[e], eols[e], eols[e]);
+                       "property char z%send_header%s",
+                       eols[e], eols[e], eols[e], eols[e], eols[e], eols[e], eols[e]);
         put_text(&b, text);
         put(&b, "\n\r\n", 3);
         expect_points(b.bytes, b.len, CLOUDFILE_PLY, want, 1);
@@ -321,7 +325,10 @@ static void test_ply_bad_text(void **state)
 static void test_ply_bad_header(void **state)
 {
     static const char *const bad[] = {
-        "ply", "ply\n", "plywood\n", "ply extra\nformat ascii 1.0\n",
+        "ply",
+        "ply\n",
+        "plywood\n",
+        "ply extra\nformat ascii 1.0\n",
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
         "property float z\n",
         "ply\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
@@ -386,12 +393,15 @@ static void test_ply_lying_counts(void **state)
                 size_t n;
 
                 b.len = 0;
-                (void)snprintf(text, sizeof text, "ply\nformat %s 1.0\n%s%s%selement vertex %s\n"
+                (void)snprintf(text, sizeof text,
+                               "ply\nformat %s 1.0\n%s%s%selement vertex %s\n"
                                "property float x\nproperty float y\nproperty float z\n"
-                               "end_header\n", encodings[encoding],
-                               before ? "element a " : "", before ? counts[i] : "",
-                               before == 1 ? "\nproperty double q\n"
-                               : before == 2 ? "\nproperty list uchar double q\n" : "",
+                               "end_header\n",
+                               encodings[encoding], before ? "element a " : "",
+                               before ? counts[i] : "",
+                               before == 1   ? "\nproperty double q\n"
+                               : before == 2 ? "\nproperty list uchar double q\n"
+                                             : "",
                                before ? "2" : counts[i]);
                 put_text(&b, text);
                 if (encoding == ASCII)
@@ -442,8 +452,9 @@ static void test_ply_binary_not_finite(void **state)
         size_t n;
 
         b.len = 0;
-        put_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
-                     "property float x\nproperty float y\nproperty float z\nend_header\n");
+        put_text(&b,
+                 "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
+                 "property float x\nproperty float y\nproperty float z\nend_header\n");
         for (size_t k = 0; k < 9; k++)
             put_value(&b, LITTLE, 6, k == 3 + i ? (double)bad[i] : 1);
         assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_PLY, &pts, &n, &err),
@@ -471,11 +482,13 @@ static void test_limit(void **state)
         struct dvec3 *pts;
         size_t n;
 
-        assert_int_equal(cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 2, &pts,
-                                         &n, NULL), ST_ELIMIT);
+        assert_int_equal(
+            cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 2, &pts, &n, NULL),
+            ST_ELIMIT);
         assert_null(pts);
-        assert_int_equal(cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 3, &pts,
-                                         &n, NULL), ST_OK);
+        assert_int_equal(
+            cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 3, &pts, &n, NULL),
+            ST_OK);
         assert_int_equal(n, 3);
         mem_free(pts);
     }
@@ -485,7 +498,8 @@ static void test_limit(void **state)
 
 static void test_obj(void **state)
 {
-    static const double want[4][3] = {{1, 2, 3}, {-4.5, 5e-1, 6}, {7, 8, 9}, {10, 11, 12}};
+    static const double want[4][3] = {
+        {1, 2, 3}, {-4.5, 5e-1, 6}, {7, 8, 9}, {10, 11, 12}};
     static const char text[] =
         "\xEF\xBB\xBF# made by a scanner \\\n\nmtllib C:\\a\nv 1 2 3\nvn 0 0 1\n"
         "  v\t-4.5 5e-1 6 1.0\r\nvt 0.5 0.5\nv 7 \\\n8 \\\r\n9 0.1 0.2 0.3\n"
@@ -519,10 +533,13 @@ static void test_xyz(void **state)
 {
     static const double want[3][3] = {{1, 2, 3}, {-4, 5.5, 6}, {7, 8, 9}};
     static const char *const texts[] = {
-        "1 2 3\n-4 5.5 6\n7 8 9", "1,2,3\r\n-4, 5.5, 6\r\n7 ,8 ,9\r\n",
-        "1;2;3\n-4 ; 5.5 ; 6\n7;8;9;\n", "x y z\n1 2 3 255 0 0\n-4\t5.5\t6\n7 8 9 skin\n",
+        "1 2 3\n-4 5.5 6\n7 8 9",
+        "1,2,3\r\n-4, 5.5, 6\r\n7 ,8 ,9\r\n",
+        "1;2;3\n-4 ; 5.5 ; 6\n7;8;9;\n",
+        "x y z\n1 2 3 255 0 0\n-4\t5.5\t6\n7 8 9 skin\n",
         "# a comment\n// X Y Z\n\"X\",\"Y\",\"Z\"\n1,2,3\n\n-4,5.5,6,#\n#\n7,8,9\n",
-        ("\xEF\xBB\xBF" "1 2 3\r-4 5.5 6\r7 8 9\r"),
+        ("\xEF\xBB\xBF"
+         "1 2 3\r-4 5.5 6\r7 8 9\r"),
     };
 
     (void)state;
