@@ -67,6 +67,17 @@ enum status face_derive(struct face *f, struct face_work *w)
     return ST_OK;
 }
 
+enum status face_adopt(struct face *f, struct face_work *w)
+{
+    enum status st = mesh_link(&f->mesh, &w->measure.scratch);
+
+    if (st == ST_OK)
+        st = face_derive(f, w);
+    if (st != ST_OK)
+        f->mesh.nv = f->mesh.nt = 0;
+    return st;
+}
+
 /* What face_build() does once the points are on the lattice. */
 static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
                          struct face *out)

@@ -55,6 +55,11 @@ void face_free(struct face *f); /* NULL and empty ones are allowed */
  * its tree).  Returns ST_OK, ST_ENOMEM. */
 enum status face_derive(struct face *f, struct face_work *w);
 
+/* face_adopt(f, w): for decoding: mesh_link() and then face_derive().  f->mesh has nv, nt,
+ * xy, z, org and parent, all of them unproven.
+ * Returns ST_OK, ST_ECORRUPT (f->mesh.nv is 0 then), ST_ENOMEM. */
+enum status face_adopt(struct face *f, struct face_work *w);
+
 enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {

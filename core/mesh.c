@@ -45,6 +45,15 @@ enum status mesh_reserve(struct mesh *m, uint32_t n)
     return ST_OK;
 }
 
+uint32_t mesh_real(const struct mesh *m)
+{
+    uint32_t ghosts = 0;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++)
+        ghosts += m->org[h] == m->nv; /* each ghost has one such corner */
+    return m->nt - ghosts;
+}
+
 void mesh_free(struct mesh *m)
 {
     if (m == NULL)

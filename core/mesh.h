@@ -68,6 +68,9 @@ static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
     return m->org[3 * t] == m->nv || m->org[3 * t + 1] == m->nv || m->org[3 * t + 2] == m->nv;
 }
 
+/* mesh_real(m): how many triangles are no ghosts.  O(nt). */
+uint32_t mesh_real(const struct mesh *m);
+
 /* mesh_reserve(m, n): room for n points; the content is lost.  A mesh that is all zero is
  * empty.  Memory: 68 bytes a point.  Returns ST_OK; ST_ELIMIT n > MESH_MAX_POINTS;
  * ST_ENOMEM: then m is as before. */
@@ -78,11 +81,15 @@ void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */
  * Returns ST_OK, ST_ELIMIT, ST_ENOMEM (dst is as before). */
 enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra);
 
-/* mesh_link(m, s): make twin[] and out[] from nv, xy and org[], and prove that the result
- * is a triangulation of the convex hull: indices in range, every edge shared by exactly
- * two triangles, every finite triangle counter-clockwise, one ring of ghosts round a
- * convex hull, every vertex with one full ring of triangles, Euler's formula; the tree's
- * edges among the mesh's, parent[v] < v.  Hostile input is safe.  For decoding.
+/* mesh_link(m, s): make twin[] and out[] from nv, nt, xy, org and parent, and prove that
+ * the result is a triangulation of the convex hull: coordinates on the lattice, indices in
+ * range, every edge shared by exactly two triangles, every real triangle counter-clockwise,
+ * one ring of ghosts round a convex hull, every vertex with one full ring of triangles; the
+ * tree's edges among the mesh's, parent[v] < v.  Hostile input is safe.  For decoding.
+ * The triangles must be in the order in which delaunay_build() writes them: ghosts first,
+ * clockwise round the hull, the ghost vertex at their third corner.  Then out[] too is as
+ * delaunay_build() makes it: the last half-edge in number out of a vertex, the first out
+ * of the ghost.
  * Cost  O(nv) time.  Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
 enum status mesh_link(struct mesh *m, struct scratch *s);
 
