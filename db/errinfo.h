@@ -10,8 +10,7 @@ struct errinfo {
 };
 
 /* errinfo_set(e, st, fmt, ...): fill *e (NULL is allowed) and return st. */
-__attribute__((format(printf, 3, 4))) enum status errinfo_set(struct errinfo *e,
-                                                              enum status st,
-                                                              const char *fmt, ...);
+__attribute__((format(printf, 3, 4))) enum status
+errinfo_set(struct errinfo *e, enum status st, const char *fmt, ...);
 
 #endif

@@ -1,0 +1,236 @@
+#include "codec.h"
+
+#include <sodium.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "errinfo.h"
+#include "face.h"
+#include "lattice.h"
+#include "mesh.h"
+
+/* The layout: db/FORMAT.md. */
+#define MAGIC     "SURF"
+#define VERSION   1
+#define FLAG_WIDE 1     /* indices of 4 bytes, not 2 */
+#define NARROW    65535 /* points up to which all indices, the ghost's too, fit 2 bytes */
+
+enum {
+    AT_MAGIC = 0,
+    AT_VERSION = 4,
+    AT_FLAGS = 6,
+    AT_LENGTH = 8,
+    AT_POINTS = 16,
+    AT_TRIANGLES = 20,
+    AT_SCALE = 24,
+    AT_RESERVED = 28,
+    HEADER = 32,
+    CHECKSUM = 8 /* at the end, over all before it */
+};
+
+/* ---- little-endian numbers at any address */
+
+static void put16(unsigned char *p, uint32_t v)
+{
+    p[0] = (unsigned char)(v & 0xff);
+    p[1] = (unsigned char)(v >> 8 & 0xff);
+}
+
+static void put32(unsigned char *p, uint32_t v)
+{
+    put16(p, v & 0xffff);
+    put16(p + 2, v >> 16);
+}
+
+static void put64(unsigned char *p, uint64_t v)
+{
+    put32(p, (uint32_t)(v & 0xffffffff));
+    put32(p + 4, (uint32_t)(v >> 32));
+}
+
+static uint32_t get16(const unsigned char *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8;
+}
+
+static uint32_t get32(const unsigned char *p)
+{
+    return get16(p) | get16(p + 2) << 16;
+}
+
+static uint64_t get64(const unsigned char *p)
+{
+    return get32(p) | (uint64_t)get32(p + 4) << 32;
+}
+
+static bool narrow(uint32_t nv)
+{
+    return nv <= NARROW;
+}
+
+static unsigned char *put_indices(unsigned char *p, const uint32_t *v, size_t n, bool two)
+{
+    for (size_t i = 0; i < n; i++)
+        if (two)
+            put16(p + 2 * i, v[i]);
+        else
+            put32(p + 4 * i, v[i]);
+    return p + n * (two ? 2 : 4);
+}
+
+static const unsigned char *get_indices(const unsigned char *p, uint32_t *v, size_t n,
+                                        bool two)
+{
+    if (two)
+        for (size_t i = 0; i < n; i++)
+            v[i] = get16(p + 2 * i);
+    else
+        for (size_t i = 0; i < n; i++)
+            v[i] = get32(p + 4 * i);
+    return p + n * (two ? 2 : 4);
+}
+
+/* Two's complement in 32 bits to int32_t, without relying on how a conversion overflows. */
+static int32_t to_signed(uint32_t v)
+{
+    int32_t s;
+
+    memcpy(&s, &v, sizeof s);
+    return s;
+}
+
+/* ---- models */
+
+static size_t size_of(uint32_t nv)
+{
+    const size_t n = nv, index = narrow(nv) ? 2 : 4;
+
+    return HEADER + 12 * n + (3 * (2 * n - 2) + n) * index + CHECKSUM;
+}
+
+size_t codec_size(const struct mesh *m)
+{
+    return size_of(m->nv);
+}
+
+void codec_encode(const struct face *f, unsigned char *buf)
+{
+    const struct mesh *m = &f->mesh;
+    const size_t len = size_of(m->nv);
+    const bool two = narrow(m->nv);
+    unsigned char *p = buf + HEADER;
+
+    memcpy(buf + AT_MAGIC, MAGIC, 4);
+    put16(buf + AT_VERSION, VERSION);
+    put16(buf + AT_FLAGS, two ? 0 : FLAG_WIDE);
+    put64(buf + AT_LENGTH, len);
+    put32(buf + AT_POINTS, m->nv);
+    put32(buf + AT_TRIANGLES, m->nt);
+    put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
+    put32(buf + AT_RESERVED, 0);
+    for (uint32_t v = 0; v < m->nv; v++, p += 8) {
+        put32(p, (uint32_t)m->xy[v].x);
+        put32(p + 4, (uint32_t)m->xy[v].y);
+    }
+    for (uint32_t v = 0; v < m->nv; v++, p += 4)
+        put32(p, (uint32_t)m->z[v]);
+    p = put_indices(p, m->org, 3 * (size_t)m->nt, two);
+    p = put_indices(p, m->parent, m->nv, two);
+    put64(p, XXH3_64bits(buf, len - CHECKSUM));
+}
+
+static enum status check_header(const unsigned char *p, size_t len, struct errinfo *e)
+{
+    uint32_t nv;
+
+    if (len < HEADER + CHECKSUM || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
+        return errinfo_set(e, ST_ECORRUPT, "not a face model");
+    if (get16(p + AT_VERSION) != VERSION)
+        return errinfo_set(e, ST_EVERSION, "a face model of version %u, not %d",
+                           get16(p + AT_VERSION), VERSION);
+    if (get64(p + AT_LENGTH) != len)
+        return errinfo_set(e, ST_ECORRUPT, "%zu bytes where its header says %llu", len,
+                           (unsigned long long)get64(p + AT_LENGTH));
+    if (XXH3_64bits(p, len - CHECKSUM) != get64(p + len - CHECKSUM))
+        return errinfo_set(e, ST_ECORRUPT, "its checksum is wrong");
+    nv = get32(p + AT_POINTS);
+    if (nv < 3 || nv > MESH_MAX_POINTS || size_of(nv) != len ||
+        get32(p + AT_TRIANGLES) != 2 * nv - 2)
+        return errinfo_set(e, ST_ECORRUPT, "%u points and %u triangles in %zu bytes", nv,
+                           get32(p + AT_TRIANGLES), len);
+    if (get16(p + AT_FLAGS) != (narrow(nv) ? 0 : FLAG_WIDE) ||
+        get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM || get32(p + AT_RESERVED) != 0)
+        return errinfo_set(e, ST_ECORRUPT, "its header contradicts itself");
+    return ST_OK;
+}
+
+enum status codec_decode(const void *buf, size_t len, struct face_work *w,
+                         struct face *out, struct errinfo *e)
+{
+    const unsigned char *p = buf;
+    struct mesh *m = &out->mesh;
+    enum status st;
+    uint32_t nv;
+
+    m->nv = m->nt = 0;
+    if ((st = check_header(p, len, e)) != ST_OK)
+        return st;
+    nv = get32(p + AT_POINTS);
+    if ((st = mesh_reserve(m, nv)) != ST_OK)
+        return errinfo_set(e, st, "%u points: %s", nv, status_message(st));
+    m->nv = nv;
+    m->nt = 2 * nv - 2;
+    p += HEADER;
+    for (uint32_t v = 0; v < nv; v++, p += 8) {
+        m->xy[v].x = to_signed(get32(p));
+        m->xy[v].y = to_signed(get32(p + 4));
+    }
+    for (uint32_t v = 0; v < nv; v++, p += 4)
+        m->z[v] = to_signed(get32(p));
+    p = get_indices(p, m->org, 3 * (size_t)m->nt, narrow(nv));
+    (void)get_indices(p, m->parent, nv, narrow(nv));
+    if ((st = face_adopt(out, w)) != ST_OK)
+        return errinfo_set(e, st, "its triangulation or tree is no valid one: %s",
+                           status_message(st));
+    memset(&out->quality, 0, sizeof out->quality);
+    return ST_OK;
+}
+
+/* ---- digest */
+
+static int compare_points(const void *a, const void *b)
+{
+    const struct ivec3 *p = a, *q = b;
+
+    if (p->x != q->x)
+        return p->x < q->x ? -1 : 1;
+    return (p->y > q->y) - (p->y < q->y);
+}
+
+enum status codec_digest(const struct mesh *m, char hex[65])
+{
+    crypto_hash_sha256_state state;
+    unsigned char hash[crypto_hash_sha256_BYTES], point[12];
+    struct ivec3 *pts = calloc(m->nv != 0 ? m->nv : 1, sizeof *pts);
+
+    hex[0] = '\0';
+    if (pts == NULL)
+        return ST_ENOMEM;
+    for (uint32_t v = 0; v < m->nv; v++)
+        pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+    qsort(pts, m->nv, sizeof *pts, compare_points);
+    (void)crypto_hash_sha256_init(&state);
+    for (uint32_t v = 0; v < m->nv; v++) {
+        put32(point, (uint32_t)pts[v].x);
+        put32(point + 4, (uint32_t)pts[v].y);
+        put32(point + 8, (uint32_t)pts[v].z);
+        (void)crypto_hash_sha256_update(&state, point, sizeof point);
+    }
+    (void)crypto_hash_sha256_final(&state, hash);
+    (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
+    free(pts);
+    return ST_OK;
+}

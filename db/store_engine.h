@@ -1,0 +1,78 @@
+/* store_engine.h -- what a database must do to stand behind store.h.
+ * store.c checks arguments, encodes and decodes models, makes ids, times and secrets; an
+ * engine keeps rows.  Each call is one transaction.  Same errors as store.h. */
+#ifndef DB_STORE_ENGINE_H
+#define DB_STORE_ENGINE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include "store.h"
+
+#define STORE_HASH_LEN 32 /* bytes of a token's hash */
+
+struct store { /* the first member of an engine's own struct */
+    const struct store_engine *engine;
+};
+
+struct store_act { /* who changes something, and when */
+    const char *actor;
+    char at[32];
+};
+
+/* Receives one template; model is valid during the call only.  Its status ends the
+ * reading where it is not ST_OK. */
+typedef enum status store_use(void *arg, const struct store_template *t,
+                              const void *model, size_t len, struct errinfo *e);
+
+typedef void store_report(void *arg, const char *line);
+
+struct store_engine {
+    void (*close)(struct store *s);
+    enum status (*ready)(struct store *s, struct errinfo *e);
+
+    /* Add *t, complete, and its subject where it is new; or, where the subject has its
+     * digest already, make *t the template that is there and *created false. */
+    enum status (*template_add)(struct store *s, const struct store_act *by,
+                                struct store_template *t, const void *model, size_t len,
+                                bool *created, struct errinfo *e);
+    /* use may be NULL: then the model is not read. */
+    enum status (*template_read)(struct store *s, const char *id,
+                                 struct store_template *t, store_use *use, void *arg,
+                                 struct errinfo *e);
+    /* Every template of one snapshot; a malformed row is reported and passed over. */
+    enum status (*template_each)(struct store *s, store_use *use, store_report *report,
+                                 void *arg, struct errinfo *e);
+    enum status (*template_delete)(struct store *s, const struct store_act *by,
+                                   const char *id, struct errinfo *e);
+    enum status (*template_list)(struct store *s, const char *subject,
+                                 struct store_template **out, size_t *n,
+                                 struct errinfo *e);
+    enum status (*subject_get)(struct store *s, const char *subject,
+                               struct store_subject *out, struct errinfo *e);
+    enum status (*subject_list)(struct store *s, const char *after, size_t limit,
+                                struct store_subject **out, size_t *n, struct errinfo *e);
+    enum status (*subject_delete)(struct store *s, const struct store_act *by,
+                                  const char *subject, uint32_t *removed,
+                                  struct errinfo *e);
+
+    enum status (*event)(struct store *s, const struct store_act *by, const char *kind,
+                         const char *subject, const char *template_id,
+                         const char *outcome, struct errinfo *e);
+    enum status (*token_add)(struct store *s, const struct store_act *by,
+                             const struct store_token *t,
+                             const unsigned char hash[STORE_HASH_LEN], struct errinfo *e);
+    enum status (*token_list)(struct store *s, struct store_token **out, size_t *n,
+                              struct errinfo *e);
+    enum status (*token_revoke)(struct store *s, const struct store_act *by,
+                                const char *id, struct errinfo *e);
+    /* The token with this hash, and the hash as it is kept; ST_ENOTFOUND. */
+    enum status (*token_find)(struct store *s, const unsigned char hash[STORE_HASH_LEN],
+                              struct store_token *t, unsigned char kept[STORE_HASH_LEN],
+                              struct errinfo *e);
+
+    enum status (*stats)(struct store *s, struct store_stats *out, struct errinfo *e);
+    /* The database's own structure: pages, indexes, references, schema. */
+    enum status (*check)(struct store *s, store_report *report, void *arg,
+                         struct errinfo *e);
+};
+
+#endif

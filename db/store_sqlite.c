@@ -1,0 +1,603 @@
+#include "store_sqlite.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "schema_sql.h"
+
+#define BUSY_MS     5000
+#define MAX_READERS 32
+#define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
+#define APPLICATION 0x53524644  /* application_id in schema.sql */
+
+#define TEMPLATE_COLUMNS                                                                 \
+    "t.id, s.id, t.label, t.created, t.digest, t.engine, t.points, t.triangles, "        \
+    "t.quality, t.coverage, t.density_mm, t.noise_mm"
+#define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
+#define SUBJECT_COLUMNS                                                                  \
+    "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
+
+static const char *const sql_text[SQL_COUNT] = {
+    [SQL_BEGIN] = "BEGIN IMMEDIATE",
+    [SQL_COMMIT] = "COMMIT",
+    [SQL_ROLLBACK] = "ROLLBACK",
+    [SQL_VERSION] = "PRAGMA user_version",
+    [SQL_SUBJECT_FIND] = "SELECT subject_key FROM subjects WHERE id = ?1",
+    [SQL_SUBJECT_ADD] = "INSERT INTO subjects (id, created) VALUES (?1, ?2)",
+    [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id = ?1",
+    [SQL_SUBJECT_LIST] =
+        "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id > ?1 ORDER BY id LIMIT ?2",
+    [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
+    [SQL_TEMPLATE_ADD] =
+        "INSERT INTO templates (id, subject_key, label, created, digest, engine, points, "
+        "triangles, quality, coverage, density_mm, noise_mm, model) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
+    [SQL_TEMPLATE_GET] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM " WHERE t.id = ?1",
+    [SQL_TEMPLATE_LOAD] =
+        "SELECT " TEMPLATE_COLUMNS ", t.model" TEMPLATE_FROM " WHERE t.id = ?1",
+    [SQL_TEMPLATE_SAME] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
+                          " WHERE t.subject_key = ?1 AND t.digest = ?2",
+    [SQL_TEMPLATE_LIST] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
+                          " WHERE t.subject_key = ?1 ORDER BY t.template_key",
+    [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model, t.template_key "
+                          "FROM templates t LEFT JOIN subjects s USING (subject_key) "
+                          "ORDER BY t.template_key",
+    [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
+    [SQL_EVENT_ADD] =
+        "INSERT INTO events (at, kind, actor, subject, template_id, outcome) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+    [SQL_TOKEN_ADD] =
+        "INSERT INTO tokens (id, name, hash, created) VALUES (?1, ?2, ?3, ?4)",
+    [SQL_TOKEN_LIST] = "SELECT id, name, created, revoked FROM tokens ORDER BY token_key",
+    [SQL_TOKEN_REVOKE] =
+        "UPDATE tokens SET revoked = coalesce(revoked, ?2) WHERE id = ?1",
+    [SQL_TOKEN_FIND] =
+        "SELECT id, name, created, revoked, hash FROM tokens WHERE hash = ?1",
+    [SQL_STATS] = "SELECT (SELECT count(*) FROM subjects), count(*), "
+                  "coalesce(sum(points), 0), coalesce(sum(length(model)), 0), "
+                  "(SELECT count(*) FROM events), (SELECT count(*) FROM tokens) "
+                  "FROM templates",
+};
+
+struct sqlite_store {
+    struct store base;
+    char *path;
+    int flags; /* of sqlite3_open_v2() for readers */
+
+    pthread_mutex_t write_lock;
+    struct store_sqlite_conn *writer; /* NULL: opened for reading */
+
+    pthread_mutex_t read_lock;
+    pthread_cond_t read_free;
+    struct store_sqlite_conn *idle;
+    unsigned readers;
+};
+
+static struct sqlite_store *sqlite_store(struct store *s)
+{
+    return (struct sqlite_store *)(void *)s; /* base is its first member */
+}
+
+/* ---- errors */
+
+static enum status status_of(int rc)
+{
+    if (rc == SQLITE_IOERR_NOMEM)
+        return ST_ENOMEM;
+    switch (rc & 0xff) {
+    case SQLITE_OK:
+    case SQLITE_ROW:
+    case SQLITE_DONE:
+        return ST_OK;
+    case SQLITE_NOMEM:
+        return ST_ENOMEM;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return ST_EBUSY;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return ST_ECORRUPT;
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+        return ST_EIO;
+    case SQLITE_TOOBIG:
+        return ST_ELIMIT;
+    default:
+        return ST_EDB;
+    }
+}
+
+enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *what,
+                              struct errinfo *e)
+{
+    const int rc = sqlite3_extended_errcode(c->db), sys = sqlite3_system_errno(c->db);
+    enum status st = status_of(rc);
+    const char *path = sqlite3_db_filename(c->db, "main");
+
+    if (st == ST_OK) /* a call failed without leaving an error behind */
+        st = ST_EDB;
+    if (st == ST_EBUSY)
+        return errinfo_set(e, st, "%s: %s: locked by another process", path, what);
+    return errinfo_set(e, st, "%s: %s: %s%s%s", path, what, sqlite3_errmsg(c->db),
+                       st == ST_EIO && sys != 0 ? ": " : "",
+                       st == ST_EIO && sys != 0 ? strerror(sys) : "");
+}
+
+/* ---- statements */
+
+enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_sql sql,
+                                 sqlite3_stmt **stmt, struct errinfo *e)
+{
+    if (c->stmt[sql] == NULL &&
+        sqlite3_prepare_v3(c->db, sql_text[sql], -1, SQLITE_PREPARE_PERSISTENT,
+                           &c->stmt[sql], NULL) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot prepare a statement", e);
+    *stmt = c->stmt[sql];
+    return ST_OK;
+}
+
+enum status store_sqlite_run(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                             struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (sqlite3_step(stmt) != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot write", e);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+static enum status run_sql(struct store_sqlite_conn *c, enum store_sqlite_sql sql,
+                           struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, sql, &stmt, e);
+
+    return st != ST_OK ? st : store_sqlite_run(c, stmt, e);
+}
+
+bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size)
+{
+    const unsigned char *text;
+    size_t n;
+
+    out[0] = '\0';
+    if (sqlite3_column_type(stmt, col) != SQLITE_TEXT ||
+        (text = sqlite3_column_text(stmt, col)) == NULL)
+        return false;
+    n = (size_t)sqlite3_column_bytes(stmt, col);
+    if (n >= size || memchr(text, '\0', n) != NULL)
+        return false;
+    memcpy(out, text, n);
+    out[n] = '\0';
+    return true;
+}
+
+int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text)
+{
+    return sqlite3_bind_text(stmt, at, text, -1, SQLITE_TRANSIENT);
+}
+
+/* ---- connections */
+
+static void conn_close(struct store_sqlite_conn *c)
+{
+    if (c == NULL)
+        return;
+    for (int i = 0; i < SQL_COUNT; i++)
+        (void)sqlite3_finalize(c->stmt[i]);
+    (void)sqlite3_close(c->db);
+    free(c);
+}
+
+/* Nothing in the file is trusted: no triggers or views, no functions from its schema, no
+ * writing to the schema; cells are checked as they are read. */
+static enum status conn_harden(struct store_sqlite_conn *c, struct errinfo *e)
+{
+    static const struct {
+        int option, value;
+    } config[] = {
+        {SQLITE_DBCONFIG_DEFENSIVE, 1},      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+        {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
+        {SQLITE_DBCONFIG_DQS_DML, 0},        {SQLITE_DBCONFIG_DQS_DDL, 0},
+        {SQLITE_DBCONFIG_ENABLE_FKEY, 1},
+    };
+
+    for (size_t i = 0; i < sizeof config / sizeof *config; i++)
+        if (sqlite3_db_config(c->db, config[i].option, config[i].value, NULL) !=
+            SQLITE_OK)
+            return store_sqlite_fail(c, "cannot configure", e);
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_LENGTH, MAX_BYTES);
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 0);
+    (void)sqlite3_busy_timeout(c->db, BUSY_MS);
+    if (sqlite3_exec(c->db, "PRAGMA cell_size_check=ON", NULL, NULL, NULL) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot configure", e);
+    return ST_OK;
+}
+
+static enum status conn_open(const char *path, int flags, struct store_sqlite_conn **out,
+                             struct errinfo *e)
+{
+    struct store_sqlite_conn *c = calloc(1, sizeof *c);
+    enum status st;
+
+    *out = NULL;
+    if (c == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (sqlite3_open_v2(path, &c->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+                        NULL) != SQLITE_OK) {
+        st = c->db == NULL ? errinfo_set(e, ST_ENOMEM, "out of memory")
+                           : store_sqlite_fail(c, "cannot open", e);
+        goto out;
+    }
+    if ((st = conn_harden(c, e)) != ST_OK)
+        goto out;
+    *out = c;
+    c = NULL;
+out:
+    conn_close(c);
+    return st;
+}
+
+static enum status open_query(struct sqlite_store *q, struct store_sqlite_conn **c,
+                              struct errinfo *e)
+{
+    enum status st = conn_open(q->path, q->flags, c, e);
+
+    if (st == ST_OK &&
+        sqlite3_exec((*c)->db, "PRAGMA query_only=ON", NULL, NULL, NULL) != SQLITE_OK) {
+        st = store_sqlite_fail(*c, "cannot configure", e);
+        conn_close(*c);
+        *c = NULL;
+    }
+    return st;
+}
+
+enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
+                              struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    enum status st = ST_OK;
+
+    pthread_mutex_lock(&q->read_lock);
+    while (q->idle == NULL && q->readers == MAX_READERS)
+        pthread_cond_wait(&q->read_free, &q->read_lock);
+    if ((*c = q->idle) != NULL)
+        q->idle = (*c)->next;
+    else
+        q->readers++; /* its place is taken, it is opened outside the lock */
+    pthread_mutex_unlock(&q->read_lock);
+    if (*c == NULL && (st = open_query(q, c, e)) != ST_OK) {
+        pthread_mutex_lock(&q->read_lock);
+        q->readers--;
+        pthread_cond_signal(&q->read_free);
+        pthread_mutex_unlock(&q->read_lock);
+    }
+    return st;
+}
+
+void store_sqlite_done(struct store *s, struct store_sqlite_conn *c)
+{
+    struct sqlite_store *q = sqlite_store(s);
+
+    pthread_mutex_lock(&q->read_lock);
+    c->next = q->idle;
+    q->idle = c;
+    pthread_cond_signal(&q->read_free);
+    pthread_mutex_unlock(&q->read_lock);
+}
+
+/* ---- transactions */
+
+enum status store_sqlite_write(struct store *s, struct store_sqlite_conn **c,
+                               struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    enum status st;
+
+    if (q->writer == NULL)
+        return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
+    pthread_mutex_lock(&q->write_lock);
+    *c = q->writer;
+    if ((st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
+        pthread_mutex_unlock(&q->write_lock);
+    return st;
+}
+
+enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+
+    if (st == ST_OK)
+        st = run_sql(q->writer, SQL_COMMIT, e);
+    if (st != ST_OK && !sqlite3_get_autocommit(q->writer->db))
+        (void)run_sql(q->writer, SQL_ROLLBACK,
+                      NULL); /* cannot fail in a way that matters:
+                                                         nothing was committed */
+    pthread_mutex_unlock(&q->write_lock);
+    return st;
+}
+
+void store_sqlite_erase_log(struct store *s)
+{
+    struct sqlite_store *q = sqlite_store(s);
+
+    pthread_mutex_lock(&q->write_lock);
+    (void)sqlite3_busy_timeout(q->writer->db, 200); /* another process may be reading */
+    (void)sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
+                                    NULL);
+    (void)sqlite3_busy_timeout(q->writer->db, BUSY_MS);
+    pthread_mutex_unlock(&q->write_lock);
+}
+
+/* ---- opening */
+
+/* The value of a one-row query of one integer. */
+static enum status query_int(struct store_sqlite_conn *c, const char *sql, int64_t *out,
+                             struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+
+    if (sqlite3_prepare_v2(c->db, sql, -1, &stmt, NULL) != SQLITE_OK ||
+        sqlite3_step(stmt) != SQLITE_ROW)
+        st = store_sqlite_fail(c, "cannot read", e);
+    else
+        *out = sqlite3_column_int64(stmt, 0);
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
+                               struct errinfo *e)
+{
+    int64_t pages, size;
+    enum status st;
+
+    if ((st = query_int(c, "PRAGMA page_count", &pages, e)) == ST_OK &&
+        (st = query_int(c, "PRAGMA page_size", &size, e)) == ST_OK)
+        *bytes = (uint64_t)pages * (uint64_t)size;
+    return st;
+}
+
+/* Is the database this program's?  *empty: it holds nothing at all. */
+static enum status identify(struct store_sqlite_conn *c, const char *path, bool *empty,
+                            struct errinfo *e)
+{
+    int64_t application, version, objects;
+    enum status st;
+
+    *empty = false;
+    if ((st = query_int(c, "PRAGMA application_id", &application, e)) != ST_OK ||
+        (st = query_int(c, "PRAGMA user_version", &version, e)) != ST_OK ||
+        (st = query_int(c, "SELECT count(*) FROM sqlite_schema", &objects, e)) != ST_OK) {
+        if (st == ST_ECORRUPT && sqlite3_errcode(c->db) == SQLITE_NOTADB)
+            return errinfo_set(e, st, "%s is not a database", path);
+        return st;
+    }
+    if (application == 0 && version == 0 && objects == 0) {
+        *empty = true;
+        return ST_OK;
+    }
+    if (application != APPLICATION)
+        return errinfo_set(e, ST_ECORRUPT, "%s is the database of another program", path);
+    if (version > STORE_SQLITE_SCHEMA)
+        return errinfo_set(e, ST_EVERSION,
+                           "%s has schema version %lld, this program knows up to %d: "
+                           "use a newer program",
+                           path, (long long)version, STORE_SQLITE_SCHEMA);
+    if (version < 1)
+        return errinfo_set(e, ST_ECORRUPT, "%s has the impossible schema version %lld",
+                           path, (long long)version);
+    return ST_OK;
+}
+
+/* Create the tables, unless another process has just done so. */
+static enum status initialise(struct store_sqlite_conn *c, const char *path,
+                              struct errinfo *e)
+{
+    bool empty;
+    enum status st;
+
+    if (sqlite3_exec(c->db, "PRAGMA journal_mode=WAL; BEGIN EXCLUSIVE", NULL, NULL,
+                     NULL) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot initialise", e);
+    if ((st = identify(c, path, &empty, e)) != ST_OK)
+        goto out;
+    if (empty && sqlite3_exec(c->db, schema_sql, NULL, NULL, NULL) != SQLITE_OK) {
+        st = store_sqlite_fail(c, "cannot create the tables", e);
+        goto out;
+    }
+    if (sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot create the tables", e);
+out:
+    if (!sqlite3_get_autocommit(c->db))
+        (void)sqlite3_exec(c->db, "ROLLBACK", NULL, NULL, NULL);
+    return st;
+}
+
+/* Look at the file before SQLite does, for errors that say what is wrong, and make a new
+ * one ourselves: SQLite would let others read it. */
+static enum status check_file(const char *path, enum store_mode mode, bool *made,
+                              struct errinfo *e)
+{
+    struct stat sb;
+    int fd;
+
+    *made = false;
+    if (path[0] == '\0' || path[0] == ':')
+        return errinfo_set(e, ST_EINVAL, "'%s' is no path for a database", path);
+    if (stat(path, &sb) != 0) {
+        if (errno != ENOENT)
+            return errinfo_set(e, ST_EIO, "cannot open %s: %s", path, strerror(errno));
+        if (mode != STORE_CREATE)
+            return errinfo_set(e, ST_ENOTFOUND, "there is no database %s", path);
+        if ((fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600)) < 0 &&
+            errno != EEXIST)
+            return errinfo_set(e, ST_EIO, "cannot create %s: %s", path, strerror(errno));
+        if (fd >= 0) {
+            *made = true;
+            (void)close(fd);
+        }
+        return ST_OK;
+    }
+    if (!S_ISREG(sb.st_mode))
+        return errinfo_set(e, ST_EINVAL, "%s is not a file", path);
+    if (access(path, mode == STORE_READ ? R_OK : R_OK | W_OK) != 0)
+        return errinfo_set(e, ST_EIO, "cannot %s %s: %s",
+                           mode == STORE_READ ? "read" : "write", path, strerror(errno));
+    return ST_OK;
+}
+
+static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
+                               struct errinfo *e)
+{
+    bool empty;
+    enum status st;
+
+    if ((st = conn_open(q->path, SQLITE_OPEN_READWRITE, &q->writer, e)) != ST_OK)
+        return st;
+    if ((st = identify(q->writer, q->path, &empty, e)) != ST_OK)
+        return st;
+    if (empty && mode != STORE_CREATE)
+        return errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
+                           q->path);
+    if (empty && (st = initialise(q->writer, q->path, e)) != ST_OK)
+        return st;
+    /* A commit is on the disk before it is answered; deleted bytes are overwritten. */
+    if (sqlite3_exec(q->writer->db,
+                     "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
+                     "PRAGMA secure_delete=ON; PRAGMA journal_size_limit=16777216",
+                     NULL, NULL, NULL) != SQLITE_OK)
+        return store_sqlite_fail(q->writer, "cannot configure", e);
+    /* Fail now rather than at the first change. */
+    if ((st = run_sql(q->writer, SQL_BEGIN, e)) == ST_OK)
+        st = run_sql(q->writer, SQL_ROLLBACK, e);
+    return st;
+}
+
+static enum status open_reader(struct sqlite_store *q, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    bool empty;
+    enum status st;
+
+    if ((st = store_sqlite_read(&q->base, &c, e)) != ST_OK)
+        return st;
+    st = identify(c, q->path, &empty, e);
+    if (st == ST_OK && empty)
+        st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
+                         q->path);
+    store_sqlite_done(&q->base, c);
+    return st;
+}
+
+static void sqlite_close(struct store *s)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    struct store_sqlite_conn *c;
+
+    while ((c = q->idle) != NULL) {
+        q->idle = c->next;
+        conn_close(c);
+    }
+    conn_close(q->writer); /* last: with it SQLite brings in the log and removes it */
+    (void)pthread_cond_destroy(&q->read_free);
+    (void)pthread_mutex_destroy(&q->read_lock);
+    (void)pthread_mutex_destroy(&q->write_lock);
+    free(q->path);
+    free(q);
+}
+
+enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
+                              struct errinfo *e)
+{
+    struct sqlite_store *q;
+    bool made;
+    enum status st;
+
+    *out = NULL;
+    if ((st = check_file(path, mode, &made, e)) != ST_OK)
+        return st;
+    if ((q = calloc(1, sizeof *q)) == NULL || (q->path = strdup(path)) == NULL) {
+        free(q);
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        goto out;
+    }
+    q->base.engine = &store_sqlite_engine;
+    /* The last to close a database brings in its log and removes it, and needs to be able
+     * to write for that; query_only keeps readers from changing anything. */
+    q->flags = mode == STORE_READ && access(path, W_OK) == 0 ? SQLITE_OPEN_READWRITE
+                                                             : SQLITE_OPEN_READONLY;
+    (void)pthread_mutex_init(&q->write_lock, NULL);
+    (void)pthread_mutex_init(&q->read_lock, NULL);
+    (void)pthread_cond_init(&q->read_free, NULL);
+    st = mode == STORE_READ ? ST_OK : open_writer(q, mode, e);
+    if (st == ST_OK)
+        st = open_reader(q, e);
+    if (st == ST_OK)
+        *out = &q->base;
+    else
+        sqlite_close(&q->base);
+out:
+    if (st != ST_OK && made)
+        (void)unlink(path); /* nothing was ever in it */
+    return st;
+}
+
+static enum status sqlite_ready(struct store *s, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    int moved = 0;
+    enum status st;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_VERSION, &stmt, e)) != ST_OK)
+        goto out;
+    if (sqlite3_step(stmt) != SQLITE_ROW)
+        st = store_sqlite_fail(c, "cannot read", e);
+    else if (sqlite3_column_int(stmt, 0) != STORE_SQLITE_SCHEMA)
+        st = errinfo_set(e, ST_EVERSION, "the database has schema version %d, not %d",
+                         sqlite3_column_int(stmt, 0), STORE_SQLITE_SCHEMA);
+    (void)sqlite3_reset(stmt);
+    if (st == ST_OK &&
+        sqlite3_file_control(c->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
+            SQLITE_OK &&
+        moved)
+        st = errinfo_set(e, ST_EIO, "the database file was moved or removed");
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
+const struct store_engine store_sqlite_engine = {
+    .close = sqlite_close,
+    .ready = sqlite_ready,
+    .template_add = store_sqlite_face_add,
+    .template_read = store_sqlite_face_read,
+    .template_each = store_sqlite_face_each,
+    .template_delete = store_sqlite_face_delete,
+    .template_list = store_sqlite_face_list,
+    .subject_get = store_sqlite_face_subject,
+    .subject_list = store_sqlite_face_subjects,
+    .subject_delete = store_sqlite_face_erase,
+    .event = store_sqlite_admin_event,
+    .token_add = store_sqlite_admin_token_add,
+    .token_list = store_sqlite_admin_token_list,
+    .token_revoke = store_sqlite_admin_token_revoke,
+    .token_find = store_sqlite_admin_token_find,
+    .stats = store_sqlite_admin_stats,
+    .check = store_sqlite_admin_check,
+};

@@ -1,0 +1,141 @@
+/* store_sqlite.h -- the parts of the SQLite engine, among themselves.
+ * One connection writes, under a lock; readers have a connection each while they read, and
+ * in WAL mode neither waits for the other.  Statements are prepared once a connection.
+ *   store_sqlite.c        opening, connections, transactions
+ *   store_sqlite_face.c   subjects and templates
+ *   store_sqlite_admin.c  events, tokens, statistics, check */
+#ifndef DB_STORE_SQLITE_H
+#define DB_STORE_SQLITE_H
+#include <sqlite3.h>
+#include "store_engine.h"
+
+#define STORE_SQLITE_SCHEMA 1 /* user_version in schema.sql */
+
+enum store_sqlite_sql {
+    SQL_BEGIN,
+    SQL_COMMIT,
+    SQL_ROLLBACK,
+    SQL_VERSION,
+    SQL_SUBJECT_FIND,
+    SQL_SUBJECT_ADD,
+    SQL_SUBJECT_GET,
+    SQL_SUBJECT_LIST,
+    SQL_SUBJECT_DELETE,
+    SQL_TEMPLATE_ADD,
+    SQL_TEMPLATE_GET,
+    SQL_TEMPLATE_LOAD,
+    SQL_TEMPLATE_SAME,
+    SQL_TEMPLATE_LIST,
+    SQL_TEMPLATE_EACH,
+    SQL_TEMPLATE_DELETE,
+    SQL_EVENT_ADD,
+    SQL_TOKEN_ADD,
+    SQL_TOKEN_LIST,
+    SQL_TOKEN_REVOKE,
+    SQL_TOKEN_FIND,
+    SQL_STATS,
+    SQL_COUNT
+};
+
+struct store_sqlite_conn {
+    sqlite3 *db;
+    sqlite3_stmt *stmt[SQL_COUNT];
+    struct store_sqlite_conn *next; /* in the list of those at rest */
+};
+
+extern const struct store_engine store_sqlite_engine;
+
+/* store_sqlite_open(path, mode, out, e): as store_open(). */
+enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
+                              struct errinfo *e);
+
+/* store_sqlite_write(s, c, e): wait for the writer's connection and begin a transaction.
+ * After ST_OK store_sqlite_written(s, st, e) must follow: it commits when st is ST_OK,
+ * else rolls back, and returns st or why the commit failed. */
+enum status store_sqlite_write(struct store *s, struct store_sqlite_conn **c,
+                               struct errinfo *e);
+enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e);
+
+/* store_sqlite_erase_log(s): bring the log into the database file and empty it, where no
+ * reader is in the way, so that deleted bytes are gone from both. */
+void store_sqlite_erase_log(struct store *s);
+
+/* store_sqlite_read(s, c, e): a reader's connection, given back by store_sqlite_done(). */
+enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
+                              struct errinfo *e);
+void store_sqlite_done(struct store *s, struct store_sqlite_conn *c);
+
+/* store_sqlite_prepare(c, sql, stmt, e): the statement, ready to bind; to be reset with
+ * sqlite3_reset() after use. */
+enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_sql sql,
+                                 sqlite3_stmt **stmt, struct errinfo *e);
+
+/* store_sqlite_run(c, stmt, e): step a statement that gives no rows, and reset it. */
+enum status store_sqlite_run(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                             struct errinfo *e);
+
+/* store_sqlite_fail(c, what, e): the status and text of the connection's last error. */
+enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *what,
+                              struct errinfo *e);
+
+/* store_sqlite_bytes(c, bytes, e): the size of the database, its log not counted. */
+enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
+                               struct errinfo *e);
+
+/* Columns as they should be, or false: a text of 0..size-1 bytes without NUL. */
+bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size);
+int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text); /* copied */
+
+/* Append to the events table, inside a transaction. */
+enum status store_sqlite_add_event(struct store_sqlite_conn *c,
+                                   const struct store_act *by, const char *kind,
+                                   const char *subject, const char *template_id,
+                                   const char *outcome, struct errinfo *e);
+
+/* store_sqlite_face.c */
+enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
+                                  struct store_template *t, const void *model, size_t len,
+                                  bool *created, struct errinfo *e);
+enum status store_sqlite_face_read(struct store *s, const char *id,
+                                   struct store_template *t, store_use *use, void *arg,
+                                   struct errinfo *e);
+enum status store_sqlite_face_each(struct store *s, store_use *use, store_report *report,
+                                   void *arg, struct errinfo *e);
+enum status store_sqlite_face_delete(struct store *s, const struct store_act *by,
+                                     const char *id, struct errinfo *e);
+enum status store_sqlite_face_list(struct store *s, const char *subject,
+                                   struct store_template **out, size_t *n,
+                                   struct errinfo *e);
+enum status store_sqlite_face_subject(struct store *s, const char *subject,
+                                      struct store_subject *out, struct errinfo *e);
+enum status store_sqlite_face_subjects(struct store *s, const char *after, size_t limit,
+                                       struct store_subject **out, size_t *n,
+                                       struct errinfo *e);
+enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
+                                    const char *subject, uint32_t *removed,
+                                    struct errinfo *e);
+
+/* store_sqlite_admin.c */
+enum status store_sqlite_admin_event(struct store *s, const struct store_act *by,
+                                     const char *kind, const char *subject,
+                                     const char *template_id, const char *outcome,
+                                     struct errinfo *e);
+enum status store_sqlite_admin_token_add(struct store *s, const struct store_act *by,
+                                         const struct store_token *t,
+                                         const unsigned char hash[STORE_HASH_LEN],
+                                         struct errinfo *e);
+enum status store_sqlite_admin_token_list(struct store *s, struct store_token **out,
+                                          size_t *n, struct errinfo *e);
+enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_act *by,
+                                            const char *id, struct errinfo *e);
+enum status store_sqlite_admin_token_find(struct store *s,
+                                          const unsigned char hash[STORE_HASH_LEN],
+                                          struct store_token *t,
+                                          unsigned char kept[STORE_HASH_LEN],
+                                          struct errinfo *e);
+enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
+                                     struct errinfo *e);
+enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
+                                     struct errinfo *e);
+
+#endif

@@ -1,0 +1,331 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "schema_sql.h"
+#include "store_sqlite.h"
+
+/* ---- events */
+
+enum status store_sqlite_add_event(struct store_sqlite_conn *c,
+                                   const struct store_act *by, const char *kind,
+                                   const char *subject, const char *template_id,
+                                   const char *outcome, struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_EVENT_ADD, &stmt, e);
+
+    if (st != ST_OK)
+        return st;
+    if (store_sqlite_bind(stmt, 1, by->at) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 2, kind) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 3, by->actor) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 4, subject) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 5, template_id) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 6, outcome) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot add an event", e);
+    else
+        st = store_sqlite_run(c, stmt, e);
+    return st;
+}
+
+enum status store_sqlite_admin_event(struct store *s, const struct store_act *by,
+                                     const char *kind, const char *subject,
+                                     const char *template_id, const char *outcome,
+                                     struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    enum status st;
+
+    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+        return st;
+    st = store_sqlite_add_event(c, by, kind, subject, template_id, outcome, e);
+    return store_sqlite_written(s, st, e);
+}
+
+/* ---- tokens */
+
+static enum status read_token(sqlite3_stmt *stmt, struct store_token *t,
+                              struct errinfo *e)
+{
+    memset(t, 0, sizeof *t);
+    if (!store_sqlite_text(stmt, 0, t->id, sizeof t->id) || !store_id_valid(t->id) ||
+        !store_sqlite_text(stmt, 1, t->name, sizeof t->name) ||
+        !store_sqlite_text(stmt, 2, t->created, sizeof t->created))
+        return errinfo_set(e, ST_ECORRUPT, "token %s: its row is damaged",
+                           store_id_valid(t->id) ? t->id : "?");
+    t->revoked = sqlite3_column_type(stmt, 3) != SQLITE_NULL;
+    return ST_OK;
+}
+
+enum status store_sqlite_admin_token_add(struct store *s, const struct store_act *by,
+                                         const struct store_token *t,
+                                         const unsigned char hash[STORE_HASH_LEN],
+                                         struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    enum status st;
+
+    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_TOKEN_ADD, &stmt, e)) != ST_OK)
+        goto out;
+    if (store_sqlite_bind(stmt, 1, t->id) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 2, t->name) != SQLITE_OK ||
+        sqlite3_bind_blob(stmt, 3, hash, STORE_HASH_LEN, SQLITE_TRANSIENT) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 4, t->created) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot add a token", e);
+    else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK)
+        st = store_sqlite_add_event(c, by, "create_token", "", "", t->id, e);
+out:
+    return store_sqlite_written(s, st, e);
+}
+
+enum status store_sqlite_admin_token_list(struct store *s, struct store_token **out,
+                                          size_t *n, struct errinfo *e)
+{
+    struct store_token t, *list = NULL, *larger;
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    size_t room = 0;
+    enum status st;
+    int rc = SQLITE_DONE;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_TOKEN_LIST, &stmt, e)) != ST_OK)
+        goto out;
+    while (st == ST_OK && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+        if ((st = read_token(stmt, &t, e)) != ST_OK)
+            break;
+        if (*n == room) {
+            room = room != 0 ? 2 * room : 16;
+            if ((larger = realloc(list, room * sizeof *list)) == NULL) {
+                st = errinfo_set(e, ST_ENOMEM, "out of memory");
+                break;
+            }
+            list = larger;
+        }
+        list[(*n)++] = t;
+    }
+    if (st == ST_OK && rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot read the tokens", e);
+    (void)sqlite3_reset(stmt);
+out:
+    store_sqlite_done(s, c);
+    if (st != ST_OK) {
+        free(list);
+        *n = 0;
+        return st;
+    }
+    *out = list;
+    return ST_OK;
+}
+
+enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_act *by,
+                                            const char *id, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    enum status st;
+
+    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_TOKEN_REVOKE, &stmt, e)) != ST_OK)
+        goto out;
+    if (store_sqlite_bind(stmt, 1, id) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 2, by->at) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot revoke a token", e);
+    else
+        st = store_sqlite_run(c, stmt, e);
+    if (st == ST_OK && sqlite3_changes(c->db) == 0)
+        st = errinfo_set(e, ST_ENOTFOUND, "there is no token %s", id);
+    if (st == ST_OK)
+        st = store_sqlite_add_event(c, by, "revoke_token", "", "", id, e);
+out:
+    return store_sqlite_written(s, st, e);
+}
+
+enum status store_sqlite_admin_token_find(struct store *s,
+                                          const unsigned char hash[STORE_HASH_LEN],
+                                          struct store_token *t,
+                                          unsigned char kept[STORE_HASH_LEN],
+                                          struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    const void *blob;
+    enum status st;
+    int rc;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_TOKEN_FIND, &stmt, e)) != ST_OK)
+        goto out;
+    if (sqlite3_bind_blob(stmt, 1, hash, STORE_HASH_LEN, SQLITE_TRANSIENT) != SQLITE_OK ||
+        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
+        st = store_sqlite_fail(c, "cannot read a token", e);
+    } else if (rc == SQLITE_DONE) {
+        st = errinfo_set(e, ST_ENOTFOUND, "there is no such token");
+    } else if ((st = read_token(stmt, t, e)) == ST_OK) {
+        blob = sqlite3_column_blob(stmt, 4);
+        if (blob == NULL || sqlite3_column_bytes(stmt, 4) != STORE_HASH_LEN)
+            st = errinfo_set(e, ST_ECORRUPT, "token %s: its row is damaged", t->id);
+        else
+            memcpy(kept, blob, STORE_HASH_LEN);
+    }
+    (void)sqlite3_reset(stmt);
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
+/* ---- the whole database */
+
+enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
+                                     struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    uint64_t *const count[] = {&out->subjects,       &out->templates, &out->points,
+                               &out->template_bytes, &out->events,    &out->tokens};
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_STATS, &stmt, e)) != ST_OK)
+        goto out;
+    if (sqlite3_step(stmt) != SQLITE_ROW)
+        st = store_sqlite_fail(c, "cannot count", e);
+    else
+        for (int i = 0; i < (int)(sizeof count / sizeof *count); i++)
+            *count[i] = (uint64_t)sqlite3_column_int64(stmt, i);
+    (void)sqlite3_reset(stmt);
+    if (st == ST_OK)
+        st = store_sqlite_bytes(c, &out->file_bytes, e);
+    out->schema = STORE_SQLITE_SCHEMA;
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
+/* Every row of a pragma that names a problem a row, as "name: a, b, c". */
+static enum status check_pragma(struct store_sqlite_conn *c, const char *sql,
+                                const char *name, store_report *report, void *arg,
+                                struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+    int rc;
+
+    if (sqlite3_prepare_v2(c->db, sql, -1, &stmt, NULL) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot check", e);
+    while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+        char line[400];
+        size_t n;
+
+        if (sqlite3_column_count(stmt) == 1 && sqlite3_column_bytes(stmt, 0) == 2 &&
+            memcmp(sqlite3_column_text(stmt, 0), "ok", 2) == 0)
+            continue;
+        (void)sqlite3_snprintf(sizeof line, line, "%s:", name);
+        for (int i = 0; i < sqlite3_column_count(stmt); i++) {
+            const unsigned char *text = sqlite3_column_text(stmt, i);
+
+            n = strlen(line);
+            (void)sqlite3_snprintf((int)(sizeof line - n), line + n, "%s %.200s",
+                                   i != 0 ? "," : "",
+                                   text != NULL ? (const char *)text : "-");
+        }
+        for (char *p = line; *p != '\0'; p++)
+            if ((unsigned char)*p < ' ')
+                *p = ' '; /* one line a problem */
+        report(arg, line);
+    }
+    if (rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot check", e);
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+#define SCHEMA_ROWS                                                                      \
+    "SELECT type, name, tbl_name, sql FROM sqlite_schema "                               \
+    "WHERE name NOT GLOB 'sqlite_stat*' ORDER BY type, name"
+
+/* Do two databases have the same schema, word for word? */
+static enum status same_schema(struct store_sqlite_conn *c, sqlite3 *model, bool *same,
+                               struct errinfo *e)
+{
+    sqlite3_stmt *a = NULL, *b = NULL;
+    enum status st = ST_OK;
+    int ra, rb;
+
+    *same = true;
+    if (sqlite3_prepare_v2(c->db, SCHEMA_ROWS, -1, &a, NULL) != SQLITE_OK) {
+        st = store_sqlite_fail(c, "cannot check", e);
+        goto out;
+    }
+    if (sqlite3_prepare_v2(model, SCHEMA_ROWS, -1, &b, NULL) != SQLITE_OK) {
+        st = errinfo_set(e, ST_EDB, "cannot check: %s", sqlite3_errmsg(model));
+        goto out;
+    }
+    do {
+        ra = sqlite3_step(a);
+        rb = sqlite3_step(b);
+        if (ra != rb)
+            *same = false;
+        for (int i = 0; *same && ra == SQLITE_ROW && i < 4; i++) {
+            const int n = sqlite3_column_bytes(a, i);
+
+            *same = n == sqlite3_column_bytes(b, i) &&
+                    (n == 0 || memcmp(sqlite3_column_blob(a, i),
+                                      sqlite3_column_blob(b, i), (size_t)n) == 0);
+        }
+    } while (*same && ra == SQLITE_ROW);
+    if (ra != SQLITE_ROW && ra != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot check", e);
+out:
+    (void)sqlite3_finalize(a);
+    (void)sqlite3_finalize(b);
+    return st;
+}
+
+static enum status check_schema(struct store_sqlite_conn *c, store_report *report,
+                                void *arg, struct errinfo *e)
+{
+    sqlite3 *model = NULL;
+    bool same = true;
+    enum status st;
+
+    if (sqlite3_open_v2(":memory:", &model, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY,
+                        NULL) != SQLITE_OK ||
+        sqlite3_exec(model, schema_sql, NULL, NULL, NULL) != SQLITE_OK)
+        st = errinfo_set(e, ST_EDB, "cannot make the schema to compare with: %s",
+                         model != NULL ? sqlite3_errmsg(model) : "out of memory");
+    else
+        st = same_schema(c, model, &same, e);
+    (void)sqlite3_close(model);
+    if (st == ST_OK && !same)
+        report(arg, "schema: the tables are not those of this program");
+    return st;
+}
+
+enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
+                                     struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    enum status st;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = check_pragma(c, "PRAGMA integrity_check", "integrity", report, arg, e)) ==
+            ST_OK &&
+        (st = check_pragma(c, "PRAGMA foreign_key_check", "reference", report, arg, e)) ==
+            ST_OK)
+        st = check_schema(c, report, arg, e);
+    store_sqlite_done(s, c);
+    return st;
+}
