@@ -4,7 +4,6 @@
 
 #include "codec.h"
 #include "errinfo.h"
-#include "mem.h"
 #include "mesh.h"
 #include "mst.h"
 #include "store_engine.h"
@@ -14,7 +13,6 @@ struct checking {
     store_report *report;
     void *arg;
     struct face_work *work;
-    struct scratch scratch;
     struct face face;
 };
 
@@ -63,12 +61,11 @@ static enum status check_template(void *arg, const struct store_template *t,
     if (mesh_check(m, true) != ST_OK)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its triangulation is not Delaunay", t->id);
-    if ((st = mst_check(m, &c->scratch)) == ST_ENOMEM ||
-        (st == ST_OK && (st = codec_digest(m, digest)) != ST_OK))
-        return errinfo_set(e, st, "out of memory");
-    if (st != ST_OK)
+    if (mst_check(m) != ST_OK)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its spanning tree is not minimal", t->id);
+    if ((st = codec_digest(m, digest)) != ST_OK)
+        return errinfo_set(e, st, "out of memory");
     if (strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its digest is not that of its "
@@ -90,7 +87,6 @@ enum status store_check(struct store *s, void (*report)(void *arg, const char *l
     if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK)
         st = s->engine->template_each(s, check_template, count_template, &c, e);
     face_free(&c.face);
-    scratch_free(&c.scratch);
     face_work_free(c.work);
     return st;
 }

@@ -138,6 +138,7 @@ enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *wha
 enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_sql sql,
                                  sqlite3_stmt **stmt, struct errinfo *e)
 {
+    *stmt = NULL;
     if (c->stmt[sql] == NULL &&
         sqlite3_prepare_v3(c->db, sql_text[sql], -1, SQLITE_PREPARE_PERSISTENT,
                            &c->stmt[sql], NULL) != SQLITE_OK)
@@ -361,7 +362,7 @@ static enum status query_int(struct store_sqlite_conn *c, const char *sql, int64
 enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
                                struct errinfo *e)
 {
-    int64_t pages, size;
+    int64_t pages = 0, size = 0;
     enum status st;
 
     if ((st = query_int(c, "PRAGMA page_count", &pages, e)) == ST_OK &&
@@ -374,7 +375,7 @@ enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
 static enum status identify(struct store_sqlite_conn *c, const char *path, bool *empty,
                             struct errinfo *e)
 {
-    int64_t application, version, objects;
+    int64_t application = 0, version = 0, objects = 0;
     enum status st;
 
     *empty = false;
