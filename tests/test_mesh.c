@@ -1,0 +1,411 @@
+/* link: -Wl,--wrap=aligned_alloc */
+/* mesh_link(): what decoding proves.  Against delaunay_build()'s own twins, and, on meshes
+ * that were damaged, against the conditions of mesh.h by definition. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "fail_alloc.h"
+#include "lattice.h"
+#include "mem.h"
+#include "mesh.h"
+#include "mst.h"
+#include "predicates.h"
+
+#define MAX_POINTS 3000
+
+static struct ivec3 pts[MAX_POINTS];
+static struct scratch scratch;
+
+static void build(size_t n, struct mesh *m)
+{
+    assert_int_equal(delaunay_build(pts, n, &scratch, m), ST_OK);
+    assert_int_equal(mst_build(m, &scratch), ST_OK);
+}
+
+/* A copy without what mesh_link() makes. */
+static void strip(const struct mesh *m, struct mesh *out)
+{
+    assert_int_equal(mesh_copy(out, m, 0), ST_OK);
+    memset(out->twin, 0xa5, 6 * (size_t)out->cap * sizeof *out->twin);
+    memset(out->out, 0xa5, (out->nv + 1) * sizeof *out->out);
+}
+
+static void assert_same(const struct mesh *a, const struct mesh *b)
+{
+    assert_memory_equal(a->twin, b->twin, 3 * (size_t)a->nt * sizeof *a->twin);
+    assert_memory_equal(a->out, b->out, (a->nv + 1) * sizeof *a->out);
+}
+
+/* ---- the conditions by definition */
+
+/* Twice the area of the convex hull, by gift wrapping. */
+static int64_t hull_area(const struct mesh *m)
+{
+    uint32_t first = 0, at, next;
+    int64_t area = 0;
+
+    for (uint32_t v = 1; v < m->nv; v++)
+        if (lex_less(m->xy[v], m->xy[first]))
+            first = v;
+    at = first;
+    do {
+        next = at == 0 ? 1 : 0;
+        for (uint32_t v = 0; v < m->nv; v++)
+            if (v != at && orient2d(m->xy[at], m->xy[next], m->xy[v]) < 0)
+                next = v;
+        area += orient2d(m->xy[first], m->xy[at], m->xy[next]);
+        at = next;
+    } while (at != first);
+    return area;
+}
+
+static bool rings_full(const struct mesh *m)
+{
+    uint32_t seen = 0;
+
+    for (uint32_t v = 0; v <= m->nv; v++) {
+        uint32_t h = m->out[v], steps = 0;
+
+        do {
+            if (h >= 3 * m->nt || m->org[h] != v || steps++ > 3 * m->nt)
+                return false;
+            h = mesh_turn(m, h);
+        } while (h != m->out[v]);
+        seen += steps;
+    }
+    return seen == 3 * m->nt;
+}
+
+static bool tree_in_mesh(const struct mesh *m)
+{
+    for (uint32_t v = 1; v < m->nv; v++) {
+        bool found = false;
+
+        for (uint32_t h = 0; h < 3 * m->nt; h++)
+            found = found || (m->org[h] == v && mesh_dest(m, h) == m->parent[v]);
+        if (!found || m->parent[v] >= v)
+            return false;
+    }
+    return m->parent[0] == 0;
+}
+
+/* A sphere of triangles, each real one counter-clockwise, as large as the hull in all, over
+ * distinct points: such triangles cannot overlap. */
+static bool valid(const struct mesh *m)
+{
+    int64_t area = 0;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++) {
+        const uint32_t t = m->twin[h];
+
+        if (t >= 3 * m->nt || m->twin[t] != h || t == h || m->org[t] != mesh_dest(m, h) ||
+            mesh_dest(m, t) != m->org[h])
+            return false;
+    }
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *c = m->org + 3 * t;
+
+        if (!mesh_is_ghost(m, t)) {
+            const int64_t a = orient2d(m->xy[c[0]], m->xy[c[1]], m->xy[c[2]]);
+
+            if (a <= 0)
+                return false;
+            area += a;
+        }
+    }
+    for (uint32_t v = 0; v < m->nv; v++)
+        for (uint32_t u = 0; u < v; u++)
+            if (m->xy[u].x == m->xy[v].x && m->xy[u].y == m->xy[v].y)
+                return false;
+    return rings_full(m) && area == hull_area(m) && tree_in_mesh(m);
+}
+
+/* ---- tests */
+
+static void test_links(void **state)
+{
+    struct brute_rng r = {brute_seed("mesh")};
+    struct mesh m = {0}, d = {0};
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t n = 3; n <= MAX_POINTS; n += 1 + n / 2) {
+            build(brute_points((enum brute_shape)shape, n, &r, pts), &m);
+            strip(&m, &d);
+            assert_int_equal(mesh_link(&d, &scratch), ST_OK);
+            assert_same(&m, &d);
+            assert_int_equal(mesh_check(&d, true), ST_OK);
+            assert_true(d.nv > 200 || valid(&d));
+        }
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+/* Flip the edge h where that leaves both triangles counter-clockwise. */
+static bool flip(struct mesh *m, uint32_t h)
+{
+    const uint32_t t = m->twin[h], ha = mesh_prev(h), ta = mesh_prev(t);
+    const uint32_t a = m->org[h], b = m->org[t], c = m->org[ha], d = m->org[ta];
+
+    if (mesh_is_ghost(m, h / 3) || mesh_is_ghost(m, t / 3) ||
+        orient2d(m->xy[c], m->xy[d], m->xy[b]) <= 0 ||
+        orient2d(m->xy[d], m->xy[c], m->xy[a]) <= 0)
+        return false;
+    m->org[h] = d;
+    m->org[t] = c;
+    return true;
+}
+
+/* Triangulations that are not Delaunay are safe too, and accepted; the tree must fit. */
+static void test_flipped(void **state)
+{
+    struct brute_rng r = {brute_seed("flipped")};
+    struct mesh m = {0}, d = {0};
+    uint32_t accepted = 0;
+
+    (void)state;
+    for (int round = 0; round < 200; round++) {
+        build(brute_points(BRUTE_RANDOM, 40, &r, pts), &m);
+        for (int i = 0; i < 3; i++) {
+            if (flip(&m, (uint32_t)brute_int(&r, 0, (int32_t)(3 * m.nt) - 1))) {
+                strip(&m, &d);
+                if (mesh_link(&d, &scratch) != ST_OK) {
+                    assert_false(tree_in_mesh(&d));
+                    break;
+                }
+                assert_true(valid(&d));
+                assert_int_equal(mesh_copy(&m, &d, 0), ST_OK); /* its twins are new */
+                accepted++;
+            }
+        }
+    }
+    assert_true(accepted > 50);
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+static uint32_t refused, accepted;
+
+/* Link a damaged mesh: what is accepted must be valid. */
+static void try(const struct mesh *m, struct mesh *d)
+{
+    enum status st;
+
+    strip(m, d);
+    st = mesh_link(d, &scratch);
+    if (st == ST_OK) {
+        assert_true(valid(d));
+        accepted++;
+    } else {
+        assert_int_equal(st, ST_ECORRUPT);
+        refused++;
+    }
+}
+
+/* Every corner and every parent of small meshes, set to every other value. */
+static void test_each_index(void **state)
+{
+    struct brute_rng r = {brute_seed("indices")};
+    struct mesh m = {0}, d = {0};
+
+    (void)state;
+    refused = accepted = 0;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t n = 4; n <= 10; n += 3) {
+            build(brute_points((enum brute_shape)shape, n, &r, pts), &m);
+            for (uint32_t h = 0; h < 3 * m.nt + m.nv; h++) {
+                uint32_t *const at = h < 3 * m.nt ? m.org + h : m.parent + (h - 3 * m.nt);
+                const uint32_t was = *at;
+
+                for (uint32_t v = 0; v <= m.nv + 3; v++) {
+                    *at = v <= m.nv + 1   ? v
+                          : v == m.nv + 2 ? UINT32_C(0x80000000)
+                                          : UINT32_MAX;
+                    if (*at != was)
+                        try(&m, &d);
+                }
+                *at = was;
+            }
+        }
+    print_message("%u refused, %u accepted\n", refused, accepted);
+    assert_true(refused > 10000);
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+/* Two or three corners exchanged or overwritten, points moved. */
+static void test_damaged(void **state)
+{
+    struct brute_rng r = {brute_seed("damaged")};
+    struct mesh m = {0}, k = {0}, d = {0};
+
+    (void)state;
+    refused = accepted = 0;
+    for (int round = 0; round < 40000; round++) {
+        if (round % 100 == 0)
+            build(
+                brute_points((enum brute_shape)(round / 100 % BRUTE_SHAPES), 14, &r, pts),
+                &m);
+        assert_int_equal(mesh_copy(&k, &m, 0), ST_OK);
+        for (int changes = brute_int(&r, 1, 3); changes > 0; changes--) {
+            const uint32_t h = (uint32_t)brute_int(&r, 0, (int32_t)(3 * k.nt) - 1);
+            const uint32_t g = (uint32_t)brute_int(&r, 0, (int32_t)(3 * k.nt) - 1);
+            const uint32_t v = (uint32_t)brute_int(&r, 0, (int32_t)k.nv - 1),
+                           was = k.org[h];
+
+            switch (brute_int(&r, 0, 3)) {
+            case 0:
+                k.org[h] = k.org[g];
+                break;
+            case 1:
+                k.org[h] = k.org[g];
+                k.org[g] = was;
+                break;
+            case 2:
+                k.xy[v] = k.xy[brute_int(&r, 0, (int32_t)k.nv - 1)];
+                break;
+            default:
+                k.xy[v].x += brute_int(&r, -40, 40);
+                k.xy[v].y += brute_int(&r, -40, 40);
+            }
+        }
+        try(&k, &d);
+    }
+    print_message("%u refused, %u accepted\n", refused, accepted);
+    assert_true(refused > 10000 && accepted > 100);
+    mesh_free(&m);
+    mesh_free(&k);
+    mesh_free(&d);
+}
+
+/* A fan round one point whose rim goes round twice: edges pair, all is counter-clockwise,
+ * the hull turns left at each corner; only it turns twice. */
+static void test_turns_twice(void **state)
+{
+    static const struct ivec2 rim[5] = {
+        {1000, 0}, {309, 951}, {-809, 588}, {-809, -588}, {309, -951}};
+    struct mesh m = {0};
+
+    (void)state;
+    for (uint32_t step = 1; step <= 2; step++) {
+        assert_int_equal(mesh_reserve(&m, 6), ST_OK);
+        m.nv = 6;
+        m.nt = 10;
+        m.xy[0] = (struct ivec2){0, 0};
+        memset(m.z, 0, 6 * sizeof *m.z);
+        memset(m.parent, 0, 6 * sizeof *m.parent);
+        for (uint32_t i = 0; i < 5; i++) {
+            const uint32_t clockwise[3] = {5 - i, i < 4 ? 4 - i : 5, 6};
+            const uint32_t real[3] = {0, 1 + i, 1 + (i + 1) % 5};
+
+            m.xy[1 + i] = rim[i * step % 5];
+            memcpy(m.org + 3 * i, clockwise, sizeof clockwise);
+            memcpy(m.org + 3 * (5 + i), real, sizeof real);
+        }
+        assert_int_equal(mesh_link(&m, &scratch), step == 1 ? ST_OK : ST_ECORRUPT);
+    }
+    mesh_free(&m);
+}
+
+static void test_limits(void **state)
+{
+    struct brute_rng r = {brute_seed("limits")};
+    struct mesh m = {0}, d = {0};
+    int32_t *at;
+
+    (void)state;
+    build(brute_points(BRUTE_RANDOM, 50, &r, pts), &m);
+    for (int i = 0; i < 3; i++) {
+        at = i == 0 ? &m.z[7] : i == 1 ? &m.xy[0].x : &m.xy[49].y;
+        for (int k = 0; k < 4; k++) {
+            const int32_t was = *at;
+
+            *at = k == 0   ? LATTICE_MAX + 1
+                  : k == 1 ? -LATTICE_MAX - 1
+                  : k == 2 ? INT32_MAX
+                           : INT32_MIN;
+            strip(&m, &d);
+            assert_int_equal(mesh_link(&d, &scratch), ST_ECORRUPT);
+            *at = was;
+        }
+    }
+    m.z[7] = LATTICE_MAX;
+    m.z[8] = -LATTICE_MAX;
+    strip(&m, &d);
+    assert_int_equal(mesh_link(&d, &scratch), ST_OK);
+    d.nt--;
+    assert_int_equal(mesh_link(&d, &scratch), ST_ECORRUPT);
+    d.nv = 2;
+    d.nt = 2;
+    assert_int_equal(mesh_link(&d, &scratch), ST_ECORRUPT);
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+/* Triangles in an order that keeps no neighbours together: more rounds, the same links. */
+static void test_any_order(void **state)
+{
+    struct brute_rng r = {brute_seed("order")};
+    struct mesh m = {0}, d = {0};
+    uint32_t first = 0;
+
+    (void)state;
+    build(brute_points(BRUTE_RANDOM, MAX_POINTS, &r, pts), &m);
+    while (mesh_is_ghost(&m, first))
+        first++;
+    for (uint32_t t = m.nt - 1; t > first; t--) {
+        const uint32_t u = (uint32_t)brute_int(&r, (int32_t)first, (int32_t)t);
+
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t was = m.org[3 * t + i];
+
+            m.org[3 * t + i] = m.org[3 * u + i];
+            m.org[3 * u + i] = was;
+        }
+    }
+    strip(&m, &d);
+    assert_int_equal(mesh_link(&d, &scratch), ST_OK);
+    assert_int_equal(mesh_check(&d, true), ST_OK);
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+static void test_no_memory(void **state)
+{
+    struct brute_rng r = {brute_seed("memory")};
+    struct mesh m = {0}, d = {0};
+    struct scratch empty = {0};
+
+    (void)state;
+    build(brute_points(BRUTE_RANDOM, 30, &r, pts), &m);
+    strip(&m, &d);
+    fail_alloc_at(1);
+    assert_int_equal(mesh_link(&d, &empty), ST_ENOMEM);
+    fail_alloc_at(0);
+    assert_int_equal(mesh_link(&d, &empty), ST_OK);
+    assert_same(&m, &d);
+    scratch_free(&empty);
+    scratch_free(&scratch);
+    mesh_free(&m);
+    mesh_free(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_links),       cmocka_unit_test(test_flipped),
+        cmocka_unit_test(test_each_index),  cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_turns_twice), cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_any_order),   cmocka_unit_test(test_no_memory),
+    };
+
+    return cmocka_run_group_tests_name("mesh", tests, NULL, NULL);
+}
