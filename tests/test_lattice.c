@@ -95,29 +95,33 @@ static void test_array(void **state)
 static void test_offender(void **state)
 {
     static const double wrong[] = {(double)NAN, (double)INFINITY, 16778, -16778};
-    static const enum status want[] = {ST_ENOTFINITE, ST_ENOTFINITE, ST_ERANGE, ST_ERANGE};
+    static const enum status want[] = {ST_ENOTFINITE, ST_ENOTFINITE, ST_ERANGE,
+                                       ST_ERANGE};
 
     (void)state;
     for (size_t k = 0; k < 4; k++)
         for (size_t i = 0; i < 5; i++)
             for (int axis = 0; axis < 3; axis++) {
-                struct dvec3 pts[5] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}};
+                struct dvec3 pts[5] = {
+                    {1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}};
                 struct ivec3 out[5];
                 size_t bad = 99;
 
                 *(axis == 0 ? &pts[i].x : axis == 1 ? &pts[i].y : &pts[i].z) = wrong[k];
-                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, &bad), want[k]);
+                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, &bad),
+                                 want[k]);
                 assert_int_equal(bad, i);
-                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, NULL), want[k]);
+                assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, NULL),
+                                 want[k]);
             }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nearest),    cmocka_unit_test(test_ties_to_even),
-        cmocka_unit_test(test_range),      cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_array),      cmocka_unit_test(test_offender),
+        cmocka_unit_test(test_nearest), cmocka_unit_test(test_ties_to_even),
+        cmocka_unit_test(test_range),   cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_array),   cmocka_unit_test(test_offender),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -136,9 +136,9 @@ static void test_orient_grid(void **state)
 /* A circle round the origin with many lattice points, and grids round one of them. */
 static void test_incircle_grid(void **state)
 {
-    static const struct ivec2 base[] = {{5, 0},  {4, 3},   {3, 4},   {0, 5},
-                                        {-3, 4}, {-4, 3},  {-5, 0},  {-4, -3},
-                                        {-3, -4}, {0, -5}, {3, -4},  {4, -3}};
+    static const struct ivec2 base[] = {{5, 0},   {4, 3},  {3, 4},  {0, 5},
+                                        {-3, 4},  {-4, 3}, {-5, 0}, {-4, -3},
+                                        {-3, -4}, {0, -5}, {3, -4}, {4, -3}};
     static const int32_t scale[] = {1, 7, 65537, 3355435};
 
     (void)state;
@@ -163,8 +163,8 @@ static void test_incircle_grid(void **state)
 /* The largest determinants there are: points at and near the corners of the lattice. */
 static void test_extremes(void **state)
 {
-    static const int32_t at[] = {-LATTICE_MAX, 1 - LATTICE_MAX, -1,          0,
-                                 1,            LATTICE_MAX - 1, LATTICE_MAX};
+    static const int32_t at[] = {-LATTICE_MAX,    1 - LATTICE_MAX, -1, 0, 1,
+                                 LATTICE_MAX - 1, LATTICE_MAX};
     struct brute_rng r = {brute_seed("extremes")};
 
     (void)state;
@@ -195,7 +195,8 @@ static void test_exhaustive_small(void **state)
         struct ivec2 p[4];
 
         for (uint32_t i = 0; i < 4; i++)
-            p[i] = (struct ivec2){(int32_t)(k >> 4 * i & 3), (int32_t)(k >> (4 * i + 2) & 3)};
+            p[i] = (struct ivec2){(int32_t)(k >> 4 * i & 3),
+                                  (int32_t)(k >> (4 * i + 2) & 3)};
         check_incircle(p[0], p[1], p[2], p[3]);
     }
 }
@@ -231,9 +232,9 @@ static void test_one_diagonal(void **state)
     static const struct ivec2 trapezium[] = {{-2, 0}, {2, 0}, {1, 3}, {-1, 3}};
     static const struct ivec2 octagon[] = {{3, 1},   {1, 3},   {-1, 3}, {-3, 1},
                                            {-3, -1}, {-1, -3}, {1, -3}, {3, -1}};
-    static const struct ivec2 twelve[] = {{5, 0},   {4, 3},   {3, 4},  {0, 5},
-                                          {-3, 4},  {-4, 3},  {-5, 0}, {-4, -3},
-                                          {-3, -4}, {0, -5},  {3, -4}, {4, -3}};
+    static const struct ivec2 twelve[] = {{5, 0},   {4, 3},  {3, 4},  {0, 5},
+                                          {-3, 4},  {-4, 3}, {-5, 0}, {-4, -3},
+                                          {-3, -4}, {0, -5}, {3, -4}, {4, -3}};
 
     (void)state;
     check_fan(square, 4);
@@ -313,10 +314,10 @@ static void test_lex_less(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orient_grid),      cmocka_unit_test(test_incircle_grid),
-        cmocka_unit_test(test_extremes),         cmocka_unit_test(test_exhaustive_small),
-        cmocka_unit_test(test_one_diagonal),     cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_translation),      cmocka_unit_test(test_lex_less),
+        cmocka_unit_test(test_orient_grid),  cmocka_unit_test(test_incircle_grid),
+        cmocka_unit_test(test_extremes),     cmocka_unit_test(test_exhaustive_small),
+        cmocka_unit_test(test_one_diagonal), cmocka_unit_test(test_ties),
+        cmocka_unit_test(test_translation),  cmocka_unit_test(test_lex_less),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,495 @@
+/* Delaunay triangulation against its definition, on every kind of input. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "fail_alloc.h"
+#include "lattice.h"
+#include "mem.h"
+#include "predicates.h"
+
+#define LARGE 20000
+
+static struct scratch scratch; /* one for the whole program: reuse is tested throughout */
+
+static int by_xy(const void *a, const void *b)
+{
+    const struct ivec3 *p = a, *q = b;
+
+    if (p->x != q->x)
+        return p->x < q->x ? -1 : 1;
+    return (p->y > q->y) - (p->y < q->y);
+}
+
+/* Points at one place become one with the mean height, rounded down.  Sorts pts. */
+static size_t united(struct ivec3 *pts, size_t n)
+{
+    size_t k = 0;
+
+    qsort(pts, n, sizeof *pts, by_xy);
+    for (size_t i = 0, j; i < n; i = j) {
+        int64_t sum = 0, count, mean;
+
+        for (j = i; j < n && by_xy(&pts[i], &pts[j]) == 0; j++)
+            sum += pts[j].z;
+        count = (int64_t)(j - i);
+        for (mean = sum / count; mean * count > sum;)
+            mean--;
+        pts[k] = pts[i];
+        pts[k++].z = (int32_t)mean;
+    }
+    return k;
+}
+
+/* The mesh's points in the order of united(). */
+static struct ivec3 *points_of(const struct mesh *m)
+{
+    struct ivec3 *p = malloc((m->nv + 1) * sizeof *p);
+
+    assert_non_null(p);
+    for (uint32_t v = 0; v < m->nv; v++)
+        p[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+    qsort(p, m->nv, sizeof *p, by_xy);
+    return p;
+}
+
+static void check_points(const struct mesh *m, const struct ivec3 *want, size_t n)
+{
+    struct ivec3 *got = points_of(m);
+
+    assert_int_equal(m->nv, n);
+    assert_memory_equal(got, want, n * sizeof *got);
+    free(got);
+}
+
+/* Against the definition; pts is sorted and united. */
+static void check_brute(struct ivec3 *pts, size_t n)
+{
+    struct mesh got = {0}, want = {0};
+
+    assert_int_equal(delaunay_build(pts, n, &scratch, &got), ST_OK);
+    n = united(pts, n);
+    check_points(&got, pts, n);
+    brute_delaunay(pts, n, &want);
+    assert_true(brute_same(&got, &want));
+    assert_int_equal(mesh_check(&got, false), ST_OK);
+    mesh_free(&got);
+    mesh_free(&want);
+}
+
+static void test_by_definition(void **state)
+{
+    struct brute_rng r = {brute_seed("by definition")};
+    struct ivec3 pts[400];
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        for (size_t n = 3; n < 40; n++)
+            check_brute(pts, brute_points((enum brute_shape)shape, n, &r, pts));
+        for (int k = 0; k < 12; k++) {
+            const size_t n = (size_t)brute_int(&r, 40, 400);
+
+            check_brute(pts, brute_points((enum brute_shape)shape, n, &r, pts));
+        }
+    }
+}
+
+/* Every set of 3, 4 and 5 points on a 3 x 3 grid that is not on one line. */
+static void test_all_small_sets(void **state)
+{
+    int lines = 0;
+
+    (void)state;
+    for (unsigned set = 0; set < 1u << 9; set++) {
+        struct ivec3 pts[9];
+        size_t n = 0;
+        bool line = true;
+
+        for (int i = 0; i < 9; i++)
+            if (set >> i & 1)
+                pts[n++] = (struct ivec3){i % 3, i / 3, i};
+        for (size_t i = 2; i < n; i++)
+            line = line && orient2d((struct ivec2){pts[0].x, pts[0].y},
+                                    (struct ivec2){pts[1].x, pts[1].y},
+                                    (struct ivec2){pts[i].x, pts[i].y}) == 0;
+        if (line) {
+            struct mesh m = {0};
+
+            assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_EDEGENERATE);
+            mesh_free(&m);
+            lines++;
+        } else {
+            check_brute(pts, n);
+        }
+    }
+    assert_int_equal(lines, 1 + 9 + 36 + 8); /* none, one, two, three in a row */
+}
+
+/* Points on a line in direction (dx, dy), and 0 to 3 off it at the end. */
+static size_t line_points(int32_t dx, int32_t dy, size_t n, size_t off,
+                          struct brute_rng *r, struct ivec3 *pts)
+{
+    for (size_t i = 0; i < n; i++) {
+        const int32_t t = brute_int(r, -900, 900);
+
+        pts[i] = (struct ivec3){t * dx, t * dy, t};
+    }
+    for (size_t i = 0; i < off; i++)
+        pts[n + i] =
+            (struct ivec3){brute_int(r, -2000, 2000), brute_int(r, -2000, 2000), 7};
+    return n + off;
+}
+
+static void test_lines(void **state)
+{
+    static const struct ivec2 way[] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {3, 1}, {-2, 7}};
+    struct brute_rng r = {brute_seed("lines")};
+    struct ivec3 pts[256];
+    struct mesh m = {0};
+
+    (void)state;
+    for (size_t w = 0; w < sizeof way / sizeof way[0]; w++)
+        for (size_t n = 2; n < 250; n += 1 + n / 4) {
+            size_t all = line_points(way[w].x, way[w].y, n, 0, &r, pts);
+
+            assert_int_equal(delaunay_build(pts, all, &scratch, &m), ST_EDEGENERATE);
+            assert_int_equal(m.nv, 0);
+            for (size_t off = 1; off < 4; off++) {
+                all = line_points(way[w].x, way[w].y, n, off, &r, pts);
+                pts[n] = (struct ivec3){way[w].x + way[w].y, way[w].y - way[w].x, 1};
+                pts[0] = (struct ivec3){0, 0, 0};
+                pts[1] = (struct ivec3){way[w].x, way[w].y, 0};
+                check_brute(pts, all);
+            }
+        }
+    mesh_free(&m);
+}
+
+/* Many points at few places: heights averaged and rounded down, whatever the order. */
+static void test_duplicates(void **state)
+{
+    static const int side[] = {2, 3, 4, 7, 15};
+    struct brute_rng r = {brute_seed("duplicates")};
+    struct ivec3 pts[500];
+
+    (void)state;
+    for (size_t s = 0; s < 5; s++)
+        for (size_t n = 10; n <= 500; n += 49) {
+            for (size_t i = 0; i < n; i++)
+                pts[i] = (struct ivec3){brute_int(&r, 0, side[s] - 1),
+                                        brute_int(&r, 0, side[s] - 1),
+                                        brute_int(&r, -LATTICE_MAX, LATTICE_MAX)};
+            for (int i = 0; i < 3; i++) { /* never on one line */
+                pts[i].x = i == 1;
+                pts[i].y = i == 2;
+            }
+            check_brute(pts, n);
+        }
+}
+
+static void test_mean_height(void **state)
+{
+    struct ivec3 pts[] = {{0, 0, -1}, {0, 0, -2}, {5, 0, 1}, {5, 0, 2},
+                          {0, 5, -7}, {0, 5, -7}, {5, 0, 2}, {9, 9, LATTICE_MAX}};
+    const struct ivec3 want[] = {{0, 0, -2}, {0, 5, -7}, {5, 0, 1}, {9, 9, LATTICE_MAX}};
+    struct mesh m = {0};
+
+    (void)state;
+    assert_int_equal(delaunay_build(pts, 8, &scratch, &m), ST_OK);
+    check_points(&m, want, 4);
+    mesh_free(&m);
+}
+
+static void shuffle(struct ivec3 *pts, size_t n, struct brute_rng *r)
+{
+    for (size_t i = n; i-- > 1;) {
+        const size_t j = brute_rand(r) % (i + 1);
+        const struct ivec3 t = pts[i];
+
+        pts[i] = pts[j];
+        pts[j] = t;
+    }
+}
+
+/* Do the meshes agree byte for byte, but for a shift? */
+static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t dx,
+                             int32_t dy)
+{
+    const size_t halves = 3 * (size_t)a->nt;
+
+    assert_int_equal(a->nv, b->nv);
+    assert_int_equal(a->nt, b->nt);
+    for (uint32_t v = 0; v < a->nv; v++) {
+        assert_int_equal(a->xy[v].x + dx, b->xy[v].x);
+        assert_int_equal(a->xy[v].y + dy, b->xy[v].y);
+    }
+    assert_memory_equal(a->z, b->z, a->nv * sizeof *a->z);
+    assert_memory_equal(a->org, b->org, halves * sizeof *a->org);
+    assert_memory_equal(a->twin, b->twin, halves * sizeof *a->twin);
+    assert_memory_equal(a->out, b->out, (a->nv + 1) * sizeof *a->out);
+}
+
+static void test_canonical(void **state)
+{
+    struct brute_rng r = {brute_seed("canonical")};
+    struct ivec3 *pts = malloc(2 * LARGE * sizeof *pts);
+    struct mesh a = {0}, b = {0};
+
+    (void)state;
+    assert_non_null(pts);
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t n = 5; n <= LARGE; n *= 8) {
+            size_t k = brute_points((enum brute_shape)shape, n, &r, pts);
+
+            for (size_t i = 0; i < n / 3; i++) { /* some twice, at another height */
+                pts[k + i] = pts[brute_rand(&r) % k];
+                pts[k + i].z += brute_int(&r, -9, 9);
+            }
+            k += n / 3;
+            assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
+            for (int again = 0; again < 3; again++) {
+                shuffle(pts, k, &r);
+                assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
+                check_same_bytes(&a, &b, 0, 0);
+            }
+            qsort(pts, k, sizeof *pts, by_xy);
+            assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
+            check_same_bytes(&a, &b, 0, 0);
+        }
+    mesh_free(&a);
+    mesh_free(&b);
+    free(pts);
+}
+
+static void test_translation(void **state)
+{
+    struct brute_rng r = {brute_seed("translation")};
+    struct ivec3 *pts = malloc(3000 * sizeof *pts);
+    struct mesh a = {0}, b = {0};
+
+    (void)state;
+    assert_non_null(pts);
+    for (int shape = 0; shape < BRUTE_EXTREME; shape++) {
+        const size_t k = brute_points((enum brute_shape)shape, 3000, &r, pts);
+        const int32_t dx = -3 - LATTICE_MAX / 6, dy = LATTICE_MAX / 7;
+
+        assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
+        for (size_t i = 0; i < k; i++) {
+            pts[i].x += dx;
+            pts[i].y += dy;
+        }
+        assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
+        check_same_bytes(&a, &b, dx, dy);
+    }
+    mesh_free(&a);
+    mesh_free(&b);
+    free(pts);
+}
+
+/* Too many to compare with the definition: the empty circle across every edge. */
+static void test_large(void **state)
+{
+    struct brute_rng r = {brute_seed("large")};
+    struct ivec3 *pts = malloc(LARGE * sizeof *pts);
+    struct mesh m = {0};
+    size_t n = 0;
+
+    (void)state;
+    assert_non_null(pts);
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        const size_t k = brute_points((enum brute_shape)shape, LARGE, &r, pts);
+
+        assert_int_equal(delaunay_build(pts, k, &scratch, &m), ST_OK);
+        assert_int_equal(m.nv, k);
+        assert_int_equal(mesh_check(&m, false), ST_OK);
+    }
+    for (int32_t y = 0; y < 100; y++) /* a sheared grid: cocircular in other ways */
+        for (int32_t x = 0; x < 100; x++)
+            pts[n++] = (struct ivec3){13 * x + 5 * y, 13 * y - 5 * x, x};
+    assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
+    assert_int_equal(m.nv, n);
+    assert_int_equal(mesh_check(&m, false), ST_OK);
+    for (n = 0; n < 5000; n++) /* a parabola: one fan over all */
+        pts[n] = (struct ivec3){(int32_t)n, (int32_t)(n * n / 2), 0};
+    assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
+    assert_int_equal(m.nv, n);
+    assert_int_equal(mesh_check(&m, false), ST_OK);
+    mesh_free(&m);
+    free(pts);
+}
+
+static void test_refused(void **state)
+{
+    static const struct ivec3 far[] = {
+        {LATTICE_MAX + 1, 0, 0},  {-LATTICE_MAX - 1, 0, 0}, {0, LATTICE_MAX + 1, 0},
+        {0, -LATTICE_MAX - 1, 0}, {0, 0, LATTICE_MAX + 1},  {0, 0, -LATTICE_MAX - 1},
+        {INT32_MAX, 0, 0},        {0, INT32_MIN, 0},        {INT32_MIN, INT32_MAX, 0},
+        {1, 1, INT32_MIN}};
+    struct ivec3 pts[5] = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {9, 9, 0}, {4, 3, 0}};
+    const struct ivec3 one[6] = {{3, 3, 0}, {3, 3, 1}, {3, 3, 2},
+                                 {8, 3, 0}, {8, 3, 0}, {3, 3, 3}};
+    struct mesh m = {0};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof far / sizeof far[0]; k++)
+        for (int i = 0; i < 5; i++) {
+            const struct ivec3 keep = pts[i];
+
+            assert_int_equal(delaunay_build(pts, 5, &scratch, &m), ST_OK);
+            pts[i] = far[k];
+            assert_int_equal(delaunay_build(pts, 5, &scratch, &m), ST_ERANGE);
+            assert_int_equal(m.nv, 0);
+            pts[i] = keep;
+        }
+    for (size_t n = 0; n < 3; n++)
+        assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_EDEGENERATE);
+    for (size_t n = 1; n <= 6; n++)
+        assert_int_equal(delaunay_build(one, n, &scratch, &m), ST_EDEGENERATE);
+    assert_int_equal(m.nv, 0);
+    assert_int_equal(delaunay_build(pts, (size_t)MESH_MAX_POINTS + 1, &scratch, &m),
+                     ST_ELIMIT);
+    assert_int_equal(delaunay_build(pts, SIZE_MAX, &scratch, &m), ST_ELIMIT);
+    assert_int_equal(delaunay_build(pts, 5, &scratch, &m),
+                     ST_OK); /* none the worse for it */
+    assert_int_equal(m.nv, 5);
+    mesh_free(&m);
+}
+
+/* The four corners of the lattice, its middle, and a point next to each. */
+static void test_extremes(void **state)
+{
+    struct ivec3 pts[18];
+    size_t n = 0;
+
+    (void)state;
+    for (int32_t x = -1; x <= 1; x++)
+        for (int32_t y = -1; y <= 1; y++) {
+            pts[n++] = (struct ivec3){x * LATTICE_MAX, y * LATTICE_MAX, -LATTICE_MAX};
+            pts[n++] = (struct ivec3){x * (LATTICE_MAX - 1) + (x == 0),
+                                      y * (LATTICE_MAX - 1), LATTICE_MAX};
+        }
+    check_brute(pts, n);
+}
+
+/* Bigger, smaller and bigger again in the same memory gives what fresh memory gives. */
+static void test_reuse(void **state)
+{
+    static const size_t size[] = {3000, 7, 400, 3, 5000, 3000, 12};
+    struct brute_rng r = {brute_seed("reuse")};
+    struct ivec3 *pts = malloc(5000 * sizeof *pts);
+    struct mesh kept = {0};
+
+    (void)state;
+    assert_non_null(pts);
+    for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
+        const size_t k = brute_points(BRUTE_RANDOM, size[i], &r, pts);
+        struct scratch s = {0};
+        struct mesh fresh = {0};
+
+        assert_int_equal(delaunay_build(pts, k, &s, &fresh), ST_OK);
+        assert_int_equal(delaunay_build(pts, k, &scratch, &kept), ST_OK);
+        check_same_bytes(&fresh, &kept, 0, 0);
+        fail_alloc_at(0);
+        assert_int_equal(delaunay_build(pts, k, &scratch, &kept), ST_OK);
+        assert_int_equal(fail_alloc_count(), 0); /* the steady state allocates nothing */
+        mesh_free(&fresh);
+        scratch_free(&s);
+    }
+    mesh_free(&kept);
+    free(pts);
+}
+
+static void test_no_memory(void **state)
+{
+    struct brute_rng r = {brute_seed("no memory")};
+    struct ivec3 pts[100];
+    const size_t n = brute_points(BRUTE_RANDOM, 100, &r, pts);
+    enum status st = ST_ENOMEM;
+
+    (void)state;
+    for (unsigned long k = 1; st != ST_OK; k++) {
+        struct scratch s = {0};
+        struct mesh m = {0};
+
+        fail_alloc_at(k);
+        st = delaunay_build(pts, n, &s, &m);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(m.nv, 0);
+        } else {
+            assert_int_equal(fail_alloc_count(), 2);
+            assert_int_equal(k, 3);
+        }
+        fail_alloc_at(0);
+        assert_int_equal(delaunay_build(pts, n, &s, &m), ST_OK);
+        assert_int_equal(mesh_check(&m, false), ST_OK);
+        mesh_free(&m);
+        scratch_free(&s);
+    }
+}
+
+/* mesh_check() must see what it is there to see. */
+static void test_check_can_fail(void **state)
+{
+    struct brute_rng r = {brute_seed("check")};
+    struct ivec3 pts[60];
+    const size_t n = brute_points(BRUTE_RANDOM, 60, &r, pts);
+    struct mesh m = {0};
+    int seen = 0;
+
+    (void)state;
+    assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
+    for (uint32_t h = 0; h < 3 * m.nt; h++) {
+        const uint32_t org = m.org[h], twin = m.twin[h];
+
+        m.org[h] = (org + 1) % (m.nv + 1);
+        assert_int_equal(mesh_check(&m, false), ST_ECORRUPT);
+        m.org[h] = UINT32_MAX;
+        assert_int_equal(mesh_check(&m, false), ST_ECORRUPT);
+        m.org[h] = org;
+        m.twin[h] = (twin + 1) % (3 * m.nt);
+        assert_int_equal(mesh_check(&m, false), ST_ECORRUPT);
+        m.twin[h] = UINT32_MAX;
+        assert_int_equal(mesh_check(&m, false), ST_ECORRUPT);
+        m.twin[h] = twin;
+    }
+    for (uint32_t v = 0; v < m.nv; v++) { /* a moved point spoils shape or circles */
+        const struct ivec2 p = m.xy[v];
+
+        m.xy[v].x += 40000;
+        seen += mesh_check(&m, false) == ST_ECORRUPT;
+        m.xy[v] = p;
+        m.out[v] = m.out[(v + 1) % m.nv];
+        assert_int_equal(mesh_check(&m, false), ST_ECORRUPT);
+        for (uint32_t h = 0; h < 3 * m.nt; h++)
+            if (m.org[h] == v)
+                m.out[v] = h;
+    }
+    assert_true(seen > 50);
+    assert_int_equal(mesh_check(&m, false), ST_OK);
+    mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_by_definition),  cmocka_unit_test(test_all_small_sets),
+        cmocka_unit_test(test_lines),          cmocka_unit_test(test_duplicates),
+        cmocka_unit_test(test_mean_height),    cmocka_unit_test(test_canonical),
+        cmocka_unit_test(test_translation),    cmocka_unit_test(test_large),
+        cmocka_unit_test(test_refused),        cmocka_unit_test(test_extremes),
+        cmocka_unit_test(test_reuse),          cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_check_can_fail),
+    };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+
+    scratch_free(&scratch);
+    return failed;
+}

@@ -1,0 +1,374 @@
+/* The general triangulation must be the triangulation of the union built from scratch. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "fail_alloc.h"
+#include "lattice.h"
+#include "locate.h"
+#include "mem.h"
+#include "merge.h"
+#include "mst.h"
+
+#define MOST 6000
+
+static struct scratch scratch;
+
+struct cloud {
+    size_t n;
+    struct ivec3 pts[MOST];
+};
+
+static struct cloud first, second;
+
+static void add(struct cloud *c, int32_t x, int32_t y)
+{
+    assert_true(c->n < MOST);
+    c->pts[c->n] = (struct ivec3){x, y, (int32_t)c->n};
+    c->n++;
+}
+
+static void triangulate(const struct cloud *c, struct mesh *m)
+{
+    assert_int_equal(delaunay_build(c->pts, c->n, &scratch, m), ST_OK);
+    assert_int_equal(mst_build(m, &scratch), ST_OK);
+}
+
+/* Both meshes, the locations, and room for the result. */
+struct pair {
+    struct mesh a, b, out;
+    struct location *b_in_a;
+    uint32_t *b_vertex;
+};
+
+static void pair_make(struct pair *p, const struct cloud *a, const struct cloud *b)
+{
+    *p = (struct pair){{0}, {0}, {0}, NULL, NULL};
+    triangulate(a, &p->a);
+    triangulate(b, &p->b);
+    p->b_in_a = calloc(p->b.nv, sizeof *p->b_in_a);
+    p->b_vertex = calloc(p->b.nv, sizeof *p->b_vertex);
+    assert_true(p->b_in_a != NULL && p->b_vertex != NULL);
+    locate_mesh(&p->a, &p->b, p->b_in_a);
+}
+
+static void pair_free(struct pair *p)
+{
+    mesh_free(&p->a);
+    mesh_free(&p->b);
+    mesh_free(&p->out);
+    free(p->b_in_a);
+    free(p->b_vertex);
+}
+
+/* a's vertices first and untouched; each of b's at its place, new ones in b's order. */
+static void check_numbers(const struct pair *p)
+{
+    uint32_t next = p->a.nv;
+
+    for (uint32_t v = 0; v < p->a.nv; v++) {
+        assert_int_equal(p->out.xy[v].x, p->a.xy[v].x);
+        assert_int_equal(p->out.xy[v].y, p->a.xy[v].y);
+        assert_int_equal(p->out.z[v], p->a.z[v]);
+    }
+    for (uint32_t v = 0; v < p->b.nv; v++) {
+        const uint32_t w = p->b_vertex[v];
+
+        assert_true(w < p->out.nv);
+        assert_int_equal(p->out.xy[w].x, p->b.xy[v].x);
+        assert_int_equal(p->out.xy[w].y, p->b.xy[v].y);
+        if (w >= p->a.nv) {
+            assert_int_equal(w, next++);
+            assert_int_equal(p->out.z[w], p->b.z[v]);
+        }
+    }
+    assert_int_equal(p->out.nv, next);
+}
+
+static void check_union(const struct pair *p)
+{
+    const size_t n = (size_t)p->a.nv + p->b.nv;
+    struct ivec3 *pts = calloc(n, sizeof *pts);
+    struct mesh want = {0};
+
+    assert_non_null(pts);
+    for (uint32_t v = 0; v < p->a.nv; v++)
+        pts[v] = (struct ivec3){p->a.xy[v].x, p->a.xy[v].y, 0};
+    for (uint32_t v = 0; v < p->b.nv; v++)
+        pts[p->a.nv + v] = (struct ivec3){p->b.xy[v].x, p->b.xy[v].y, 0};
+    assert_int_equal(delaunay_build(pts, n, &scratch, &want), ST_OK);
+    assert_true(brute_same(&p->out, &want));
+    assert_int_equal(mesh_check(&p->out, false), ST_OK);
+    mesh_free(&want);
+    free(pts);
+}
+
+/* Merge b into a; returns the allocations made once all memory has its size. */
+static unsigned long check_merge(const struct cloud *a, const struct cloud *b)
+{
+    struct pair p;
+    unsigned long allocations;
+
+    pair_make(&p, a, b);
+    for (int again = 0; again < 2; again++) {
+        fail_alloc_at(0);
+        assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
+                         ST_OK);
+        allocations = fail_alloc_count();
+        check_numbers(&p);
+        check_union(&p);
+    }
+    pair_free(&p);
+    return allocations;
+}
+
+static void check_both_ways(const struct cloud *a, const struct cloud *b)
+{
+    (void)check_merge(a, b);
+    (void)check_merge(b, a);
+}
+
+/* Every kind of point set against every kind, at their own places and on one another. */
+static void test_kinds(void **state)
+{
+    static const size_t size[][2] = {{3, 3}, {5, 60}, {80, 6}, {150, 150}, {700, 500}};
+    struct brute_rng r = {brute_seed("kinds")};
+
+    (void)state;
+    for (int ka = 0; ka < BRUTE_SHAPES; ka++)
+        for (int kb = 0; kb < BRUTE_SHAPES; kb++)
+            for (size_t s = 0; s < sizeof size / sizeof size[0]; s++) {
+                first.n = brute_points((enum brute_shape)ka, size[s][0], &r, first.pts);
+                second.n = brute_points((enum brute_shape)kb, size[s][1], &r, second.pts);
+                (void)check_merge(&first, &second);
+            }
+}
+
+/* Some, then all points of b are points of a. */
+static void test_shared(void **state)
+{
+    struct brute_rng r = {brute_seed("shared")};
+    struct pair p;
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t n = 8; n < 300; n *= 3) {
+            first.n = brute_points((enum brute_shape)shape, n, &r, first.pts);
+            second.n = brute_points((enum brute_shape)shape, n, &r, second.pts);
+            for (size_t i = 0; i < second.n; i += 2)
+                second.pts[i] = first.pts[brute_rand(&r) % first.n];
+            check_both_ways(&first, &second);
+            pair_make(&p, &first, &first);
+            assert_int_equal(
+                merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex), ST_OK);
+            assert_int_equal(p.out.nv, p.a.nv);
+            check_numbers(&p);
+            check_union(&p);
+            pair_free(&p);
+        }
+}
+
+/* b on the edges of a, inner ones and the hull's, and on the lines beyond their ends. */
+static void test_on_edges(void **state)
+{
+    struct brute_rng r = {brute_seed("on edges")};
+
+    (void)state;
+    for (int round = 0; round < 60; round++) {
+        struct mesh m = {0};
+
+        first.n = brute_points(round % 2 ? BRUTE_RANDOM : BRUTE_SMALL, 40, &r, first.pts);
+        for (size_t i = 0; i < first.n;
+             i++) { /* even, so that middles are lattice points */
+            first.pts[i].x *= 4;
+            first.pts[i].y *= 4;
+        }
+        triangulate(&first, &m);
+        second.n = 0;
+        for (uint32_t h = 0; h < 3 * m.nt; h++) {
+            const uint32_t u = m.org[h], v = mesh_dest(&m, h);
+            const int32_t part = brute_int(&r, -1, 5); /* -1 and 5: beyond the ends */
+
+            if (u < m.nv && v < m.nv && u < v && brute_rand(&r) % 3 != 0)
+                add(&second, m.xy[u].x + (m.xy[v].x - m.xy[u].x) / 4 * part,
+                    m.xy[u].y + (m.xy[v].y - m.xy[u].y) / 4 * part);
+        }
+        mesh_free(&m);
+        check_both_ways(&first, &second);
+    }
+}
+
+/* Wholly outside (beside, across a corner, all round) and inside a single triangle. */
+static void test_apart(void **state)
+{
+    static const int32_t shift[][2] = {
+        {300000, 0}, {0, -300000}, {200000, 200000}, {140000, 0}, {-140001, 139999}};
+    struct brute_rng r = {brute_seed("apart")};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++)
+        for (size_t n = 3; n < 400; n *= 5) {
+            first.n = brute_points(BRUTE_RANDOM, n, &r, first.pts);
+            second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
+            for (size_t i = 0; i < second.n; i++) {
+                second.pts[i].x += shift[k][0];
+                second.pts[i].y += shift[k][1];
+            }
+            check_both_ways(&first, &second);
+        }
+    for (size_t n = 3; n < 400; n *= 2) {
+        first.n = 0;
+        add(&first, -9000000, -8000000);
+        add(&first, 9500000, -7000000);
+        add(&first, 100000, 9000000);
+        second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
+        check_both_ways(&first, &second);
+        add(&first, 100000, -7500000); /* the edge to it runs through the middle of b */
+        check_both_ways(&first, &second);
+    }
+}
+
+/* Grids and circles that interleave: cocircular points from both sides. */
+static void test_interleaved(void **state)
+{
+    static const int32_t off[][2] = {{5, 5}, {5, 0}, {0, 5}, {2, 1}, {10, 20}, {25, -15}};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof off / sizeof off[0]; k++)
+        for (int32_t side = 2; side <= 20; side += 3) {
+            first.n = second.n = 0;
+            for (int32_t i = 0; i < side * side; i++) {
+                add(&first, 10 * (i % side), 10 * (i / side));
+                add(&second, 10 * (i % side) + off[k][0], 10 * (i / side) + off[k][1]);
+            }
+            check_both_ways(&first, &second);
+        }
+    for (int parts = 2; parts <= 5; parts++) {
+        struct brute_rng r = {brute_seed("circles")};
+        static struct ivec3 circle[324];
+        const size_t n = brute_points(BRUTE_CIRCLE, 324, &r, circle);
+
+        first.n = second.n = 0;
+        for (size_t i = 0; i < n; i++)
+            add(i % (size_t)parts == 0 ? &first : &second, circle[i].x, circle[i].y);
+        check_both_ways(&first, &second);
+        add(&second, 0, 0);
+        check_both_ways(&first, &second);
+        add(&first, 0, 0);
+        check_both_ways(&first, &second);
+    }
+}
+
+/* Points on half a parabola form a fan round the end with the greater curvature, so points
+ * put in from the other end, as here, turn every edge each time. */
+static void make_fan(int32_t n)
+{
+    first.n = second.n = 0;
+    add(&first, -6000, 100); /* on the outer side: in none of the fan's circles */
+    add(&first, -6500, 300);
+    add(&first, -6300, -200);
+    for (int32_t t = 0; t <= n; t++)
+        add(&second, -t, t * t);
+}
+
+/* Quadratic work, which merge_build() must give up on.  That it did shows in the
+ * allocations it makes for starting again. */
+static void test_work_limit(void **state)
+{
+    (void)state;
+    for (int32_t n = 500; n <= 4000; n *= 2) {
+        make_fan(n);
+        assert_true(check_merge(&first, &second) > 0);
+        assert_int_equal(check_merge(&second, &first), 0);
+    }
+}
+
+/* Two scans of one surface never come near that limit, whatever their sampling. */
+static void test_steady_state(void **state)
+{
+    struct brute_rng r = {brute_seed("steady state")};
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        first.n = brute_points((enum brute_shape)shape, 3000, &r, first.pts);
+        second.n = brute_points((enum brute_shape)shape, 3000, &r, second.pts);
+        assert_int_equal(check_merge(&first, &second), 0);
+    }
+}
+
+static void no_memory(const struct cloud *a, const struct cloud *b, unsigned long want)
+{
+    struct pair p;
+    enum status st = ST_ENOMEM;
+
+    pair_make(&p, a, b);
+    for (unsigned long k = 1; st != ST_OK; k++) {
+        struct scratch s = {0};
+
+        mesh_free(&p.out);
+        fail_alloc_at(k);
+        st = merge_build(&p.a, &p.b, p.b_in_a, &s, &p.out, p.b_vertex);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(p.out.nv, 0);
+            assert_true(k <= want);
+        } else {
+            assert_int_equal(k, want + 1);
+            check_numbers(&p);
+        }
+        fail_alloc_at(0);
+        scratch_free(&s);
+    }
+    check_union(&p);
+    pair_free(&p);
+}
+
+static void test_no_memory(void **state)
+{
+    struct brute_rng r = {brute_seed("no memory")};
+
+    (void)state;
+    first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
+    second.n = brute_points(BRUTE_RANDOM, 50, &r, second.pts);
+    no_memory(&first, &second, 1);
+    make_fan(900);
+    no_memory(&first, &second,
+              5); /* a copy, three lists, and delaunay_build()'s scratch */
+}
+
+static void test_limit(void **state)
+{
+    struct brute_rng r = {brute_seed("limit")};
+    struct pair p;
+
+    (void)state;
+    first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
+    pair_make(&p, &first, &first);
+    p.b.nv = MESH_MAX_POINTS; /* refused before any point is looked at */
+    assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
+                     ST_ELIMIT);
+    assert_int_equal(p.out.nv, 0);
+    pair_free(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),        cmocka_unit_test(test_shared),
+        cmocka_unit_test(test_on_edges),     cmocka_unit_test(test_apart),
+        cmocka_unit_test(test_interleaved),  cmocka_unit_test(test_work_limit),
+        cmocka_unit_test(test_steady_state), cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_limit),
+    };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+
+    scratch_free(&scratch);
+    return failed;
+}
