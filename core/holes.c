@@ -1,0 +1,83 @@
+#include "holes.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "mem.h"
+#include "mesh.h"
+#include "predicates.h"
+
+/* Lengths of tree edges, and how many. */
+struct sum {
+    double length, count;
+};
+
+enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacing)
+{
+    const uint32_t nv = m->nv;
+    struct sum *at = scratch_need(s, 2 * nv * sizeof *at), *near;
+
+    if (at == NULL)
+        return ST_ENOMEM;
+    near = at + nv;
+    memset(at, 0, nv * sizeof *at);
+    for (uint32_t v = 1; v < nv; v++) {
+        const uint32_t p = m->parent[v];
+        const double dx = m->xy[v].x - m->xy[p].x, dy = m->xy[v].y - m->xy[p].y;
+        const double length = sqrt(dx * dx + dy * dy);
+
+        at[v].length += length;
+        at[v].count += 1;
+        at[p].length += length;
+        at[p].count += 1;
+    }
+    for (int step = 0; step < 2; step++) { /* every vertex adds its neighbours' sums */
+        struct sum *const t = at;
+
+        memcpy(near, at, nv * sizeof *at);
+        for (uint32_t v = 1; v < nv; v++) {
+            const uint32_t p = m->parent[v];
+
+            near[v].length += at[p].length;
+            near[v].count += at[p].count;
+            near[p].length += at[v].length;
+            near[p].count += at[v].count;
+        }
+        at = near;
+        near = t;
+    }
+    for (uint32_t v = 0; v < nv; v++)
+        spacing[v] = (float)(at[v].length / at[v].count);
+    return ST_OK;
+}
+
+bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint32_t b,
+                   uint32_t c)
+{
+    const double sum = (double)spacing[a] + (double)spacing[b] + (double)spacing[c];
+
+    return holes_wide(m->xy[a], m->xy[b], m->xy[c], sum);
+}
+
+double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
+{
+    const uint32_t nv = m->nv, nt = m->nt;
+    const uint32_t *const org = m->org;
+    const struct ivec2 *const xy = m->xy;
+    int64_t measured = 0; /* twice the area: below 2^52, like the hull's */
+
+    for (uint32_t t = 0; t < nt; t++) {
+        const uint32_t a = org[3 * t], b = org[3 * t + 1], c = org[3 * t + 2];
+        bool wide;
+
+        if (__builtin_expect((a == nv) | (b == nv) | (c == nv), 0)) {
+            bridge[t] = 1;
+            continue;
+        }
+        wide = holes_wide(xy[a], xy[b], xy[c],
+                          (double)spacing[a] + (double)spacing[b] + (double)spacing[c]);
+        bridge[t] = wide;
+        measured += ((int64_t)wide - 1) & orient2d(xy[a], xy[b], xy[c]);
+    }
+    return 0.5 * (double)measured;
+}
