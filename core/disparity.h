@@ -7,12 +7,12 @@
 
 struct location; /* locate.h */
 struct mesh;     /* mesh.h */
-struct scratch;  /* mem.h */
 
 /* disparity_cell(area, a, b, c): volume between two planes over a triangle of the given
  * area, where a, b, c are the signed gaps at its corners: the integral of |gap|.  Every
  * sign case of Fig. 9: one sign throughout (pyramid, prism), zeros, and the wedge where
- * the surfaces cross. */
+ * the surfaces cross.  The same to the last digit for any order of the corners and for
+ * the surfaces exchanged. */
 double disparity_cell(double area, double a, double b, double c);
 
 /* A surface as the measure needs it. */
@@ -25,33 +25,51 @@ struct disparity_side {
     const double *other;        /* each of its vertices interpolated in the other's mesh */
 };
 
-/* u(x, y) of definition (1), in lattice units; taken at each cell's centroid. */
+/* u(x, y) of definition (1), in lattice units; taken at each cell's centroid.  Finite and
+ * not negative; it may depend on nothing but arg and the point. */
 struct disparity_weight {
     double (*at)(const void *arg, double x, double y);
     const void *arg;
+};
+
+/* What the two surfaces say at a vertex of the general triangulation. */
+struct disparity_vertex {
+    double gap;    /* height of b minus height of a, lattice units; NAN outside a hull,
+                      else INFINITY where a side only bridges missing points */
+    float spacing; /* of the mesh that the vertex is from; the larger one of both */
 };
 
 struct disparity {
     double volume_mm3;        /* sum of |gap| over the common cells, u = 1 */
     double area_mm2;          /* their area */
     double plain_mm;          /* volume / area; 0 when the area is 0 */
-    double weighted_mm;       /* sum of u |gap| / sum of u over the same cells */
+    double weighted_mm;       /* sum of u |gap| / sum of u over the same cells; 0 when the
+                                 latter is 0 */
     double overlap;           /* area over a's measured area, 0..1 */
     double bridged_mm2;       /* area left out because a side only bridges missing points */
     double outside_mm2;       /* area of the cells not wholly inside both hulls */
     uint32_t cells, bridged, outside; /* how many of each */
 };
 
-/* disparity_measure(general, b_vertex, a, b, weight, per_mm, gap, out)
+/* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out)
  * general, b_vertex  from merge_build(a->mesh, b->mesh, ...)
  * weight   may be NULL: u = 1
  * per_mm   lattice units per millimetre
- * gap      [general->nv] scratch; on return height of b minus height of a, lattice units
- * A cell counts when its corners lie in both hulls and it bridges missing points of
- * neither.  Sums are compensated (Neumaier) and in a fixed order.  O(general->nv). */
+ * vertex   [general->nv] scratch, set on return
+ *
+ * Each cell of the general triangulation is one of three:
+ *   outside  a corner lies outside the other mesh's hull;
+ *   bridged  else, a corner is where the other mesh only bridges missing points: strictly
+ *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
+ *            triangles bridge; or the cell itself is too wide for the spacings at its
+ *            corners (holes_wide(); of three corners of one mesh that is holes_bridges()):
+ *            then neither mesh has a point where the cell has its gap;
+ *   common   else.  It counts.
+ * Sums are compensated (Neumaier), areas whole numbers, the order fixed: the order of the
+ * cells.  O(general->nv). */
 void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
                        const struct disparity_side *a, const struct disparity_side *b,
-                       const struct disparity_weight *weight, double per_mm, double *gap,
-                       struct disparity *out);
+                       const struct disparity_weight *weight, double per_mm,
+                       struct disparity_vertex *vertex, struct disparity *out);
 
 #endif

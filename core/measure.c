@@ -44,7 +44,7 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
     w->spacing = take(block, &at, nb, sizeof *w->spacing);
     w->bridge = take(block, &at, 2 * nb, sizeof *w->bridge);
     w->b_vertex = take(block, &at, nb, sizeof *w->b_vertex);
-    w->gap = take(block, &at, na + nb, sizeof *w->gap);
+    w->vertex = take(block, &at, na + nb, sizeof *w->vertex);
     return at;
 }
 
@@ -113,6 +113,7 @@ enum status measure_at(const struct measure_surface *tmpl,
     sb.bridge = w->bridge;
     sb.loc = w->moved_in_tmpl;
     sb.other = w->moved_other;
-    disparity_measure(&w->general, w->b_vertex, &sa, &sb, u, LATTICE_PER_MM, w->gap, out);
+    disparity_measure(&w->general, w->b_vertex, &sa, &sb, u, LATTICE_PER_MM, w->vertex,
+                      out);
     return ST_OK;
 }

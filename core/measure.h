@@ -33,7 +33,7 @@ struct measure_work {
     float *spacing;          /* [moved.nv] */
     uint8_t *bridge;         /* [moved.nt] */
     uint32_t *b_vertex;      /* [moved.nv] merge_build()'s */
-    double *gap;             /* [general.nv] moved minus template, lattice units */
+    struct disparity_vertex *vertex; /* [general.nv] gap: moved minus template */
 };
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */
