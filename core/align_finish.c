@@ -1,6 +1,6 @@
 /* align_finish() of align.h: downhill on the exact measure.
- * At a pose that measure_at() has measured, every vertex of either surface that lies over
- * a measured triangle of the other is a sample of the gap, worth the area round it.  To
+ * At a pose that measure_at() has measured, every other vertex of either surface that lies
+ * over a measured triangle of the other is a sample of the gap, worth the area round it.  To
  * first order a small motion changes the gap by the slope of the surface under the vertex;
  * the sum of |gap| over the samples, so linearised, is minimised by reweighted least
  * squares, and the exact measure is taken at the pose this leads to.  The lower one stays. */
@@ -14,10 +14,11 @@
 #include "lattice.h"
 #include "measure.h"
 
-#define PASSES   4      /* reweightings of one linearised measure */
+#define PASSES   2      /* reweightings of one linearised measure */
+#define STRIDE   2      /* every so many vertices of either mesh are samples */
 #define SOFT_MM  0.03   /* |gap| is rounded off below this */
 #define DAMPING  1e-4
-#define WORTH    1e-3   /* a promised gain below this share is not worth measuring */
+#define WORTH    5e-3   /* a promised gain below this share is not worth measuring */
 #define LEVER_MM 80.0   /* centre of turns behind the surface, as in the search */
 
 struct sample {
@@ -72,7 +73,7 @@ static size_t gather(const struct view *view, const float *area,
     const struct mesh *m = view->mesh;
     size_t n = 0;
 
-    for (uint32_t v = 0; v < m->nv; v++) {
+    for (uint32_t v = 0; v < m->nv; v += STRIDE) {
         const struct location loc = view->loc[v];
         struct sample *s = &out[n];
         double zx, zy, x, y, z;
@@ -145,7 +146,7 @@ static double promise(const struct measure_surface *tmpl, const struct disparity
         {b, a, tmpl->bridge, w->moved_in_tmpl, w->moved_other, 1.0},
         {a, b, w->bridge, w->tmpl_in_moved, w->tmpl_other, -1.0},
     };
-    const size_t most = (size_t)a->nv + b->nv;
+    const size_t most = ((size_t)a->nv + b->nv) / STRIDE + 2;
     const size_t head = mem_round((a->nv > b->nv ? a->nv : b->nv) * sizeof(float));
     unsigned char *block = scratch_need(&w->scratch, head + most * sizeof(struct sample));
     struct sample *s;

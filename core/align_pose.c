@@ -11,6 +11,7 @@
 /* Share of the points that stick out most, whose mean is taken for the nose. */
 #define NOSE_SHARE 0.02
 #define NOSE_BINS  128
+#define NOSE_RADIUS_MM 250.0 /* what lies d to the side protrudes d^2 / this less */
 
 static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
 {
@@ -167,7 +168,17 @@ static void principal(double a[3][3], struct dvec3 axis[3])
         axis[i] = (struct dvec3){v[0][order[i]], v[1][order[i]], v[2][order[i]]};
 }
 
-/* nose_of(m, f): the mean of the NOSE_SHARE of the points furthest along f->axis[2]. */
+/* protrusion(p, f): how far p sticks out along f->axis[2], less the more it lies to the
+ * side: a chin or a forehead turned forward is no nose. */
+static double protrusion(struct dvec3 p, const struct align_frame *f)
+{
+    const struct dvec3 d = sub(p, f->centre);
+    const double out = dot(d, f->axis[2]);
+
+    return out - (dot(d, d) - out * out) * (1.0 / NOSE_RADIUS_MM);
+}
+
+/* nose_of(m, f): the mean of the NOSE_SHARE of the points that protrude most. */
 static struct dvec3 nose_of(const struct mesh *m, const struct align_frame *f)
 {
     uint32_t count[NOSE_BINS] = {0}, n = 0;
@@ -177,21 +188,21 @@ static struct dvec3 nose_of(const struct mesh *m, const struct align_frame *f)
     int bin = NOSE_BINS;
 
     for (uint32_t v = 0; v < m->nv; v++) {
-        const double h = dot(sub(vertex_mm(m, v), f->centre), f->axis[2]);
+        const double h = protrusion(vertex_mm(m, v), f);
 
         lo = h < lo ? h : lo;
         hi = h > hi ? h : hi;
     }
     scale = hi > lo ? (NOSE_BINS - 1) / (hi - lo) : 0.0;
     for (uint32_t v = 0; v < m->nv; v++)
-        count[(int)((dot(sub(vertex_mm(m, v), f->centre), f->axis[2]) - lo) * scale)]++;
+        count[(int)((protrusion(vertex_mm(m, v), f) - lo) * scale)]++;
     while (n < want && bin > 0)
         n += count[--bin];
     n = 0;
     for (uint32_t v = 0; v < m->nv; v++) {
         const struct dvec3 p = vertex_mm(m, v);
 
-        if ((int)((dot(sub(p, f->centre), f->axis[2]) - lo) * scale) < bin)
+        if ((int)((protrusion(p, f) - lo) * scale) < bin)
             continue;
         sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
         n++;

@@ -13,6 +13,7 @@
 #include "mst.h"
 #include "quality.h"
 #include "surface.h"
+#include "weight.h"
 
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
@@ -132,15 +133,18 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 {
     const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
     const double start = clock_ms != NULL ? clock_ms() : 0;
+    struct weight_face rigid;
+    struct disparity_weight u;
     double aligned;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    st = align_search(&a, &b, NULL, &w->measure.scratch, &out->align);
+    u = weight_of(&a, &rigid);
+    st = align_search(&a, &b, &u, &w->measure.scratch, &out->align);
     if (st != ST_OK)
         return st;
     aligned = clock_ms != NULL ? clock_ms() : 0;
-    st = align_finish(&a, &b, NULL, &w->measure, &out->align, &out->measure);
+    st = align_finish(&a, &b, &u, &w->measure, &out->align, &out->measure);
     if (st != ST_OK)
         return st;
     out->align_ms = aligned - start;

@@ -1,0 +1,473 @@
+/* Alignment: known poses are found again, from anywhere, through holes and spikes; what is
+ * reported is a minimum of the exact measure; surfaces apart are told; memory runs out.
+ * The faces are facegen's. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "align.h"
+#include "align_pose.h"
+#include "align_solve.h"
+#include "brute.h"
+#include "face.h"
+#include "facegen.h"
+#include "measure.h"
+#include "weight.h"
+
+#define MAX_POINTS 3000
+
+static const double degree = 3.14159265358979323846 / 180;
+static uint64_t seed;
+static long allowed = -1; /* allocations until one fails; -1: never */
+static struct face_work *work;
+static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
+
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
+{
+    if (allowed == 0)
+        return NULL;
+    allowed -= allowed > 0;
+    return __real_aligned_alloc(alignment, size);
+}
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){&f->mesh, f->spacing, f->bridge, f->measured};
+}
+
+/* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
+static void rotation(double yaw, double pitch, double roll, double r[9])
+{
+    const double cy = cos(yaw * degree), sy = sin(yaw * degree);
+    const double cx = cos(pitch * degree), sx = sin(pitch * degree);
+    const double cz = cos(roll * degree), sz = sin(roll * degree);
+    const double m[9] = {cz * cy - sz * sx * sy, -sz * cx, cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy, cz * cx,  sz * sy - cz * sx * cy,
+                         -cx * sy,               sx,       cx * cy};
+
+    memcpy(r, m, sizeof m);
+}
+
+/* A face of a subject scanned with a pose; the sampling depends on scan. */
+static size_t sample(struct facegen_scan *s, uint64_t subject, uint64_t scan,
+                     struct dvec3 *out)
+{
+    s->subject = subject;
+    s->scan = scan;
+    return facegen_sample(s, out);
+}
+
+static void build(const struct dvec3 *pts, size_t n, struct face *f)
+{
+    assert_int_equal(face_build(pts, n, work, f, NULL), ST_OK);
+}
+
+static void enroll(uint64_t subject, struct face *f)
+{
+    struct facegen_scan s;
+
+    facegen_default(&s);
+    s.warp = 0;
+    build(points, sample(&s, subject, 0, points), f);
+}
+
+/* compare(a, b, r, d): both steps with the weight of a. */
+static void compare(const struct face *a, const struct face *b, struct align_result *r,
+                    struct disparity *d)
+{
+    const struct measure_surface sa = surface_of(a), sb = surface_of(b);
+    struct measure_work w;
+    struct weight_face face;
+    const struct disparity_weight u = weight_of(&sa, &face);
+
+    memset(&w, 0, sizeof w);
+    assert_int_equal(align_search(&sa, &sb, &u, &w.scratch, r), ST_OK);
+    assert_int_equal(align_finish(&sa, &sb, &u, &w, r, d), ST_OK);
+    measure_work_free(&w);
+}
+
+/* off_by(m, r): degrees between the rotation of m and the inverse of r. */
+static double off_by(const double m[16], const double r[9])
+{
+    double trace = 0;
+
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            trace += m[4 * i + k] * r[3 * k + i];
+    trace = (trace - 1) / 2;
+    return acos(trace > 1 ? 1 : trace) / degree;
+}
+
+static void test_solve(void **state)
+{
+    struct brute_rng rng = {seed};
+
+    (void)state;
+    for (int round = 0; round < 50; round++) {
+        struct align_normal a;
+        double want[6], x[6];
+
+        memset(&a, 0, sizeof a);
+        for (int i = 0; i < 6; i++)
+            want[i] = brute_real(&rng) - 0.5;
+        for (int k = 0; k < 30; k++) {
+            double j[6], r = 0;
+
+            for (int i = 0; i < 6; i++) {
+                j[i] = brute_real(&rng) - 0.5;
+                r -= j[i] * want[i];
+            }
+            align_solve_add(&a, j, r, 0.1 + brute_real(&rng));
+        }
+        assert_true(align_solve(&a, 0, x));
+        for (int i = 0; i < 6; i++)
+            assert_true(fabs(x[i] - want[i]) < 1e-9);
+    }
+}
+
+/* A flat surface says nothing of shifts within it nor of the turn about its normal: those
+ * unknowns stay, the others are found. */
+static void test_solve_plane(void **state)
+{
+    struct align_normal a;
+    double x[6];
+
+    (void)state;
+    memset(&a, 0, sizeof a);
+    for (int i = -5; i <= 5; i++)
+        for (int k = -5; k <= 5; k++) {
+            const double j[6] = {k, -i, 0, 0, 0, 1};
+
+            align_solve_add(&a, j, -2.0 - 0.01 * k, 1);
+        }
+    assert_true(align_solve(&a, 1e-6, x));
+    assert_true(fabs(x[0] - 0.01) < 1e-4 && fabs(x[1]) < 1e-4 && fabs(x[5] - 2) < 1e-4);
+    assert_true(x[2] == 0 && x[3] == 0 && x[4] == 0);
+    memset(&a, 0, sizeof a);
+    assert_false(align_solve(&a, 1e-6, x));
+}
+
+static void test_pose(void **state)
+{
+    struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 2, 3}}, back;
+    const struct dvec3 centre = {5, -7, -80};
+    double m[16];
+
+    (void)state;
+    for (int i = 0; i < 1000; i++) {
+        const double x[6] = {0.2, -0.1, 0.05, 1, 2, -3};
+        const struct dvec3 before = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
+        struct dvec3 after;
+
+        align_pose_move(&pose, centre, x);
+        after = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
+        /* the distance to the centre, which moved along, is kept */
+        assert_true(fabs(hypot(hypot(before.x - 5, before.y + 7), before.z + 80) -
+                         hypot(hypot(after.x - 6, after.y + 5), after.z + 83)) < 1e-6);
+    }
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            double d = 0;
+
+            for (int l = 0; l < 3; l++)
+                d += pose.r[3 * i + l] * pose.r[3 * k + l];
+            assert_true(fabs(d - (i == k)) < 1e-14);
+        }
+    align_pose_to_matrix(&pose, m);
+    align_pose_from_matrix(m, &back);
+    assert_memory_equal(&pose, &back, sizeof pose);
+}
+
+/* Probes of the same person, turned and shifted up to the bounds. */
+static void test_finds_pose(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct brute_rng rng = {seed + 1};
+    double sum = 0;
+
+    (void)state;
+    for (uint64_t subject = 0; subject < 12; subject++) {
+        struct facegen_scan s;
+        struct align_result r;
+        struct disparity d;
+        double true_r[9], error;
+
+        enroll(subject, &a);
+        facegen_default(&s);
+        s.warp = 0;
+        s.yaw = 60 * brute_real(&rng) - 30;
+        s.pitch = 40 * brute_real(&rng) - 20;
+        s.roll = 40 * brute_real(&rng) - 20;
+        s.tx = 400 * brute_real(&rng) - 200;
+        s.ty = 400 * brute_real(&rng) - 200;
+        s.tz = 400 * brute_real(&rng) - 200;
+        build(points, sample(&s, subject, 1, points), &b);
+        compare(&a, &b, &r, &d);
+        rotation(s.yaw, s.pitch, s.roll, true_r);
+        error = off_by(r.transform, true_r);
+        sum += error;
+        assert_true(error < 1.5);
+        assert_true(d.weighted_mm < 0.4 && d.overlap > 0.5);
+        assert_true(r.stop != ALIGN_APART && r.exact >= 1 && r.exact <= ALIGN_MAX_EXACT);
+        assert_true(r.starts >= 1 && r.evaluations > r.starts);
+    }
+    printf("mean rotation error %.2f degrees\n", sum / 12);
+    assert_true(sum / 12 < 0.5);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* A third of the face missing and points thrown far off. */
+static void test_holes_and_spikes(void **state)
+{
+    struct face a = {0}, b = {0};
+    double sum = 0;
+
+    (void)state;
+    for (uint64_t subject = 20; subject < 30; subject++) {
+        struct facegen_scan s;
+        struct align_result r;
+        struct disparity d;
+        double true_r[9];
+
+        enroll(subject, &a);
+        facegen_default(&s);
+        s.holes = 0.35;
+        s.spikes = 0.012;
+        s.noise = 0.3;
+        s.subject = subject;
+        s.scan = 3;
+        facegen_pose(&s, 10, 15);
+        build(points, sample(&s, subject, 3, points), &b);
+        compare(&a, &b, &r, &d);
+        rotation(s.yaw, s.pitch, s.roll, true_r);
+        sum += off_by(r.transform, true_r);
+        assert_true(off_by(r.transform, true_r) < 3);
+        assert_true(d.weighted_mm < 0.6);
+    }
+    assert_true(sum / 10 < 1.2);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* However the probe was held before, the same disparity.  Turned far, a scan folds over
+ * beside the nose and points there are taken for spikes, so that a little more is lost. */
+static void test_start_does_not_matter(void **state)
+{
+    static const double poses[][6] = {{0, 0, 0, 0, 0, 0},       {8, 3, 0, 10, 0, 0},
+                                      {0, 0, 20, 50, -150, 9},  {-9, -9, 9, 5, 5, 300},
+                                      {30, 0, 0, 100, 0, 0},    {10, -20, -20, 5, 5, 300},
+                                      {-25, 15, 15, 60, 70, 80}};
+    struct face a = {0}, b = {0};
+
+    (void)state;
+    for (uint64_t who = 0; who < 6; who++) {
+        const uint64_t subject = 40 + who % 3; /* itself, then a stranger */
+        struct facegen_scan s;
+        double first = 0;
+        size_t n;
+
+        enroll(subject, &a);
+        facegen_default(&s);
+        n = sample(&s, who < 3 ? subject : subject + 7, 5, points);
+        for (size_t i = 0; i < sizeof poses / sizeof *poses; i++) {
+            const double tolerance = who >= 3 ? 0.06 : i < 4 ? 0.005 : 0.06;
+            struct align_pose p;
+            struct align_result r;
+            struct disparity d;
+
+            rotation(poses[i][0], poses[i][1], poses[i][2], p.r);
+            memcpy(p.t, poses[i] + 3, sizeof p.t);
+            for (size_t k = 0; k < n; k++)
+                turned[k] = align_pose_apply(&p, points[k]);
+            build(turned, n, &b);
+            compare(&a, &b, &r, &d);
+            if (i == 0)
+                first = d.weighted_mm;
+            printf("%d, pose %zu: %+.2f %%\n", (int)who, i, 100 * (d.weighted_mm / first - 1));
+            assert_true(fabs(d.weighted_mm - first) < tolerance * first);
+        }
+    }
+    face_free(&a);
+    face_free(&b);
+}
+
+/* Mirrored together, or moved together, two faces are as alike as before. */
+static void test_mirror_and_translation(void **state)
+{
+    static const double maps[][3] = {{1, 0, 0}, {-1, 0, 0}, {1, 777.7, -333.3}};
+    struct face f[2] = {0};
+    struct facegen_scan s;
+    struct align_result r;
+    struct disparity d;
+    double first = 0;
+
+    (void)state;
+    facegen_default(&s);
+    for (size_t how = 0; how < sizeof maps / sizeof *maps; how++) {
+        for (uint64_t side = 0; side < 2; side++) {
+            const size_t n = sample(&s, 50 + side, side, points);
+
+            for (size_t i = 0; i < n; i++) {
+                points[i].x = maps[how][0] * points[i].x + maps[how][1];
+                points[i].y += maps[how][2];
+            }
+            build(points, n, &f[side]);
+        }
+        compare(&f[0], &f[1], &r, &d);
+        if (how == 0)
+            first = d.weighted_mm;
+        assert_true(fabs(d.weighted_mm - first) < 0.01 * first);
+    }
+    face_free(&f[0]);
+    face_free(&f[1]);
+}
+
+/* The exact measure is no lower at poses close by (with a stranger, where the valley is
+ * shallow and has many floors, hardly lower); and the same input gives the same
+ * bytes. */
+static void test_minimum(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct brute_rng rng = {seed + 3};
+    struct measure_work w;
+
+    (void)state;
+    memset(&w, 0, sizeof w);
+    for (uint64_t who = 60; who < 62; who++) {
+        struct measure_surface sa, sb;
+        struct align_result r, again;
+        struct disparity d, e;
+        struct weight_face face;
+        struct disparity_weight u;
+        struct facegen_scan s;
+
+        enroll(60, &a);
+        facegen_default(&s);
+        build(points, sample(&s, who, 9, points), &b);
+        compare(&a, &b, &r, &d);
+        compare(&a, &b, &again, &e);
+        assert_memory_equal(&r.transform, &again.transform, sizeof r.transform);
+        assert_true(d.weighted_mm == e.weighted_mm && d.volume_mm3 == e.volume_mm3);
+        sa = surface_of(&a);
+        sb = surface_of(&b);
+        u = weight_of(&sa, &face);
+        for (int i = 0; i < 24; i++) {
+            struct align_pose pose;
+            double x[6], m[16];
+
+            for (int k = 0; k < 6; k++)
+                x[k] = (brute_real(&rng) - 0.5) * (k < 3 ? 0.4 * degree : 0.4);
+            align_pose_from_matrix(r.transform, &pose);
+            align_pose_move(&pose, (struct dvec3){0, 0, -80}, x);
+            align_pose_to_matrix(&pose, m);
+            assert_int_equal(measure_at(&sa, &sb, m, &u, &w, &e), ST_OK);
+                        assert_true(e.weighted_mm > (who == 60 ? 0.995 : 0.98) * d.weighted_mm);
+        }
+    }
+    measure_work_free(&w);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* A template of which nothing was measured, and a pose off the lattice. */
+static void test_apart(void **state)
+{
+    static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+    struct face a = {0};
+    struct measure_surface sa, sb;
+    struct measure_work w;
+    struct align_result r;
+    struct disparity d;
+
+    (void)state;
+    memset(&w, 0, sizeof w);
+    enroll(70, &a);
+    sa = sb = surface_of(&a);
+    assert_int_equal(measure_at(&sa, &sb, far, NULL, &w, &d), ST_OK);
+    assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
+    assert_int_equal(measure_at(&sa, &sb, edge_on, NULL, &w, &d), ST_OK);
+    assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
+    memset(a.bridge, 1, a.mesh.nt);
+    assert_int_equal(align_search(&sa, &sb, NULL, &w.scratch, &r), ST_OK);
+    assert_int_equal(r.stop, ALIGN_APART);
+    assert_int_equal(align_finish(&sa, &sb, NULL, &w, &r, &d), ST_OK);
+    assert_int_equal(r.stop, ALIGN_APART);
+    for (int i = 0; i < 16; i++)
+        assert_true(isfinite(r.transform[i]));
+    measure_work_free(&w);
+    face_free(&a);
+}
+
+/* The n-th allocation fails, for every n until none does. */
+static void test_memory(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct facegen_scan s;
+    struct measure_surface sa, sb;
+    enum status st = ST_ENOMEM;
+    long n = 0;
+
+    (void)state;
+    facegen_default(&s);
+    enroll(80, &a);
+    build(points, sample(&s, 80, 4, points), &b);
+    sa = surface_of(&a);
+    sb = surface_of(&b);
+    for (; st != ST_OK; n++) {
+        struct measure_work w;
+        struct align_result r;
+        struct disparity d;
+
+        memset(&w, 0, sizeof w);
+        allowed = n;
+        st = align_search(&sa, &sb, NULL, &w.scratch, &r);
+        if (st == ST_OK)
+            st = align_finish(&sa, &sb, NULL, &w, &r, &d);
+        allowed = -1;
+        assert_true(st == ST_OK || st == ST_ENOMEM);
+        measure_work_free(&w);
+        assert_null(w.moved.block);
+    }
+    assert_true(n > 4);
+    measure_work_free(NULL);
+    face_free(&a);
+    face_free(&b);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_solve),
+        cmocka_unit_test(test_solve_plane),
+        cmocka_unit_test(test_pose),
+        cmocka_unit_test(test_finds_pose),
+        cmocka_unit_test(test_holes_and_spikes),
+        cmocka_unit_test(test_start_does_not_matter),
+        cmocka_unit_test(test_mirror_and_translation),
+        cmocka_unit_test(test_minimum),
+        cmocka_unit_test(test_apart),
+        cmocka_unit_test(test_memory),
+    };
+    int failed;
+
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    seed = brute_seed("align");
+    if ((work = face_work_new()) == NULL)
+        return 2;
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    face_work_free(work);
+    return failed;
+}
