@@ -1,0 +1,346 @@
+/* link: -Wl,--wrap=aligned_alloc */
+/* A face model as bytes and back; nothing damaged is taken for a model. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "brute.h"
+#include "codec.h"
+#include "delaunay.h"
+#include "errinfo.h"
+#include "face.h"
+#include "fail_alloc.h"
+#include "locate.h"
+#include "mem.h"
+#include "mesh.h"
+#include "mst.h"
+#include "predicates.h"
+
+#define GOLDEN "tests/golden/model_v1.bin"
+
+static struct scratch scratch;
+static struct face_work *work;
+static struct ivec3 pts[70000];
+
+static void build(enum brute_shape shape, size_t n, struct brute_rng *r, struct face *f)
+{
+    n = brute_points(shape, n, r, pts);
+    assert_int_equal(delaunay_build(pts, n, &scratch, &f->mesh), ST_OK);
+    assert_int_equal(mst_build(&f->mesh, &scratch), ST_OK);
+}
+
+static unsigned char *encode(const struct face *f, size_t *len)
+{
+    unsigned char *buf = malloc(*len = codec_size(&f->mesh));
+
+    assert_non_null(buf);
+    codec_encode(f, buf);
+    return buf;
+}
+
+/* Decode from a block that ends where its bytes do, for the address sanitizer. */
+static enum status decode(const unsigned char *buf, size_t len, struct face *f,
+                          struct errinfo *e)
+{
+    unsigned char *exact = malloc(len != 0 ? len : 1);
+    enum status st;
+
+    assert_non_null(exact);
+    memcpy(exact, buf, len);
+    st = codec_decode(exact, len, work, f, e);
+    if (st != ST_OK)
+        assert_int_equal(f->mesh.nv, 0);
+    free(exact);
+    return st;
+}
+
+static void assert_same(const struct mesh *a, const struct mesh *b)
+{
+    const size_t n = a->nv, h = 3 * (size_t)a->nt;
+
+    assert_int_equal(a->nv, b->nv);
+    assert_int_equal(a->nt, b->nt);
+    assert_memory_equal(a->xy, b->xy, n * sizeof *a->xy);
+    assert_memory_equal(a->z, b->z, n * sizeof *a->z);
+    assert_memory_equal(a->org, b->org, h * sizeof *a->org);
+    assert_memory_equal(a->twin, b->twin, h * sizeof *a->twin);
+    assert_memory_equal(a->out, b->out, (n + 1) * sizeof *a->out);
+    assert_memory_equal(a->parent, b->parent, n * sizeof *a->parent);
+}
+
+static void round_trip(const struct face *f)
+{
+    struct face g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encode(f, &len), *odd = malloc(len + 1);
+
+    if (f->mesh.nv >= 100 && f->mesh.nv <= 65535)
+        assert_true(len <= 32 * (size_t)f->mesh.nv);
+    assert_non_null(odd);
+    memcpy(odd + 1, buf, len); /* at an odd address */
+    assert_int_equal(codec_decode(odd + 1, len, work, &g, &e), ST_OK);
+    assert_same(&f->mesh, &g.mesh);
+    codec_encode(&g, odd);
+    assert_memory_equal(buf, odd, len);
+    free(buf);
+    free(odd);
+    face_free(&g);
+}
+
+static void test_round_trip(void **state)
+{
+    struct brute_rng r = {brute_seed("codec")};
+    struct face f = {0};
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t n = 3; n <= 3000; n = n * 2 + 1) {
+            build((enum brute_shape)shape, n, &r, &f);
+            round_trip(&f);
+        }
+    build(BRUTE_RANDOM, 65535, &r, &f); /* the last with indices of two bytes */
+    round_trip(&f);
+    assert_int_equal(codec_size(&f.mesh), 40 + 26 * 65535 - 12);
+    build(BRUTE_RANDOM, 65536, &r, &f);
+    round_trip(&f);
+    assert_int_equal(codec_size(&f.mesh), 40 + 40 * 65536 - 24);
+    face_free(&f);
+}
+
+static void test_every_byte(void **state)
+{
+    struct brute_rng r = {brute_seed("bytes")};
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf;
+
+    (void)state;
+    build(BRUTE_RANDOM, 60, &r, &f);
+    buf = encode(&f, &len);
+    for (size_t i = 0; i < len; i++)
+        for (unsigned change = 1; change < 256; change++) {
+            enum status st;
+
+            buf[i] ^= (unsigned char)change;
+            st = decode(buf, len, &g, &e);
+            assert_true(st == ST_ECORRUPT || (st == ST_EVERSION && (i == 4 || i == 5)));
+            assert_int_equal(e.code, st);
+            buf[i] ^= (unsigned char)change;
+        }
+    for (size_t n = 0; n < len; n++)
+        assert_int_equal(decode(buf, n, &g, &e), ST_ECORRUPT);
+    buf = realloc(buf, len + 1);
+    assert_non_null(buf);
+    buf[len] = 0;
+    assert_int_equal(decode(buf, len + 1, &g, &e), ST_ECORRUPT);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    free(buf);
+    face_free(&f);
+    face_free(&g);
+}
+
+static void seal(unsigned char *buf, size_t len)
+{
+    const uint64_t sum = XXH3_64bits(buf, len - 8);
+
+    for (int i = 0; i < 8; i++)
+        buf[len - 8 + (size_t)i] = (unsigned char)(sum >> 8 * i & 0xff);
+}
+
+/* What every later algorithm relies on. */
+static void assert_safe(const struct mesh *m)
+{
+    struct location *loc = malloc(m->nv * sizeof *loc);
+    uint32_t seen = 0;
+
+    assert_non_null(loc);
+    for (uint32_t h = 0; h < 3 * m->nt; h++) {
+        assert_true(m->twin[h] < 3 * m->nt && m->twin[m->twin[h]] == h);
+        assert_int_equal(m->org[m->twin[h]], mesh_dest(m, h));
+    }
+    for (uint32_t v = 0; v <= m->nv; v++) {
+        uint32_t h = m->out[v];
+
+        do {
+            assert_int_equal(m->org[h], v);
+            assert_true(seen++ < 3 * m->nt);
+            h = mesh_turn(m, h);
+        } while (h != m->out[v]);
+    }
+    assert_int_equal(seen, 3 * m->nt);
+    for (uint32_t t = 0; t < m->nt; t++)
+        assert_true(mesh_is_ghost(m, t) ||
+                    orient2d(m->xy[m->org[3 * t]], m->xy[m->org[3 * t + 1]],
+                             m->xy[m->org[3 * t + 2]]) > 0);
+    locate_mesh(m, m, loc);
+    for (uint32_t v = 0; v < m->nv; v++)
+        assert_int_equal(loc[v].where, LOCATE_VERTEX);
+    free(loc);
+}
+
+/* With the checksum made right again only the proof stands between the bytes and us. */
+static void test_sealed(void **state)
+{
+    struct brute_rng r = {brute_seed("sealed")};
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    uint32_t accepted = 0, refused = 0;
+    size_t len;
+    unsigned char *buf;
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        build((enum brute_shape)shape, 40, &r, &f);
+        buf = encode(&f, &len);
+        for (size_t i = 0; i < len - 8; i++)
+            for (unsigned change = 1; change < 256; change += 1 + change / 4) {
+                buf[i] ^= (unsigned char)change;
+                seal(buf, len);
+                if (decode(buf, len, &g, &e) == ST_OK) {
+                    assert_safe(&g.mesh);
+                    accepted++;
+                } else {
+                    refused++;
+                }
+                buf[i] ^= (unsigned char)change;
+            }
+        free(buf);
+    }
+    print_message("%u refused, %u accepted\n", refused, accepted);
+    assert_true(refused > 50000 && accepted > 5000);
+    face_free(&f);
+    face_free(&g);
+}
+
+/* A model of this layout, made by hand: a square with its centre, on a roof. */
+static void test_golden(void **state)
+{
+    static const struct ivec2 xy[5] = {
+        {-50000, -50000}, {0, 0}, {-50000, 50000}, {50000, -50000}, {50000, 50000}};
+    static const uint32_t parent[5] = {0, 0, 1, 1, 1};
+    struct face f = {0};
+    struct errinfo e;
+    unsigned char buf[512], again[512];
+    char digest[65];
+    FILE *in = fopen(GOLDEN, "rb");
+    size_t len;
+
+    (void)state;
+    assert_non_null(in);
+    len = fread(buf, 1, sizeof buf, in);
+    (void)fclose(in);
+    assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_OK);
+    assert_int_equal(f.mesh.nv, 5);
+    assert_int_equal(f.mesh.nt, 8);
+    assert_int_equal(mesh_real(&f.mesh), 4);
+    assert_memory_equal(f.mesh.xy, xy, sizeof xy);
+    assert_memory_equal(f.mesh.parent, parent, sizeof parent);
+    for (uint32_t v = 0; v < 5; v++)
+        assert_int_equal(f.mesh.z[v], v == 1 ? 20000 : -1000);
+    assert_int_equal(codec_size(&f.mesh), len);
+    codec_encode(&f, again);
+    assert_memory_equal(buf, again, len);
+    assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
+    assert_string_equal(
+        digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
+    buf[4] = 2; /* a version to come */
+    seal(buf, len);
+    assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
+    face_free(&f);
+}
+
+/* The digest knows the points, not their numbers. */
+static void test_digest(void **state)
+{
+    struct brute_rng r = {brute_seed("digest")};
+    struct face f = {0}, g = {0};
+    char a[65], b[65];
+
+    (void)state;
+    build(BRUTE_RANDOM, 200, &r, &f);
+    assert_int_equal(codec_digest(&f.mesh, a), ST_OK);
+    for (size_t i = 199; i > 0; i--) {
+        const size_t k = (size_t)brute_int(&r, 0, (int32_t)i);
+        const struct ivec3 p = pts[i];
+
+        pts[i] = pts[k];
+        pts[k] = p;
+    }
+    assert_int_equal(delaunay_build(pts, 200, &scratch, &g.mesh),
+                     ST_OK); /* other numbers */
+    assert_int_equal(codec_digest(&g.mesh, b), ST_OK);
+    assert_string_equal(a, b);
+    g.mesh.z[17]++;
+    assert_int_equal(codec_digest(&g.mesh, b), ST_OK);
+    assert_string_not_equal(a, b);
+    face_free(&f);
+    face_free(&g);
+}
+
+static void test_no_memory(void **state)
+{
+    struct brute_rng r = {brute_seed("memory")};
+    struct face f = {0};
+    struct errinfo e;
+    enum status st;
+    size_t len;
+    unsigned char *buf;
+    unsigned long n = 0;
+
+    (void)state;
+    build(BRUTE_RANDOM, 300, &r, &f);
+    buf = encode(&f, &len);
+    do {
+        struct face_work *w = face_work_new();
+        struct face g = {0};
+
+        assert_non_null(w);
+        fail_alloc_at(++n);
+        st = codec_decode(buf, len, w, &g, &e);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(g.mesh.nv, 0);
+        }
+        fail_alloc_at(0);
+        face_free(&g);
+        face_work_free(w);
+    } while (st != ST_OK);
+    assert_true(n > 3);
+    free(buf);
+    face_free(&f);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    return (work = face_work_new()) == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    face_work_free(work);
+    scratch_free(&scratch);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_every_byte),
+        cmocka_unit_test(test_sealed),     cmocka_unit_test(test_golden),
+        cmocka_unit_test(test_digest),     cmocka_unit_test(test_no_memory),
+    };
+
+    return cmocka_run_group_tests_name("codec", tests, set_up, tear_down);
+}
