@@ -1,0 +1,26 @@
+/* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
+ * released after the last; the pointers never change in between. */
+#ifndef SERVER_APP_H
+#define SERVER_APP_H
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+struct cache;   /* cache.h */
+struct metrics; /* metrics.h */
+struct queue;   /* queue.h */
+struct store;   /* store.h */
+
+struct app {
+    struct store *store;
+    struct cache *cache;
+    struct metrics *metrics;
+    struct queue *queue;
+    bool no_auth;
+    size_t max_body; /* bytes */
+    /* Held from the comparison with a subject's templates to the end of the enrolment: two
+     * samples that do not fit each other cannot both be the first. */
+    pthread_mutex_t enroll_lock;
+};
+
+#endif

@@ -1,0 +1,15 @@
+/* auth.h -- Bearer tokens (RFC 6750). */
+#ifndef SERVER_AUTH_H
+#define SERVER_AUTH_H
+
+struct request;
+
+/* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
+ * r->token.  Without a usable one r->answer is set.  Does not look at the store. */
+void auth_take(struct request *r, const char *header);
+
+/* auth_check(r): is r->token one of the store's?  Then r->actor is its id, else r->answer
+ * is set.  The token is wiped.  On a worker. */
+void auth_check(struct request *r);
+
+#endif

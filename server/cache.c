@@ -1,0 +1,197 @@
+#include "cache.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "store.h"
+
+#define NBUCKETS 4096
+
+/* A model, in a bucket's list and in the list of all by last use, newest first.  refs counts
+ * its holders, and the cache itself while it is in the lists. */
+struct entry {
+    struct face face; /* first: cache_release() gets a pointer to it */
+    char id[STORE_ID_LEN + 1];
+    unsigned refs;
+    size_t bytes;
+    struct entry *chain; /* next in the bucket */
+    struct entry *newer, *older;
+};
+
+struct cache {
+    pthread_mutex_t lock;
+    struct entry *bucket[NBUCKETS];
+    struct entry *newest, *oldest;
+    struct cache_state state;
+};
+
+/* Ids are 128 random bits in hex: their first digits are hash enough. */
+static size_t bucket_of(const char *id)
+{
+    char digits[9] = {0};
+
+    memcpy(digits, id, 8);
+    return strtoul(digits, NULL, 16) % NBUCKETS;
+}
+
+static struct entry *find(struct cache *c, const char *id)
+{
+    struct entry *x = c->bucket[bucket_of(id)];
+
+    while (x != NULL && strcmp(x->id, id) != 0)
+        x = x->chain;
+    return x;
+}
+
+static void link_newest(struct cache *c, struct entry *x)
+{
+    x->newer = NULL;
+    x->older = c->newest;
+    if (c->newest != NULL)
+        c->newest->newer = x;
+    else
+        c->oldest = x;
+    c->newest = x;
+}
+
+static void unlink_age(struct cache *c, struct entry *x)
+{
+    if (x->newer != NULL)
+        x->newer->older = x->older;
+    else
+        c->newest = x->older;
+    if (x->older != NULL)
+        x->older->newer = x->newer;
+    else
+        c->oldest = x->newer;
+}
+
+/* One reference less; the lock is held. */
+static void unref(struct entry *x)
+{
+    if (--x->refs == 0) {
+        face_free(&x->face);
+        free(x);
+    }
+}
+
+static void drop(struct cache *c, struct entry *x)
+{
+    struct entry **link = &c->bucket[bucket_of(x->id)];
+
+    while (*link != x)
+        link = &(*link)->chain;
+    *link = x->chain;
+    unlink_age(c, x);
+    c->state.bytes -= x->bytes;
+    c->state.entries--;
+    unref(x);
+}
+
+static size_t face_bytes(const struct face *f)
+{
+    return sizeof(struct entry) + (size_t)f->mesh.cap * 68 +
+           f->mesh.nv * sizeof *f->spacing + f->mesh.nt * sizeof *f->bridge;
+}
+
+struct cache *cache_new(size_t limit)
+{
+    struct cache *c = calloc(1, sizeof *c);
+
+    if (c == NULL)
+        return NULL;
+    (void)pthread_mutex_init(&c->lock, NULL);
+    c->state.limit = limit;
+    return c;
+}
+
+void cache_free(struct cache *c)
+{
+    if (c == NULL)
+        return;
+    while (c->oldest != NULL)
+        drop(c, c->oldest);
+    (void)pthread_mutex_destroy(&c->lock);
+    free(c);
+}
+
+enum status cache_hold(struct cache *c, struct store *s, const char *id,
+                       struct face_work *w, const struct face **out, struct errinfo *e)
+{
+    struct store_template t;
+    struct entry *x, *twin;
+    enum status st;
+
+    *out = NULL;
+    (void)pthread_mutex_lock(&c->lock);
+    x = find(c, id);
+    if (x != NULL) {
+        x->refs++;
+        c->state.hits++;
+        unlink_age(c, x);
+        link_newest(c, x);
+        *out = &x->face;
+    } else {
+        c->state.misses++;
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    if (x != NULL)
+        return ST_OK;
+
+    x = calloc(1, sizeof *x);
+    if (x == NULL)
+        return ST_ENOMEM;
+    st = store_template_load(s, id, &t, w, &x->face, e);
+    if (st != ST_OK) {
+        face_free(&x->face);
+        free(x);
+        return st;
+    }
+    memcpy(x->id, t.id, sizeof x->id);
+    x->refs = 1;
+    x->bytes = face_bytes(&x->face);
+    *out = &x->face;
+
+    (void)pthread_mutex_lock(&c->lock);
+    twin = find(c, x->id); /* another worker may have loaded it meanwhile */
+    if (twin == NULL && x->bytes <= c->state.limit) {
+        x->refs++;
+        x->chain = c->bucket[bucket_of(x->id)];
+        c->bucket[bucket_of(x->id)] = x;
+        link_newest(c, x);
+        c->state.bytes += x->bytes;
+        c->state.entries++;
+        while (c->state.bytes > c->state.limit)
+            drop(c, c->oldest);
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    return ST_OK;
+}
+
+void cache_release(struct cache *c, const struct face *f)
+{
+    if (f == NULL)
+        return;
+    (void)pthread_mutex_lock(&c->lock);
+    unref((struct entry *)(uintptr_t)f); /* its first member, never really const */
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+void cache_forget(struct cache *c, const char *id)
+{
+    struct entry *x;
+
+    (void)pthread_mutex_lock(&c->lock);
+    x = find(c, id);
+    if (x != NULL)
+        drop(c, x);
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+void cache_look(struct cache *c, struct cache_state *out)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    *out = c->state;
+    (void)pthread_mutex_unlock(&c->lock);
+}

@@ -1,0 +1,38 @@
+/* cache.h -- decoded face models by template id, shared by the workers.
+ * A template never changes and its id is never used again (store.h), so what is cached
+ * cannot be stale; whether the template is still there must be asked of the store first:
+ * a deleted template must never match, whoever deleted it. */
+#ifndef SERVER_CACHE_H
+#define SERVER_CACHE_H
+#include <stddef.h>
+#include <stdint.h>
+#include "face.h"
+#include "status.h"
+
+struct cache;
+struct errinfo;
+struct store;
+
+/* cache_new(limit): room for models of about limit bytes; what was used longest ago goes
+ * first.  NULL: out of memory. */
+struct cache *cache_new(size_t limit);
+void cache_free(struct cache *c); /* nothing may be held; NULL is allowed */
+
+/* cache_hold(c, s, id, w, out, e): the model of template id, from the cache or else loaded
+ * from s; the caller has seen that the template is there.  Give it back by cache_release().
+ * Returns as store_template_load(). */
+enum status cache_hold(struct cache *c, struct store *s, const char *id,
+                       struct face_work *w, const struct face **out, struct errinfo *e);
+void cache_release(struct cache *c, const struct face *f); /* NULL is allowed */
+
+/* cache_forget(c, id): drop it, its memory too once nobody holds it. */
+void cache_forget(struct cache *c, const char *id);
+
+struct cache_state {
+    size_t bytes, limit, entries;
+    uint64_t hits, misses;
+};
+
+void cache_look(struct cache *c, struct cache_state *out);
+
+#endif

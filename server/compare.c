@@ -1,0 +1,59 @@
+#include "compare.h"
+
+#include "cloud.h"
+#include "errmap.h"
+#include "json.h"
+#include "log.h"
+#include "mem.h"
+#include "params.h"
+#include "queue.h"
+#include "request.h"
+#include "verify.h"
+
+void compare_handle(struct request *r, struct worker *w)
+{
+    double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
+    struct cloud a = {0}, b = {0};
+    struct face_result result;
+    bool map = false;
+    enum status st;
+
+    if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
+        cloud_read_two(r, &a, &b) != ST_OK)
+        return;
+    parsed = log_clock_ms();
+    if (cloud_build(r, &a, "a.points", w->work, &w->other) != ST_OK ||
+        cloud_build(r, &b, "b.points", w->work, &w->probe) != ST_OK)
+        goto out;
+    prepared = log_clock_ms();
+    st = face_compare(&w->other, &w->probe, threshold, log_clock_ms, w->work, &result);
+    if (st == ST_OK && map) {
+        gap = mem_array(b.n, sizeof *gap);
+        if (gap == NULL)
+            st = ST_ENOMEM;
+        else
+            face_heatmap(&w->other, b.pts, b.n, result.align.transform, gap);
+    }
+    if (st != ST_OK) {
+        request_problem(r, st, "comparing: %s", status_message(st));
+        goto out;
+    }
+    verify_event(r, "compare", "", "", result.decision);
+    request_answer(r, 200,
+                   json_verdict(&(struct json_verdict){
+                       .result = &result,
+                       .quality = &w->probe.quality,
+                       .templates_compared = 1,
+                       .parse_ms = parsed - start,
+                       .prepare_ms = prepared - parsed,
+                       .align_ms = result.align_ms,
+                       .measure_ms = result.measure_ms,
+                       .total_ms = log_clock_ms() - r->start_ms,
+                       .gap_mm = gap,
+                       .n = b.n,
+                   }));
+out:
+    mem_free(gap);
+    cloud_free(&a);
+    cloud_free(&b);
+}

@@ -1,0 +1,82 @@
+#include "enroll.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "app.h"
+#include "cloud.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "json.h"
+#include "params.h"
+#include "queue.h"
+#include "request.h"
+#include "verify.h"
+
+/* Does the sample fit those that the subject has?  One that says nothing about it (too
+ * little in common) is not held against it. */
+static enum status check_fit(struct request *r, struct worker *w, struct errinfo *e)
+{
+    struct store_template *t = NULL;
+    struct verify_best best;
+    size_t n = 0;
+    enum status st = store_template_list(r->app->store, r->subject, &t, &n, e);
+
+    if (st == ST_OK && n > 0)
+        st = verify_compare(w, t, n, &w->probe, 0.0, &best, e);
+    free(t);
+    if (st == ST_ENOTFOUND || (st == ST_OK && n == 0))
+        return ST_OK; /* the first sample */
+    if (st == ST_OK && best.result.decision == FACE_NO_MATCH) {
+        request_mismatch(r, best.result.disparity_mm, best.result.threshold_mm);
+        return ST_EMISMATCH;
+    }
+    if (st != ST_OK)
+        request_fail(r, e);
+    return st;
+}
+
+static void enroll(struct request *r, struct worker *w, const char *label, bool force)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+    bool created = false;
+    enum status st = ST_OK;
+
+    (void)pthread_mutex_lock(&r->app->enroll_lock);
+    if (!force)
+        st = check_fit(r, w, &e);
+    if (st == ST_OK) {
+        st = store_enroll(r->app->store, r->actor, r->subject, label, &w->probe, &t,
+                          &created, &e);
+        if (st != ST_OK)
+            request_fail(r, &e);
+    }
+    (void)pthread_mutex_unlock(&r->app->enroll_lock);
+    if (st != ST_OK)
+        return;
+    request_answer(r, created ? 201 : 200, json_template(&t));
+    if (created)
+        (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/templates/%s",
+                       t.id);
+}
+
+void enroll_handle(struct request *r, struct worker *w)
+{
+    char label[STORE_LABEL_MAX + 1];
+    struct cloud c;
+    bool force = false;
+    enum status st = request_query(r, "label", label, sizeof label);
+
+    if (st != ST_OK && st != ST_ENOTFOUND) {
+        request_problem(r, ERRMAP_PARAMETER, "label is malformed or longer than %d bytes",
+                        STORE_LABEL_MAX);
+        return;
+    }
+    if (!params_flag(r, "force", &force) || cloud_read(r, &c) != ST_OK)
+        return;
+    st = cloud_build(r, &c, "points", w->work, &w->probe);
+    cloud_free(&c);
+    if (st == ST_OK)
+        enroll(r, w, label, force);
+}

@@ -1,0 +1,42 @@
+#include "errmap.h"
+
+#include <stddef.h>
+
+static const struct errmap map[ERRMAP_COUNT] = {
+    [ST_EINVAL] = {400, "malformed", "The request is malformed"},
+    [ST_ENOMEM] = {503, "out_of_memory", "Out of memory for now"},
+    [ST_ELIMIT] = {422, "too_many_points", "Too many points"},
+    [ST_ETOOFEW] = {422, "too_few_points", "Too few points"},
+    [ST_ENOTFINITE] = {422, "not_finite", "A coordinate is not a finite number"},
+    [ST_ERANGE] = {422, "out_of_range", "A coordinate is out of range"},
+    [ST_EDEGENERATE] = {422, "degenerate", "The points span no surface"},
+    [ST_EUNITS] = {422, "units_suspicious", "The extent is not that of a face"},
+    [ST_ENOTFACE] = {422, "not_a_face", "The surface is not a face"},
+    [ST_EQUALITY] = {422, "low_quality", "The scan is too poor"},
+    [ST_ECORRUPT] = {500, "internal", "Internal error"},
+    [ST_EVERSION] = {500, "internal", "Internal error"},
+    [ST_ENOTFOUND] = {404, "not_found", "Not found"},
+    [ST_EEXISTS] = {409, "exists", "It is already there"},
+    [ST_EMISMATCH] = {409, "sample_mismatch",
+                      "The sample does not fit the subject's others"},
+    [ST_EDENIED] = {403, "forbidden", "Not permitted"},
+    [ST_EBUSY] = {503, "busy", "Busy for now"},
+    [ST_EIO] = {503, "storage", "The storage cannot be used for now"},
+    [ST_EDB] = {500, "internal", "Internal error"},
+    [ST_EINTERNAL] = {500, "internal", "Internal error"},
+    [ERRMAP_ROUTE] = {404, "no_such_route", "No such route"},
+    [ERRMAP_METHOD] = {405, "method_not_allowed", "Method not allowed"},
+    [ERRMAP_NO_LENGTH] = {411, "length_required", "Length required"},
+    [ERRMAP_BODY_SIZE] = {413, "body_too_large", "The body is over the limit"},
+    [ERRMAP_MEDIA_TYPE] = {415, "unsupported_media_type", "Unsupported media type"},
+    [ERRMAP_NO_TOKEN] = {401, "unauthorized", "A valid token is needed"},
+    [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},
+    [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
+};
+
+const struct errmap *errmap_get(unsigned kind)
+{
+    if (kind >= ERRMAP_COUNT || map[kind].code == NULL)
+        kind = ST_EINTERNAL;
+    return &map[kind];
+}

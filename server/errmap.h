@@ -1,0 +1,30 @@
+/* errmap.h -- the one place where an outcome becomes an HTTP status code, the stable machine
+ * word `code` and the title of its problem document (RFC 9457). */
+#ifndef SERVER_ERRMAP_H
+#define SERVER_ERRMAP_H
+#include "status.h"
+
+/* Outcomes that only HTTP knows, numbered after those of status.h. */
+enum errmap_kind {
+    ERRMAP_ROUTE = ST_COUNT, /* no such path */
+    ERRMAP_METHOD,           /* the path has no such method */
+    ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
+    ERRMAP_BODY_SIZE,  /* the body is over the limit */
+    ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
+    ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
+    ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
+    ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */
+    ERRMAP_COUNT
+};
+
+struct errmap {
+    int http;
+    const char *code;
+    const char *title;
+};
+
+/* errmap_get(kind): kind is an enum status but ST_OK, or an enum errmap_kind; any other
+ * value gives the entry of ST_EINTERNAL.  Never NULL. */
+const struct errmap *errmap_get(unsigned kind);
+
+#endif

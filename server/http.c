@@ -1,0 +1,528 @@
+#include "http.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <time.h>
+#include <unistd.h>
+#include <microhttpd.h>
+
+#include "app.h"
+#include "auth.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "drain.h"
+#include "log.h"
+#include "metrics.h"
+#include "options.h"
+#include "queue.h"
+#include "request.h"
+#include "routes.h"
+
+/* libmicrohttpd's own buffer for a connection.  Measured: at its default of 32 KB a body of
+ * 100 KB takes four times as long. */
+#define CONNECTION_MEMORY (256 * 1024)
+#define CONNECTION_LIMIT  512
+#define IDLE_SECONDS      30
+#define LENGTH_UNKNOWN    UINT64_MAX
+/* Bodies that are being collected may together hold this many times the limit of one. */
+#define BODIES_AT_ONCE 8
+
+enum state {
+    ARRIVED,  /* the headers are there, nothing has been decided */
+    ADMITTED, /* suspended: a worker checks the token */
+    COLLECTING,
+    WORKING, /* suspended: a worker makes the answer */
+    ANSWERED /* the answer is on its way out */
+};
+
+/* A request and its connection. */
+struct exchange {
+    struct request r; /* first: workers know the request alone */
+    struct http *http;
+    struct MHD_Connection *conn;
+    enum state state;
+    uint64_t length; /* Content-Length, or LENGTH_UNKNOWN */
+    bool has_length; /* it gives a length, or sends chunks */
+    bool body_sent;  /* the client sends a body, or says so */
+    size_t cap;      /* of r.body */
+    int drain_fd;    /* answered before the body was read; -1: not */
+};
+
+struct http {
+    struct app *app;
+    struct MHD_Daemon *daemon;
+    struct drain *drain;
+    int fd; /* the listening socket; -1 once it is closed or libmicrohttpd's */
+    atomic_uint exchanges;
+    atomic_bool stopping;
+    size_t buffered; /* bytes of bodies being collected; I/O thread only */
+    unsigned long serial;
+};
+
+/* ---- answers */
+
+static struct MHD_Response *make_response(struct exchange *x)
+{
+    struct request_answer *a = &x->r.answer;
+    char number[16];
+    struct MHD_Response *resp = MHD_create_response_from_buffer(
+        a->len, a->body,
+        a->body == NULL ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_FREE);
+
+    if (resp == NULL)
+        return NULL;
+    a->body = NULL; /* resp's now */
+    if (a->len > 0)
+        (void)MHD_add_response_header(resp, "Content-Type", a->type);
+    (void)MHD_add_response_header(resp, "X-Request-Id", x->r.id);
+    (void)MHD_add_response_header(resp, "Cache-Control", "no-store");
+    (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
+    if (a->location[0] != '\0')
+        (void)MHD_add_response_header(resp, "Location", a->location);
+    if (a->allow != NULL)
+        (void)MHD_add_response_header(resp, "Allow", a->allow);
+    if (a->challenge)
+        (void)MHD_add_response_header(
+            resp, "WWW-Authenticate",
+            a->bad_token ? "Bearer realm=\"surfaced\", error=\"invalid_token\""
+                         : "Bearer realm=\"surfaced\"");
+    if (a->retry_after > 0) {
+        (void)snprintf(number, sizeof number, "%u", a->retry_after);
+        (void)MHD_add_response_header(resp, "Retry-After", number);
+    }
+    if (atomic_load(&x->http->stopping))
+        (void)MHD_add_response_header(resp, "Connection", "close");
+    return resp;
+}
+
+static enum MHD_Result send_answer(struct exchange *x)
+{
+    struct MHD_Response *resp = make_response(x);
+    enum MHD_Result sent;
+
+    if (resp == NULL)
+        return MHD_NO;
+    x->state = ANSWERED;
+    sent = MHD_queue_response(x->conn, (unsigned)x->r.answer.http, resp);
+    MHD_destroy_response(resp);
+    return sent;
+}
+
+/* A header of the request; NULL: not there. */
+static const char *header(const struct exchange *x, const char *name)
+{
+    return MHD_lookup_connection_value(x->conn, MHD_HEADER_KIND, name);
+}
+
+static int socket_of(const struct exchange *x)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(x->conn, MHD_CONNECTION_INFO_CONNECTION_FD);
+
+    return info == NULL ? -1 : info->connect_fd;
+}
+
+/* Answer while the client still sends, or is about to send, a body that nobody reads: keep
+ * the socket open beside libmicrohttpd, or else the client loses the answer (drain.h). */
+static enum MHD_Result send_early(struct exchange *x)
+{
+    if (x->body_sent)
+        x->drain_fd = fcntl(socket_of(x), F_DUPFD_CLOEXEC, 0);
+    return send_answer(x);
+}
+
+/* libmicrohttpd takes an answer before or after the body, not amid it.  So that a body of
+ * unknown length can be refused as soon as it is over the limit, this one answer is written
+ * by hand.  The socket's buffer is empty, so that it fits in or the client is not there. */
+static enum MHD_Result send_amid(struct exchange *x)
+{
+    struct request_answer *a = &x->r.answer;
+    char head[512];
+    int fd = socket_of(x);
+    int n = snprintf(head, sizeof head,
+                     "HTTP/1.1 %d Refused\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
+                     "Cache-Control: no-store\r\nConnection: close\r\n"
+                     "Content-Length: %zu\r\n\r\n",
+                     a->http, a->type, x->r.id, a->len);
+
+    if (n > 0 && (size_t)n < sizeof head &&
+        send(fd, head, (size_t)n, MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE) == n &&
+        send(fd, a->body, a->len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)a->len) {
+        x->drain_fd = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+        x->state = ANSWERED;
+    }
+    return MHD_NO; /* close */
+}
+
+/* ---- workers */
+
+void http_run(struct worker *w, struct request *r)
+{
+    struct exchange *x = (struct exchange *)r;
+
+    if (x->state == ADMITTED)
+        auth_check(r);
+    else
+        r->route->handle(r, w);
+    MHD_resume_connection(x->conn);
+}
+
+/* Hand x over to a worker; on_request() is called again when it is done. */
+static void to_worker(struct exchange *x, enum state state)
+{
+    x->state = state;
+    MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
+    if (!queue_push(x->http->app->queue, &x->r)) {
+        request_problem(&x->r, ERRMAP_OVERLOAD, "%s",
+                        atomic_load(&x->http->stopping) ? "the daemon is stopping"
+                                                        : "the queue is full");
+        MHD_resume_connection(x->conn);
+    }
+}
+
+/* ---- the body */
+
+/* What body the headers promise. */
+static void look_at_body(struct exchange *x)
+{
+    const char *length = header(x, "Content-Length");
+    const char *coding = header(x, "Transfer-Encoding");
+
+    x->length = 0;
+    if (coding != NULL)
+        x->length = LENGTH_UNKNOWN;
+    else if (length != NULL)
+        x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
+    x->body_sent = x->length > 0;
+    x->has_length = length != NULL || coding != NULL;
+    x->r.media = request_media(header(x, "Content-Type"));
+}
+
+static void refuse_size(struct exchange *x)
+{
+    request_problem(&x->r, ERRMAP_BODY_SIZE, "the limit is %zu bytes",
+                    x->http->app->max_body);
+}
+
+/* Refuse the body for what the headers say of it. */
+static void check_body(struct exchange *x)
+{
+    const char *coding = header(x, "Content-Encoding");
+    struct request *r = &x->r;
+
+    if (x->length != LENGTH_UNKNOWN && x->length > x->http->app->max_body)
+        refuse_size(x);
+    else if (r->route->body == ROUTES_NO_BODY)
+        return;
+    else if (!x->has_length)
+        request_problem(r, ERRMAP_NO_LENGTH,
+                        "send Content-Length, or the body in chunks");
+    else if (coding != NULL && strcasecmp(coding, "identity") != 0)
+        request_problem(r, ERRMAP_MEDIA_TYPE, "send the body without Content-Encoding");
+    else if (r->route->body == ROUTES_JSON && r->media != REQUEST_JSON)
+        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be application/json");
+    else if (r->media == REQUEST_NO_MEDIA || r->media == REQUEST_OTHER_MEDIA)
+        request_problem(r, ERRMAP_MEDIA_TYPE,
+                        "Content-Type must be application/json, model/x-ply, "
+                        "application/x-ply, model/obj, text/plain or "
+                        "application/octet-stream");
+    else if (x->length == 0)
+        request_problem(r, ST_EINVAL, "the body is empty");
+}
+
+/* Room for n more bytes and a final 0 in r.body. */
+static bool make_room(struct exchange *x, size_t n)
+{
+    size_t need = x->r.len + n + 1, cap = x->cap;
+    unsigned char *body;
+
+    if (need <= cap)
+        return true;
+    if (cap == 0 && x->length != LENGTH_UNKNOWN && x->length < (1 << 20))
+        cap = (size_t)x->length + 1; /* what it says, where that costs little */
+    while (cap < need)
+        cap = cap < 65536 ? 65536 : 2 * cap;
+    if (x->http->buffered - x->cap + cap > BODIES_AT_ONCE * (x->http->app->max_body + 1))
+        return false;
+    body = realloc(x->r.body, cap);
+    if (body == NULL)
+        return false;
+    x->http->buffered += cap - x->cap;
+    x->r.body = body;
+    x->cap = cap;
+    return true;
+}
+
+/* Once no more is collected, the body is not counted any more. */
+static void body_done(struct exchange *x)
+{
+    x->http->buffered -= x->cap;
+    x->cap = 0;
+}
+
+static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)
+{
+    struct request *r = &x->r;
+
+    if (*size > x->http->app->max_body - r->len) {
+        refuse_size(x);
+        return send_amid(x);
+    }
+    if (r->route->body == ROUTES_NO_BODY) {
+        r->len += *size; /* counted against the limit, and not looked at */
+    } else if (make_room(x, *size)) {
+        memcpy(r->body + r->len, data, *size);
+        r->len += *size;
+        r->body[r->len] = 0;
+    } else {
+        request_problem(r, ERRMAP_OVERLOAD, "no room for the body now");
+        return send_amid(x);
+    }
+    *size = 0;
+    return MHD_YES;
+}
+
+static enum MHD_Result body_complete(struct exchange *x)
+{
+    body_done(x);
+    if (x->r.route->body != ROUTES_NO_BODY && x->r.len == 0) {
+        request_problem(&x->r, ST_EINVAL, "the body is empty");
+        return send_answer(x);
+    }
+    if (x->r.route->quick) {
+        x->r.route->handle(&x->r, NULL);
+        return send_answer(x);
+    }
+    to_worker(x, WORKING);
+    return MHD_YES;
+}
+
+/* ---- libmicrohttpd's callbacks */
+
+/* The client may ask: is the path's id well-formed, and the body one to read? */
+static enum MHD_Result admit(struct exchange *x)
+{
+    routes_read_id(&x->r);
+    if (x->r.answer.http == 0)
+        check_body(x);
+    if (x->r.answer.http != 0)
+        return send_early(x);
+    x->state = COLLECTING;
+    return MHD_YES;
+}
+
+static enum MHD_Result arrive(struct exchange *x, const char *method)
+{
+    struct request *r = &x->r;
+
+    request_set_id(r, header(x, "X-Request-Id"), ++x->http->serial);
+    r->method = request_method(method);
+    look_at_body(x);
+    routes_find(r);
+    if (r->answer.http != 0)
+        return send_early(x);
+    if (r->route->open || x->http->app->no_auth)
+        return admit(x);
+    auth_take(r, header(x, "Authorization"));
+    if (r->answer.http != 0)
+        return send_early(x);
+    to_worker(x, ADMITTED);
+    return MHD_YES;
+}
+
+/* Called when the headers are there, again after each suspension, for each part of the body
+ * and at its end. */
+static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const char *url,
+                                  const char *method, const char *version,
+                                  const char *data, size_t *size, void **con_cls)
+{
+    struct exchange *x = *con_cls;
+
+    (void)cls;
+    (void)conn;
+    (void)url;
+    (void)version;
+    if (x == NULL)
+        return MHD_NO;
+    switch (x->state) {
+    case ARRIVED:
+        return arrive(x, method);
+    case ADMITTED:
+        return x->r.answer.http != 0 ? send_early(x) : admit(x);
+    case COLLECTING:
+        return *size > 0 ? collect(x, data, size) : body_complete(x);
+    case WORKING:
+        return send_answer(x);
+    case ANSWERED:
+        break;
+    }
+    return MHD_NO;
+}
+
+/* The request line is there: the path as it was sent, percent-encoding and all. */
+static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
+{
+    struct http *h = cls;
+    struct exchange *x = calloc(1, sizeof *x);
+
+    if (x == NULL)
+        return NULL;
+    x->http = h;
+    x->conn = conn;
+    x->drain_fd = -1;
+    x->r.app = h->app;
+    x->r.start_ms = log_clock_ms();
+    x->r.target = strdup(uri);
+    if (x->r.target == NULL) {
+        free(x);
+        return NULL;
+    }
+    (void)atomic_fetch_add(&h->exchanges, 1);
+    return x;
+}
+
+static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
+                         enum MHD_RequestTerminationCode how)
+{
+    struct http *h = cls;
+    struct exchange *x = *con_cls;
+    const char *name, *method;
+    double ms;
+    int http;
+
+    (void)conn;
+    (void)how;
+    if (x == NULL)
+        return;
+    *con_cls = NULL;
+    ms = log_clock_ms() - x->r.start_ms;
+    http = x->state == ANSWERED ? x->r.answer.http : 0;
+    name = routes_name(routes_index(x->r.route), &method);
+    metrics_request(h->app->metrics, routes_index(x->r.route), http, ms);
+    if (x->r.fault[0] == '\0')
+        log_line("info", "request_id=%s method=%s route=%s status=%d ms=%.3f", x->r.id,
+                 method, name, http, ms);
+    else
+        log_line("error",
+                 "request_id=%s method=%s route=%s status=%d ms=%.3f fault=\"%s\"",
+                 x->r.id, method, name, http, ms, x->r.fault);
+    if (x->drain_fd >= 0)
+        drain_adopt(h->drain, x->drain_fd);
+    body_done(x);
+    request_free(&x->r);
+    free(x);
+    (void)atomic_fetch_sub(&h->exchanges, 1);
+}
+
+/* Nothing is decoded but by request_decode(): libmicrohttpd's way would lose the difference
+ * between "/" and "%2F". */
+static size_t keep_encoded(void *cls, struct MHD_Connection *conn, char *s)
+{
+    (void)cls;
+    (void)conn;
+    return strlen(s);
+}
+
+/* ---- start and stop */
+
+static void write_url(const struct sockaddr_storage *ss, char url[HTTP_URL_MAX])
+{
+    char host[INET6_ADDRSTRLEN] = "";
+
+    if (ss->ss_family == AF_INET6) {
+        struct sockaddr_in6 in6;
+
+        memcpy(&in6, ss, sizeof in6);
+        (void)inet_ntop(AF_INET6, &in6.sin6_addr, host, sizeof host);
+        (void)snprintf(url, HTTP_URL_MAX, "http://[%s]:%u", host, ntohs(in6.sin6_port));
+    } else {
+        struct sockaddr_in in;
+
+        memcpy(&in, ss, sizeof in);
+        (void)inet_ntop(AF_INET, &in.sin_addr, host, sizeof host);
+        (void)snprintf(url, HTTP_URL_MAX, "http://%s:%u", host, ntohs(in.sin_port));
+    }
+}
+
+enum status http_listen(const struct options *o, struct http **out,
+                        char url[HTTP_URL_MAX], struct errinfo *e)
+{
+    struct http *h = calloc(1, sizeof *h);
+    struct sockaddr_storage got;
+    socklen_t len = sizeof got;
+    int one = 1;
+
+    *out = NULL;
+    if (h == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    write_url(&o->listen, url);
+    h->fd = socket(o->listen.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (h->fd < 0 || setsockopt(h->fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one) != 0 ||
+        bind(h->fd, (const struct sockaddr *)&o->listen, o->listen_len) != 0 ||
+        listen(h->fd, 256) != 0 ||
+        getsockname(h->fd, (struct sockaddr *)&got, &len) != 0) {
+        (void)errinfo_set(e, ST_EIO, "cannot listen on %s: %s", url, strerror(errno));
+        if (h->fd >= 0)
+            (void)close(h->fd);
+        free(h);
+        return ST_EIO;
+    }
+    write_url(&got, url);
+    *out = h;
+    return ST_OK;
+}
+
+enum status http_start(struct http *h, struct app *app, struct errinfo *e)
+{
+    h->app = app;
+    h->drain = drain_start();
+    if (h->drain == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    h->daemon = MHD_start_daemon(
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, NULL, NULL,
+        on_request, h, MHD_OPTION_LISTEN_SOCKET, h->fd, MHD_OPTION_URI_LOG_CALLBACK,
+        on_uri, h, MHD_OPTION_NOTIFY_COMPLETED, on_completed, h,
+        MHD_OPTION_UNESCAPE_CALLBACK, keep_encoded, NULL,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
+        MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTION_LIMIT,
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_SECONDS, MHD_OPTION_END);
+    return h->daemon != NULL
+               ? ST_OK
+               : errinfo_set(e, ST_EIO, "cannot start serving: %s", strerror(errno));
+}
+
+void http_quiesce(struct http *h, double ms)
+{
+    const struct timespec pause = {0, 5 * 1000 * 1000};
+    double end = log_clock_ms() + ms;
+
+    atomic_store(&h->stopping, true);
+    if (h->fd >= 0) {
+        (void)MHD_quiesce_daemon(h->daemon);
+        (void)close(h->fd);
+        h->fd = -1;
+    }
+    while (atomic_load(&h->exchanges) > 0 && log_clock_ms() < end)
+        (void)nanosleep(&pause, NULL);
+}
+
+void http_stop(struct http *h)
+{
+    if (h == NULL)
+        return;
+    if (h->daemon != NULL)
+        MHD_stop_daemon(h->daemon);
+    drain_stop(h->drain);
+    if (h->fd >= 0)
+        (void)close(h->fd);
+    free(h);
+}

@@ -1,0 +1,432 @@
+#include "json.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cjson/cJSON.h>
+
+#include "errinfo.h"
+#include "errmap.h"
+#include "face.h"
+#include "mem.h"
+#include "store.h"
+
+/* An object with more members is refused, so that looking for keys given twice stays cheap. */
+#define MAX_MEMBERS 32
+
+/* ---- reading */
+
+/* Offset of the first byte that is not UTF-8 (no surrogates, no overlong forms), or len. */
+static size_t utf8_end(const unsigned char *s, size_t len)
+{
+    size_t i = 0;
+
+    while (i < len) {
+        unsigned c = s[i], lo = 0x80, hi = 0xbf;
+        size_t more;
+
+        if (c < 0x80) {
+            i++;
+            continue;
+        }
+        if (c >= 0xc2 && c <= 0xdf)
+            more = 1;
+        else if ((c & 0xf0) == 0xe0)
+            more = 2;
+        else if (c >= 0xf0 && c <= 0xf4)
+            more = 3;
+        else
+            return i;
+        if (c == 0xe0)
+            lo = 0xa0;
+        else if (c == 0xed)
+            hi = 0x9f;
+        else if (c == 0xf0)
+            lo = 0x90;
+        else if (c == 0xf4)
+            hi = 0x8f;
+        if (len - i <= more || s[i + 1] < lo || s[i + 1] > hi)
+            return i;
+        for (size_t k = 2; k <= more; k++)
+            if ((s[i + k] & 0xc0) != 0x80)
+                return i;
+        i += more + 1;
+    }
+    return len;
+}
+
+/* The document as a tree.  max_values bounds the tree before it is built: each value but
+ * the first follows a comma or a bracket of its own. */
+static enum status read_document(const char *text, size_t len, size_t max_values,
+                                 cJSON **out, struct errinfo *e)
+{
+    size_t commas = 0, where;
+    const char *end = NULL;
+
+    *out = NULL;
+    if (len == 0)
+        return errinfo_set(e, ST_EINVAL, "the body is empty");
+    where = utf8_end((const unsigned char *)text, len);
+    if (where < len)
+        return errinfo_set(e, ST_EINVAL, "not UTF-8 at byte %zu", where);
+    for (size_t i = 0; i < len; i++)
+        commas += text[i] == ',';
+    if (commas > max_values)
+        return errinfo_set(e, ST_ELIMIT, "more values than the limit of points can have");
+    if (memchr(text, 0, len) == NULL) /* the parser would take it for the end */
+        *out = cJSON_ParseWithLengthOpts(text, len + 1, &end, true);
+    else
+        end = memchr(text, 0, len);
+    if (*out != NULL)
+        return ST_OK;
+    where = end == NULL ? 0 : (size_t)(end - text);
+    return errinfo_set(e, ST_EINVAL,
+                       where >= len ? "not valid JSON: it ends too early"
+                                    : "not valid JSON at byte %zu",
+                       where);
+}
+
+static enum status check_members(const cJSON *object, const char *name, struct errinfo *e)
+{
+    const cJSON *a, *b;
+    unsigned n = 0;
+
+    if (!cJSON_IsObject(object))
+        return errinfo_set(e, ST_EINVAL, "%s is not an object", name);
+    for (a = object->child; a != NULL; a = a->next) {
+        if (++n > MAX_MEMBERS)
+            return errinfo_set(e, ST_EINVAL, "%s has more than %d members", name,
+                               MAX_MEMBERS);
+        for (b = object->child; b != a; b = b->next)
+            if (strcmp(a->string, b->string) == 0)
+                return errinfo_set(e, ST_EINVAL,
+                                   "member %u of %s has the name of an "
+                                   "earlier one",
+                                   n, name);
+    }
+    return ST_OK;
+}
+
+static enum status read_point(const cJSON *item, struct dvec3 *out)
+{
+    const cJSON *x, *y, *z;
+
+    if (!cJSON_IsArray(item) || (x = item->child) == NULL || (y = x->next) == NULL ||
+        (z = y->next) == NULL || z->next != NULL || !cJSON_IsNumber(x) ||
+        !cJSON_IsNumber(y) || !cJSON_IsNumber(z))
+        return ST_EINVAL;
+    out->x = x->valuedouble;
+    out->y = y->valuedouble;
+    out->z = z->valuedouble;
+    return isfinite(out->x) && isfinite(out->y) && isfinite(out->z) ? ST_OK
+                                                                    : ST_ENOTFINITE;
+}
+
+bool json_units(const char *name, double *mm)
+{
+    if (strcmp(name, "mm") == 0)
+        *mm = 1.0;
+    else if (strcmp(name, "cm") == 0)
+        *mm = 10.0;
+    else if (strcmp(name, "m") == 0)
+        *mm = 1000.0;
+    else
+        return false;
+    return true;
+}
+
+/* One cloud; prefix is "" or "a." for messages, name that of the object. */
+static enum status read_cloud(const cJSON *object, const char *name, const char *prefix,
+                              size_t max_points, struct json_cloud *out,
+                              struct errinfo *e)
+{
+    const cJSON *points, *units, *item;
+    enum status st = check_members(object, name, e);
+    size_t n = 0;
+
+    *out = (struct json_cloud){.mm = 1.0};
+    if (st != ST_OK)
+        return st;
+    points = cJSON_GetObjectItemCaseSensitive(object, "points");
+    units = cJSON_GetObjectItemCaseSensitive(object, "units");
+    if (units != NULL) {
+        if (!cJSON_IsString(units) || !json_units(units->valuestring, &out->mm))
+            return errinfo_set(e, ST_EINVAL, "%sunits is not \"mm\", \"cm\" or \"m\"",
+                               prefix);
+        out->has_units = true;
+    }
+    if (points == NULL)
+        return errinfo_set(e, ST_EINVAL, "%spoints is missing", prefix);
+    if (!cJSON_IsArray(points))
+        return errinfo_set(e, ST_EINVAL, "%spoints is not an array", prefix);
+    cJSON_ArrayForEach(item, points) n++;
+    if (n > max_points)
+        return errinfo_set(e, ST_ELIMIT, "%spoints has %zu points; the limit is %zu",
+                           prefix, n, max_points);
+    out->pts = mem_array(n, sizeof *out->pts);
+    if (out->pts == NULL)
+        return errinfo_set(e, ST_ENOMEM, "no memory for %zu points", n);
+    cJSON_ArrayForEach(item, points)
+    {
+        st = read_point(item, &out->pts[out->n]);
+        if (st != ST_OK) {
+            mem_free(out->pts);
+            out->pts = NULL;
+            return errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
+                               out->n);
+        }
+        out->n++;
+    }
+    return ST_OK;
+}
+
+/* Commas that n clouds of max_points need, and a few for other members. */
+static size_t enough_values(size_t max_points, size_t clouds)
+{
+    return clouds * (3 * max_points + 64);
+}
+
+enum status json_cloud_read(const char *text, size_t len, size_t max_points,
+                            struct json_cloud *out, struct errinfo *e)
+{
+    cJSON *doc;
+    enum status st = read_document(text, len, enough_values(max_points, 1), &doc, e);
+
+    *out = (struct json_cloud){.mm = 1.0};
+    if (st == ST_OK)
+        st = read_cloud(doc, "the body", "", max_points, out, e);
+    cJSON_Delete(doc);
+    return st;
+}
+
+enum status json_clouds_read(const char *text, size_t len, size_t max_points,
+                             struct json_cloud *a, struct json_cloud *b,
+                             struct errinfo *e)
+{
+    cJSON *doc;
+    enum status st = read_document(text, len, enough_values(max_points, 2), &doc, e);
+
+    *a = *b = (struct json_cloud){.mm = 1.0};
+    if (st == ST_OK)
+        st = check_members(doc, "the body", e);
+    if (st == ST_OK)
+        st = read_cloud(cJSON_GetObjectItemCaseSensitive(doc, "a"), "a", "a.", max_points,
+                        a, e);
+    if (st == ST_OK)
+        st = read_cloud(cJSON_GetObjectItemCaseSensitive(doc, "b"), "b", "b.", max_points,
+                        b, e);
+    if (st != ST_OK) {
+        mem_free(a->pts);
+        a->pts = NULL;
+    }
+    cJSON_Delete(doc);
+    return st;
+}
+
+/* ---- writing */
+
+/* The text of object, which is deleted; NULL when anything was missing for it. */
+static char *print(cJSON *object, bool complete)
+{
+    char *text = complete ? cJSON_PrintUnformatted(object) : NULL;
+
+    cJSON_Delete(object);
+    return text;
+}
+
+static bool add_string(cJSON *o, const char *name, const char *value)
+{
+    return (value == NULL ? cJSON_AddNullToObject(o, name)
+                          : cJSON_AddStringToObject(o, name, value)) != NULL;
+}
+
+static bool add_number(cJSON *o, const char *name, double value)
+{
+    return cJSON_AddNumberToObject(o, name, value) != NULL;
+}
+
+static bool add_quality(cJSON *o, const struct face_quality *q)
+{
+    cJSON *x = cJSON_AddObjectToObject(o, "quality");
+
+    return add_number(x, "score", q->score) && add_number(x, "coverage", q->coverage) &&
+           add_number(x, "density_mm", q->density_mm) &&
+           add_number(x, "noise_mm", q->noise_mm);
+}
+
+static bool add_transform(cJSON *o, const double transform[16])
+{
+    cJSON *x = cJSON_CreateDoubleArray(transform, 16);
+
+    if (x != NULL && cJSON_AddItemToObject(o, "transform", x))
+        return true;
+    cJSON_Delete(x);
+    return false;
+}
+
+static bool add_alignment(cJSON *o, const struct align_result *a)
+{
+    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
+                                       [ALIGN_STEPS] = "steps",
+                                       [ALIGN_APART] = "apart"};
+    cJSON *x = cJSON_AddObjectToObject(o, "alignment");
+
+    return add_number(x, "starts", a->starts) &&
+           add_number(x, "evaluations", a->evaluations) &&
+           add_number(x, "exact_evaluations", a->exact) &&
+           add_string(x, "stop", stop[a->stop]);
+}
+
+static bool add_heatmap(cJSON *o, const double *gap_mm, size_t n)
+{
+    cJSON *x = cJSON_AddArrayToObject(o, "heatmap");
+
+    for (size_t i = 0; i < n; i++) {
+        cJSON *gap =
+            isfinite(gap_mm[i]) ? cJSON_CreateNumber(gap_mm[i]) : cJSON_CreateNull();
+
+        if (!cJSON_AddItemToArray(x, gap)) {
+            cJSON_Delete(gap);
+            return false;
+        }
+    }
+    return x != NULL;
+}
+
+static bool add_timing(cJSON *o, const struct json_verdict *v)
+{
+    cJSON *x = cJSON_AddObjectToObject(o, "timing_ms");
+
+    return add_number(x, "parse", v->parse_ms) &&
+           add_number(x, "prepare", v->prepare_ms) &&
+           add_number(x, "align", v->align_ms) &&
+           add_number(x, "measure", v->measure_ms) && add_number(x, "total", v->total_ms);
+}
+
+char *json_verdict(const struct json_verdict *v)
+{
+    static const char *const decision[] = {[FACE_MATCH] = "match",
+                                           [FACE_NO_MATCH] = "no_match",
+                                           [FACE_INCONCLUSIVE] = "inconclusive"};
+    const struct face_result *r = v->result;
+    cJSON *o = cJSON_CreateObject();
+
+    return print(
+        o, add_string(o, "decision", decision[r->decision]) &&
+               add_number(o, "disparity_mm", r->disparity_mm) &&
+               add_number(o, "threshold_mm", r->threshold_mm) &&
+               add_number(o, "fmr_at_score", r->fmr_at_score) &&
+               add_number(o, "plain_mm", r->measure.plain_mm) &&
+               add_number(o, "volume_mm3", r->measure.volume_mm3) &&
+               add_number(o, "overlap_mm2", r->measure.area_mm2) &&
+               add_number(o, "overlap", r->measure.overlap) &&
+               add_number(o, "bridged_mm2", r->measure.bridged_mm2) &&
+               add_transform(o, r->align.transform) && add_alignment(o, &r->align) &&
+               cJSON_AddObjectToObject(o, "regions") != NULL &&
+               add_string(o, "subject", v->subject) &&
+               add_string(o, "template_id", v->template_id) &&
+               add_number(o, "templates_compared", v->templates_compared) &&
+               add_quality(o, v->quality) && add_string(o, "engine", FACE_ENGINE) &&
+               (v->gap_mm == NULL || add_heatmap(o, v->gap_mm, v->n)) &&
+               add_timing(o, v));
+}
+
+char *json_problem(const struct errmap *m, const char *detail, const char *request_id,
+                   const struct json_mismatch *mismatch)
+{
+    cJSON *o = cJSON_CreateObject();
+    char type[96];
+
+    (void)snprintf(type, sizeof type, "urn:surfaced:problem:%s", m->code);
+    return print(o, add_string(o, "type", type) && add_string(o, "title", m->title) &&
+                        add_number(o, "status", m->http) &&
+                        add_string(o, "detail", detail) &&
+                        add_string(o, "code", m->code) &&
+                        add_string(o, "request_id", request_id) &&
+                        (mismatch == NULL ||
+                         (add_number(o, "disparity_mm", mismatch->disparity_mm) &&
+                          add_number(o, "threshold_mm", mismatch->threshold_mm))));
+}
+
+static bool fill_template(cJSON *o, const struct store_template *t)
+{
+    return add_string(o, "template_id", t->id) && add_string(o, "subject", t->subject) &&
+           add_string(o, "label", t->label) && add_string(o, "created", t->created) &&
+           add_number(o, "points", t->points) &&
+           add_number(o, "triangles", t->triangles) &&
+           add_string(o, "digest", t->digest) && add_quality(o, &t->quality) &&
+           add_string(o, "engine", t->engine);
+}
+
+char *json_template(const struct store_template *t)
+{
+    cJSON *o = cJSON_CreateObject();
+
+    return print(o, fill_template(o, t));
+}
+
+char *json_subject(const struct store_subject *s, const struct store_template *t,
+                   size_t n)
+{
+    cJSON *o = cJSON_CreateObject(), *list;
+    bool ok = add_string(o, "subject", s->id) && add_string(o, "created", s->created);
+
+    list = cJSON_AddArrayToObject(o, "templates");
+    for (size_t i = 0; i < n && ok; i++) {
+        cJSON *x = cJSON_CreateObject();
+
+        ok = cJSON_AddItemToArray(list, x);
+        if (ok)
+            ok = fill_template(x, &t[i]);
+        else
+            cJSON_Delete(x);
+    }
+    return print(o, ok && list != NULL);
+}
+
+char *json_subjects(const struct store_subject *s, size_t n, bool more)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON *list = cJSON_AddArrayToObject(o, "subjects");
+    bool ok = list != NULL;
+
+    for (size_t i = 0; i < n && ok; i++) {
+        cJSON *x = cJSON_CreateObject();
+
+        ok = cJSON_AddItemToArray(list, x);
+        if (ok)
+            ok = add_string(x, "subject", s[i].id) &&
+                 add_string(x, "created", s[i].created) &&
+                 add_number(x, "templates", s[i].templates);
+        else
+            cJSON_Delete(x);
+    }
+    return print(o,
+                 ok && add_string(o, "next_cursor", more && n > 0 ? s[n - 1].id : NULL));
+}
+
+char *json_removed(const char *subject, uint32_t templates, const char *when)
+{
+    cJSON *o = cJSON_CreateObject();
+
+    return print(o, add_string(o, "subject", subject) &&
+                        add_number(o, "templates_removed", templates) &&
+                        add_string(o, "erased_at", when));
+}
+
+char *json_state(const char *state)
+{
+    cJSON *o = cJSON_CreateObject();
+
+    return print(o, add_string(o, "status", state));
+}
+
+char *json_version(const char *version, const char *engine, const char *compiler)
+{
+    cJSON *o = cJSON_CreateObject();
+
+    return print(o, add_string(o, "version", version) &&
+                        add_string(o, "engine", engine) &&
+                        add_string(o, "compiler", compiler));
+}

@@ -1,0 +1,74 @@
+/* json.h -- JSON in and out.  The only file that knows the JSON library.
+ * Texts returned are heap, NUL-terminated, released by free(); NULL: out of memory.
+ * Numbers are printed with as many digits as it takes to read the same double again. */
+#ifndef SERVER_JSON_H
+#define SERVER_JSON_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+#include "vec.h"
+
+struct errinfo;
+struct errmap;
+struct face_quality;
+struct face_result;
+struct store_subject;
+struct store_template;
+
+struct json_cloud {
+    struct dvec3 *pts; /* in their own unit; released by mem_free() */
+    size_t n;
+    double mm;      /* millimetres per unit */
+    bool has_units; /* false: units was not given, and mm is 1 */
+};
+
+/* json_cloud_read(text, len, max_points, out, e): {"points": [[x,y,z],...], "units": "mm"}.
+ * text  text[len] must be 0.
+ * Strict where it matters: one document and nothing behind it, valid UTF-8, no key twice,
+ * three finite numbers a point; other members are ignored.  e tells what and where.
+ * Memory: about 340 bytes a point while it reads; refused before that when there are more
+ * values than max_points can need.
+ * Returns ST_OK; ST_EINVAL malformed; ST_ENOTFINITE a number too large for a double;
+ * ST_ELIMIT more than max_points; ST_ENOMEM.  On failure out is empty. */
+enum status json_cloud_read(const char *text, size_t len, size_t max_points,
+                            struct json_cloud *out, struct errinfo *e);
+
+/* json_clouds_read(..., a, b, e): {"a": cloud, "b": cloud}, the same. */
+enum status json_clouds_read(const char *text, size_t len, size_t max_points,
+                             struct json_cloud *a, struct json_cloud *b,
+                             struct errinfo *e);
+
+/* json_units(name, mm): "mm", "cm", "m" to millimetres per unit; false: none of them. */
+bool json_units(const char *name, double *mm);
+
+struct json_mismatch {
+    double disparity_mm, threshold_mm;
+};
+
+/* json_problem(m, detail, request_id, mismatch): RFC 9457; mismatch may be NULL. */
+char *json_problem(const struct errmap *m, const char *detail, const char *request_id,
+                   const struct json_mismatch *mismatch);
+
+struct json_verdict {
+    const struct face_result *result;
+    const struct face_quality *quality; /* of the probe */
+    const char *subject, *template_id;  /* NULL: null */
+    uint32_t templates_compared;
+    double parse_ms, prepare_ms, align_ms, measure_ms, total_ms;
+    const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
+    size_t n;
+};
+
+char *json_verdict(const struct json_verdict *v);
+char *json_template(const struct store_template *t);
+char *json_subject(const struct store_subject *s, const struct store_template *t,
+                   size_t n);
+
+/* json_subjects(s, n, more): one page; more: another one follows. */
+char *json_subjects(const struct store_subject *s, size_t n, bool more);
+char *json_removed(const char *subject, uint32_t templates, const char *when);
+char *json_state(const char *state); /* {"status": state} */
+char *json_version(const char *version, const char *engine, const char *compiler);
+
+#endif

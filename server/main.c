@@ -1,0 +1,106 @@
+/* surfaced -- the daemon: options, start, wait for a signal, stop. */
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sodium.h>
+
+#include "app.h"
+#include "cache.h"
+#include "errinfo.h"
+#include "face.h"
+#include "http.h"
+#include "log.h"
+#include "metrics.h"
+#include "options.h"
+#include "queue.h"
+#include "store.h"
+
+#define CACHE_BYTES ((size_t)256 << 20)
+#define GRACE_MS    10000.0 /* for the requests that have begun, on a stop */
+#define FLUSH_MS    2000.0  /* for the answers that are ready by then */
+
+/* Block the signals that stop the daemon, in every thread: main waits for them. */
+static void block_signals(sigset_t *stop)
+{
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)sigemptyset(stop);
+    (void)sigaddset(stop, SIGTERM);
+    (void)sigaddset(stop, SIGINT);
+    (void)pthread_sigmask(SIG_BLOCK, stop, NULL);
+}
+
+static enum status start(const struct options *o, struct app *app, struct http **http,
+                         char url[HTTP_URL_MAX], struct errinfo *e)
+{
+    enum status st = store_open(o->db, STORE_CREATE, &app->store, e);
+
+    if (st != ST_OK)
+        return st;
+    app->cache = cache_new(CACHE_BYTES);
+    app->metrics = metrics_new();
+    if (app->cache == NULL || app->metrics == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "cannot start %u workers", o->workers);
+    st = http_listen(o, http, url, e);
+    return st == ST_OK ? http_start(*http, app, e) : st;
+}
+
+static void stop(struct app *app, struct http *http)
+{
+    if (app->queue != NULL)
+        queue_stop(app->queue);
+    http_stop(http);
+    queue_free(app->queue);
+    cache_free(app->cache);
+    metrics_free(app->metrics);
+    store_close(app->store);
+}
+
+int main(int argc, char **argv)
+{
+    struct app app = {.enroll_lock = PTHREAD_MUTEX_INITIALIZER};
+    struct http *http = NULL;
+    struct options o = {0};
+    struct errinfo e = {0};
+    char url[HTTP_URL_MAX], why[400];
+    sigset_t stops;
+    int sig = 0;
+
+    switch (options_read(argc, argv, &o, why, sizeof why)) {
+    case OPTIONS_DONE:
+        return 0;
+    case OPTIONS_BAD:
+        (void)fprintf(stderr, "surfaced: %s\n", why);
+        return 2;
+    case OPTIONS_RUN:
+        break;
+    }
+    if (sodium_init() < 0) {
+        (void)fprintf(stderr, "surfaced: no source of random numbers\n");
+        return 1;
+    }
+    block_signals(&stops);
+    app.no_auth = o.no_auth;
+    app.max_body = o.max_body;
+    if (start(&o, &app, &http, url, &e) != ST_OK) {
+        (void)fprintf(stderr, "surfaced: %s\n", e.msg);
+        stop(&app, http);
+        return 1;
+    }
+    log_line("info",
+             "msg=\"listening on %s\" engine=\"%s\" workers=%u queue=%u "
+             "max_body=%zu auth=%s",
+             url, FACE_ENGINE, o.workers, o.queue, o.max_body,
+             o.no_auth ? "none" : "token");
+    (void)sigwait(&stops, &sig);
+    log_line("info", "msg=\"stopping\" signal=%s", sig == SIGTERM ? "SIGTERM" : "SIGINT");
+    http_quiesce(http, GRACE_MS);
+    queue_stop(app.queue); /* what is still queued gets its answer */
+    http_quiesce(http, FLUSH_MS);
+    stop(&app, http);
+    log_line("info", "msg=\"stopped\"");
+    return 0;
+}

@@ -1,0 +1,103 @@
+#include "params.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errmap.h"
+#include "json.h"
+#include "request.h"
+
+/* The value into buf; *there tells whether it was given.  False when it cannot be read. */
+static bool get(struct request *r, const char *name, char *buf, size_t size, bool *there)
+{
+    enum status st = request_query(r, name, buf, size);
+
+    *there = st != ST_ENOTFOUND;
+    return st == ST_OK || st == ST_ENOTFOUND;
+}
+
+bool params_flag(struct request *r, const char *name, bool *out)
+{
+    char buf[8];
+    bool there;
+
+    if (get(r, name, buf, sizeof buf, &there)) {
+        if (!there)
+            return true;
+        *out = strcmp(buf, "true") == 0;
+        if (*out || strcmp(buf, "false") == 0)
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "%s is neither true nor false", name);
+    return false;
+}
+
+bool params_units(struct request *r, double *mm)
+{
+    char buf[8];
+    bool there;
+
+    if (get(r, "units", buf, sizeof buf, &there) && (!there || json_units(buf, mm)))
+        return true;
+    request_problem(r, ERRMAP_PARAMETER, "units is not mm, cm or m");
+    return false;
+}
+
+bool params_threshold(struct request *r, double *mm)
+{
+    char buf[32], *end;
+    bool there;
+
+    if (get(r, "threshold_mm", buf, sizeof buf, &there)) {
+        double value;
+
+        if (!there)
+            return true;
+        value = strtod(buf, &end); /* which also reads names and base 16: not wanted */
+        if (strspn(buf, "0123456789.eE+-") == strlen(buf) && end != buf && *end == '\0' &&
+            isfinite(value) && value > 0.0) {
+            *mm = value;
+            return true;
+        }
+    }
+    request_problem(r, ERRMAP_PARAMETER, "threshold_mm is not a finite number above 0");
+    return false;
+}
+
+bool params_heatmap(struct request *r, bool *out)
+{
+    char buf[16];
+    bool there;
+
+    if (get(r, "detail", buf, sizeof buf, &there)) {
+        *out = there && strcmp(buf, "heatmap") == 0;
+        if (*out || !there)
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "detail is not heatmap");
+    return false;
+}
+
+bool params_count(struct request *r, const char *name, size_t max, size_t *out)
+{
+    char buf[16], *end;
+    bool there;
+
+    if (get(r, name, buf, sizeof buf, &there)) {
+        unsigned long n;
+
+        if (!there)
+            return true;
+        errno = 0;
+        n = strtoul(buf, &end, 10);
+        if (buf[0] >= '0' && buf[0] <= '9' && *end == '\0' && errno == 0 && n >= 1 &&
+            n <= max) {
+            *out = n;
+            return true;
+        }
+    }
+    request_problem(r, ERRMAP_PARAMETER, "%s is not an integer from 1 to %zu", name, max);
+    return false;
+}

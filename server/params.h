@@ -1,0 +1,24 @@
+/* params.h -- the query parameters.  Each returns false when the parameter is malformed:
+ * then r->answer says so.  One that is absent leaves *out as it was. */
+#ifndef SERVER_PARAMS_H
+#define SERVER_PARAMS_H
+#include <stdbool.h>
+#include <stddef.h>
+
+struct request;
+
+bool params_flag(struct request *r, const char *name, bool *out); /* true, false */
+
+/* params_units(r, mm): units=mm|cm|m as millimetres per unit. */
+bool params_units(struct request *r, double *mm);
+
+/* params_threshold(r, mm): threshold_mm=, a finite number > 0. */
+bool params_threshold(struct request *r, double *mm);
+
+/* params_heatmap(r, out): detail=heatmap. */
+bool params_heatmap(struct request *r, bool *out);
+
+/* params_count(r, name, max, out): an integer from 1 to max. */
+bool params_count(struct request *r, const char *name, size_t max, size_t *out);
+
+#endif

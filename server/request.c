@@ -1,0 +1,195 @@
+#include "request.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sodium.h>
+
+#include "errinfo.h"
+#include "errmap.h"
+#include "json.h"
+
+enum request_method request_method(const char *name)
+{
+    if (strcmp(name, "GET") == 0 || strcmp(name, "HEAD") == 0)
+        return REQUEST_GET;
+    if (strcmp(name, "POST") == 0)
+        return REQUEST_POST;
+    if (strcmp(name, "DELETE") == 0)
+        return REQUEST_DELETE;
+    return REQUEST_OTHER;
+}
+
+enum request_media request_media(const char *type)
+{
+    static const struct {
+        const char *name;
+        enum request_media media;
+    } known[] = {
+        {"application/json", REQUEST_JSON}, {"model/x-ply", REQUEST_PLY},
+        {"application/x-ply", REQUEST_PLY}, {"model/obj", REQUEST_OBJ},
+        {"text/plain", REQUEST_XYZ},        {"application/octet-stream", REQUEST_BYTES},
+    };
+    size_t len;
+
+    if (type == NULL)
+        return REQUEST_NO_MEDIA;
+    type += strspn(type, " \t");
+    len = strcspn(type, "; \t,");
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strlen(known[i].name) == len && strncasecmp(type, known[i].name, len) == 0)
+            return known[i].media;
+    return REQUEST_OTHER_MEDIA;
+}
+
+void request_set_id(struct request *r, const char *given, unsigned long serial)
+{
+    static const char safe[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                               "0123456789._-";
+    static uint32_t process;
+    size_t len = given == NULL ? 0 : strlen(given);
+
+    if (len >= 1 && len <= REQUEST_ID_MAX && strspn(given, safe) == len) {
+        memcpy(r->id, given, len + 1);
+        return;
+    }
+    if (process == 0) /* only ever called from the one I/O thread */
+        process = randombytes_random() | 1;
+    (void)snprintf(r->id, sizeof r->id, "%08lx-%08lx", (unsigned long)process, serial);
+}
+
+static int hex_digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    c = (char)(c | 0x20);
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+enum status request_decode(const char *s, size_t len, bool plus, char *out, size_t size)
+{
+    size_t n = 0;
+
+    *out = '\0';
+    for (size_t i = 0; i < len; i++) {
+        char c = s[i];
+
+        if (c == '%') {
+            int hi = len - i > 2 ? hex_digit(s[i + 1]) : -1;
+            int lo = len - i > 2 ? hex_digit(s[i + 2]) : -1;
+
+            if (hi < 0 || lo < 0 || hi + lo == 0)
+                return ST_EINVAL;
+            c = (char)(unsigned char)(hi * 16 + lo);
+            i += 2;
+        } else if (c == '+' && plus) {
+            c = ' ';
+        }
+        if (n + 1 >= size)
+            return ST_ELIMIT;
+        out[n++] = c;
+    }
+    out[n] = '\0';
+    return ST_OK;
+}
+
+enum status request_query(const struct request *r, const char *name, char *out,
+                          size_t size)
+{
+    const char *p = strchr(r->target, '?');
+    size_t namelen = strlen(name);
+
+    *out = '\0';
+    while (p != NULL && *p != '\0') {
+        size_t len = strcspn(++p, "&");
+        size_t key = strcspn(p, "=&");
+
+        if (key == namelen && memcmp(p, name, key) == 0) {
+            const char *value = p + key + (p[key] == '=');
+
+            return request_decode(value, len - (size_t)(value - p), true, out, size);
+        }
+        p += len;
+    }
+    return ST_ENOTFOUND;
+}
+
+static void set_body(struct request *r, int http, const char *type, char *body)
+{
+    free(r->answer.body);
+    r->answer.http = http;
+    r->answer.type = type;
+    r->answer.body = body;
+    r->answer.len = body == NULL ? 0 : strlen(body);
+}
+
+void request_text(struct request *r, const char *type, char *text)
+{
+    if (text == NULL)
+        request_problem(r, ST_ENOMEM, "no memory for the answer");
+    else
+        set_body(r, 200, type, text);
+}
+
+void request_answer(struct request *r, int http, char *json)
+{
+    if (json == NULL)
+        request_problem(r, ST_ENOMEM, "no memory for the answer");
+    else
+        set_body(r, http, "application/json", json);
+}
+
+void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
+{
+    const struct errmap *m = errmap_get(kind);
+    char detail[512];
+    const char *told = detail;
+    va_list ap;
+
+    va_start(ap, fmt);
+    (void)vsnprintf(detail, sizeof detail, fmt, ap);
+    va_end(ap);
+    if (m->http >= 500) {
+        (void)snprintf(r->fault, sizeof r->fault, "%s", detail);
+        for (char *q = r->fault; (q = strchr(q, '"')) != NULL;)
+            *q = '\''; /* the log quotes it */
+        if (kind != ERRMAP_OVERLOAD)
+            told = m->http == 500 ? "The log has an entry with this request_id."
+                                  : "Please try again later.";
+    }
+    if (m->http == 503)
+        r->answer.retry_after = 1;
+    if (m->http == 401)
+        r->answer.challenge = true;
+    r->answer.location[0] = '\0';
+    /* Without memory for the document its status code has to do. */
+    set_body(r, m->http, "application/problem+json", json_problem(m, told, r->id, NULL));
+}
+
+void request_fail(struct request *r, const struct errinfo *e)
+{
+    request_problem(r, (unsigned)e->code, "%s", e->msg);
+}
+
+void request_mismatch(struct request *r, double disparity_mm, double threshold_mm)
+{
+    const struct errmap *m = errmap_get(ST_EMISMATCH);
+    const struct json_mismatch mismatch = {disparity_mm, threshold_mm};
+
+    set_body(r, m->http, "application/problem+json",
+             json_problem(m,
+                          "the sample does not match any of the subject's templates; "
+                          "force=true enrolls it all the same",
+                          r->id, &mismatch));
+}
+
+void request_free(struct request *r)
+{
+    free(r->target);
+    free(r->body);
+    free(r->answer.body);
+    sodium_memzero(r->token, sizeof r->token);
+}

@@ -1,0 +1,103 @@
+/* request.h -- one HTTP request and its answer, without HTTP's machinery (http.h).
+ * Made and released by http.c.  It belongs to the I/O thread, but while it waits for or is
+ * with a worker (queue.h) to that worker: never to two threads at once. */
+#ifndef SERVER_REQUEST_H
+#define SERVER_REQUEST_H
+#include <stdbool.h>
+#include <stddef.h>
+#include "status.h"
+#include "store.h"
+
+struct app;
+struct errinfo;
+struct routes_route; /* routes.h */
+struct worker;       /* queue.h */
+
+#define REQUEST_ID_MAX    64
+#define REQUEST_TOKEN_MAX 128
+
+enum request_method { REQUEST_GET, REQUEST_POST, REQUEST_DELETE, REQUEST_OTHER };
+
+enum request_media { /* of the body, by its Content-Type */
+                     REQUEST_NO_MEDIA,
+                     REQUEST_JSON,
+                     REQUEST_PLY,
+                     REQUEST_OBJ,
+                     REQUEST_XYZ,
+                     REQUEST_BYTES, /* recognised by the first bytes */
+                     REQUEST_OTHER_MEDIA
+};
+
+struct request_answer {
+    int http;   /* 0: none yet */
+    char *body; /* heap, or NULL with len 0 */
+    size_t len;
+    const char *type;     /* static */
+    char location[96];    /* "" for none */
+    const char *allow;    /* static; NULL for none */
+    bool challenge;       /* WWW-Authenticate */
+    bool bad_token;       /* with it: the token was refused, not missing */
+    unsigned retry_after; /* seconds; 0 for none */
+};
+
+struct request {
+    struct app *app;
+    char *target; /* as sent: path[?query], still percent-encoded */
+    enum request_method method;
+    const struct routes_route *route;    /* NULL until it is known */
+    char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
+    char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
+    char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
+    char token[REQUEST_TOKEN_MAX + 1];   /* wiped once it is checked */
+    char actor[STORE_ID_LEN + 1];        /* the token's id; "" without one */
+    enum request_media media;
+    unsigned char *body; /* heap; body[len] is 0 */
+    size_t len;
+    double start_ms; /* log_clock_ms() at the request line */
+    struct request_answer answer;
+    char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
+};
+
+/* request_method(name): GET and HEAD are REQUEST_GET. */
+enum request_method request_method(const char *name);
+
+/* request_media(type): Content-Type's value, parameters ignored; NULL: REQUEST_NO_MEDIA. */
+enum request_media request_media(const char *type);
+
+/* request_set_id(r, given, serial): given if it is 1..64 safe characters, else a new one
+ * made of a number drawn once a process and the serial. */
+void request_set_id(struct request *r, const char *given, unsigned long serial);
+
+/* request_decode(s, len, plus, out, size): undo percent-encoding ("+" is a space if plus).
+ * Returns ST_OK; ST_EINVAL: bad encoding, an encoded NUL; ST_ELIMIT: does not fit. */
+enum status request_decode(const char *s, size_t len, bool plus, char *out, size_t size);
+
+/* request_query(r, name, out, size): the decoded value of the first parameter of that name.
+ * Returns ST_OK; ST_ENOTFOUND: there is none (out is ""); ST_EINVAL, ST_ELIMIT. */
+enum status request_query(const struct request *r, const char *name, char *out,
+                          size_t size);
+
+/* The three kinds of answer; each sets r->answer, replacing one that was there. */
+
+/* request_answer(r, http, json): json: heap text, taken; NULL: out of memory, which
+ * becomes the answer. */
+void request_answer(struct request *r, int http, char *json);
+
+/* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
+void request_text(struct request *r, const char *type, char *text);
+
+/* request_problem(r, kind, fmt, ...): problem+json; kind as in errmap.h.  For a 5xx the
+ * formatted detail goes to the log alone, and the client gets a general phrase. */
+__attribute__((format(printf, 3, 4))) void
+request_problem(struct request *r, unsigned kind, const char *fmt, ...);
+
+/* request_fail(r, e): the problem that e tells. */
+void request_fail(struct request *r, const struct errinfo *e);
+
+/* request_mismatch(r, disparity_mm, threshold_mm): 409 sample_mismatch with both. */
+void request_mismatch(struct request *r, double disparity_mm, double threshold_mm);
+
+/* request_free(r): what r points to. */
+void request_free(struct request *r);
+
+#endif

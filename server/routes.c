@@ -1,0 +1,142 @@
+#include "routes.h"
+
+#include <string.h>
+
+#include "compare.h"
+#include "enroll.h"
+#include "errmap.h"
+#include "meta.h"
+#include "subjects.h"
+#include "verify.h"
+
+#define TEMPLATE "/v1/templates/{template_id}"
+#define SUBJECT  "/v1/subjects/{subject}"
+
+static const struct routes_route table[] = {
+    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, true, meta_health, true},
+    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, true, meta_ready, false},
+    {REQUEST_GET, "/metrics", ROUTES_NO_BODY, true, meta_metrics, true},
+    {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, true, meta_openapi, true},
+    {REQUEST_GET, "/version", ROUTES_NO_BODY, true, meta_version, true},
+    {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, false, enroll_handle, false},
+    {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, false, verify_subject, false},
+    {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, false, verify_template, false},
+    {REQUEST_POST, "/v1/compare", ROUTES_JSON, false, compare_handle, false},
+    {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, false, subjects_list, false},
+    {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, false, subjects_show, false},
+    {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, false, subjects_delete, false},
+    {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, false, subjects_template, false},
+    {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, false, subjects_template_delete, false},
+};
+#define NROUTES (sizeof table / sizeof *table)
+
+_Static_assert(NROUTES + 1 <= ROUTES_MAX, "room for every route and for none");
+
+/* The end of the segment that begins at s. */
+static const char *segment_end(const char *s)
+{
+    return s + strcspn(s, "/?");
+}
+
+/* Does the path fit the pattern?  A parameter's raw segment is returned by its place. */
+static bool fits(const char *pattern, const char *path, const char **param)
+{
+    *param = NULL;
+    for (;;) {
+        const char *pe, *te;
+
+        if (*pattern != '/' || *path != '/')
+            return *pattern == '\0' && (*path == '\0' || *path == '?');
+        pe = segment_end(++pattern);
+        te = segment_end(++path);
+        if (*pattern == '{') {
+            if (te == path)
+                return false;
+            *param = path;
+        } else if (pe - pattern != te - path ||
+                   memcmp(pattern, path, (size_t)(te - path)) != 0) {
+            return false;
+        }
+        pattern = pe;
+        path = te;
+    }
+}
+
+static const char *method_name(enum request_method m)
+{
+    static const char *const names[] = {"GET", "POST", "DELETE", "other"};
+
+    return names[m];
+}
+
+/* The methods that the path has, as a bit each, to the value of Allow. */
+static const char *allow(unsigned methods)
+{
+    static const char *const values[8] = {
+        "",       "GET, HEAD",         "POST",         "GET, HEAD, POST",
+        "DELETE", "GET, HEAD, DELETE", "POST, DELETE", "GET, HEAD, POST, DELETE",
+    };
+
+    return values[methods & 7];
+}
+
+void routes_find(struct request *r)
+{
+    unsigned methods = 0;
+    const char *param;
+
+    for (size_t i = 0; i < NROUTES; i++) {
+        if (!fits(table[i].pattern, r->target, &param))
+            continue;
+        methods |= 1u << table[i].method;
+        if (table[i].method == r->method) {
+            r->route = &table[i];
+            return;
+        }
+    }
+    if (methods != 0) {
+        r->answer.allow = allow(methods);
+        request_problem(r, ERRMAP_METHOD, "this path has the methods %s", allow(methods));
+    } else {
+        request_problem(r, ERRMAP_ROUTE, "there is no such path");
+    }
+}
+
+void routes_read_id(struct request *r)
+{
+    const char *param;
+    enum status st;
+    size_t len;
+
+    if (!fits(r->route->pattern, r->target, &param) || param == NULL)
+        return;
+    len = (size_t)(segment_end(param) - param);
+    if (strstr(r->route->pattern, "{subject}") != NULL) {
+        st = request_decode(param, len, false, r->subject, sizeof r->subject);
+        if (st != ST_OK || !store_subject_valid(r->subject))
+            request_problem(r, ERRMAP_PARAMETER,
+                            "the subject id is not 1-%d characters of "
+                            "A-Z a-z 0-9 . _ - @ :",
+                            STORE_SUBJECT_MAX);
+    } else {
+        st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
+        if (st != ST_OK || !store_id_valid(r->template_id))
+            request_problem(r, ST_ENOTFOUND, "there is no such template");
+    }
+}
+
+size_t routes_index(const struct routes_route *route)
+{
+    return route == NULL ? 0 : (size_t)(route - table) + 1;
+}
+
+const char *routes_name(size_t index, const char **method)
+{
+    *method = "-";
+    if (index == 0)
+        return "none";
+    if (index > NROUTES)
+        return NULL;
+    *method = method_name(table[index - 1].method);
+    return table[index - 1].pattern;
+}

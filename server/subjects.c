@@ -1,0 +1,108 @@
+#include "subjects.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+#include "app.h"
+#include "cache.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "json.h"
+#include "params.h"
+#include "queue.h"
+#include "request.h"
+
+#define PAGE_DEFAULT 100
+#define PAGE_MAX     1000
+
+void subjects_list(struct request *r, struct worker *w)
+{
+    char after[STORE_SUBJECT_MAX + 1];
+    struct store_subject *s = NULL;
+    struct errinfo e = {0};
+    size_t n = 0, limit = PAGE_DEFAULT;
+    enum status st = request_query(r, "cursor", after, sizeof after);
+
+    (void)w;
+    if ((st != ST_OK && st != ST_ENOTFOUND) ||
+        (after[0] != '\0' && !store_subject_valid(after))) {
+        request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
+        return;
+    }
+    if (!params_count(r, "limit", PAGE_MAX, &limit))
+        return;
+    /* One more than asked for tells whether another page follows. */
+    if (store_subject_list(r->app->store, after, limit + 1, &s, &n, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        request_answer(r, 200, json_subjects(s, n > limit ? limit : n, n > limit));
+    free(s);
+}
+
+void subjects_show(struct request *r, struct worker *w)
+{
+    struct store_subject s;
+    struct store_template *t = NULL;
+    struct errinfo e = {0};
+    size_t n = 0;
+
+    (void)w;
+    if (store_subject_get(r->app->store, r->subject, &s, &e) != ST_OK ||
+        store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        request_answer(r, 200, json_subject(&s, t, n));
+    free(t);
+}
+
+void subjects_delete(struct request *r, struct worker *w)
+{
+    struct store_template *t = NULL;
+    struct errinfo e = {0};
+    char when[32];
+    struct tm tm;
+    time_t now;
+    size_t n = 0;
+    uint32_t removed = 0;
+
+    (void)w;
+    if (store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK ||
+        store_subject_delete(r->app->store, r->actor, r->subject, &removed, &e) !=
+            ST_OK) {
+        request_fail(r, &e);
+        goto out;
+    }
+    for (size_t i = 0; i < n; i++)
+        cache_forget(r->app->cache, t[i].id);
+    now = time(NULL);
+    (void)gmtime_r(&now, &tm);
+    (void)strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", &tm);
+    request_answer(r, 200, json_removed(r->subject, removed, when));
+out:
+    free(t);
+}
+
+void subjects_template(struct request *r, struct worker *w)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        request_answer(r, 200, json_template(&t));
+}
+
+void subjects_template_delete(struct request *r, struct worker *w)
+{
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_template_delete(r->app->store, r->actor, r->template_id, &e) != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    cache_forget(r->app->cache, r->template_id);
+    r->answer.http = 204;
+}

@@ -1,0 +1,14 @@
+/* subjects.h -- list, show and erase subjects; describe and delete templates. */
+#ifndef SERVER_SUBJECTS_H
+#define SERVER_SUBJECTS_H
+
+struct request;
+struct worker;
+
+void subjects_list(struct request *r, struct worker *w);
+void subjects_show(struct request *r, struct worker *w);
+void subjects_delete(struct request *r, struct worker *w);
+void subjects_template(struct request *r, struct worker *w);
+void subjects_template_delete(struct request *r, struct worker *w);
+
+#endif

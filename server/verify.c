@@ -1,0 +1,164 @@
+#include "verify.h"
+
+#include <stdlib.h>
+
+#include "app.h"
+#include "cache.h"
+#include "cloud.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "json.h"
+#include "log.h"
+#include "mem.h"
+#include "metrics.h"
+#include "params.h"
+#include "queue.h"
+#include "request.h"
+
+static bool better(const struct face_result *a, const struct face_result *b)
+{
+    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
+        return a->decision != FACE_INCONCLUSIVE;
+    if (a->decision == FACE_INCONCLUSIVE)
+        return a->measure.overlap > b->measure.overlap;
+    return a->disparity_mm < b->disparity_mm;
+}
+
+enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
+                           const struct face *probe, double threshold_mm,
+                           struct verify_best *out, struct errinfo *e)
+{
+    *out = (struct verify_best){0};
+    for (size_t i = 0; i < n; i++) {
+        struct face_result result;
+        const struct face *face;
+        enum status st =
+            cache_hold(w->app->cache, w->app->store, t[i].id, w->work, &face, e);
+
+        if (st == ST_ENOTFOUND)
+            continue;
+        if (st == ST_OK) {
+            st = face_compare(face, probe, threshold_mm, log_clock_ms, w->work, &result);
+            cache_release(w->app->cache, face);
+            if (st != ST_OK)
+                return errinfo_set(e, st, "comparing: %s", status_message(st));
+        }
+        if (st != ST_OK)
+            return st;
+        if (out->compared++ == 0 || better(&result, &out->result)) {
+            out->result = result;
+            out->index = i;
+        }
+        out->align_ms += result.align_ms;
+        out->measure_ms += result.measure_ms;
+    }
+    return out->compared > 0 ? ST_OK
+                             : errinfo_set(e, ST_ENOTFOUND,
+                                           "there is no template to "
+                                           "compare with");
+}
+
+void verify_event(struct request *r, const char *kind, const char *subject,
+                  const char *template_id, enum face_decision decision)
+{
+    static const char *const outcome[] = {[FACE_MATCH] = "match",
+                                          [FACE_NO_MATCH] = "no_match",
+                                          [FACE_INCONCLUSIVE] = "inconclusive"};
+    struct errinfo e = {0};
+
+    metrics_decision(r->app->metrics, decision);
+    if (store_event(r->app->store, kind, r->actor, subject, template_id,
+                    outcome[decision], &e) != ST_OK) {
+        metrics_lost_event(r->app->metrics);
+        log_line("error", "request_id=%s event=%s lost=\"%s\"", r->id, kind, e.msg);
+    }
+}
+
+/* The heatmap of the probe's points against template id, by mem_free(). */
+static enum status heatmap(struct worker *w, const char *id, const struct cloud *c,
+                           const double transform[16], double **gap, struct errinfo *e)
+{
+    const struct face *face;
+    enum status st = cache_hold(w->app->cache, w->app->store, id, w->work, &face, e);
+
+    if (st != ST_OK)
+        return st;
+    *gap = mem_array(c->n, sizeof **gap);
+    if (*gap != NULL)
+        face_heatmap(face, c->pts, c->n, transform, *gap);
+    cache_release(w->app->cache, face);
+    return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
+}
+
+/* The probe of the body against templates t[0..n-1]. */
+static void verify(struct request *r, struct worker *w, const struct store_template *t,
+                   size_t n)
+{
+    double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
+    struct errinfo e = {0};
+    struct cloud c = {0};
+    struct verify_best best;
+    bool map = false;
+    enum status st;
+
+    if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
+        cloud_read(r, &c) != ST_OK)
+        return;
+    parsed = log_clock_ms();
+    if (cloud_build(r, &c, "points", w->work, &w->probe) != ST_OK)
+        goto out;
+    prepared = log_clock_ms();
+    st = verify_compare(w, t, n, &w->probe, threshold, &best, &e);
+    if (st == ST_OK && map)
+        st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
+    if (st != ST_OK) {
+        request_fail(r, &e);
+        goto out;
+    }
+    verify_event(r, "verify", t[best.index].subject, t[best.index].id,
+                 best.result.decision);
+    request_answer(r, 200,
+                   json_verdict(&(struct json_verdict){
+                       .result = &best.result,
+                       .quality = &w->probe.quality,
+                       .subject = t[best.index].subject,
+                       .template_id = t[best.index].id,
+                       .templates_compared = best.compared,
+                       .parse_ms = parsed - start,
+                       .prepare_ms = prepared - parsed,
+                       .align_ms = best.align_ms,
+                       .measure_ms = best.measure_ms,
+                       .total_ms = log_clock_ms() - r->start_ms,
+                       .gap_mm = gap,
+                       .n = c.n,
+                   }));
+out:
+    mem_free(gap);
+    cloud_free(&c);
+}
+
+void verify_subject(struct request *r, struct worker *w)
+{
+    struct store_template *t = NULL;
+    struct errinfo e = {0};
+    size_t n = 0;
+
+    if (store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
+        request_fail(r, &e);
+    else if (n == 0)
+        request_problem(r, ST_ENOTFOUND, "the subject has no template");
+    else
+        verify(r, w, t, n);
+    free(t);
+}
+
+void verify_template(struct request *r, struct worker *w)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+
+    if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        verify(r, w, &t, 1);
+}
