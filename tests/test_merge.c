@@ -274,6 +274,7 @@ static void make_fan(int32_t n)
     add(&first, -6000, 100); /* on the outer side: in none of the fan's circles */
     add(&first, -6500, 300);
     add(&first, -6300, -200);
+    add(&first, -n, n * n); /* one point in common */
     for (int32_t t = 0; t <= n; t++)
         add(&second, -t, t * t);
 }

@@ -1,0 +1,374 @@
+/* bench_faces.c -- the paper's Table 1 on 48 pairs of face-like clouds of 3,000 points, and
+ * triangulation of inputs that are hard for triangulations; beside CGAL and Boost. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clouds.h"
+#include "delaunay.h"
+#include "disparity.h"
+#include "holes.h"
+#include "lattice.h"
+#include "locate.h"
+#include "mem.h"
+#include "merge.h"
+#include "mesh.h"
+#include "mst.h"
+#include "peers.h"
+#include "surface.h"
+#include "timing.h"
+
+#define PAIRS  48
+#define POINTS 3000
+#define ROUNDS 11
+
+enum row {
+    DELAUNAY,
+    TREE,
+    LOCATE,
+    INTERPOLATE,
+    MERGE,
+    MEASURE,
+    HOLES,
+    SUM,
+    SCRATCH, /* our triangulation of the union from scratch */
+    PEER_ONE,
+    PEER_DELAUNAY,
+    PEER_PRIM,
+    PEER_KRUSKAL,
+    PEER_LOCATE,
+    PEER_MERGE,
+    PEER_SCRATCH,
+    ROWS
+};
+
+struct side {
+    struct ivec3 *pts;
+    size_t n;
+    struct mesh mesh;
+    struct location *loc; /* its vertices in the other's mesh */
+    double *other, *peer_other;
+    float *spacing;
+    uint8_t *bridge;
+    double measured;
+    void *points, *surface, *graph, *dt; /* the peer's */
+};
+
+struct pair {
+    struct side a, b;
+    struct ivec3 *both;
+    void *both_points;
+};
+
+static const struct peers *peers;
+static struct timing row[ROWS];
+static struct scratch scratch;
+static struct mesh general, whole;
+static uint32_t *b_vertex;
+static struct disparity_vertex *vertex;
+
+static void must(enum status st)
+{
+    if (st == ST_OK)
+        return;
+    fprintf(stderr, "bench: %s\n", status_message(st));
+    exit(1);
+}
+
+static void side_make(struct side *s, uint64_t k)
+{
+    s->pts = timing_alloc(POINTS, sizeof *s->pts);
+    s->n = clouds_make(CLOUDS_FACE, k, POINTS, s->pts);
+    s->loc = timing_alloc(POINTS, sizeof *s->loc);
+    s->other = timing_alloc(POINTS, sizeof *s->other);
+    s->peer_other = timing_alloc(POINTS, sizeof *s->other);
+    s->spacing = timing_alloc(POINTS, sizeof *s->spacing);
+    s->bridge = timing_alloc(2 * POINTS, 1);
+    if (peers != NULL) {
+        s->points = peers->points(s->pts, s->n);
+        s->surface = peers->surface(s->pts, s->n);
+    }
+}
+
+static void pair_make(struct pair *p, uint64_t k)
+{
+    side_make(&p->a, 2 * k);
+    side_make(&p->b, 2 * k + 1);
+    p->both = timing_alloc(2 * POINTS, sizeof *p->both);
+    memcpy(p->both, p->a.pts, p->a.n * sizeof *p->both);
+    memcpy(p->both + p->a.n, p->b.pts, p->b.n * sizeof *p->both);
+    if (peers != NULL)
+        p->both_points = peers->points(p->both, p->a.n + p->b.n);
+}
+
+static double lap(enum row r, double since)
+{
+    const double now = timing_now_ms();
+
+    timing_add(&row[r], now - since);
+    return now;
+}
+
+static void find_holes(struct side *s)
+{
+    must(holes_spacing(&s->mesh, &scratch, s->spacing));
+    s->measured = holes_mark(&s->mesh, s->spacing, s->bridge);
+}
+
+/* Table 1 once, from points on the lattice to the disparity. */
+static double table1(struct pair *p)
+{
+    struct side *a = &p->a, *b = &p->b;
+    struct disparity d;
+    const double start = timing_now_ms();
+    double t = start;
+
+    must(delaunay_build(a->pts, a->n, &scratch, &a->mesh));
+    must(delaunay_build(b->pts, b->n, &scratch, &b->mesh));
+    t = lap(DELAUNAY, t);
+    must(mst_build(&a->mesh, &scratch));
+    must(mst_build(&b->mesh, &scratch));
+    t = lap(TREE, t);
+    locate_mesh(&b->mesh, &a->mesh, a->loc);
+    locate_mesh(&a->mesh, &b->mesh, b->loc);
+    t = lap(LOCATE, t);
+    surface_interpolate(&b->mesh, &a->mesh, a->loc, a->other);
+    surface_interpolate(&a->mesh, &b->mesh, b->loc, b->other);
+    t = lap(INTERPOLATE, t);
+    must(merge_build(&a->mesh, &b->mesh, b->loc, &scratch, &general, b_vertex));
+    t = lap(MERGE, t);
+    find_holes(a);
+    find_holes(b);
+    t = lap(HOLES, t);
+    {
+        const struct disparity_side da = {&a->mesh,    a->spacing, a->bridge,
+                                          a->measured, a->loc,     a->other};
+        const struct disparity_side db = {&b->mesh,    b->spacing, b->bridge,
+                                          b->measured, b->loc,     b->other};
+
+        disparity_measure(&general, b_vertex, &da, &db, NULL, LATTICE_PER_MM, vertex, &d);
+    }
+    (void)lap(MEASURE, t);
+    (void)lap(SUM, start);
+    return d.plain_mm;
+}
+
+static void scratch_union(const struct pair *p)
+{
+    const double t = timing_now_ms();
+
+    must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
+    (void)lap(SCRATCH, t);
+}
+
+/* The graph as the peer wants it, from our mesh. */
+static void *peer_graph(const struct mesh *m)
+{
+    uint32_t(*edges)[2] = timing_alloc(3 * (size_t)m->nv, sizeof *edges);
+    double *length = timing_alloc(3 * (size_t)m->nv, sizeof *length);
+    void *graph;
+    size_t n = 0;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++) {
+        const uint32_t u = m->org[h], v = mesh_dest(m, h);
+
+        if (u >= m->nv || v >= m->nv || u > v)
+            continue;
+        edges[n][0] = u;
+        edges[n][1] = v;
+        length[n++] = hypot(m->xy[u].x - m->xy[v].x, m->xy[u].y - m->xy[v].y);
+    }
+    graph = peers->graph(m->nv, (const uint32_t(*)[2])edges, length, n);
+    free(edges);
+    free(length);
+    return graph;
+}
+
+static void peer_pass(struct pair *p)
+{
+    void *merged, *both;
+    double t = timing_now_ms(), one = t;
+
+    p->a.dt = peers->triangulate(p->a.points);
+    one = lap(PEER_ONE, one);
+    p->b.dt = peers->triangulate(p->b.points);
+    (void)lap(PEER_ONE, one);
+    t = lap(PEER_DELAUNAY, t);
+    peers->prim(p->a.graph);
+    peers->prim(p->b.graph);
+    t = lap(PEER_PRIM, t);
+    (void)peers->kruskal(p->a.graph);
+    (void)peers->kruskal(p->b.graph);
+    t = lap(PEER_KRUSKAL, t);
+    peers->locate(p->a.surface, p->b.points, p->b.peer_other);
+    peers->locate(p->b.surface, p->a.points, p->a.peer_other);
+    t = lap(PEER_LOCATE, t);
+    merged = peers->merge(p->a.dt, p->b.points);
+    t = lap(PEER_MERGE, t);
+    both = peers->triangulate(p->both_points);
+    (void)lap(PEER_SCRATCH, t);
+    peers->triangulation_free(p->a.dt);
+    peers->triangulation_free(p->b.dt);
+    peers->triangulation_free(merged);
+    peers->triangulation_free(both);
+}
+
+/* Do ours and the peers' compute the same?  Trees by length, heights by value. */
+static void agree(struct pair *p)
+{
+    const struct mesh *m = &p->b.mesh;
+    double length = 0, peer = peers->kruskal(p->b.graph), worst = 0;
+    void *dt = peers->merge(p->a.dt = peers->triangulate(p->a.points), p->b.points);
+
+    for (uint32_t v = 1; v < m->nv; v++)
+        length +=
+            hypot(m->xy[v].x - m->xy[m->parent[v]].x, m->xy[v].y - m->xy[m->parent[v]].y);
+    for (uint32_t v = 0; v < m->nv; v++) {
+        for (size_t i = 0; i < p->b.n; i++)
+            if (p->b.pts[i].x == m->xy[v].x && p->b.pts[i].y == m->xy[v].y &&
+                p->b.loc[v].where != LOCATE_OUTSIDE && p->b.peer_other[i] != 0)
+                worst = fmax(worst, fabs(p->b.other[v] - p->b.peer_other[i]));
+    }
+    printf("peers agree: tree %.6f of ours, heights within %.2g mm, vertices of the "
+           "union %zu and %u\n",
+           peer / length, worst / LATTICE_PER_MM, peers->vertices(dt), general.nv);
+    peers->triangulation_free(dt);
+    peers->triangulation_free(p->a.dt);
+}
+
+static double med(enum row r)
+{
+    return timing_median(&row[r]);
+}
+
+static void line(const char *name, double paper, double ours, double one, double peer)
+{
+    const double value[5] = {paper, ours, ours / one, peer, ours / peer};
+
+    printf("  %-46s", name);
+    for (int i = 0; i < 5; i++) {
+        if (isnan(value[i]))
+            printf(" %9s", "-");
+        else
+            printf(" %9.*f", i == 0 ? 0 : i % 2 == 1 ? 3 : 2, value[i]);
+    }
+    putchar('\n');
+}
+
+static void report(void)
+{
+    const double one = med(PEER_ONE), none = (double)NAN;
+    const double both = med(LOCATE) + med(INTERPOLATE);
+
+    printf(
+        "\nTable 1, 2 x 3,000 points; unit: CGAL's time for one triangulation, %.3f ms\n",
+        one);
+    printf("  %-46s %9s %9s %9s %9s %9s\n", "", "paper ms", "ms", "units", "peer ms",
+           "ratio");
+    line("two triangulations (CGAL)", 124, med(DELAUNAY), one, med(PEER_DELAUNAY));
+    line("two spanning trees (Boost Prim, graph given)", 203, med(TREE), one,
+         med(PEER_PRIM));
+    line("  the same (Boost Kruskal, graph given)", none, med(TREE), one,
+         med(PEER_KRUSKAL));
+    line("location both ways", 15, med(LOCATE), one, none);
+    line("interpolation both ways (paper: below 1 ms)", 1, med(INTERPOLATE), one, none);
+    line("  both together (CGAL, Hilbert order + hint)", 16, both, one, med(PEER_LOCATE));
+    line("general triangulation (CGAL copy + insert)", 31, med(MERGE), one,
+         med(PEER_MERGE));
+    line("  the union from scratch (CGAL)", none, med(SCRATCH), one, med(PEER_SCRATCH));
+    line("point spacing and holes (not in the paper)", none, med(HOLES), one, none);
+    line("measure", 31, med(MEASURE), one, none);
+    line("sum (without the union from scratch)", 405, med(SUM), one, none);
+
+    timing_target("triangulation of a face", med(DELAUNAY) / 2 / one, 0.8, "x CGAL's");
+    timing_target("spanning tree", med(TREE) / 2 / one, 0.25, "units");
+    timing_target("location and interpolation both ways", both / one, 0.6, "units");
+    timing_target("merging", med(MERGE) / one, 0.9, "units");
+    timing_target("merging", med(MERGE) / med(SCRATCH), 0.6, "x from scratch");
+    timing_target("measure", med(MEASURE) / one, 0.25, "units");
+    timing_target("the whole of Table 1, with holes", med(SUM) / one, 3.2, "units");
+}
+
+static void other_kinds(double one)
+{
+    struct ivec3 *pts[40] = {NULL};
+    void *peer[40] = {NULL};
+    size_t n[40];
+
+    printf("\n%-30s %8s %9s %9s %9s %9s\n", "Triangulation, 40 sets each", "points", "ms",
+           "units", "CGAL ms", "ratio");
+    for (int kind = 0; kind < CLOUDS_KINDS; kind++) {
+        struct timing ours = {0}, theirs = {0};
+        const char *name = clouds_name((enum clouds_kind)kind);
+        double o, t;
+        char what[80];
+
+        for (size_t k = 0; k < 40; k++) {
+            pts[k] = timing_alloc(POINTS + 72, sizeof *pts[k]);
+            n[k] = clouds_make((enum clouds_kind)kind, 1000 + k, POINTS, pts[k]);
+            peer[k] = peers != NULL ? peers->points(pts[k], n[k]) : NULL;
+        }
+        for (int round = 0; round < 8; round++)
+            for (size_t k = 0; k < 40; k++) {
+                timing_start(&ours);
+                must(delaunay_build(pts[k], n[k], &scratch, &whole));
+                timing_stop(&ours);
+                if (peers != NULL) {
+                    timing_start(&theirs);
+                    void *dt = peers->triangulate(peer[k]);
+                    timing_stop(&theirs);
+                    peers->triangulation_free(dt);
+                }
+            }
+        o = timing_median(&ours);
+        t = timing_median(&theirs);
+        printf("  %-28s %8zu %9.3f %9.2f %9.3f %9.2f\n", name, n[0], o, o / one, t,
+               o / t);
+        (void)snprintf(what, sizeof what, "triangulation, %s", name);
+        if (kind == CLOUDS_GRID || kind == CLOUDS_TILTED || kind == CLOUDS_CIRCLE)
+            timing_target(what, o / t, 0.8, "x CGAL's");
+        for (size_t k = 0; k < 40; k++) {
+            free(pts[k]);
+            if (peers != NULL)
+                peers->points_free(peer[k]);
+        }
+        timing_free(&ours);
+        timing_free(&theirs);
+    }
+}
+
+int main(void)
+{
+    static struct pair pair[PAIRS];
+    double sum = 0;
+
+    peers = timing_peers();
+    b_vertex = timing_alloc(POINTS, sizeof *b_vertex);
+    vertex = timing_alloc(2 * POINTS, sizeof *vertex);
+    for (size_t k = 0; k < PAIRS; k++)
+        pair_make(&pair[k], k);
+    for (size_t k = 0; k < PAIRS; k++) { /* all memory at its size, everything touched */
+        sum += table1(&pair[k]);
+        if (peers != NULL) {
+            pair[k].a.graph = peer_graph(&pair[k].a.mesh);
+            pair[k].b.graph = peer_graph(&pair[k].b.mesh);
+        }
+    }
+    printf("%d pairs of clouds, subjects 0-%d, scans 0-%d; mean gap %.3f mm\n", PAIRS,
+           PAIRS - 1, 2 * PAIRS - 1, sum / PAIRS);
+    for (size_t r = 0; r < ROWS; r++)
+        row[r].n = 0;
+    for (int round = 0; round < ROUNDS; round++)
+        for (size_t k = 0; k < PAIRS; k++) {
+            (void)table1(&pair[k]);
+            scratch_union(&pair[k]);
+            if (peers != NULL)
+                peer_pass(&pair[k]);
+        }
+    if (peers != NULL)
+        agree(&pair[PAIRS - 1]);
+    report();
+    other_kinds(med(PEER_ONE));
+    return 0;
+}

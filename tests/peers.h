@@ -1,0 +1,37 @@
+/* peers.h -- public libraries to compare with, built by scripts/bench from bench_peers.cpp
+ * into a shared object where their Debian packages are installed. */
+#ifndef TESTS_PEERS_H
+#define TESTS_PEERS_H
+#include <stddef.h>
+#include <stdint.h>
+#include "vec.h"
+
+/* What is not timed is prepared first: points, graphs and surfaces in the peer's types. */
+struct peers {
+    const char *name; /* libraries and versions */
+
+    void *(*points)(const struct ivec3 *pts, size_t n);
+    void (*points_free)(void *points);
+
+    /* CGAL::Delaunay_triangulation_2<EPICK>, by its range constructor */
+    void *(*triangulate)(const void *points);
+    void *(*merge)(const void *triangulation, const void *points); /* copy, then insert */
+    size_t (*vertices)(const void *triangulation);
+    void (*triangulation_free)(void *triangulation);
+
+    /* every point located (Hilbert order, each from the one before) and interpolated */
+    void *(*surface)(const struct ivec3 *pts, size_t n);
+    void (*locate)(const void *surface, const void *points, double *height);
+    void (*surface_free)(void *surface);
+
+    /* Boost's minimum spanning trees of a graph given by n edges */
+    void *(*graph)(uint32_t nv, const uint32_t (*edges)[2], const double *length,
+                   size_t n);
+    void (*prim)(void *graph);
+    double (*kruskal)(void *graph); /* the tree's total length */
+    void (*graph_free)(void *graph);
+};
+
+#define PEERS_SYMBOL "peers_table" /* a struct peers */
+
+#endif

@@ -1,0 +1,44 @@
+/* timing.h -- medians of interleaved measurements, rows of tables, and targets.
+ * What is compared is measured in turn within one loop, so that drift of the machine hits
+ * all alike; a median of many different inputs is taken, never one input again and again,
+ * which the branch predictor would learn. */
+#ifndef TESTS_TIMING_H
+#define TESTS_TIMING_H
+#include <stddef.h>
+#include <stdint.h>
+
+struct peers; /* peers.h */
+
+struct timing {
+    double *ms;
+    size_t n, cap;
+    double since; /* timing_start()'s clock */
+};
+
+void timing_start(struct timing *t);
+void timing_stop(struct timing *t);           /* one more sample */
+void timing_add(struct timing *t, double ms); /* a sample measured elsewhere */
+double timing_median(const struct timing *t); /* NAN without samples */
+void timing_free(struct timing *t);
+
+double timing_now_ms(void); /* monotonic */
+
+/* timing_bytes(): bytes allocated at the moment, by the C library's own account. */
+double timing_bytes(void);
+
+/* timing_peers(): the peers of the shared object $BENCH_PEERS, or NULL: not installed. */
+const struct peers *timing_peers(void);
+
+/* timing_alloc(n, size): zeroed memory, or the end of the program. */
+void *timing_alloc(size_t n, size_t size);
+
+/* timing_row(what, ms, unit_ms, peer, peer_ms): a line of a table: the time, its ratio to
+ * unit_ms, and the ratio to a peer's time; NAN: not there. */
+void timing_head(const char *title, const char *unit, const char *peer);
+void timing_row(const char *what, double ms, double unit_ms, double peer_ms);
+
+/* timing_target(what, value, limit, unit): a figure of the last table of all, which
+ * scripts/bench collects from the file $BENCH_TARGETS. */
+void timing_target(const char *what, double value, double limit, const char *unit);
+
+#endif
