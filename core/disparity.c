@@ -31,7 +31,7 @@ static inline double sum_total(const struct sum *s)
 
 /* The mean of |gap| over a triangle, times 3.
  * One sign throughout: the plain sum (Fig. 9 a, b: prism and pyramids).  Else one corner p
- * is alone on its side of zero (d, e; zeros go with the other side), and cuts off the tip
+ * is alone on its side of zero (d, e; of two, the one farther off), and cuts off the tip
  * of the triangle, in area the share p^2 / ((p - q) (p - r)), over which |gap| falls from
  * |p| to 0: a pyramid.  The signed sum counts the tip once with the wrong sign, so it is
  * added twice: that makes the wedge (f) of the rest.  Nearly all cells of a good fit are
@@ -41,7 +41,7 @@ static inline double mean3(double a, double b, double c)
     const double least = a < b ? a : b, most = a < b ? b : a;
     const double lo = least < c ? least : c, hi = most < c ? c : most;
     const double inner = most < c ? most : c, mid = least < inner ? inner : least;
-    const bool below = mid >= 0; /* if cut, lo is alone, else hi */
+    const bool below = (mid > 0) | ((mid == 0) & (lo + hi < 0)); /* lo is alone, else hi */
     const double p = below ? lo : hi, r = below ? hi : lo;
     const double total = (lo + hi) + mid, cut = (lo < 0) & (hi > 0) ? 1 : 0;
     const double share = p * p / ((p - mid) * (p - r) + (1 - cut));

@@ -1,0 +1,230 @@
+/* link: -Wl,--wrap=aligned_alloc */
+/* Local spacing and the triangles that only bridge missing points. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "fail_alloc.h"
+#include "holes.h"
+#include "locate.h"
+#include "mem.h"
+#include "mesh.h"
+#include "mst.h"
+#include "predicates.h"
+
+#define MAX_POINTS 4000
+
+static uint64_t seed;
+static struct ivec3 pts[MAX_POINTS];
+static float spacing[MAX_POINTS];
+static uint8_t bridge[2 * MAX_POINTS];
+static struct scratch scratch;
+
+static double make(struct mesh *m, size_t n)
+{
+    assert_int_equal(delaunay_build(pts, n, &scratch, m), ST_OK);
+    assert_int_equal(mst_build(m, &scratch), ST_OK);
+    assert_int_equal(holes_spacing(m, &scratch, spacing), ST_OK);
+    return holes_mark(m, spacing, bridge);
+}
+
+/* A square grid of side points a side, step apart, without the points of the block. */
+static size_t grid(int32_t side, int32_t step, int32_t from, int32_t to)
+{
+    size_t n = 0;
+
+    for (int32_t x = 0; x < side; x++)
+        for (int32_t y = 0; y < side; y++)
+            if (x < from || x > to || y < from || y > to)
+                pts[n++] = (struct ivec3){x * step, y * step, 0};
+    return n;
+}
+
+static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
+{
+    return bridge[brute_locate(m, (struct ivec2){x, y}).he / 3] != 0;
+}
+
+/* The definition: sums over the tree's edges, spread twice to the neighbours. */
+static void test_spacing(void **state)
+{
+    struct brute_rng r = {seed};
+    static double sum[100], count[100], s2[100], c2[100];
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        struct mesh m = {0};
+
+        (void)make(&m, brute_points(shape, 90, &r, pts));
+        memset(sum, 0, sizeof sum);
+        memset(count, 0, sizeof count);
+        for (uint32_t v = 0; v < m.nv; v++)
+            for (uint32_t w = 1; w < m.nv; w++)
+                if (w == v || m.parent[w] == v) {
+                    const uint32_t p = m.parent[w];
+
+                    sum[v] += hypot(m.xy[w].x - m.xy[p].x, m.xy[w].y - m.xy[p].y);
+                    count[v] += 1;
+                }
+        for (int step = 0; step < 2; step++) {
+            memcpy(s2, sum, sizeof sum);
+            memcpy(c2, count, sizeof count);
+            for (uint32_t v = 0; v < m.nv; v++)
+                for (uint32_t w = 0; w < m.nv; w++)
+                    if (w != v && (m.parent[w] == v || m.parent[v] == w)) {
+                        sum[v] += s2[w];
+                        count[v] += c2[w];
+                    }
+        }
+        for (uint32_t v = 0; v < m.nv; v++)
+            assert_true(fabs(spacing[v] - sum[v] / count[v]) <= 1e-6 * spacing[v]);
+        mesh_free(&m);
+    }
+}
+
+/* Marks agree with holes_bridges() triangle by triangle, and the area with what is left. */
+static void test_marks(void **state)
+{
+    struct brute_rng r = {seed + 1};
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        struct mesh m = {0};
+        const double measured = make(&m, brute_points(shape, 300, &r, pts));
+        int64_t twice = 0;
+
+        for (uint32_t t = 0; t < m.nt; t++) {
+            const uint32_t *v = &m.org[3 * t];
+
+            if (mesh_is_ghost(&m, t)) {
+                assert_int_equal(bridge[t], 1);
+                continue;
+            }
+            assert_int_equal(bridge[t], holes_bridges(&m, spacing, v[0], v[1], v[2]));
+            assert_int_equal(bridge[t], holes_bridges(&m, spacing, v[2], v[1], v[0]));
+            if (!bridge[t])
+                twice += orient2d(m.xy[v[0]], m.xy[v[1]], m.xy[v[2]]);
+        }
+        assert_true(measured == 0.5 * (double)twice);
+        mesh_free(&m);
+    }
+}
+
+/* A whole grid has no holes; a block cut out of it is one, and only the block. */
+static void test_block(void **state)
+{
+    struct mesh m = {0};
+    double measured;
+
+    (void)state;
+    assert_true(make(&m, grid(30, 700, 99, 0)) == 29.0 * 29 * 700 * 700);
+    for (uint32_t t = 0; t < m.nt; t++)
+        assert_int_equal(bridge[t], mesh_is_ghost(&m, t));
+    mesh_free(&m);
+
+    measured = make(&m, grid(30, 700, 10, 18)); /* a hole of 10 x 10 steps */
+    assert_true(bridged_at(&m, 9950, 9850));
+    assert_true(bridged_at(&m, 8450, 8340));
+    for (int32_t x = 0; x < 29; x++)
+        for (int32_t y = 0; y < 29; y++)
+            if (x < 9 || x > 18 || y < 9 || y > 18)
+                assert_false(bridged_at(&m, 700 * x + 300, 700 * y + 310));
+    assert_true(measured >= 741.0 * 700 * 700 && measured <= 765.0 * 700 * 700);
+    mesh_free(&m);
+
+    (void)make(&m, grid(30, 700, 10, 11)); /* two points by two missing: no hole */
+    for (uint32_t t = 0; t < m.nt; t++)
+        assert_int_equal(bridge[t], mesh_is_ghost(&m, t));
+    mesh_free(&m);
+}
+
+/* A concave outline: an L, whose inner corner the hull closes. */
+static void test_outline(void **state)
+{
+    struct mesh m = {0};
+    size_t n = 0;
+
+    (void)state;
+    for (int32_t x = 0; x < 30; x++)
+        for (int32_t y = 0; y < 30; y++)
+            if (x < 10 || y < 10)
+                pts[n++] = (struct ivec3){x * 500, y * 500, 0};
+    /* the L is 29 x 9 + 20 x 9 squares; short triangles in the corner may stay */
+    assert_true(fabs(make(&m, n) / (500.0 * 500) - 441) < 10);
+    assert_true(bridged_at(&m, 8000, 8000));
+    assert_true(bridged_at(&m, 6000, 6100));
+    assert_false(bridged_at(&m, 4300, 14200));
+    assert_false(bridged_at(&m, 14200, 4300));
+    mesh_free(&m);
+}
+
+/* Points wholly at random, far more uneven than a scan's: next to nothing is taken for
+ * bridged away from the border.  Twice as large, the same triangles are. */
+static void test_random(void **state)
+{
+    struct brute_rng r = {seed + 2};
+    struct mesh m = {0}, twice = {0};
+    static uint8_t marks[2 * MAX_POINTS];
+    double measured, inner = 0;
+    size_t n = 0;
+
+    (void)state;
+    for (; n < 3000; n++)
+        pts[n] = (struct ivec3){brute_int(&r, 0, 99999), brute_int(&r, 0, 99999), 0};
+    measured = make(&m, n);
+    memcpy(marks, bridge, m.nt);
+    for (int32_t x = 10000; x < 90000; x += 1000)
+        for (int32_t y = 10000; y < 90000; y += 1000)
+            inner += bridged_at(&m, x, y);
+    assert_true(inner < 0.02 * 6400);
+    assert_true(measured > 0.96 * 1e10);
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct ivec3){2 * pts[i].x, 2 * pts[i].y, 0};
+    assert_true(make(&twice, n) == 4 * measured);
+    assert_int_equal(m.nt, twice.nt);
+    for (uint32_t t = 0; t < m.nt; t++) /* triangle by triangle, in whatever order */
+        if (!mesh_is_ghost(&m, t))
+            assert_int_equal(marks[t], holes_bridges(&twice, spacing, m.org[3 * t],
+                                                     m.org[3 * t + 1], m.org[3 * t + 2]));
+    mesh_free(&m);
+    mesh_free(&twice);
+}
+
+static void test_no_memory(void **state)
+{
+    struct scratch none = {0};
+    struct mesh m = {0};
+
+    (void)state;
+    (void)make(&m, grid(5, 100, 9, 9));
+    fail_alloc_at(1);
+    assert_int_equal(holes_spacing(&m, &none, spacing), ST_ENOMEM);
+    assert_int_equal(holes_spacing(&m, &none, spacing), ST_OK);
+    fail_alloc_at(0);
+    scratch_free(&none);
+    mesh_free(&m);
+    scratch_free(&scratch);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_spacing),
+        cmocka_unit_test(test_marks),
+        cmocka_unit_test(test_block),
+        cmocka_unit_test(test_outline),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_no_memory),
+    };
+
+    seed = brute_seed("test_holes");
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
