@@ -1,9 +1,9 @@
 /* store.h -- the template store: an interface; SQLite (store_sqlite.c) is its embedded
  * default.  A store may be used from any number of threads; each call either takes full
- * effect or none, and is durable when it returns ST_OK.  Other processes may use the same
- * database at the same time; each call sees what they have committed.  A template never
- * changes and its id is never used again, so a model may be cached by id as long as
- * store_template_list() or store_template_get() still names it.
+ * effect or none, and is on the disk when it returns ST_OK (but see store_event()).  Other
+ * processes may use the same database at the same time; each call sees what they have
+ * committed.  A template never changes and its id is never used again, so a model may be
+ * cached by id as long as store_template_list() or store_template_get() still names it.
  * Strings are UTF-8 without NUL; ids are checked by the callee (ST_EINVAL).
  * actor: who asks, for the events table: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
@@ -99,7 +99,8 @@ enum status store_subject_delete(struct store *s, const char *actor, const char 
 
 /* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
  * table; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
- * outcome may be "".  Changes (enroll, delete, tokens) write their own. */
+ * outcome may be "".  Changes (enroll, delete, tokens) write their own.
+ * For speed it does not wait for the disk: a loss of power may lose the last ones. */
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,
                         struct errinfo *e);

@@ -73,6 +73,7 @@ struct sqlite_store {
 
     pthread_mutex_t write_lock;
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
+    int synced; /* does the writer wait for the disk?  -1: not yet said */
 
     pthread_mutex_t read_lock;
     pthread_cond_t read_free;
@@ -300,7 +301,20 @@ void store_sqlite_done(struct store *s, struct store_sqlite_conn *c)
 
 /* ---- transactions */
 
-enum status store_sqlite_write(struct store *s, struct store_sqlite_conn **c,
+/* A pragma takes effect when it is compiled: a prepared statement would not do. */
+static enum status set_synced(struct sqlite_store *q, bool synced, struct errinfo *e)
+{
+    if (q->synced == (synced ? 1 : 0))
+        return ST_OK;
+    if (sqlite3_exec(q->writer->db,
+                     synced ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL",
+                     NULL, NULL, NULL) != SQLITE_OK)
+        return store_sqlite_fail(q->writer, "cannot configure", e);
+    q->synced = synced ? 1 : 0;
+    return ST_OK;
+}
+
+enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
                                struct errinfo *e)
 {
     struct sqlite_store *q = sqlite_store(s);
@@ -310,7 +324,8 @@ enum status store_sqlite_write(struct store *s, struct store_sqlite_conn **c,
         return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
     pthread_mutex_lock(&q->write_lock);
     *c = q->writer;
-    if ((st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
+    if ((st = set_synced(q, synced, e)) != ST_OK ||
+        (st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
         pthread_mutex_unlock(&q->write_lock);
     return st;
 }
@@ -475,9 +490,9 @@ static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
                            q->path);
     if (empty && (st = initialise(q->writer, q->path, e)) != ST_OK)
         return st;
-    /* A commit is on the disk before it is answered; deleted bytes are overwritten. */
+    /* Deleted bytes are overwritten. */
     if (sqlite3_exec(q->writer->db,
-                     "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
+                     "PRAGMA journal_mode=WAL;"
                      "PRAGMA secure_delete=ON; PRAGMA journal_size_limit=16777216",
                      NULL, NULL, NULL) != SQLITE_OK)
         return store_sqlite_fail(q->writer, "cannot configure", e);
@@ -536,6 +551,7 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
         goto out;
     }
     q->base.engine = &store_sqlite_engine;
+    q->synced = -1;
     /* The last to close a database brings in its log and removes it, and needs to be able
      * to write for that; query_only keeps readers from changing anything. */
     q->flags = mode == STORE_READ && access(path, W_OK) == 0 ? SQLITE_OPEN_READWRITE

@@ -49,10 +49,12 @@ extern const struct store_engine store_sqlite_engine;
 enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
                               struct errinfo *e);
 
-/* store_sqlite_write(s, c, e): wait for the writer's connection and begin a transaction.
+/* store_sqlite_write(s, synced, c, e): wait for the writer's connection and begin a
+ * transaction; synced: it is on the disk when it is committed, else it survives a crash of
+ * the program but the next loss of power perhaps not.
  * After ST_OK store_sqlite_written(s, st, e) must follow: it commits when st is ST_OK,
  * else rolls back, and returns st or why the commit failed. */
-enum status store_sqlite_write(struct store *s, struct store_sqlite_conn **c,
+enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
                                struct errinfo *e);
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e);
 

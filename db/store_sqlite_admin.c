@@ -37,7 +37,7 @@ enum status store_sqlite_admin_event(struct store *s, const struct store_act *by
     struct store_sqlite_conn *c;
     enum status st;
 
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, false, &c, e)) != ST_OK)
         return st;
     st = store_sqlite_add_event(c, by, kind, subject, template_id, outcome, e);
     return store_sqlite_written(s, st, e);
@@ -67,7 +67,7 @@ enum status store_sqlite_admin_token_add(struct store *s, const struct store_act
     sqlite3_stmt *stmt;
     enum status st;
 
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_prepare(c, SQL_TOKEN_ADD, &stmt, e)) != ST_OK)
         goto out;
@@ -132,7 +132,7 @@ enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_
     sqlite3_stmt *stmt;
     enum status st;
 
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_prepare(c, SQL_TOKEN_REVOKE, &stmt, e)) != ST_OK)
         goto out;

@@ -218,7 +218,7 @@ enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
     enum status st;
 
     *created = false;
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = find_subject(c, t->subject, &key, NULL)) == ST_ENOTFOUND)
         st = add_subject(c, by, t->subject, &key, e);
@@ -314,7 +314,7 @@ enum status store_sqlite_face_delete(struct store *s, const struct store_act *by
     sqlite3_stmt *stmt;
     enum status st;
 
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_prepare(c, SQL_TEMPLATE_GET, &stmt, e)) != ST_OK)
         goto out;
@@ -484,7 +484,7 @@ enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
     enum status st;
 
     memset(&old, 0, sizeof old);
-    if ((st = store_sqlite_write(s, &c, e)) != ST_OK)
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = find_subject(c, subject, &key, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_GET, &stmt, e)) != ST_OK)
