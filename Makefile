@@ -169,7 +169,7 @@ sanitize:
 ## fuzz: every fuzzer for FUZZ_SECONDS seconds each (60), with clang's libFuzzer
 .PHONY: fuzz fuzzers
 fuzz:
-	$(MAKE) fuzzers BUILD=build/fuzz CC=clang OPT=-O1 \
+	$(MAKE) fuzzers BUILD=build/fuzz CC=clang OPT=-O1 WERROR= \
 	    EXTRA="-fsanitize=fuzzer-no-link,address,undefined $(SANE)"
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 

@@ -1,0 +1,67 @@
+/* Stored face models.  An odd first byte: the length and the checksum are put right, so
+ * that the bytes between them are what is tried; even: as they are.  What is accepted must
+ * encode to the same bytes, and be safe to walk on: it is compared with itself. */
+#include "fuzz.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "codec.h"
+#include "errinfo.h"
+#include "face.h"
+
+#define LENGTH_AT 8 /* db/FORMAT.md */
+#define CHECKSUM  8
+
+static void put_u64(uint8_t *p, uint64_t value)
+{
+    for (int i = 0; i < 8; i++)
+        p[i] = (uint8_t)(value >> (8 * i));
+}
+
+static void try_model(const uint8_t *block, size_t size)
+{
+    struct face_work *w = face_work_new();
+    struct face f = {0};
+    struct face_result result;
+    struct errinfo e = {ST_OK, ""};
+    uint8_t *again;
+    enum status st;
+
+    if (w == NULL)
+        abort();
+    st = codec_decode(block, size, w, &f, &e);
+    if (st == ST_OK) {
+        if (codec_size(&f.mesh) != size || (again = malloc(size)) == NULL)
+            abort();
+        codec_encode(&f, again);
+        if (memcmp(again, block, size) != 0)
+            abort();
+        free(again);
+        if (face_compare(&f, &f, 0, NULL, w, &result) != ST_OK)
+            abort();
+    } else if (st != ST_ECORRUPT && st != ST_EVERSION) {
+        abort();
+    }
+    face_free(&f);
+    face_work_free(w);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    uint8_t *block;
+
+    if (size < 2)
+        return 0;
+    if ((block = malloc(size - 1)) == NULL)
+        abort();
+    memcpy(block, data + 1, size - 1);
+    if (data[0] % 2 == 1 && size - 1 >= LENGTH_AT + 8 + CHECKSUM) {
+        put_u64(block + LENGTH_AT, size - 1);
+        put_u64(block + size - 1 - CHECKSUM, XXH3_64bits(block, size - 1 - CHECKSUM));
+    }
+    try_model(block, size - 1);
+    free(block);
+    return 0;
+}

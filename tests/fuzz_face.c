@@ -1,0 +1,80 @@
+/* Any points as faces: the first byte is the scale, then six bytes a point.  Two models are
+ * made, of the points as they are and of all but every third, and compared: every number of
+ * the answer is finite and within its bounds, and the same when it is asked again. */
+#include "fuzz.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "face.h"
+
+#define MAX_POINTS 400
+
+static double coordinate(const uint8_t *p, unsigned scale)
+{
+    return (double)(int16_t)(p[0] | p[1] << 8) * 0.01 * (double)(1 + scale % 4);
+}
+
+static void require(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+static void check_result(const struct face_result *r)
+{
+    require(r->decision == FACE_MATCH || r->decision == FACE_NO_MATCH ||
+            r->decision == FACE_INCONCLUSIVE);
+    require(isfinite(r->disparity_mm) && r->disparity_mm >= 0);
+    require(isfinite(r->measure.volume_mm3) && r->measure.volume_mm3 >= 0);
+    require(isfinite(r->measure.area_mm2) && r->measure.area_mm2 >= 0);
+    require(isfinite(r->measure.plain_mm) && r->measure.plain_mm >= 0);
+    require(r->measure.overlap >= 0 && r->measure.overlap <= 1 + 1e-9);
+    require(r->fmr_at_score >= 0 && r->fmr_at_score <= 1);
+    for (int i = 0; i < 16; i++)
+        require(isfinite(r->align.transform[i]));
+}
+
+static void compare(const struct face *a, const struct face *b, struct face_work *w)
+{
+    struct face_result first, again;
+
+    memset(&first, 0, sizeof first);
+    memset(&again, 0, sizeof again);
+    require(face_compare(a, b, 0, NULL, w, &first) == ST_OK);
+    check_result(&first);
+    require(face_compare(a, b, 0, NULL, w, &again) == ST_OK);
+    require(memcmp(&first.disparity_mm, &again.disparity_mm, sizeof(double)) == 0);
+    require(memcmp(first.align.transform, again.align.transform,
+                   sizeof first.align.transform) == 0);
+    require(first.decision == again.decision);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct face_work *w = face_work_new();
+    struct dvec3 all[MAX_POINTS], some[MAX_POINTS];
+    struct face a = {0}, b = {0};
+    size_t n = 0, m = 0;
+
+    require(w != NULL);
+    for (size_t at = 1; n < MAX_POINTS && at + 6 <= size; at += 6, n++) {
+        all[n] = (struct dvec3){coordinate(data + at, data[0]),
+                                coordinate(data + at + 2, data[0]),
+                                coordinate(data + at + 4, data[0])};
+        if (n % 3 != 2)
+            some[m++] = all[n];
+    }
+    if (face_build(all, n, w, &a, NULL) == ST_OK) {
+        compare(&a, &a, w);
+        if (face_build(some, m, w, &b, NULL) == ST_OK) {
+            compare(&a, &b, w);
+            compare(&b, &a, w);
+        }
+    }
+    face_free(&a);
+    face_free(&b);
+    face_work_free(w);
+    return 0;
+}
