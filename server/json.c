@@ -171,10 +171,11 @@ static enum status read_cloud(const cJSON *object, const char *name, const char 
     {
         st = read_point(item, &out->pts[out->n]);
         if (st != ST_OK) {
+            (void)errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
+                              out->n);
             mem_free(out->pts);
-            out->pts = NULL;
-            return errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
-                               out->n);
+            *out = (struct json_cloud){.mm = 1.0};
+            return st;
         }
         out->n++;
     }
@@ -218,7 +219,7 @@ enum status json_clouds_read(const char *text, size_t len, size_t max_points,
                         b, e);
     if (st != ST_OK) {
         mem_free(a->pts);
-        a->pts = NULL;
+        *a = (struct json_cloud){.mm = 1.0};
     }
     cJSON_Delete(doc);
     return st;
