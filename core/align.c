@@ -96,7 +96,7 @@ static void load(const struct measure_surface *probe, struct align_point *pts)
     for (uint32_t v = 0; v < m->nv; v++)
         pts[v] = (struct align_point){{m->xy[v].x / LATTICE_PER_MM,
                                        m->xy[v].y / LATTICE_PER_MM,
-                                       m->z[v] / LATTICE_PER_MM},
+                                       probe->raw[v] / LATTICE_PER_MM},
                                       0.0f,
                                       ALIGN_FIELD_NONE};
     for (uint32_t t = 0; t < m->nt; t++) {

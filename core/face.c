@@ -50,18 +50,21 @@ void face_free(struct face *f)
 enum status face_derive(struct face *f, struct face_work *w)
 {
     const size_t nv = f->mesh.nv, spacing = mem_round(nv * sizeof *f->spacing);
+    const size_t raw = spacing + mem_round(nv * sizeof *f->raw);
     unsigned char *block;
     enum status st;
 
     if (f->block == NULL || f->cap < nv) {
-        if ((block = mem_array(spacing + 2 * nv, 1)) == NULL)
+        if ((block = mem_array(raw + 2 * nv, 1)) == NULL)
             return ST_ENOMEM;
         mem_free(f->block);
         f->block = block;
         f->cap = (uint32_t)nv;
     }
     f->spacing = f->block;
-    f->bridge = (uint8_t *)f->block + spacing;
+    f->raw = (int32_t *)(void *)((unsigned char *)f->block + spacing);
+    f->bridge = (uint8_t *)f->block + raw;
+    memcpy(f->raw, f->mesh.z, nv * sizeof *f->raw);
     if ((st = holes_spacing(&f->mesh, &w->measure.scratch, f->spacing)) != ST_OK)
         return st;
     f->measured = holes_mark(&f->mesh, f->spacing, f->bridge);
@@ -95,8 +98,8 @@ static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
         return st;
     if (m->nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((st = quality_spikes(m, s)) != ST_OK || (st = mst_build(m, s)) != ST_OK ||
-        (st = face_derive(out, w)) != ST_OK)
+    if ((st = mst_build(m, s)) != ST_OK || (st = face_derive(out, w)) != ST_OK ||
+        (st = quality_spikes(m, s)) != ST_OK)
         return st;
     return quality_rate(out, s);
 }
@@ -124,7 +127,7 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
 
 static struct measure_surface surface_of(const struct face *f)
 {
-    return (struct measure_surface){&f->mesh, f->spacing, f->bridge, f->measured};
+    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
 }
 
 enum status face_compare(const struct face *tmpl, const struct face *probe,

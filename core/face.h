@@ -27,9 +27,10 @@ struct face {
     struct mesh mesh;
     float *spacing;  /* [nv] holes_spacing() */
     uint8_t *bridge; /* [nt] holes_mark() */
+    int32_t *raw;    /* [nv] heights as scanned; the mesh's have the spikes laid flat */
     double measured; /* square lattice units */
     struct face_quality quality;
-    void *block; /* holds spacing and bridge */
+    void *block; /* holds spacing, raw and bridge */
     uint32_t cap; /* points block has room for */
 };
 

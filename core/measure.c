@@ -7,6 +7,7 @@
 #include "lattice.h"
 #include "merge.h"
 #include "mst.h"
+#include "quality.h"
 #include "surface.h"
 
 void measure_work_free(struct measure_work *w)
@@ -48,13 +49,13 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
     return at;
 }
 
-/* move(m, t, out): the vertices of m moved by t and rounded; ST_ERANGE when one falls off
+/* move(m, raw, t, out): the vertices of m at their raw heights, moved by t and rounded; ST_ERANGE when one falls off
  * the lattice. */
-static enum status move(const struct mesh *m, const double t[16], struct ivec3 *out)
+static enum status move(const struct mesh *m, const int32_t *raw, const double t[16], struct ivec3 *out)
 {
     for (uint32_t v = 0; v < m->nv; v++) {
         const double x = m->xy[v].x / LATTICE_PER_MM, y = m->xy[v].y / LATTICE_PER_MM;
-        const double z = m->z[v] / LATTICE_PER_MM;
+        const double z = raw[v] / LATTICE_PER_MM;
         const struct dvec3 q = {t[0] * x + t[1] * y + t[2] * z + t[3],
                                 t[4] * x + t[5] * y + t[6] * z + t[7],
                                 t[8] * x + t[9] * y + t[10] * z + t[11]};
@@ -72,6 +73,8 @@ static enum status prepare(struct measure_work *w, uint32_t n, double *measured)
 
     if (st == ST_OK)
         st = mst_build(&w->moved, &w->scratch);
+    if (st == ST_OK)
+        st = quality_spikes(&w->moved, &w->scratch);
     if (st == ST_OK)
         st = holes_spacing(&w->moved, &w->scratch, w->spacing);
     if (st == ST_OK)
@@ -97,7 +100,7 @@ enum status measure_at(const struct measure_surface *tmpl,
         return ST_ENOMEM;
     (void)layout(w, a->nv, probe->mesh->nv, block);
 
-    if ((st = move(probe->mesh, transform, w->pts)) != ST_OK ||
+    if ((st = move(probe->mesh, probe->raw, transform, w->pts)) != ST_OK ||
         (st = prepare(w, probe->mesh->nv, &sb.measured)) != ST_OK)
         return st == ST_ENOMEM ? st : ST_OK;
     locate_mesh(a, b, w->moved_in_tmpl);

@@ -1,6 +1,6 @@
 /* measure.h -- the exact disparity of two surfaces at a given pose: the paper's pipeline
  * once through.  The probe's points are moved and put back on the lattice, triangulated and
- * given their tree (paper 1, 3.1, 3.3), each mesh is located in the other (3.3) and
+ * given their tree (paper 1, 3.1, 3.3), spikes are laid flat, each mesh is located in the other (3.3) and
  * interpolated there (3.4), the general triangulation is merged and measured (3.5). */
 #ifndef CORE_MEASURE_H
 #define CORE_MEASURE_H
@@ -14,7 +14,9 @@
 
 /* A surface as alignment and measure need it: borrowed, never written. */
 struct measure_surface {
-    const struct mesh *mesh; /* with its spanning tree */
+    const struct mesh *mesh; /* with its spanning tree, spikes laid flat */
+    const int32_t *raw;      /* [nv] heights as scanned, by which a probe is moved: what is a
+                                spike depends on the side it is seen from */
     const float *spacing;    /* [nv] holes_spacing() */
     const uint8_t *bridge;   /* [nt] holes_mark() */
     double measured;         /* holes_mark()'s area, square lattice units */

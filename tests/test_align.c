@@ -42,7 +42,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 
 static struct measure_surface surface_of(const struct face *f)
 {
-    return (struct measure_surface){&f->mesh, f->spacing, f->bridge, f->measured};
+    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
 }
 
 /* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
@@ -260,8 +260,8 @@ static void test_holes_and_spikes(void **state)
     face_free(&b);
 }
 
-/* However the probe was held before, the same disparity.  Turned far, a scan folds over
- * beside the nose and points there are taken for spikes, so that a little more is lost. */
+/* However the probe was held before, the same disparity; between strangers, where the
+ * valley is shallow, nearly the same. */
 static void test_start_does_not_matter(void **state)
 {
     static const double poses[][6] = {{0, 0, 0, 0, 0, 0},       {8, 3, 0, 10, 0, 0},
@@ -281,7 +281,7 @@ static void test_start_does_not_matter(void **state)
         facegen_default(&s);
         n = sample(&s, who < 3 ? subject : subject + 7, 5, points);
         for (size_t i = 0; i < sizeof poses / sizeof *poses; i++) {
-            const double tolerance = who >= 3 ? 0.06 : i < 4 ? 0.005 : 0.06;
+            const double tolerance = who >= 3 ? 0.02 : 0.005;
             struct align_pose p;
             struct align_result r;
             struct disparity d;
