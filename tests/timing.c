@@ -93,20 +93,20 @@ static void number(double v, int digits)
         printf(" %11.*f", digits, v);
 }
 
-void timing_head(const char *title, const char *unit, const char *peer)
+void timing_head(const char *title, const char *first)
 {
-    printf("\n%-46s %11s %11s %11s %11s\n", title, "ms", unit, peer, "ratio to it");
+    printf("\n%-50s %11s %11s %11s %11s\n", title, first, "ms", "peer ms", "ratio");
 }
 
-void timing_row(const char *what, double ms, double unit_ms, double peer_ms)
+void timing_row(const char *what, double first, double ms, double peer_ms)
 {
-    printf("  %-44s", what);
+    printf("  %-48s", what);
+    number(first, 0);
     number(ms, 3);
-    number(ms / unit_ms, 2);
     number(peer_ms, 3);
     number(ms / peer_ms, 2);
     putchar('\n');
-    fflush(stdout);
+    (void)fflush(stdout);
 }
 
 void timing_target(const char *what, double value, double limit, const char *unit)

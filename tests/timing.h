@@ -32,10 +32,10 @@ const struct peers *timing_peers(void);
 /* timing_alloc(n, size): zeroed memory, or the end of the program. */
 void *timing_alloc(size_t n, size_t size);
 
-/* timing_row(what, ms, unit_ms, peer, peer_ms): a line of a table: the time, its ratio to
- * unit_ms, and the ratio to a peer's time; NAN: not there. */
-void timing_head(const char *title, const char *unit, const char *peer);
-void timing_row(const char *what, double ms, double unit_ms, double peer_ms);
+/* timing_head(title, first), timing_row(what, first, ms, peer_ms): a table: a figure of its
+ * own first, the time, a peer's time and the ratio to it; NAN: not there. */
+void timing_head(const char *title, const char *first);
+void timing_row(const char *what, double first, double ms, double peer_ms);
 
 /* timing_target(what, value, limit, unit): a figure of the last table of all, which
  * scripts/bench collects from the file $BENCH_TARGETS. */
