@@ -21,7 +21,7 @@ void timing_add(struct timing *t, double ms); /* a sample measured elsewhere */
 double timing_median(const struct timing *t); /* NAN without samples */
 void timing_free(struct timing *t);
 
-double timing_now_ms(void); /* monotonic */
+double timing_now_ms(void); /* processor time of this thread: waiting does not count */
 
 /* timing_bytes(): bytes allocated at the moment, by the C library's own account. */
 double timing_bytes(void);

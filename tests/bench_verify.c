@@ -1,0 +1,233 @@
+/* bench_verify.c -- one verification and its parts: template load, alignment from 8 degrees
+ * and 10 mm, the whole from bytes and points to the decision; memory of a comparison. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "align.h"
+#include "clouds.h"
+#include "codec.h"
+#include "face.h"
+#include "lattice.h"
+#include "measure.h"
+#include "mem.h"
+#include "peers.h"
+#include "timing.h"
+#include "weight.h"
+
+#define PAIRS  48
+#define POINTS 3000
+#define ROUNDS 11
+
+enum row {
+    LOAD,
+    PREPARE, /* the probe: points to model */
+    SEARCH,
+    COMPARE, /* search and finish */
+    STORED,  /* bytes of the template, points of the probe, to the decision */
+    RAW,     /* points of both */
+    PEER_ONE,
+    ROWS
+};
+
+struct pair {
+    struct dvec3 *tmpl_pts, *probe_pts;
+    size_t n_tmpl, n_probe, blob_size;
+    struct face tmpl, probe;
+    unsigned char *blob;
+    double moved[16]; /* what was done to the probe */
+    void *points;     /* the template's, for the peer */
+};
+
+static const struct peers *peers;
+static struct timing row[ROWS], search_error, final_error;
+static struct scratch scratch;
+static struct face_work *work;
+static struct face stored, fresh, fresh2;
+static unsigned matches;
+
+static void must(enum status st)
+{
+    if (st == ST_OK)
+        return;
+    fprintf(stderr, "bench: %s\n", status_message(st));
+    exit(1);
+}
+
+static void pair_make(struct pair *p, uint64_t k)
+{
+    struct ivec3 *pts = timing_alloc(POINTS, sizeof *pts);
+
+    p->tmpl_pts = timing_alloc(POINTS, sizeof *p->tmpl_pts);
+    p->probe_pts = timing_alloc(POINTS, sizeof *p->probe_pts);
+    p->n_tmpl = clouds_scan(k, 2 * k, POINTS, p->tmpl_pts);
+    p->n_probe = clouds_scan(k, 2 * k + 1, POINTS, p->probe_pts);
+    clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
+    must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
+    must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
+    p->blob_size = codec_size(&p->tmpl.mesh);
+    p->blob = timing_alloc(p->blob_size, 1);
+    codec_encode(&p->tmpl, p->blob);
+    must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
+    if (peers != NULL)
+        p->points = peers->points(pts, p->n_tmpl);
+    free(pts);
+}
+
+static double lap(enum row r, double since)
+{
+    const double now = timing_now_ms();
+
+    timing_add(&row[r], now - since);
+    return now;
+}
+
+/* How far, root mean square over the probe, the found pose is from undoing what was done. */
+static double pose_error(const struct pair *p, const double *t)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < p->n_probe; i++) {
+        const struct dvec3 q =
+            p->probe_pts[i]; /* moved; m^T (q - shift) is where it was */
+        const double *m = p->moved;
+        const double d[3] = {q.x - m[3], q.y - m[7], q.z - m[11]};
+
+        for (int r = 0; r < 3; r++) {
+            const double was = m[r] * d[0] + m[4 + r] * d[1] + m[8 + r] * d[2];
+            const double now =
+                t[4 * r] * q.x + t[4 * r + 1] * q.y + t[4 * r + 2] * q.z + t[4 * r + 3];
+
+            sum += (now - was) * (now - was);
+        }
+    }
+    return sqrt(sum / (double)p->n_probe);
+}
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){.mesh = &f->mesh,
+                                    .raw = f->raw,
+                                    .spacing = f->spacing,
+                                    .bridge = f->bridge,
+                                    .measured = f->measured};
+}
+
+static void pass(struct pair *p)
+{
+    const struct measure_surface a = surface_of(&p->tmpl), b = surface_of(&p->probe);
+    struct weight_face rigid;
+    struct disparity_weight u;
+    struct align_result found;
+    struct face_result r;
+    double t = timing_now_ms();
+
+    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    t = lap(LOAD, t);
+    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    t = lap(PREPARE, t);
+    u = weight_of(&a, &rigid);
+    must(align_search(&a, &b, &u, &scratch, &found));
+    t = lap(SEARCH, t);
+    must(face_compare(&p->tmpl, &p->probe, 0, NULL, work, &r));
+    (void)lap(COMPARE, t);
+    timing_add(&search_error, pose_error(p, found.transform));
+    timing_add(&final_error, pose_error(p, r.align.transform));
+    matches += r.decision == FACE_MATCH;
+
+    t = timing_now_ms();
+    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    must(face_compare(&stored, &fresh, 0, NULL, work, &r));
+    t = lap(STORED, t);
+    must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
+    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    must(face_compare(&fresh2, &fresh, 0, NULL, work, &r));
+    t = lap(RAW, t);
+    if (peers != NULL) {
+        void *dt = peers->triangulate(p->points);
+
+        (void)lap(PEER_ONE, t);
+        peers->triangulation_free(dt);
+    }
+}
+
+static void line(const char *what, enum row r)
+{
+    const double ms = timing_median(&row[r]), one = timing_median(&row[PEER_ONE]);
+
+    printf("  %-56s %9.3f", what, ms);
+    if (!isnan(one))
+        printf(" %9.2f", ms / one);
+    putchar('\n');
+}
+
+static void report(void)
+{
+    const double one = timing_median(&row[PEER_ONE]);
+
+    printf("\nVerification, 3,000 against 3,000 points, 8 degrees and 10 mm off\n");
+    printf("  %-56s %9s %9s\n", "", "ms", "units");
+    line("template load: bytes to validated model", LOAD);
+    line("probe: points to model", PREPARE);
+    line("alignment, search", SEARCH);
+    line("alignment and exact measure (search and finish)", COMPARE);
+    line("whole, template stored", STORED);
+    line("whole, both from points", RAW);
+    printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
+           timing_median(&row[STORED]) / timing_median(&row[RAW]),
+           stored.mesh.nv == 0 ? (size_t)0 : codec_size(&stored.mesh) / stored.mesh.nv);
+    printf("  pose error, median: %.3f mm after the search, %.3f mm at the end\n",
+           timing_median(&search_error), timing_median(&final_error));
+    printf("  matched: %u of %zu\n", matches, row[COMPARE].n);
+
+    timing_target("template load", timing_median(&row[LOAD]) / one, 0.1, "units");
+    timing_target("alignment from 8 degrees + 10 mm, search",
+                  timing_median(&row[SEARCH]) / one, 4, "units");
+    timing_target("  the same with the finish on the exact measure",
+                  timing_median(&row[COMPARE]) / one, 4, "units");
+}
+
+/* Everything a comparison allocates: both models and the worker's memory, once steady. */
+static void memory(const struct pair *p)
+{
+    const double before = timing_bytes();
+    struct face_work *w = face_work_new();
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    double bytes;
+
+    if (w == NULL)
+        must(ST_ENOMEM);
+    must(codec_decode(p->blob, p->blob_size, w, &a, NULL));
+    must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
+    must(face_compare(&a, &b, 0, NULL, w, &r));
+    bytes = timing_bytes() - before;
+    printf("\nMemory: working set of a comparison: %.2f MB\n", bytes / 1e6);
+    timing_target("memory, working set of a comparison", bytes / 1e6, 2, "MB");
+    face_free(&a);
+    face_free(&b);
+    face_work_free(w);
+}
+
+int main(void)
+{
+    static struct pair pair[PAIRS];
+
+    peers = timing_peers();
+    if ((work = face_work_new()) == NULL)
+        must(ST_ENOMEM);
+    for (size_t k = 0; k < PAIRS; k++)
+        pair_make(&pair[k], k);
+    for (size_t k = 0; k < PAIRS; k++) /* all memory at its size */
+        pass(&pair[k]);
+    for (size_t r = 0; r < ROWS; r++)
+        row[r].n = 0;
+    search_error.n = final_error.n = matches = 0;
+    for (int round = 0; round < ROUNDS; round++)
+        for (size_t k = 0; k < PAIRS; k++)
+            pass(&pair[k]);
+    report();
+    memory(&pair[0]);
+    return 0;
+}
