@@ -20,9 +20,13 @@
 #define MAX_TURN      0.25 /* longest step, radians and mm */
 #define MAX_SHIFT_MM  25.0
 
-/* A coarse pose with a cost below GOOD_MM over GOOD_WITHIN of the points needs no rival. */
-#define GOOD_MM     1.0
+/* A coarse pose needs no rival when it covers GOOD_WITHIN of the points, and its cost is
+ * below GOOD_MM, or another start has led to the same place (SAME_MM apart) and its cost is
+ * below FAIR_MM. */
 #define GOOD_WITHIN 0.75
+#define GOOD_MM     1.0
+#define FAIR_MM     2.0
+#define SAME_MM     3.0
 
 /* Less than this share of the probe's points over the template: apart. */
 #define APART_WITHIN 0.2
@@ -149,16 +153,17 @@ struct start {
 };
 
 static const struct start starts[] = {
-    {false, true, 0.0, 0.0},   {false, false, 0.0, 0.0}, {true, true, 0.0, 0.0},
-    {true, false, 0.0, 0.0},   {false, true, 0.12, 0.0}, {false, true, -0.12, 0.0},
+    {false, true, 0.0, 0.0},   {false, false, 0.0, 0.0},  {true, true, 0.0, 0.0},
+    {true, false, 0.0, 0.0},   {false, true, 0.12, 0.0},  {false, true, -0.12, 0.0},
     {false, true, 0.0, 0.12},  {false, true, 0.0, -0.12}, {true, false, 0.15, 0.0},
-    {true, false, -0.15, 0.0}, {true, false, 0.0, 0.15}, {true, false, 0.0, -0.15},
+    {true, false, -0.15, 0.0}, {true, false, 0.0, 0.15},  {true, false, 0.0, -0.15},
 };
 
 static void start_pose(const struct start *st, const struct align_frame *tmpl,
                        const struct align_frame *probe, struct align_pose *pose)
 {
-    static const struct dvec3 scanner[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    static const struct dvec3 scanner[3] = {
+        {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     struct align_frame a = *tmpl, b = *probe;
     struct dvec3 back = st->by_nose ? tmpl->nose : tmpl->centre;
 
@@ -171,6 +176,31 @@ static void start_pose(const struct start *st, const struct align_frame *tmpl,
     align_pose_tilt(pose, back, st->yaw, st->pitch);
 }
 
+/* same(s, a, b): do both poses put the surface in the same place?  Judged by three points
+ * of the template carried back by the one and forth by the other. */
+static bool same(const struct search *s, const struct align_pose *a,
+                 const struct align_pose *b)
+{
+    static const double offset[3][3] = {{50, 0, 80}, {-50, 0, 80}, {0, 70, 80}};
+
+    for (int i = 0; i < 3; i++) {
+        const struct dvec3 q = {s->centre.x + offset[i][0] - a->t[0],
+                                s->centre.y + offset[i][1] - a->t[1],
+                                s->centre.z + offset[i][2] - a->t[2]};
+        const double *r = a->r;
+        const struct dvec3 p = {r[0] * q.x + r[3] * q.y + r[6] * q.z,
+                                r[1] * q.x + r[4] * q.y + r[7] * q.z,
+                                r[2] * q.x + r[5] * q.y + r[8] * q.z};
+        const struct dvec3 m = align_pose_apply(b, p);
+        const double dx = m.x - a->t[0] - q.x, dy = m.y - a->t[1] - q.y;
+        const double dz = m.z - a->t[2] - q.z;
+
+        if (dx * dx + dy * dy + dz * dz > SAME_MM * SAME_MM)
+            return false;
+    }
+    return true;
+}
+
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good; best[0] and best[1] are the cheapest two. */
 static void choose(struct search *s, const struct align_frame *tmpl,
@@ -181,17 +211,19 @@ static void choose(struct search *s, const struct align_frame *tmpl,
     best[0].cost = best[1].cost = INFINITY;
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
         struct candidate c;
+        bool again;
 
         start_pose(&starts[i], tmpl, probe, &c.pose);
         (void)descend(s, stride, ALIGN_LOSS_L1, 8, 1.0, &c);
         s->out->starts++;
+        again = i > 0 && same(s, &best[0].pose, &c.pose);
         if (c.cost < best[0].cost) {
             best[1] = best[0];
             best[0] = c;
         } else if (c.cost < best[1].cost) {
             best[1] = c;
         }
-        if (best[0].cost < GOOD_MM && best[0].within > GOOD_WITHIN)
+        if (best[0].within > GOOD_WITHIN && best[0].cost < (again ? FAIR_MM : GOOD_MM))
             break;
     }
 }
@@ -211,6 +243,7 @@ enum status align_search(const struct measure_surface *tmpl,
     struct align_frame tf, pf;
     struct candidate best[2];
     unsigned char *block;
+    bool rival;
 
     block = scratch_need(s, cells + search.n * sizeof *search.pts);
     if (block == NULL)
@@ -225,16 +258,20 @@ enum status align_search(const struct measure_surface *tmpl,
     search.centre.z -= CENTRE_MM;
 
     choose(&search, &tf, &pf, best);
-    for (int i = 0; i < 2; i++)
-        if (i == 0 || (best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost))
-            (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
-                          &best[i]);
-    if (best[1].cost < best[0].cost)
+    rival = best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost &&
+            !same(&search, &best[0].pose, &best[1].pose);
+    (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
+                  &best[0]);
+    if (rival)
+        (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
+                      &best[1]);
+    if (rival && best[1].cost < best[0].cost)
         best[0] = best[1];
-    (void)descend(&search, at_least_one(search.n / 1500), ALIGN_LOSS_L1, 8, 0.1, &best[0]);
-    (void)descend(&search, 1, ALIGN_LOSS_TUKEY, 12, 0.02, &best[0]);
-    out->stop = descend(&search, 1, ALIGN_LOSS_VOLUME, 12, 0.02, &best[0]) ? ALIGN_CONVERGED
-                                                                           : ALIGN_STEPS;
+    (void)descend(&search, at_least_one(search.n / 1500), ALIGN_LOSS_TUKEY, 12, 0.05,
+                  &best[0]);
+    out->stop = descend(&search, 1, ALIGN_LOSS_VOLUME, 12, 0.02, &best[0])
+                    ? ALIGN_CONVERGED
+                    : ALIGN_STEPS;
     if (best[0].within < APART_WITHIN)
         out->stop = ALIGN_APART;
     align_pose_to_matrix(&best[0].pose, out->transform);

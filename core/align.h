@@ -27,10 +27,10 @@ enum align_stop {
 };
 
 struct align_result {
-    double transform[16];  /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
-    uint32_t evaluations;  /* robust sums evaluated (over subsets of points too) */
-    uint32_t exact;        /* evaluations of the exact measure */
-    uint32_t starts;       /* starting poses tried */
+    double transform[16]; /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
+    uint32_t evaluations; /* robust sums evaluated (over subsets of points too) */
+    uint32_t exact;       /* evaluations of the exact measure */
+    uint32_t starts;      /* starting poses tried */
     enum align_stop stop;
 };
 

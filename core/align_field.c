@@ -8,10 +8,11 @@
 #include "measure.h"
 #include "mesh.h"
 
-#define SOFT_MM   0.05 /* |r| is rounded off below this: L1's weight 1 / |r| stays finite */
-#define TUKEY_MM  2.5
-#define CAP_MM    5.0 /* what one residual can add to the cost of a pose */
-#define NO_GAP_MM 3.0 /* and what a point without a gap adds, so that sliding apart
+#define SOFT_MM  0.05 /* |r| is rounded off below this: L1's weight 1 / |r| stays finite */
+#define TUKEY_MM 2.5
+#define CAP_MM   5.0 /* what one residual can add to the cost of a pose */
+#define NO_GAP_MM                                                                        \
+    3.0 /* and what a point without a gap adds, so that sliding apart
                          cannot pay */
 
 _Static_assert(sizeof(struct align_cell) == 64, "a cell is a cache line");
@@ -155,7 +156,8 @@ void align_field_sum(const struct align_field *f, struct align_point *pts, uint3
         flat = (double)cell->flat;
         dx = q.x - cell->x[0] / LATTICE_PER_MM;
         dy = q.y - cell->y[0] / LATTICE_PER_MM;
-        r = (q.z - (double)cell->z0 - (double)cell->zx * dx - (double)cell->zy * dy) * flat;
+        r = (q.z - (double)cell->z0 - (double)cell->zx * dx - (double)cell->zy * dy) *
+            flat;
         j[3] = -(double)cell->zx * flat;
         j[4] = -(double)cell->zy * flat;
         j[5] = flat;

@@ -43,9 +43,9 @@ void align_field_make(const struct measure_surface *s, const struct disparity_we
 
 /* A point of the probe. */
 struct align_point {
-    struct dvec3 p;   /* mm */
-    float area;       /* of the probe's surface that it stands for, seen along z, mm^2 */
-    uint32_t cell;    /* where it was last time */
+    struct dvec3 p; /* mm */
+    float area;     /* of the probe's surface that it stands for, seen along z, mm^2 */
+    uint32_t cell;  /* where it was last time */
 };
 
 enum align_loss {
@@ -56,7 +56,7 @@ enum align_loss {
 
 struct align_sum {
     struct align_normal normal;
-    double cost; /* mm; L1: mean of |r|, capped, where points without a gap cost 3 mm;
+    double cost;   /* mm; L1: mean of |r|, capped, where points without a gap cost 3 mm;
                     the others: the loss's mean over the points that have a gap */
     double within; /* share of the points that have a gap, 0..1 */
 };

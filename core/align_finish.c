@@ -14,12 +14,12 @@
 #include "lattice.h"
 #include "measure.h"
 
-#define PASSES   2      /* reweightings of one linearised measure */
-#define STRIDE   2      /* every so many vertices of either mesh are samples */
-#define SOFT_MM  0.03   /* |gap| is rounded off below this */
+#define PASSES   2    /* reweightings of one linearised measure */
+#define STRIDE   2    /* every so many vertices of either mesh are samples */
+#define SOFT_MM  0.03 /* |gap| is rounded off below this */
 #define DAMPING  1e-4
-#define WORTH    5e-3   /* a promised gain below this share is not worth measuring */
-#define LEVER_MM 80.0   /* centre of turns behind the surface, as in the search */
+#define WORTH    5e-3 /* a promised gain below this share is not worth measuring */
+#define LEVER_MM 80.0 /* centre of turns behind the surface, as in the search */
 
 struct sample {
     double j[6], gap, weight;
@@ -78,7 +78,8 @@ static size_t gather(const struct view *view, const float *area,
         struct sample *s = &out[n];
         double zx, zy, x, y, z;
 
-        if (area[v] <= 0.0f || loc.where == LOCATE_OUTSIDE || view->other_bridge[loc.he / 3])
+        if (area[v] <= 0.0f || loc.where == LOCATE_OUTSIDE ||
+            view->other_bridge[loc.he / 3])
             continue;
         slopes(view->other, loc.he / 3, &zx, &zy);
         x = m->xy[v].x / LATTICE_PER_MM - c.x;
@@ -119,7 +120,8 @@ static double minimise(const struct sample *s, size_t n, double x[6])
         for (size_t i = 0; i < n; i++) {
             const double g = gap_after(&s[i], now), a = fabs(g);
 
-            align_solve_add(&normal, s[i].j, g, s[i].weight / (a > SOFT_MM ? a : SOFT_MM));
+            align_solve_add(&normal, s[i].j, g,
+                            s[i].weight / (a > SOFT_MM ? a : SOFT_MM));
             sum += s[i].weight * a;
         }
         if (pass == 0)
@@ -138,8 +140,9 @@ static double minimise(const struct sample *s, size_t n, double x[6])
 
 /* promise(tmpl, u, w, c, x): at the pose last measured in w, the best small motion about
  * c.  Returns the share it promises to save, or a negative number when out of memory. */
-static double promise(const struct measure_surface *tmpl, const struct disparity_weight *u,
-                      struct measure_work *w, struct dvec3 c, double x[6])
+static double promise(const struct measure_surface *tmpl,
+                      const struct disparity_weight *u, struct measure_work *w,
+                      struct dvec3 c, double x[6])
 {
     const struct mesh *a = tmpl->mesh, *b = &w->moved;
     const struct view views[2] = {

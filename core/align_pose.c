@@ -9,8 +9,8 @@
 #include "mesh.h"
 
 /* Share of the points that stick out most, whose mean is taken for the nose. */
-#define NOSE_SHARE 0.02
-#define NOSE_BINS  128
+#define NOSE_SHARE     0.02
+#define NOSE_BINS      128
 #define NOSE_RADIUS_MM 250.0 /* what lies d to the side protrudes d^2 / this less */
 
 static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
@@ -43,8 +43,8 @@ static void turn(const double q[4], double r[9])
     const double wx = s * q[0] * q[1], wy = s * q[0] * q[2], wz = s * q[0] * q[3];
     const double xx = s * q[1] * q[1], xy = s * q[1] * q[2], xz = s * q[1] * q[3];
     const double yy = s * q[2] * q[2], yz = s * q[2] * q[3], zz = s * q[3] * q[3];
-    const double m[9] = {1.0 - yy - zz, xy - wz,       xz + wy, xy + wz,      1.0 - xx - zz,
-                         yz - wx,       xz - wy,       yz + wx, 1.0 - xx - yy};
+    const double m[9] = {1.0 - yy - zz, xy - wz, xz + wy, xy + wz,      1.0 - xx - zz,
+                         yz - wx,       xz - wy, yz + wx, 1.0 - xx - yy};
 
     memcpy(r, m, sizeof m);
 }

@@ -32,10 +32,11 @@ void align_pose_from_matrix(const double m[16], struct align_pose *a);
 
 /* What a surface's points tell of its own pose. */
 struct align_frame {
-    struct dvec3 centre;  /* the mean of the points, mm */
-    struct dvec3 axis[3]; /* right-handed: about x, y and z; z is the least axis of inertia,
+    struct dvec3 centre; /* the mean of the points, mm */
+    struct dvec3
+        axis[3];       /* right-handed: about x, y and z; z is the least axis of inertia,
                              y the greatest, both turned towards the scanner's */
-    struct dvec3 nose;    /* the mean of the points that stick out most along axis[2] */
+    struct dvec3 nose; /* the mean of the points that stick out most along axis[2] */
 };
 
 /* align_pose_frame(s, f): O(nv). */

@@ -3,7 +3,6 @@
  * subjects: docs/decision.md.  The owner's own scans are a better teacher. */
 #ifndef CORE_DECISION_H
 #define CORE_DECISION_H
-#include <stdbool.h>
 
 /* Default threshold: about one impostor in 1,000 has a disparity at or below it. */
 extern const double decision_threshold_mm;
@@ -12,8 +11,8 @@ extern const double decision_threshold_mm;
 extern const double decision_min_overlap;
 
 /* decision_fmr(disparity_mm): the share of impostor comparisons with a disparity at or
- * below disparity_mm (false match rate), 0..1; monotone.  Below the smallest disparity the
- * impostors had it follows the tail's slope and is an extrapolation. */
+ * below disparity_mm (false match rate), 0..1: a table of quantiles, straight between them;
+ * monotone.  Below 0.05 % the tail is an extrapolation.  NaN gives 1. */
 double decision_fmr(double disparity_mm);
 
 #endif

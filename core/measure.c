@@ -51,7 +51,8 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
 
 /* move(m, raw, t, out): the vertices of m at their raw heights, moved by t and rounded; ST_ERANGE when one falls off
  * the lattice. */
-static enum status move(const struct mesh *m, const int32_t *raw, const double t[16], struct ivec3 *out)
+static enum status move(const struct mesh *m, const int32_t *raw, const double t[16],
+                        struct ivec3 *out)
 {
     for (uint32_t v = 0; v < m->nv; v++) {
         const double x = m->xy[v].x / LATTICE_PER_MM, y = m->xy[v].y / LATTICE_PER_MM;
@@ -88,7 +89,8 @@ enum status measure_at(const struct measure_surface *tmpl,
                        struct disparity *out)
 {
     const struct mesh *a = tmpl->mesh, *b = &w->moved;
-    struct disparity_side sa = {a, tmpl->spacing, tmpl->bridge, tmpl->measured, NULL, NULL};
+    struct disparity_side sa = {a,    tmpl->spacing, tmpl->bridge, tmpl->measured,
+                                NULL, NULL};
     struct disparity_side sb = {b, NULL, NULL, 0.0, NULL, NULL};
     unsigned char *block;
     enum status st;

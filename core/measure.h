@@ -15,27 +15,27 @@
 /* A surface as alignment and measure need it: borrowed, never written. */
 struct measure_surface {
     const struct mesh *mesh; /* with its spanning tree, spikes laid flat */
-    const int32_t *raw;      /* [nv] heights as scanned, by which a probe is moved: what is a
+    const int32_t *raw;   /* [nv] heights as scanned, by which a probe is moved: what is a
                                 spike depends on the side it is seen from */
-    const float *spacing;    /* [nv] holes_spacing() */
-    const uint8_t *bridge;   /* [nt] holes_mark() */
-    double measured;         /* holes_mark()'s area, square lattice units */
+    const float *spacing; /* [nv] holes_spacing() */
+    const uint8_t *bridge; /* [nt] holes_mark() */
+    double measured;       /* holes_mark()'s area, square lattice units */
 };
 
 /* Reusable memory of one worker, and what the last measure_at() left in it.  All zero is
  * an empty one; after the first few calls nothing is allocated any more. */
 struct measure_work {
-    struct scratch scratch;  /* for the builders; free for other use between calls */
-    struct scratch arrays;   /* the arrays below */
-    struct mesh moved;       /* the probe at the pose, triangulated, with its tree */
-    struct mesh general;     /* the general triangulation; template vertices come first */
-    struct ivec3 *pts;       /* [probe nv] the moved points */
+    struct scratch scratch; /* for the builders; free for other use between calls */
+    struct scratch arrays;  /* the arrays below */
+    struct mesh moved;      /* the probe at the pose, triangulated, with its tree */
+    struct mesh general;    /* the general triangulation; template vertices come first */
+    struct ivec3 *pts;      /* [probe nv] the moved points */
     struct location *tmpl_in_moved, *moved_in_tmpl;
     double *tmpl_other, *moved_other; /* heights interpolated in the other mesh */
-    float *spacing;          /* [moved.nv] */
-    uint8_t *bridge;         /* [moved.nt] */
-    uint32_t *b_vertex;      /* [moved.nv] merge_build()'s */
-    struct disparity_vertex *vertex; /* [general.nv] gap: moved minus template */
+    float *spacing;                   /* [moved.nv] */
+    uint8_t *bridge;                  /* [moved.nt] */
+    uint32_t *b_vertex;               /* [moved.nv] merge_build()'s */
+    struct disparity_vertex *vertex;  /* [general.nv] gap: moved minus template */
 };
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */

@@ -17,7 +17,8 @@ static double at(const void *arg, double x, double y)
     return FLOOR + (1.0 - FLOOR) / ((1.0 + s * s) * (1.0 + d * d));
 }
 
-struct disparity_weight weight_of(const struct measure_surface *tmpl, struct weight_face *w)
+struct disparity_weight weight_of(const struct measure_surface *tmpl,
+                                  struct weight_face *w)
 {
     struct align_frame frame;
 

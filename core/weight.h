@@ -15,6 +15,7 @@ struct weight_face {
 
 /* weight_of(tmpl, w): the weight for a template; find its nose.  O(nv).  The returned
  * function borrows w.  x is taken to run to the side and y up, as in the scanner's frame. */
-struct disparity_weight weight_of(const struct measure_surface *tmpl, struct weight_face *w);
+struct disparity_weight weight_of(const struct measure_surface *tmpl,
+                                  struct weight_face *w);
 
 #endif

@@ -198,10 +198,17 @@ static void build_faces(const char *dir, struct face_work *w)
 static void rotation(const struct scan *s, double r[9])
 {
     const double y = s->yaw * pi / 180, x = s->pitch * pi / 180, z = s->roll * pi / 180;
-    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z), sz = sin(z);
-    const double m[9] = {cz * cy - sz * sx * sy, -sz * cx, cz * sy + sz * sx * cy,
-                         sz * cy + cz * sx * sy, cz * cx,  sz * sy - cz * sx * cy,
-                         -cx * sy,               sx,       cx * cy};
+    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
+                 sz = sin(z);
+    const double m[9] = {cz * cy - sz * sx * sy,
+                         -sz * cx,
+                         cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy,
+                         cz * cx,
+                         sz * sy - cz * sx * cy,
+                         -cx * sy,
+                         sx,
+                         cx * cy};
 
     memcpy(r, m, sizeof m);
 }
@@ -269,7 +276,8 @@ static void run_probe(int p, int per_probe, struct face_work *w)
         exact_count[k] += r.align.exact;
     }
     for (int i = 0; i < nscans; i++)
-        others += scans[i].kind < 0 && i != e && scans[i].population == scans[p].population;
+        others +=
+            scans[i].kind < 0 && i != e && scans[i].population == scans[p].population;
     for (int i = 0; i < nscans; i++) {
         struct score s;
 
@@ -366,12 +374,14 @@ static void report(void)
                median(pose_error[k], n, 0.9), beyond, median(align_ms[k], n, 0.5),
                median(measure_ms[k], n, 0.5), n > 0 ? exact_count[k] / n : 0);
     }
-    printf("\n%zu genuine, %zu impostor comparisons; threshold %.4f mm accepts %.3f %% of "
-           "the impostors\n",
-           genuine.n, impostor.n, decision_threshold_mm,
-           100 * accepted(&impostor, -1, decision_threshold_mm));
+    printf(
+        "\n%zu genuine, %zu impostor comparisons; threshold %.4f mm accepts %.3f %% of "
+        "the impostors\n",
+        genuine.n, impostor.n, decision_threshold_mm,
+        100 * accepted(&impostor, -1, decision_threshold_mm));
     printf("at FMR 0.1 %%: %.4f mm; at 1 %%: %.4f mm\n", at_01, at_1);
-    printf("kind   EER %%  TAR %% at FMR 0.1 %%  at 1 %%  at the threshold  first rank %%\n");
+    printf(
+        "kind   EER %%  TAR %% at FMR 0.1 %%  at 1 %%  at the threshold  first rank %%\n");
     for (int i = 0; i <= KINDS; i++) {
         const int k = i < KINDS ? i : -1;
         int r = 0, f = 0;

@@ -51,9 +51,15 @@ static void rotation(double yaw, double pitch, double roll, double r[9])
     const double cy = cos(yaw * degree), sy = sin(yaw * degree);
     const double cx = cos(pitch * degree), sx = sin(pitch * degree);
     const double cz = cos(roll * degree), sz = sin(roll * degree);
-    const double m[9] = {cz * cy - sz * sx * sy, -sz * cx, cz * sy + sz * sx * cy,
-                         sz * cy + cz * sx * sy, cz * cx,  sz * sy - cz * sx * cy,
-                         -cx * sy,               sx,       cx * cy};
+    const double m[9] = {cz * cy - sz * sx * sy,
+                         -sz * cx,
+                         cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy,
+                         cz * cx,
+                         sz * sy - cz * sx * cy,
+                         -cx * sy,
+                         sx,
+                         cx * cy};
 
     memcpy(r, m, sizeof m);
 }
@@ -294,7 +300,8 @@ static void test_start_does_not_matter(void **state)
             compare(&a, &b, &r, &d);
             if (i == 0)
                 first = d.weighted_mm;
-            printf("%d, pose %zu: %+.2f %%\n", (int)who, i, 100 * (d.weighted_mm / first - 1));
+            printf("%d, pose %zu: %+.2f %%\n", (int)who, i,
+                   100 * (d.weighted_mm / first - 1));
             assert_true(fabs(d.weighted_mm - first) < tolerance * first);
         }
     }
@@ -372,7 +379,7 @@ static void test_minimum(void **state)
             align_pose_move(&pose, (struct dvec3){0, 0, -80}, x);
             align_pose_to_matrix(&pose, m);
             assert_int_equal(measure_at(&sa, &sb, m, &u, &w, &e), ST_OK);
-                        assert_true(e.weighted_mm > (who == 60 ? 0.995 : 0.98) * d.weighted_mm);
+            assert_true(e.weighted_mm > (who == 60 ? 0.995 : 0.98) * d.weighted_mm);
         }
     }
     measure_work_free(&w);
