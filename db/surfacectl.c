@@ -1,0 +1,361 @@
+/* surfacectl -- administer a template database from the command line, beside a running
+ * daemon or without one. */
+#include "surfacectl.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { /* options that not every command takes */
+       OPT_DB = 1,
+       OPT_UNITS = 2,
+       OPT_LABEL = 4,
+       OPT_FORCE = 8,
+       OPT_THRESHOLD = 16,
+       OPT_YES = 32
+};
+
+struct command {
+    const char *name, *args, *summary, *help, *example;
+    int min, max; /* arguments */
+    unsigned options;
+    int (*run)(struct surfacectl *c);
+};
+
+static const struct command commands[] = {
+    {"init", "", "make a new database",
+     "The file is readable by its owner alone.  A database that is there already is left\n"
+     "as it is.",
+     "surfacectl --db faces.db init", 0, 0, OPT_DB, surfacectl_admin_init},
+    {"enroll", "SUBJECT FILE...", "enroll scans of a subject",
+     "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  The same scan\n"
+     "again changes nothing.  A scan that does not match the subject's others is refused,\n"
+     "unless --force is given.  A bad scan does not stop the others.",
+     "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply", 2, 1 << 30,
+     OPT_DB | OPT_UNITS | OPT_LABEL | OPT_FORCE, surfacectl_face_enroll},
+    {"verify", "SUBJECT FILE", "compare a scan with a subject's templates",
+     "The template with the lowest disparity decides.  Exit: 0 match, 1 no match,\n"
+     "2 inconclusive.",
+     "surfacectl --db faces.db verify alice probe.ply", 2, 2,
+     OPT_DB | OPT_UNITS | OPT_THRESHOLD, surfacectl_face_verify},
+    {"compare", "A B", "compare two scans; no database is needed",
+     "B is moved onto A.  Exit: 0 match, 1 no match, 2 inconclusive.",
+     "surfacectl compare monday.ply tuesday.ply", 2, 2, OPT_UNITS | OPT_THRESHOLD,
+     surfacectl_face_compare},
+    {"list", "", "list the subjects", "In order of their ids.",
+     "surfacectl --db faces.db list", 0, 0, OPT_DB, surfacectl_admin_list},
+    {"show", "ID", "describe a subject or a template",
+     "ID is a subject's, or else a template's.", "surfacectl --db faces.db show alice", 1,
+     1, OPT_DB, surfacectl_admin_show},
+    {"delete", "ID", "delete a subject with all its templates, or one template",
+     "ID is a subject's, or else a template's.  Asks for the id again on a terminal;\n"
+     "elsewhere --yes is needed.",
+     "surfacectl --db faces.db --yes delete alice", 1, 1, OPT_DB | OPT_YES,
+     surfacectl_admin_delete},
+    {"check", "", "read everything and verify it; changes nothing",
+     "The database's integrity, references and schema; of each template the checksum,\n"
+     "triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
+     "Exit: 0 all is well, 1 problems were found.",
+     "surfacectl --db faces.db check", 0, 0, OPT_DB, surfacectl_admin_check},
+    {"stats", "", "how much there is of everything", "Counts and sizes.",
+     "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
+    {"token", "create NAME | list | revoke ID", "Bearer tokens for the daemon",
+     "The token is printed once, on standard output; only a hash of it is kept.  A running\n"
+     "daemon sees new and revoked tokens at once.",
+     "surfacectl --db faces.db token create front-door", 1, 2, OPT_DB,
+     surfacectl_admin_token},
+};
+
+#define COMMANDS (sizeof commands / sizeof *commands)
+
+static const char exit_help[] =
+    "Exit codes:\n"
+    "   0  done; verify, compare: match\n"
+    "   1  verify, compare: no match; check: problems found\n"
+    "   2  verify, compare: inconclusive (too little in common)\n"
+    "  64  the command line is wrong\n"
+    "  65  a scan or the database is malformed or cannot be used\n"
+    "  66  no such file, subject, template, token or database\n"
+    "  70  a defect of this program or an error of the database engine\n"
+    "  71  out of memory\n"
+    "  74  reading or writing failed, disk full\n"
+    "  75  the database is locked by another process; try again\n"
+    "  77  not permitted\n";
+
+static const struct {
+    unsigned option;
+    const char *text;
+} option_help[] = {
+    {OPT_DB, "  --db PATH           the database; or set SURFACED_DB\n"},
+    {OPT_UNITS, "  --units mm|cm|m     of the scans' coordinates (mm)\n"},
+    {OPT_LABEL, "  --label TEXT        a note kept with each template\n"},
+    {OPT_FORCE,
+     "  --force             enroll scans that do not fit the subject's others\n"},
+    {OPT_THRESHOLD,
+     "  --threshold-mm MM   decide by another threshold than the default\n"},
+    {OPT_YES, "  --yes               do not ask\n"},
+};
+
+static void print_options(unsigned options)
+{
+    (void)printf("Options (before or after the command):\n");
+    for (size_t i = 0; i < sizeof option_help / sizeof *option_help; i++)
+        if (options & option_help[i].option)
+            (void)printf("%s", option_help[i].text);
+    (void)printf("  --json              print JSON\n"
+                 "  --help              this text\n"
+                 "  --version           the version\n\n");
+}
+
+static void print_help(const struct command *cmd)
+{
+    if (cmd == NULL) {
+        (void)printf("Usage: surfacectl [--db PATH] [--json] COMMAND [ARGUMENT...]\n\n"
+                     "Commands (surfacectl COMMAND --help says more):\n");
+        for (size_t i = 0; i < COMMANDS; i++)
+            (void)printf("  %-8s %-15s %s\n", commands[i].name,
+                         strlen(commands[i].args) > 15 ? "..." : commands[i].args,
+                         commands[i].summary);
+        (void)printf("\n");
+        print_options(~0U);
+        (void)printf("Example:\n  surfacectl --db faces.db init\n"
+                     "  surfacectl --db faces.db enroll alice alice.ply\n"
+                     "  surfacectl --db faces.db verify alice probe.ply\n\n%s",
+                     exit_help);
+        return;
+    }
+    (void)printf("Usage: surfacectl %s%s %s\n\n%c%s.\n%s\n\n", cmd->name,
+                 cmd->options & OPT_DB ? " --db PATH" : "", cmd->args,
+                 cmd->summary[0] >= 'a' ? cmd->summary[0] - 'a' + 'A' : cmd->summary[0],
+                 cmd->summary + 1, cmd->help);
+    print_options(cmd->options);
+    (void)printf("Example:\n  %s\n\n%s", cmd->example, exit_help);
+}
+
+static void print_version(void)
+{
+    const char *version = strchr(FACE_ENGINE, '/') + 1;
+
+    (void)printf("surfacectl %.*s (%s)\n", (int)strcspn(version, " "), version,
+                 FACE_ENGINE);
+}
+
+/* ---- command line */
+
+struct line {
+    struct surfacectl c;
+    const struct command *cmd;
+    unsigned given; /* options */
+    bool help, version;
+};
+
+static bool usage(struct errinfo *e, const char *what, const char *which)
+{
+    (void)errinfo_set(e, ST_EINVAL, "%s %.80s (surfacectl --help)", what, which);
+    return false;
+}
+
+/* Does argument i name the option, with its value in *value (the next argument's or that
+ * after "=")?  *i moves on. */
+static bool valued(int argc, char **argv, int *i, const char *name, const char **value)
+{
+    const size_t n = strlen(name);
+
+    if (strncmp(argv[*i], name, n) != 0)
+        return false;
+    if (argv[*i][n] == '=') {
+        *value = argv[*i] + n + 1;
+        return true;
+    }
+    if (argv[*i][n] != '\0')
+        return false;
+    *value = *i + 1 < argc ? argv[++*i] : NULL;
+    return true;
+}
+
+static bool threshold(const char *text, double *out)
+{
+    char *end;
+
+    *out = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*out) && *out > 0 && *out < 1000;
+}
+
+/* Options with a value.  Returns the option, 0 when it is none. */
+static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool *ok)
+{
+    static const struct {
+        const char *name;
+        unsigned option;
+    } options[] = {{"--db", OPT_DB},
+                   {"--units", OPT_UNITS},
+                   {"--label", OPT_LABEL},
+                   {"--threshold-mm", OPT_THRESHOLD}};
+    const char *value, *name = argv[*i];
+
+    for (size_t k = 0; k < sizeof options / sizeof *options; k++) {
+        if (!valued(argc, argv, i, options[k].name, &value))
+            continue;
+        if (value == NULL) {
+            *ok = usage(&l->c.e, "a value is missing after", name);
+        } else if (options[k].option == OPT_DB) {
+            l->c.db = value;
+        } else if (options[k].option == OPT_LABEL) {
+            l->c.label = value;
+        } else if (options[k].option == OPT_UNITS) {
+            l->c.units = value;
+            if (strcmp(value, "mm") != 0 && strcmp(value, "cm") != 0 &&
+                strcmp(value, "m") != 0)
+                *ok = usage(&l->c.e, "units are mm, cm or m, not", value);
+        } else if (!threshold(value, &l->c.threshold_mm)) {
+            *ok = usage(&l->c.e, "a threshold is millimetres above 0, not", value);
+        }
+        return options[k].option;
+    }
+    return 0;
+}
+
+static bool read_option(int argc, char **argv, int *i, struct line *l)
+{
+    const char *name = argv[*i];
+    bool ok = true, *flag = NULL;
+    unsigned option = 0;
+
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        l->help = true;
+        return true;
+    }
+    if (strcmp(name, "--version") == 0) {
+        l->version = true;
+        return true;
+    }
+    if (strcmp(name, "--json") == 0) {
+        flag = &l->c.json;
+    } else if (strcmp(name, "--yes") == 0) {
+        flag = &l->c.yes;
+        option = OPT_YES;
+    } else if (strcmp(name, "--force") == 0) {
+        flag = &l->c.force;
+        option = OPT_FORCE;
+    } else if ((option = read_valued(argc, argv, i, l, &ok)) == 0) {
+        return usage(&l->c.e, "there is no option", name);
+    }
+    if (ok && ((flag != NULL && *flag) || (l->given & option)))
+        return usage(&l->c.e, "given twice:", name);
+    if (flag != NULL)
+        *flag = true;
+    l->given |= option;
+    return ok;
+}
+
+/* Options may stand anywhere; "--" ends them.  What is no option is moved to the front. */
+static bool read_line(int argc, char **argv, struct line *l)
+{
+    bool options = true;
+    int n = 0;
+
+    for (int i = 1; i < argc; i++) {
+        if (options && strcmp(argv[i], "--") == 0) {
+            options = false;
+        } else if (options && argv[i][0] == '-' && argv[i][1] != '\0') {
+            if (!read_option(argc, argv, &i, l))
+                return false;
+        } else {
+            argv[n++] = argv[i];
+        }
+    }
+    l->c.args = argv + 1;
+    l->c.nargs = n - 1;
+    if (n == 0)
+        return l->help || l->version || usage(&l->c.e, "which command?", "");
+    for (size_t i = 0; i < COMMANDS; i++)
+        if (strcmp(argv[0], commands[i].name) == 0)
+            l->cmd = &commands[i];
+    if (l->cmd == NULL)
+        return usage(&l->c.e, "there is no command", argv[0]);
+    if (l->help || l->version)
+        return true;
+    if (l->c.nargs < l->cmd->min || l->c.nargs > l->cmd->max) {
+        (void)errinfo_set(&l->c.e, ST_EINVAL, "it is: surfacectl %s %s", l->cmd->name,
+                          l->cmd->args);
+        return false;
+    }
+    if (l->given & ~(l->cmd->options | OPT_DB)) {
+        (void)errinfo_set(&l->c.e, ST_EINVAL,
+                          "an option that %s does not take (surfacectl %s --help)",
+                          l->cmd->name, l->cmd->name);
+        return false;
+    }
+    return true;
+}
+
+/* ---- for the commands */
+
+int surfacectl_fail(struct surfacectl *c, enum status st)
+{
+    static const int code[ST_COUNT] = {
+        [ST_OK] = EXIT_FINE,           [ST_EINVAL] = EXIT_DATA,
+        [ST_ENOMEM] = EXIT_OSERR,      [ST_ELIMIT] = EXIT_DATA,
+        [ST_ETOOFEW] = EXIT_DATA,      [ST_ENOTFINITE] = EXIT_DATA,
+        [ST_ERANGE] = EXIT_DATA,       [ST_EDEGENERATE] = EXIT_DATA,
+        [ST_EUNITS] = EXIT_DATA,       [ST_ENOTFACE] = EXIT_DATA,
+        [ST_EQUALITY] = EXIT_DATA,     [ST_ECORRUPT] = EXIT_DATA,
+        [ST_EVERSION] = EXIT_DATA,     [ST_ENOTFOUND] = EXIT_NOINPUT,
+        [ST_EEXISTS] = EXIT_DATA,      [ST_EMISMATCH] = EXIT_DATA,
+        [ST_EDENIED] = EXIT_NOPERM,    [ST_EBUSY] = EXIT_TEMPFAIL,
+        [ST_EIO] = EXIT_IOERR,         [ST_EDB] = EXIT_SOFTWARE,
+        [ST_EINTERNAL] = EXIT_SOFTWARE};
+
+    c->e.code = st;
+    return code[st];
+}
+
+enum status surfacectl_open(struct surfacectl *c, enum store_mode mode,
+                            struct store **out)
+{
+    *out = NULL;
+    return store_open(c->db, mode, out, &c->e);
+}
+
+static void print_error(struct surfacectl *c, int code)
+{
+    (void)fflush(stdout);
+    (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
+    surfacectl_out_object(c->out, "error");
+    surfacectl_out_text(c->out, "detail", c->e.msg);
+    surfacectl_out_number(c->out, "exit", code);
+    surfacectl_out_close(c->out);
+}
+
+int main(int argc, char **argv)
+{
+    struct line l = {0};
+    bool ok = read_line(argc, argv, &l);
+    int code = EXIT_USAGE;
+
+    if (ok && l.version) {
+        print_version();
+        return EXIT_FINE;
+    }
+    if (ok && l.help) {
+        print_help(l.cmd);
+        return EXIT_FINE;
+    }
+    if (ok && (l.cmd->options & OPT_DB) && l.c.db == NULL &&
+        ((l.c.db = getenv("SURFACED_DB")) == NULL || l.c.db[0] == '\0'))
+        ok = usage(&l.c.e, "which database?  --db PATH or SURFACED_DB", "");
+    if ((l.c.out = surfacectl_out_new(l.c.json)) == NULL) {
+        (void)fprintf(stderr, "surfacectl: out of memory\n");
+        return EXIT_OSERR;
+    }
+    if (ok)
+        code = l.cmd->run(&l.c);
+    if (code > EXIT_INCONCLUSIVE)
+        print_error(&l.c, code);
+    if (!surfacectl_out_end(l.c.out)) {
+        (void)fprintf(stderr, "surfacectl: the output cannot be written\n");
+        return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
+    }
+    return code;
+}

@@ -1,0 +1,382 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "surfacectl.h"
+
+#define PAGE 1000 /* subjects read at a time */
+
+int surfacectl_admin_init(struct surfacectl *c)
+{
+    struct store *s = NULL;
+    struct errinfo ignored;
+    const bool there =
+        c->db != NULL && store_open(c->db, STORE_READ, &s, &ignored) == ST_OK;
+    enum status st;
+
+    store_close(s);
+    if ((st = surfacectl_open(c, STORE_CREATE, &s)) != ST_OK)
+        return surfacectl_fail(c, st);
+    store_close(s);
+    surfacectl_out_text(c->out, "database", c->db);
+    surfacectl_out_flag(c->out, "created", !there);
+    if (!c->json)
+        (void)printf("%s: %s\n", c->db, there ? "was initialised before" : "initialised");
+    return EXIT_FINE;
+}
+
+int surfacectl_admin_list(struct surfacectl *c)
+{
+    struct store_subject *page = NULL;
+    struct store *s = NULL;
+    char after[STORE_SUBJECT_MAX + 1] = "";
+    size_t n = 0, total = 0;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_array(c->out, "subjects");
+    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
+           n > 0) {
+        if (!c->json && total == 0)
+            (void)printf("%-32s %9s  %s\n", "SUBJECT", "TEMPLATES", "CREATED");
+        for (size_t i = 0; i < n; i++) {
+            surfacectl_out_object(c->out, NULL);
+            surfacectl_out_text(c->out, "subject", page[i].id);
+            surfacectl_out_number(c->out, "templates", page[i].templates);
+            surfacectl_out_text(c->out, "created", page[i].created);
+            surfacectl_out_close(c->out);
+            if (!c->json)
+                (void)printf("%-32s %9u  %s\n", page[i].id, page[i].templates,
+                             page[i].created);
+        }
+        total += n;
+        memcpy(after, page[n - 1].id, sizeof after);
+        free(page);
+    }
+    surfacectl_out_close(c->out);
+    store_close(s);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    if (!c->json && total == 0)
+        (void)printf("no subjects\n");
+    return EXIT_FINE;
+}
+
+static void show_template(struct surfacectl *c, const struct store_template *t)
+{
+    surfacectl_out_text(c->out, "template_id", t->id);
+    surfacectl_out_text(c->out, "subject", t->subject);
+    surfacectl_out_text(c->out, "label", t->label);
+    surfacectl_out_text(c->out, "created", t->created);
+    surfacectl_out_number(c->out, "points", t->points);
+    surfacectl_out_number(c->out, "triangles", t->triangles);
+    surfacectl_out_text(c->out, "digest", t->digest);
+    surfacectl_out_object(c->out, "quality");
+    surfacectl_out_number(c->out, "score", t->quality.score);
+    surfacectl_out_number(c->out, "coverage", t->quality.coverage);
+    surfacectl_out_number(c->out, "density_mm", t->quality.density_mm);
+    surfacectl_out_number(c->out, "noise_mm", t->quality.noise_mm);
+    surfacectl_out_close(c->out);
+    surfacectl_out_text(c->out, "engine", t->engine);
+    if (c->json)
+        return;
+    (void)printf("template  %s\n", t->id);
+    (void)printf("  subject   %s\n", t->subject);
+    if (t->label[0] != '\0')
+        (void)printf("  label     %s\n", t->label);
+    (void)printf("  created   %s by %s\n", t->created, t->engine);
+    (void)printf("  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
+                 t->quality.density_mm);
+    (void)printf("  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
+                 100 * t->quality.coverage, t->quality.noise_mm);
+    (void)printf("  digest    %s\n", t->digest);
+}
+
+static enum status show_subject(struct surfacectl *c, struct store *s,
+                                const struct store_subject *one)
+{
+    struct store_template *list;
+    size_t n;
+    enum status st = store_template_list(s, one->id, &list, &n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_text(c->out, "subject", one->id);
+    surfacectl_out_text(c->out, "created", one->created);
+    surfacectl_out_array(c->out, "templates");
+    if (!c->json)
+        (void)printf("subject   %s, since %s, %zu template%s\n", one->id, one->created, n,
+                     n == 1 ? "" : "s");
+    for (size_t i = 0; i < n; i++) {
+        surfacectl_out_object(c->out, NULL);
+        show_template(c, &list[i]);
+        surfacectl_out_close(c->out);
+    }
+    surfacectl_out_close(c->out);
+    free(list);
+    return ST_OK;
+}
+
+/* What an id names: a subject (one is filled), else a template (t is). */
+static enum status find(struct surfacectl *c, struct store *s, const char *id,
+                        struct store_subject *one, struct store_template *t,
+                        bool *subject)
+{
+    enum status st = ST_ENOTFOUND;
+
+    *subject = false;
+    if (store_subject_valid(id))
+        st = store_subject_get(s, id, one, &c->e);
+    if (st == ST_OK)
+        *subject = true;
+    else if (st == ST_ENOTFOUND && store_id_valid(id))
+        st = store_template_get(s, id, t, &c->e);
+    if (st == ST_ENOTFOUND)
+        (void)errinfo_set(&c->e, st, "there is no subject or template %.128s", id);
+    return st;
+}
+
+int surfacectl_admin_show(struct surfacectl *c)
+{
+    struct store_subject one;
+    struct store_template t;
+    struct store *s = NULL;
+    bool subject;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK && (st = find(c, s, c->args[0], &one, &t, &subject)) == ST_OK) {
+        if (subject)
+            st = show_subject(c, s, &one);
+        else
+            show_template(c, &t);
+    }
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+/* Ask a person, on a terminal, to type the id again. */
+static bool confirmed(const struct surfacectl *c, const char *what)
+{
+    char line[STORE_SUBJECT_MAX + 8];
+    size_t n;
+
+    if (c->yes)
+        return true;
+    if (!isatty(STDIN_FILENO))
+        return false;
+    (void)fprintf(stderr, "This deletes %s for good.\nType the id to go on: ", what);
+    if (fgets(line, sizeof line, stdin) == NULL)
+        return false;
+    n = strcspn(line, "\r\n");
+    line[n] = '\0';
+    return strcmp(line, c->args[0]) == 0;
+}
+
+int surfacectl_admin_delete(struct surfacectl *c)
+{
+    const char *id = c->args[0];
+    struct store_subject one;
+    struct store_template t;
+    struct store *s = NULL;
+    uint32_t removed = 1;
+    bool subject = false;
+    char what[256];
+    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+
+    if (st != ST_OK || (st = find(c, s, id, &one, &t, &subject)) != ST_OK)
+        goto out;
+    if (subject)
+        (void)snprintf(what, sizeof what, "subject %s with %u template%s", id,
+                       one.templates, one.templates == 1 ? "" : "s");
+    else
+        (void)snprintf(what, sizeof what, "template %s of %s", id, t.subject);
+    if (!confirmed(c, what)) {
+        store_close(s);
+        (void)errinfo_set(&c->e, ST_EDENIED,
+                          "nothing was deleted: %s needs --yes, or the id "
+                          "typed on a terminal",
+                          what);
+        return EXIT_USAGE;
+    }
+    st = subject ? store_subject_delete(s, SURFACECTL_ACTOR, id, &removed, &c->e)
+                 : store_template_delete(s, SURFACECTL_ACTOR, id, &c->e);
+    if (st == ST_OK) {
+        surfacectl_out_text(c->out, subject ? "subject" : "template_id", id);
+        surfacectl_out_number(c->out, "templates_deleted", removed);
+        if (!c->json)
+            (void)printf("deleted %s\n", what);
+    }
+out:
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+static void report(void *arg, const char *line)
+{
+    const struct surfacectl *c = arg;
+
+    surfacectl_out_text(c->out, NULL, line);
+    if (!c->json)
+        (void)printf("%s\n", line);
+}
+
+int surfacectl_admin_check(struct surfacectl *c)
+{
+    struct store_check found;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    surfacectl_out_array(c->out, "problems");
+    if (st == ST_OK)
+        st = store_check(s, report, c, &found, &c->e);
+    surfacectl_out_close(c->out);
+    store_close(s);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_number(c->out, "templates", (double)found.templates);
+    surfacectl_out_number(c->out, "bad_templates", (double)found.bad_templates);
+    surfacectl_out_flag(c->out, "ok", found.problems == 0);
+    if (!c->json)
+        (void)printf(
+            "%s: %llu templates, %llu bad, %llu problems in all\n",
+            found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
+            (unsigned long long)found.bad_templates, (unsigned long long)found.problems);
+    return found.problems == 0 ? EXIT_FINE : EXIT_NO;
+}
+
+static void print_bytes(const char *name, uint64_t n)
+{
+    static const char *const unit[] = {"bytes", "kB", "MB", "GB", "TB"};
+    double v = (double)n;
+    int i = 0;
+
+    for (; v >= 1000 && i < 4; i++)
+        v /= 1000;
+    (void)printf("%-12s %.*f %s\n", name, i == 0 ? 0 : 1, v, unit[i]);
+}
+
+int surfacectl_admin_stats(struct surfacectl *c)
+{
+    struct store_stats t;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK)
+        st = store_stats(s, &t, &c->e);
+    store_close(s);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_number(c->out, "subjects", (double)t.subjects);
+    surfacectl_out_number(c->out, "templates", (double)t.templates);
+    surfacectl_out_number(c->out, "points", (double)t.points);
+    surfacectl_out_number(c->out, "template_bytes", (double)t.template_bytes);
+    surfacectl_out_number(c->out, "file_bytes", (double)t.file_bytes);
+    surfacectl_out_number(c->out, "events", (double)t.events);
+    surfacectl_out_number(c->out, "tokens", (double)t.tokens);
+    surfacectl_out_number(c->out, "schema", t.schema);
+    if (c->json)
+        return EXIT_FINE;
+    (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
+    (void)printf("templates    %llu\n", (unsigned long long)t.templates);
+    (void)printf("points       %llu\n", (unsigned long long)t.points);
+    print_bytes("models", t.template_bytes);
+    print_bytes("file", t.file_bytes);
+    if (t.points > 0)
+        (void)printf("per point    %.1f bytes of model, %.1f of file\n",
+                     (double)t.template_bytes / (double)t.points,
+                     (double)t.file_bytes / (double)t.points);
+    (void)printf("events       %llu\n", (unsigned long long)t.events);
+    (void)printf("tokens       %llu\n", (unsigned long long)t.tokens);
+    (void)printf("schema       %u\n", t.schema);
+    return EXIT_FINE;
+}
+
+/* ---- tokens */
+
+static enum status token_create(struct surfacectl *c, struct store *s)
+{
+    struct store_token t;
+    char secret[65];
+    enum status st =
+        store_token_create(s, SURFACECTL_ACTOR, c->args[1], secret, &t, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_text(c->out, "id", t.id);
+    surfacectl_out_text(c->out, "name", t.name);
+    surfacectl_out_text(c->out, "created", t.created);
+    surfacectl_out_text(c->out, "token", secret);
+    if (!c->json) {
+        (void)fprintf(stderr, "token %s (%s); it is shown this once:\n", t.id, t.name);
+        (void)printf("%s\n", secret);
+    }
+    return ST_OK;
+}
+
+static enum status token_list(struct surfacectl *c, struct store *s)
+{
+    struct store_token *list;
+    size_t n;
+    enum status st = store_token_list(s, &list, &n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_array(c->out, "tokens");
+    if (!c->json)
+        (void)printf("%-32s  %-24s  %-7s  %s\n", "TOKEN ID", "CREATED", "STATE", "NAME");
+    for (size_t i = 0; i < n; i++) {
+        surfacectl_out_object(c->out, NULL);
+        surfacectl_out_text(c->out, "id", list[i].id);
+        surfacectl_out_text(c->out, "name", list[i].name);
+        surfacectl_out_text(c->out, "created", list[i].created);
+        surfacectl_out_flag(c->out, "revoked", list[i].revoked);
+        surfacectl_out_close(c->out);
+        if (!c->json)
+            (void)printf("%-32s  %-24s  %-7s  %s\n", list[i].id, list[i].created,
+                         list[i].revoked ? "revoked" : "valid", list[i].name);
+    }
+    surfacectl_out_close(c->out);
+    free(list);
+    return ST_OK;
+}
+
+static enum status token_revoke(struct surfacectl *c, struct store *s)
+{
+    enum status st = store_token_revoke(s, SURFACECTL_ACTOR, c->args[1], &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_text(c->out, "id", c->args[1]);
+    surfacectl_out_flag(c->out, "revoked", true);
+    if (!c->json)
+        (void)printf("revoked %s\n", c->args[1]);
+    return ST_OK;
+}
+
+int surfacectl_admin_token(struct surfacectl *c)
+{
+    static const struct {
+        const char *verb;
+        int nargs;
+        enum store_mode mode;
+        enum status (*run)(struct surfacectl *, struct store *);
+    } verbs[] = {{"create", 2, STORE_WRITE, token_create},
+                 {"list", 1, STORE_READ, token_list},
+                 {"revoke", 2, STORE_WRITE, token_revoke}};
+    struct store *s = NULL;
+    enum status st;
+
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
+        if (strcmp(c->args[0], verbs[i].verb) != 0 || c->nargs != verbs[i].nargs)
+            continue;
+        if ((st = surfacectl_open(c, verbs[i].mode, &s)) == ST_OK)
+            st = verbs[i].run(c, s);
+        store_close(s);
+        return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+    }
+    (void)errinfo_set(&c->e, ST_EINVAL,
+                      "it is 'token create NAME', 'token list' or 'token revoke ID'");
+    return EXIT_USAGE;
+}

@@ -1,0 +1,265 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "surfacectl.h"
+
+static double clock_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static const char *decision_name(enum face_decision d)
+{
+    static const char *const name[] = {[FACE_MATCH] = "match",
+                                       [FACE_NO_MATCH] = "no_match",
+                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+
+    return name[d];
+}
+
+static int decision_exit(enum face_decision d)
+{
+    return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
+}
+
+/* A comparison that says something before one that does not, then the smaller disparity. */
+static bool better(const struct face_result *a, const struct face_result *b)
+{
+    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
+        return a->decision != FACE_INCONCLUSIVE;
+    if (a->decision == FACE_INCONCLUSIVE)
+        return a->measure.overlap > b->measure.overlap;
+    return a->disparity_mm < b->disparity_mm;
+}
+
+struct best {
+    struct face_result result;
+    struct store_template tmpl;
+    unsigned compared;
+};
+
+/* Compare the probe with all of a subject's templates; ST_ENOTFOUND without any. */
+static enum status compare_subject(struct surfacectl *c, struct store *s,
+                                   const char *subject, const struct face *probe,
+                                   struct face_work *w, struct best *best)
+{
+    struct store_template *list, t;
+    struct face f = {0};
+    size_t n;
+    enum status st = store_template_list(s, subject, &list, &n, &c->e);
+
+    memset(best, 0, sizeof *best);
+    for (size_t i = 0; st == ST_OK && i < n; i++) {
+        struct face_result r;
+
+        if ((st = store_template_load(s, list[i].id, &t, w, &f, &c->e)) == ST_ENOTFOUND) {
+            st = ST_OK; /* deleted since it was listed */
+            continue;
+        }
+        if (st == ST_OK &&
+            (st = face_compare(&f, probe, c->threshold_mm, NULL, w, &r)) != ST_OK)
+            (void)errinfo_set(&c->e, st, "template %s: %s", t.id, status_message(st));
+        if (st == ST_OK && (best->compared++ == 0 || better(&r, &best->result))) {
+            best->result = r;
+            best->tmpl = t;
+        }
+    }
+    if (st == ST_OK && best->compared == 0)
+        st = errinfo_set(&c->e, ST_ENOTFOUND, "%s has no template", subject);
+    free(list);
+    face_free(&f);
+    return st;
+}
+
+static void out_quality(struct surfacectl_out *o, const struct face_quality *q)
+{
+    surfacectl_out_object(o, "quality");
+    surfacectl_out_number(o, "score", q->score);
+    surfacectl_out_number(o, "coverage", q->coverage);
+    surfacectl_out_number(o, "density_mm", q->density_mm);
+    surfacectl_out_number(o, "noise_mm", q->noise_mm);
+    surfacectl_out_close(o);
+}
+
+/* Everything about a comparison but the templates. */
+static void print_result(struct surfacectl *c, const struct face_result *r,
+                         const struct face *probe, double ms)
+{
+    struct surfacectl_out *o = c->out;
+
+    surfacectl_out_text(o, "decision", decision_name(r->decision));
+    surfacectl_out_number(o, "disparity_mm", r->disparity_mm);
+    surfacectl_out_number(o, "threshold_mm", r->threshold_mm);
+    surfacectl_out_number(o, "fmr_at_score", r->fmr_at_score);
+    surfacectl_out_number(o, "plain_mm", r->measure.plain_mm);
+    surfacectl_out_number(o, "volume_mm3", r->measure.volume_mm3);
+    surfacectl_out_number(o, "overlap_mm2", r->measure.area_mm2);
+    surfacectl_out_number(o, "overlap", r->measure.overlap);
+    surfacectl_out_array(o, "transform");
+    for (int i = 0; i < 16; i++)
+        surfacectl_out_number(o, NULL, r->align.transform[i]);
+    surfacectl_out_close(o);
+    out_quality(o, &probe->quality);
+    surfacectl_out_text(o, "engine", FACE_ENGINE);
+    surfacectl_out_number(o, "total_ms", ms);
+    if (c->json)
+        return;
+    (void)printf("decision     %s\n", decision_name(r->decision));
+    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+                 r->threshold_mm);
+    (void)printf("impostors    a share of %.2g would score this low or lower\n",
+                 r->fmr_at_score);
+    (void)printf(
+        "plain        %.3f mm (%.1f mm3 over %.1f mm2, %.0f %% of the template)\n",
+        r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2,
+        100 * r->measure.overlap);
+    (void)printf("scan         %u points, quality %.2f\n", probe->mesh.nv,
+                 probe->quality.score);
+    (void)printf("time         %.1f ms\n", ms);
+}
+
+static enum status enroll_file(struct surfacectl *c, struct store *s, const char *subject,
+                               const char *path, struct face_work *w, struct face *f)
+{
+    struct surfacectl_out *o = c->out;
+    struct store_template t;
+    struct best best;
+    bool created;
+    enum status st = surfacectl_scan_read(c, path, w, f);
+
+    if (st == ST_OK && !c->force) {
+        if ((st = compare_subject(c, s, subject, f, w, &best)) == ST_ENOTFOUND)
+            st = ST_OK; /* the first sample fits */
+        else if (st == ST_OK && best.result.decision == FACE_NO_MATCH)
+            st = errinfo_set(&c->e, ST_EMISMATCH,
+                             "%s: does not fit %s's other samples: disparity %.3f mm, "
+                             "threshold %.3f mm (--force enrolls it all the same)",
+                             path, subject, best.result.disparity_mm,
+                             best.result.threshold_mm);
+    }
+    if (st == ST_OK)
+        st = store_enroll(s, SURFACECTL_ACTOR, subject, c->label != NULL ? c->label : "",
+                          f, &t, &created, &c->e);
+    surfacectl_out_object(o, NULL);
+    surfacectl_out_text(o, "file", path);
+    if (st == ST_OK) {
+        surfacectl_out_text(o, "template_id", t.id);
+        surfacectl_out_flag(o, "created", created);
+        surfacectl_out_number(o, "points", t.points);
+        surfacectl_out_number(o, "triangles", t.triangles);
+        surfacectl_out_text(o, "digest", t.digest);
+        out_quality(o, &t.quality);
+        if (!c->json)
+            (void)printf("%s  %s  %u points, quality %.2f%s\n", t.id, path, t.points,
+                         t.quality.score, created ? "" : " (was there already)");
+    } else {
+        surfacectl_out_text(o, "error", c->e.msg);
+        (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
+    }
+    surfacectl_out_close(o);
+    return st;
+}
+
+int surfacectl_face_enroll(struct surfacectl *c)
+{
+    const char *subject = c->args[0];
+    struct face_work *w = face_work_new();
+    struct face f = {0};
+    struct store *s = NULL;
+    int failed = 0, code = EXIT_FINE;
+    enum status st;
+
+    if (w == NULL)
+        return surfacectl_fail(c, errinfo_set(&c->e, ST_ENOMEM, "out of memory"));
+    if (!store_subject_valid(subject))
+        st = errinfo_set(&c->e, ST_EINVAL,
+                         "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
+                         subject, STORE_SUBJECT_MAX);
+    else
+        st = surfacectl_open(c, STORE_WRITE, &s);
+    if (st != ST_OK) {
+        code = surfacectl_fail(c, st);
+        goto out;
+    }
+    surfacectl_out_text(c->out, "subject", subject);
+    surfacectl_out_array(c->out, "templates");
+    for (int i = 1; i < c->nargs; i++) /* one bad scan does not stop the others */
+        if ((st = enroll_file(c, s, subject, c->args[i], w, &f)) != ST_OK) {
+            failed++;
+            code = surfacectl_fail(c, st);
+        }
+    surfacectl_out_close(c->out);
+    surfacectl_out_number(c->out, "failed", failed);
+    if (failed > 0)
+        (void)errinfo_set(&c->e, c->e.code, "%d of %d scans were not enrolled", failed,
+                          c->nargs - 1);
+out:
+    store_close(s);
+    face_free(&f);
+    face_work_free(w);
+    return code;
+}
+
+int surfacectl_face_verify(struct surfacectl *c)
+{
+    const char *subject = c->args[0];
+    struct face_work *w = face_work_new();
+    struct face probe = {0};
+    struct store *s = NULL;
+    struct best best;
+    double start = 0;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else
+        st = surfacectl_open(c, STORE_WRITE, &s);
+    start = clock_ms();
+    if (st == ST_OK)
+        st = surfacectl_scan_read(c, c->args[1], w, &probe);
+    if (st == ST_OK)
+        st = compare_subject(c, s, subject, &probe, w, &best);
+    if (st == ST_OK)
+        st = store_event(s, "verify", SURFACECTL_ACTOR, subject, best.tmpl.id,
+                         decision_name(best.result.decision), &c->e);
+    if (st == ST_OK) {
+        surfacectl_out_text(c->out, "subject", subject);
+        surfacectl_out_text(c->out, "template_id", best.tmpl.id);
+        surfacectl_out_number(c->out, "templates_compared", best.compared);
+        print_result(c, &best.result, &probe, clock_ms() - start);
+        if (!c->json)
+            (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
+                         best.tmpl.id, best.compared, subject, best.tmpl.created);
+    }
+    store_close(s);
+    face_free(&probe);
+    face_work_free(w);
+    return st == ST_OK ? decision_exit(best.result.decision) : surfacectl_fail(c, st);
+}
+
+int surfacectl_face_compare(struct surfacectl *c)
+{
+    const double start = clock_ms();
+    struct face_work *w = face_work_new();
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = surfacectl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
+             (st = surfacectl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
+             (st = face_compare(&a, &b, c->threshold_mm, NULL, w, &r)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+    if (st == ST_OK)
+        print_result(c, &r, &b, clock_ms() - start);
+    face_free(&a);
+    face_free(&b);
+    face_work_free(w);
+    return st == ST_OK ? decision_exit(r.decision) : surfacectl_fail(c, st);
+}

@@ -1,0 +1,112 @@
+#include "surfacectl_out.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cjson/cJSON.h>
+
+#define DEPTH 8
+
+struct surfacectl_out {
+    bool json, failed;
+    int depth;
+    cJSON *open[DEPTH]; /* the first is the root, each other within the one before */
+};
+
+struct surfacectl_out *surfacectl_out_new(bool json)
+{
+    struct surfacectl_out *o = calloc(1, sizeof *o);
+
+    if (o == NULL || !json)
+        return o;
+    o->json = true;
+    if ((o->open[0] = cJSON_CreateObject()) == NULL) {
+        free(o);
+        return NULL;
+    }
+    return o;
+}
+
+bool surfacectl_out_json(const struct surfacectl_out *o)
+{
+    return o->json;
+}
+
+static void add(struct surfacectl_out *o, const char *key, cJSON *item)
+{
+    cJSON *in = o->open[o->depth];
+
+    if (item == NULL || !(key == NULL ? cJSON_AddItemToArray(in, item)
+                                      : cJSON_AddItemToObject(in, key, item))) {
+        cJSON_Delete(item);
+        o->failed = true;
+    }
+}
+
+static void begin(struct surfacectl_out *o, const char *key, cJSON *item)
+{
+    add(o, key, item);
+    if (!o->failed && o->depth + 1 < DEPTH)
+        o->open[++o->depth] = item;
+    else
+        o->failed = true;
+}
+
+/* After a failure nothing is added any more: the tree is not printed. */
+static bool adds(const struct surfacectl_out *o)
+{
+    return o->json && !o->failed;
+}
+
+void surfacectl_out_object(struct surfacectl_out *o, const char *key)
+{
+    if (adds(o))
+        begin(o, key, cJSON_CreateObject());
+}
+
+void surfacectl_out_array(struct surfacectl_out *o, const char *key)
+{
+    if (adds(o))
+        begin(o, key, cJSON_CreateArray());
+}
+
+void surfacectl_out_close(struct surfacectl_out *o)
+{
+    if (adds(o) && o->depth > 0)
+        o->depth--;
+}
+
+void surfacectl_out_text(struct surfacectl_out *o, const char *key, const char *value)
+{
+    if (adds(o))
+        add(o, key, cJSON_CreateString(value));
+}
+
+void surfacectl_out_number(struct surfacectl_out *o, const char *key, double value)
+{
+    if (adds(o))
+        add(o, key, cJSON_CreateNumber(value));
+}
+
+void surfacectl_out_flag(struct surfacectl_out *o, const char *key, bool value)
+{
+    if (adds(o))
+        add(o, key, cJSON_CreateBool(value));
+}
+
+bool surfacectl_out_end(struct surfacectl_out *o)
+{
+    bool ok;
+    char *text;
+
+    if (o == NULL)
+        return false;
+    ok = !o->failed;
+    if (o->json && ok) {
+        ok = (text = cJSON_Print(o->open[0])) != NULL && puts(text) >= 0;
+        cJSON_free(text);
+    }
+    cJSON_Delete(o->open[0]);
+    free(o);
+    return fflush(stdout) == 0 && ok;
+}

@@ -1,0 +1,25 @@
+/* surfacectl_out.h -- what surfacectl prints: JSON with --json, else text that the commands
+ * print themselves.  Each call that adds to the JSON does nothing without --json, so a
+ * command says everything once in either form. */
+#ifndef DB_SURFACECTL_OUT_H
+#define DB_SURFACECTL_OUT_H
+#include <stdbool.h>
+#include <stdint.h>
+
+struct surfacectl_out;
+
+/* An object is begun with the first field; key is NULL for the elements of an array. */
+struct surfacectl_out *surfacectl_out_new(bool json); /* NULL: out of memory */
+bool surfacectl_out_json(const struct surfacectl_out *o);
+void surfacectl_out_object(struct surfacectl_out *o, const char *key);
+void surfacectl_out_array(struct surfacectl_out *o, const char *key);
+void surfacectl_out_close(struct surfacectl_out *o); /* the object or array begun last */
+void surfacectl_out_text(struct surfacectl_out *o, const char *key, const char *value);
+void surfacectl_out_number(struct surfacectl_out *o, const char *key, double value);
+void surfacectl_out_flag(struct surfacectl_out *o, const char *key, bool value);
+
+/* surfacectl_out_end(o): print the JSON, if there is any, and release o; NULL is allowed.
+ * false: out of memory on the way, or the output cannot be written. */
+bool surfacectl_out_end(struct surfacectl_out *o);
+
+#endif
