@@ -89,10 +89,10 @@ bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size);
 int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text); /* copied */
 
 /* Append to the events table, inside a transaction. */
-enum status store_sqlite_add_event(struct store_sqlite_conn *c,
-                                   const struct store_act *by, const char *kind,
-                                   const char *subject, const char *template_id,
-                                   const char *outcome, struct errinfo *e);
+enum status store_sqlite_admin_add_event(struct store_sqlite_conn *c,
+                                         const struct store_act *by, const char *kind,
+                                         const char *subject, const char *template_id,
+                                         const char *outcome, struct errinfo *e);
 
 /* store_sqlite_face.c */
 enum status store_sqlite_face_add(struct store *s, const struct store_act *by,

@@ -7,10 +7,10 @@
 
 /* ---- events */
 
-enum status store_sqlite_add_event(struct store_sqlite_conn *c,
-                                   const struct store_act *by, const char *kind,
-                                   const char *subject, const char *template_id,
-                                   const char *outcome, struct errinfo *e)
+enum status store_sqlite_admin_add_event(struct store_sqlite_conn *c,
+                                         const struct store_act *by, const char *kind,
+                                         const char *subject, const char *template_id,
+                                         const char *outcome, struct errinfo *e)
 {
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_EVENT_ADD, &stmt, e);
@@ -39,7 +39,7 @@ enum status store_sqlite_admin_event(struct store *s, const struct store_act *by
 
     if ((st = store_sqlite_write(s, false, &c, e)) != ST_OK)
         return st;
-    st = store_sqlite_add_event(c, by, kind, subject, template_id, outcome, e);
+    st = store_sqlite_admin_add_event(c, by, kind, subject, template_id, outcome, e);
     return store_sqlite_written(s, st, e);
 }
 
@@ -77,7 +77,7 @@ enum status store_sqlite_admin_token_add(struct store *s, const struct store_act
         store_sqlite_bind(stmt, 4, t->created) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot add a token", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK)
-        st = store_sqlite_add_event(c, by, "create_token", "", "", t->id, e);
+        st = store_sqlite_admin_add_event(c, by, "create_token", "", "", t->id, e);
 out:
     return store_sqlite_written(s, st, e);
 }
@@ -144,7 +144,7 @@ enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_
     if (st == ST_OK && sqlite3_changes(c->db) == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "there is no token %s", id);
     if (st == ST_OK)
-        st = store_sqlite_add_event(c, by, "revoke_token", "", "", id, e);
+        st = store_sqlite_admin_add_event(c, by, "revoke_token", "", "", id, e);
 out:
     return store_sqlite_written(s, st, e);
 }

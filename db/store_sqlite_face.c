@@ -227,7 +227,8 @@ enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
     else
         st = store_sqlite_fail(c, "cannot read a subject", e);
     if (st == ST_OK && !found && (st = add_template(c, key, t, model, len, e)) == ST_OK)
-        st = store_sqlite_add_event(c, by, "enroll", t->subject, t->id, "created", e);
+        st = store_sqlite_admin_add_event(c, by, "enroll", t->subject, t->id, "created",
+                                          e);
     st = store_sqlite_written(s, st, e);
     *created = st == ST_OK && !found;
     return st;
@@ -339,9 +340,9 @@ enum status store_sqlite_face_delete(struct store *s, const struct store_act *by
     if (store_sqlite_bind(stmt, 1, id) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot delete a template", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK)
-        st = store_sqlite_add_event(c, by, "delete_template",
-                                    store_subject_valid(t.subject) ? t.subject : "", id,
-                                    "deleted", e);
+        st = store_sqlite_admin_add_event(c, by, "delete_template",
+                                          store_subject_valid(t.subject) ? t.subject : "",
+                                          id, "deleted", e);
 out:
     st = store_sqlite_written(s, st, e);
     if (st == ST_OK)
@@ -501,7 +502,8 @@ enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
     if (sqlite3_bind_int64(stmt, 1, key) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot delete a subject", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK)
-        st = store_sqlite_add_event(c, by, "delete_subject", subject, "", "deleted", e);
+        st = store_sqlite_admin_add_event(c, by, "delete_subject", subject, "", "deleted",
+                                          e);
 out:
     st = store_sqlite_written(s, st, e);
     if (st == ST_OK)

@@ -290,34 +290,6 @@ static bool read_line(int argc, char **argv, struct line *l)
     return true;
 }
 
-/* ---- for the commands */
-
-int surfacectl_fail(struct surfacectl *c, enum status st)
-{
-    static const int code[ST_COUNT] = {
-        [ST_OK] = EXIT_FINE,           [ST_EINVAL] = EXIT_DATA,
-        [ST_ENOMEM] = EXIT_OSERR,      [ST_ELIMIT] = EXIT_DATA,
-        [ST_ETOOFEW] = EXIT_DATA,      [ST_ENOTFINITE] = EXIT_DATA,
-        [ST_ERANGE] = EXIT_DATA,       [ST_EDEGENERATE] = EXIT_DATA,
-        [ST_EUNITS] = EXIT_DATA,       [ST_ENOTFACE] = EXIT_DATA,
-        [ST_EQUALITY] = EXIT_DATA,     [ST_ECORRUPT] = EXIT_DATA,
-        [ST_EVERSION] = EXIT_DATA,     [ST_ENOTFOUND] = EXIT_NOINPUT,
-        [ST_EEXISTS] = EXIT_DATA,      [ST_EMISMATCH] = EXIT_DATA,
-        [ST_EDENIED] = EXIT_NOPERM,    [ST_EBUSY] = EXIT_TEMPFAIL,
-        [ST_EIO] = EXIT_IOERR,         [ST_EDB] = EXIT_SOFTWARE,
-        [ST_EINTERNAL] = EXIT_SOFTWARE};
-
-    c->e.code = st;
-    return code[st];
-}
-
-enum status surfacectl_open(struct surfacectl *c, enum store_mode mode,
-                            struct store **out)
-{
-    *out = NULL;
-    return store_open(c->db, mode, out, &c->e);
-}
-
 static void print_error(struct surfacectl *c, int code)
 {
     (void)fflush(stdout);

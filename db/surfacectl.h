@@ -1,8 +1,9 @@
 /* surfacectl.h -- the admin command's parts, among themselves.
- *   surfacectl.c        options, help, exit codes
+ *   surfacectl.c        options, help
  *   surfacectl_face.c   enroll, verify, compare
  *   surfacectl_admin.c  init, list, show, delete, check, stats, token
  *   surfacectl_scan.c   a scan's file to a face model
+ *   surfacectl_fail.c   a status to an exit code
  *   surfacectl_out.c    JSON */
 #ifndef DB_SURFACECTL_H
 #define DB_SURFACECTL_H
@@ -46,10 +47,6 @@ struct surfacectl { /* what the command line said */
 
 /* surfacectl_fail(c, st): the exit code for a status; c->e has the text. */
 int surfacectl_fail(struct surfacectl *c, enum status st);
-
-/* surfacectl_open(c, mode, out): the database that c->db names. */
-enum status surfacectl_open(struct surfacectl *c, enum store_mode mode,
-                            struct store **out);
 
 /* The commands: each returns an exit code, and fills c->e where that is above 2. */
 int surfacectl_face_enroll(struct surfacectl *c);

@@ -16,7 +16,7 @@ int surfacectl_admin_init(struct surfacectl *c)
     enum status st;
 
     store_close(s);
-    if ((st = surfacectl_open(c, STORE_CREATE, &s)) != ST_OK)
+    if ((st = store_open(c->db, STORE_CREATE, &s, &c->e)) != ST_OK)
         return surfacectl_fail(c, st);
     store_close(s);
     surfacectl_out_text(c->out, "database", c->db);
@@ -32,7 +32,7 @@ int surfacectl_admin_list(struct surfacectl *c)
     struct store *s = NULL;
     char after[STORE_SUBJECT_MAX + 1] = "";
     size_t n = 0, total = 0;
-    enum status st = surfacectl_open(c, STORE_READ, &s);
+    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
 
     if (st != ST_OK)
         return surfacectl_fail(c, st);
@@ -144,7 +144,7 @@ int surfacectl_admin_show(struct surfacectl *c)
     struct store_template t;
     struct store *s = NULL;
     bool subject;
-    enum status st = surfacectl_open(c, STORE_READ, &s);
+    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
 
     if (st == ST_OK && (st = find(c, s, c->args[0], &one, &t, &subject)) == ST_OK) {
         if (subject)
@@ -183,7 +183,7 @@ int surfacectl_admin_delete(struct surfacectl *c)
     uint32_t removed = 1;
     bool subject = false;
     char what[256];
-    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    enum status st = store_open(c->db, STORE_WRITE, &s, &c->e);
 
     if (st != ST_OK || (st = find(c, s, id, &one, &t, &subject)) != ST_OK)
         goto out;
@@ -226,7 +226,7 @@ int surfacectl_admin_check(struct surfacectl *c)
 {
     struct store_check found;
     struct store *s = NULL;
-    enum status st = surfacectl_open(c, STORE_READ, &s);
+    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
 
     surfacectl_out_array(c->out, "problems");
     if (st == ST_OK)
@@ -261,7 +261,7 @@ int surfacectl_admin_stats(struct surfacectl *c)
 {
     struct store_stats t;
     struct store *s = NULL;
-    enum status st = surfacectl_open(c, STORE_READ, &s);
+    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
 
     if (st == ST_OK)
         st = store_stats(s, &t, &c->e);
@@ -371,7 +371,7 @@ int surfacectl_admin_token(struct surfacectl *c)
     for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
         if (strcmp(c->args[0], verbs[i].verb) != 0 || c->nargs != verbs[i].nargs)
             continue;
-        if ((st = surfacectl_open(c, verbs[i].mode, &s)) == ST_OK)
+        if ((st = store_open(c->db, verbs[i].mode, &s, &c->e)) == ST_OK)
             st = verbs[i].run(c, s);
         store_close(s);
         return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);

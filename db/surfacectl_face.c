@@ -181,7 +181,7 @@ int surfacectl_face_enroll(struct surfacectl *c)
                          "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
                          subject, STORE_SUBJECT_MAX);
     else
-        st = surfacectl_open(c, STORE_WRITE, &s);
+        st = store_open(c->db, STORE_WRITE, &s, &c->e);
     if (st != ST_OK) {
         code = surfacectl_fail(c, st);
         goto out;
@@ -218,7 +218,7 @@ int surfacectl_face_verify(struct surfacectl *c)
     if (w == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     else
-        st = surfacectl_open(c, STORE_WRITE, &s);
+        st = store_open(c->db, STORE_WRITE, &s, &c->e);
     start = clock_ms();
     if (st == ST_OK)
         st = surfacectl_scan_read(c, c->args[1], w, &probe);

@@ -1,0 +1,132 @@
+#!/bin/sh
+# Goal: the life of a database by surfacectl alone: init, enroll, verify, compare, list,
+# show, stats, check, token, delete; as text and as JSON, with the exit codes of its help.
+set -u
+BUILD=${BUILD:-build}
+case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
+ctl=$BUILD/surfacectl
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+passed=0 failed=0
+
+# expect CODE WHAT COMMAND...: run it, its output in the files out and err
+expect() {
+    want=$1 what=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    got=$?
+    if [ "$got" -eq "$want" ]; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $what: exit $got, not $want: $*"
+        cat out err
+    fi
+}
+
+# has FILE TEXT: the last command's output has it
+has() {
+    if grep -q -e "$2" "$1"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $what: no '$2' in $1:"
+        cat "$1"
+    fi
+}
+
+# that WHAT TEST...: a condition of the shell holds
+that() {
+    if shift && "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $*"
+    fi
+}
+
+scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4"; }
+scan 1 0 0 a0.ply || exit 1
+scan 1 1 5 a1.ply || exit 1
+scan 2 0 0 b0.ply || exit 1
+scan 2 1 5 b1.xyz || exit 1
+
+export SURFACED_DB="$dir/faces.db"
+expect 0 init "$ctl" init
+has out initialised
+that "the database's mode is 600" [ "$(stat -c %a faces.db)" = 600 ]
+expect 0 "init again" "$ctl" init
+has out before
+expect 0 "empty list" "$ctl" list
+has out 'no subjects'
+expect 0 enroll "$ctl" enroll alice a0.ply --label 'first day'
+id=$(cut -d' ' -f1 out)
+expect 0 "enroll again" "$ctl" enroll alice a0.ply
+has out "$id.*already"
+expect 0 "enroll json" "$ctl" --json enroll bob b0.ply
+has out '"created":.*true'
+expect 0 verify "$ctl" verify alice a1.ply
+has out '^decision *match'
+expect 1 "verify an impostor" "$ctl" verify alice b0.ply
+has out '^decision *no_match'
+expect 0 "verify json" "$ctl" verify bob b1.xyz --json
+has out '"decision":.*"match"'
+has out '"templates_compared":.*1'
+expect 1 "verify, no disparity is that small" "$ctl" verify --threshold-mm 0.001 alice a1.ply
+expect 0 compare "$ctl" compare a0.ply a1.ply
+expect 1 "compare two people" "$ctl" compare a0.ply b0.ply
+expect 65 "a sample that does not fit" "$ctl" enroll alice b0.ply
+has err 'does not fit'
+expect 0 "enrolled all the same" "$ctl" enroll --force alice b1.xyz
+expect 0 "in centimetres" sh -c "awk -v OFMT=%.12g '{ print \$1 / 10, \$2 / 10, \$3 / 10 }' b1.xyz |
+    '$ctl' --units cm verify bob -"
+has out '^decision *match'
+expect 0 "a pipe" sh -c "'$ctl' verify alice - <a1.ply"
+expect 0 list "$ctl" list
+has out '^alice *2 '
+expect 0 "list json" "$ctl" list --json
+has out '"subject":.*"bob"'
+expect 0 "show a subject" "$ctl" show alice
+has out 'first day'
+expect 0 "show a template" "$ctl" --json show "$id"
+has out "\"template_id\":.*\"$id\""
+has out '"points":.*3000'
+expect 0 stats "$ctl" stats
+has out '^templates *3'
+expect 0 "stats json" "$ctl" stats --json
+has out '"subjects":.*2'
+expect 0 check "$ctl" check
+has out '^ok: 3 templates'
+expect 64 "delete unasked" "$ctl" delete "$id"
+has err -- --yes
+expect 0 "delete a template" "$ctl" delete "$id" --yes
+expect 66 "it is gone" "$ctl" show "$id"
+expect 0 "delete a subject" "$ctl" --yes --json delete alice
+has out '"templates_deleted":.*1'
+expect 66 "no such subject" "$ctl" verify alice a1.ply
+has err 'no subject alice'
+
+expect 0 "make a token" "$ctl" token create 'front door'
+secret=$(cat out)
+that "the token has 64 characters" [ ${#secret} -eq 64 ]
+that "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
+expect 0 "list tokens" "$ctl" token list
+has out 'valid *front door'
+token=$(awk '/front door/ { print $1 }' out)
+expect 0 "revoke it" "$ctl" token revoke "$token"
+expect 0 "list revoked" "$ctl" token list --json
+has out '"revoked":.*true'
+expect 66 "revoke another" "$ctl" token revoke 00000000000000000000000000000000
+
+for c in init enroll verify compare list show delete check stats token; do
+    expect 0 "help of $c" "$ctl" "$c" --help
+    has out '^Example:'
+    has out '^Exit codes:'
+done
+expect 0 help "$ctl" --help
+expect 0 version "$ctl" --version
+has out '^surfacectl [0-9]'
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,123 @@
+#!/bin/sh
+# Goal: whatever is wrong, surfacectl says what and where, exits with the code of its help,
+# and changes nothing.
+set -u
+BUILD=${BUILD:-build}
+case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
+ctl=$BUILD/surfacectl
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+unset SURFACED_DB
+passed=0 failed=0
+
+# refuse CODE TEXT COMMAND...: it exits with CODE and its message has TEXT
+refuse() {
+    want=$1 text=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    got=$?
+    if [ "$got" -eq "$want" ] && grep -q -e "$text" err; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL exit $got, not $want, or no '$text': $*"
+        cat out err
+    fi
+}
+
+# that WHAT TEST...: a condition of the shell holds
+that() {
+    what=$1
+    if shift && "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $what"
+        cat out err
+    fi
+}
+
+"$BUILD/facegen" -o good.ply || exit 1
+"$ctl" --db f.db init >/dev/null || exit 1
+"$ctl" --db f.db enroll alice good.ply >/dev/null || exit 1
+before=$(sha256sum <f.db)
+
+# the command line
+refuse 64 'which command' "$ctl"
+refuse 64 'no command' "$ctl" frobnicate
+refuse 64 'no option --frob' "$ctl" --frob list
+refuse 64 'which database' "$ctl" list
+refuse 64 'value is missing' "$ctl" list --db
+refuse 64 'given twice' "$ctl" --db f.db --db f.db list
+refuse 64 'given twice' "$ctl" --db f.db list --json --json
+refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
+refuse 64 'it is: surfacectl list' "$ctl" --db f.db list alice
+refuse 64 'does not take' "$ctl" --db f.db list --yes
+refuse 64 'units are' "$ctl" --db f.db --units inch enroll alice good.ply
+refuse 64 'threshold' "$ctl" --db f.db --threshold-mm nan verify alice good.ply
+refuse 64 'threshold' "$ctl" --db f.db --threshold-mm -1 verify alice good.ply
+refuse 64 'token create NAME' "$ctl" --db f.db token destroy all
+refuse 64 'token create NAME' "$ctl" --db f.db token create
+
+# ids
+refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
+refuse 65 'no subject id' "$ctl" --db f.db enroll '../alice' good.ply
+refuse 66 'no subject or template' "$ctl" --db f.db show nobody
+refuse 66 'no subject or template' "$ctl" --db f.db delete nobody --yes
+refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
+refuse 65 'token id' "$ctl" --db f.db token revoke nonsense
+
+# scans
+: >empty
+printf '0 0 0\n1 0 0\n0 1 0\n' >three.xyz
+awk 'BEGIN { for (i = 0; i < 500; i++) print i / 5, i / 5, i / 5 }' >line.xyz
+awk 'BEGIN { for (i = 0; i < 500; i++) print 5, 5, 5 }' >point.xyz
+awk 'BEGIN { for (i = 0; i < 500; i++) print i % 20 * 7, int(i / 20) * 7, (i == 99 ? "nan" : 0) }' >nan.xyz
+awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 / 5, int(i / 20) / 5, 0 }' >tiny.xyz
+awk 'BEGIN { for (i = 0; i < 300001; i++) print i % 600 / 4, int(i / 600) / 4, i % 7 }' >many.xyz
+head -c 4000 good.ply >cut.ply
+head -c 3000 /dev/zero >zeros
+refuse 66 'missing.ply: No such file' "$ctl" --db f.db verify alice missing.ply
+refuse 74 "$dir: Is a directory" "$ctl" --db f.db verify alice "$dir"
+refuse 65 'empty' "$ctl" --db f.db verify alice empty
+refuse 65 'three.xyz: 3 points' "$ctl" --db f.db verify alice three.xyz
+refuse 65 'line.xyz' "$ctl" --db f.db verify alice line.xyz
+refuse 65 'point.xyz' "$ctl" --db f.db verify alice point.xyz
+refuse 65 'nan.xyz' "$ctl" --db f.db verify alice nan.xyz
+refuse 65 'tiny.xyz: the extent' "$ctl" --db f.db verify alice tiny.xyz
+refuse 65 'good.ply: the extent' "$ctl" --db f.db --units cm verify alice good.ply
+refuse 65 'many.xyz' "$ctl" --db f.db verify alice many.xyz
+refuse 65 'cut.ply' "$ctl" --db f.db verify alice cut.ply
+refuse 65 'zeros' "$ctl" --db f.db verify alice zeros
+refuse 65 '1 of 1 scans' "$ctl" --db f.db enroll alice cut.ply
+that "nothing was changed" [ "$before" = "$(sha256sum <f.db)" ]
+
+# databases
+refuse 66 'no database none.db' "$ctl" --db none.db list
+that "none was made" [ ! -e none.db ]
+refuse 65 'is not a file' "$ctl" --db "$dir" init
+refuse 74 'cannot create no/such/dir/f.db: No such file' "$ctl" --db no/such/dir/f.db init
+refuse 65 'good.ply is not a database' "$ctl" --db good.ply list
+refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
+refuse 66 'is empty' "$ctl" --db empty list
+"$ctl" --db f.db list >/dev/full 2>err
+that "a full output is told" [ $? -eq 74 ]
+
+# a byte changed in the middle of the model: told by check and by verify, as text and JSON
+cp f.db damaged.db
+printf 'x' | dd of=damaged.db bs=1 seek=$(($(stat -c %s f.db) - 30000)) conv=notrunc 2>err
+"$ctl" --db damaged.db check >out 2>err
+that "check finds it" [ $? -eq 1 ]
+that "check counts it" grep -q 'NOT ok: 1 templates, 1 bad' out
+that "check says what" grep -q 'its checksum is wrong' out
+"$ctl" --db damaged.db check --json >out 2>err
+that "check --json finds it" [ $? -eq 1 ]
+that "check --json says so" grep -q '"ok":.*false' out
+refuse 65 'checksum' "$ctl" --db damaged.db verify alice good.ply
+"$ctl" --db damaged.db verify alice good.ply --json >out 2>err
+that "verify --json refuses" [ $? -eq 65 ]
+that "verify --json says so" grep -q '"exit":.*65' out
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
