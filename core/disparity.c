@@ -43,7 +43,7 @@ static inline double mean3(double a, double b, double c)
     const double inner = most < c ? most : c, mid = least < inner ? inner : least;
     const bool below = (mid > 0) | ((mid == 0) & (lo + hi < 0)); /* lo is alone, else hi */
     const double p = below ? lo : hi, r = below ? hi : lo;
-    const double total = (lo + hi) + mid, cut = (lo < 0) & (hi > 0) ? 1 : 0;
+    const double total = (lo + hi) + mid, cut = ((lo < 0) & (hi > 0)) ? 1 : 0;
     const double share = p * p / ((p - mid) * (p - r) + (1 - cut));
 
     return fabs(total) * (1 - cut) + cut * (2 * fabs(p) * share + (below ? total : -total));
