@@ -15,7 +15,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 #include <stdlib.h>
 #include <string.h>
 
+#ifndef FUZZ_ROUNDS
 #define FUZZ_ROUNDS 1500
+#endif
 #define FUZZ_SEED   7
 
 static uint64_t fuzz_state = FUZZ_SEED;

@@ -2,6 +2,7 @@
  * halves, which must be the triangulation of the whole.  The first byte says how the
  * others become coordinates, from a tiny grid with many cocircular and repeated points to
  * the ends of the lattice. */
+#define FUZZ_ROUNDS 500 /* slower than most */
 #include "fuzz.h"
 
 #include <stdlib.h>

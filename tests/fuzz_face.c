@@ -1,6 +1,7 @@
 /* Any points as faces: the first byte is the scale, then six bytes a point.  Two models are
  * made, of the points as they are and of all but every third, and compared: every number of
  * the answer is finite and within its bounds, and the same when it is asked again. */
+#define FUZZ_ROUNDS 200 /* slower than most */
 #include "fuzz.h"
 
 #include <math.h>
