@@ -8,6 +8,7 @@
 #include "clouds.h"
 #include "codec.h"
 #include "face.h"
+#include "facegen.h"
 #include "lattice.h"
 #include "measure.h"
 #include "mem.h"
@@ -188,6 +189,38 @@ static void report(void)
                   timing_median(&row[COMPARE]) / one, 4, "units");
 }
 
+/* The pose error again where the scans have white noise alone: the smooth errors of two
+ * scans are a difference of shape, which no pose takes away. */
+static void white_noise_only(void)
+{
+    struct timing error = {0};
+    struct pair p = {.tmpl_pts = timing_alloc(POINTS, sizeof *p.tmpl_pts),
+                     .probe_pts = timing_alloc(POINTS, sizeof *p.probe_pts)};
+
+    for (uint64_t k = 0; k < PAIRS; k++) {
+        struct facegen_scan s;
+        struct face_result r;
+
+        facegen_default(&s);
+        s.warp = 0;
+        s.subject = k;
+        s.scan = 2 * k;
+        p.n_tmpl = facegen_sample(&s, p.tmpl_pts);
+        s.scan++;
+        p.n_probe = facegen_sample(&s, p.probe_pts);
+        clouds_move(p.probe_pts, p.n_probe, k, 8, 10, p.moved);
+        must(face_build(p.tmpl_pts, p.n_tmpl, work, &fresh, NULL));
+        must(face_build(p.probe_pts, p.n_probe, work, &fresh2, NULL));
+        must(face_compare(&fresh, &fresh2, 0, NULL, work, &r));
+        timing_add(&error, pose_error(&p, r.align.transform));
+    }
+    printf("  pose error, median, scans with white noise alone: %.3f mm\n",
+           timing_median(&error));
+    timing_free(&error);
+    free(p.tmpl_pts);
+    free(p.probe_pts);
+}
+
 /* Everything a comparison allocates: both models and the worker's memory, once steady. */
 static void memory(const struct pair *p)
 {
@@ -228,6 +261,7 @@ int main(void)
         for (size_t k = 0; k < PAIRS; k++)
             pass(&pair[k]);
     report();
+    white_noise_only();
     memory(&pair[0]);
     return 0;
 }
