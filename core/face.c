@@ -155,7 +155,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : decision_threshold_mm;
     out->disparity_mm = out->measure.weighted_mm;
-    out->fmr_at_score = decision_fmr(out->disparity_mm);
+    out->fmr_at_score = out->measure.cells > 0 ? decision_fmr(out->disparity_mm) : 1;
     if (out->align.stop == ALIGN_APART || out->measure.overlap < decision_min_overlap)
         out->decision = FACE_INCONCLUSIVE;
     else

@@ -52,7 +52,7 @@ static struct scan scans[MAX_SCANS];
 static int nscans;
 static struct scores genuine, impostor, relative;
 static double pose_error[KINDS][MAX_SCANS], align_ms[KINDS][MAX_SCANS];
-static double measure_ms[KINDS][MAX_SCANS], exact_count[KINDS];
+static double measure_ms[KINDS][MAX_SCANS], exact_count[KINDS], overlap[KINDS][MAX_SCANS];
 static int npose[KINDS], first_rank[KINDS], ranked[KINDS];
 
 static void die(const char *what, const char *which)
@@ -272,6 +272,7 @@ static void run_probe(int p, int per_probe, struct face_work *w)
     if (r.disparity_mm > 0) {
         pose_error[k][npose[k]] = angle(&scans[p], &scans[e], r.align.transform);
         align_ms[k][npose[k]] = r.align_ms;
+        overlap[k][npose[k]] = r.measure.overlap;
         measure_ms[k][npose[k]++] = r.measure_ms;
         exact_count[k] += r.align.exact;
     }
@@ -350,7 +351,7 @@ static double equal_error(int kind)
     return best;
 }
 
-static double median(double *v, int n, double share)
+static double value_at(double *v, int n, double share)
 {
     qsort(v, (size_t)n, sizeof *v, by_value);
     return n > 0 ? v[(int)(share * (n - 1))] : 0;
@@ -362,17 +363,19 @@ static void report(void)
     const char *const names[KINDS + 1] = {"p1", "p2", "p3", "p4", "all"};
 
     printf("\npose: rotation error against the truth, and time of one comparison\n");
-    printf("kind     n  median deg  90 %% deg  > 3 deg  align ms  finish ms  exact\n");
+    printf(
+        "kind     n  median deg  90 %% deg  > 3 deg  align ms  finish ms  exact  least overlap\n");
     for (int k = 0; k < KINDS; k++) {
         const int n = npose[k];
-        const double mid = median(pose_error[k], n, 0.5);
+        const double mid = value_at(pose_error[k], n, 0.5);
         int beyond = 0;
 
         for (int i = 0; i < n; i++)
             beyond += pose_error[k][i] > 3;
-        printf("%-4s %5d  %10.2f  %8.2f  %7d  %8.2f  %9.2f  %5.2f\n", names[k], n, mid,
-               median(pose_error[k], n, 0.9), beyond, median(align_ms[k], n, 0.5),
-               median(measure_ms[k], n, 0.5), n > 0 ? exact_count[k] / n : 0);
+        printf("%-4s %5d  %10.2f  %8.2f  %7d  %8.2f  %9.2f  %5.2f  %13.2f\n", names[k], n,
+               mid, value_at(pose_error[k], n, 0.9), beyond, value_at(align_ms[k], n, 0.5),
+               value_at(measure_ms[k], n, 0.5), n > 0 ? exact_count[k] / n : 0,
+               value_at(overlap[k], n, 0));
     }
     printf(
         "\n%zu genuine, %zu impostor comparisons; threshold %.4f mm accepts %.3f %% of "
