@@ -1,0 +1,143 @@
+# lib.sh -- for the black-box scripts: surfaced on a free port with a database of its own in
+# a temporary folder, requests by curl, and a count of what held.
+# A script begins with `. tests/lib.sh`, from the top of the checkout, and ends with `finish`.
+# shellcheck shell=sh disable=SC2034 # some variables are for the scripts alone
+
+BUILD=${BUILD:-build}
+T=$(mktemp -d "${TMPDIR:-/tmp}/surfaced-test.XXXXXX")
+passed=0 failed=0
+PID='' URL='' DB=$T/faces.db LOG=$T/log AUTH=''
+PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
+BYTES='Content-Type: application/octet-stream'
+
+for tool in curl jq sqlite3; do
+    command -v "$tool" >/dev/null 2>&1 || {
+        echo "SKIP $0: $tool is not installed"
+        exit 0
+    }
+done
+
+cleanup() {
+    [ -z "$PID" ] || kill -9 "$PID" 2>/dev/null
+    rm -rf "$T"
+}
+trap cleanup EXIT
+trap 'exit 1' INT TERM
+
+# ok TITLE COMMAND...: the command must succeed.
+ok() {
+    title=$1
+    shift
+    if "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL: $title"
+        [ ! -f "$T/body" ] || head -c 400 "$T/body"
+        echo
+    fi
+}
+
+# is TITLE GOT WANTED
+is() {
+    ok "$1: got '$2', wanted '$3'" test "$2" = "$3"
+}
+
+# finish: stop the daemon, print the counts, and say by the exit status whether all held.
+finish() {
+    [ -z "$PID" ] || stop_daemon
+    echo "$passed passed, $failed failed"
+    [ "$failed" -eq 0 ]
+    exit
+}
+
+# start_daemon OPTION...: sets PID and URL; fails when it does not say that it listens.
+start_daemon() {
+    : >"$LOG"
+    "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 "$@" 2>"$LOG" &
+    PID=$!
+    tries=0
+    URL=
+    while [ -z "$URL" ] && kill -0 "$PID" 2>/dev/null && [ "$tries" -lt 300 ]; do
+        URL=$(sed -n 's/.*listening on \(http[^"]*\)".*/\1/p' "$LOG")
+        tries=$((tries + 1))
+        [ -n "$URL" ] || sleep 0.1
+    done
+    [ -n "$URL" ] || {
+        echo "FAIL: the daemon does not listen:"
+        cat "$LOG"
+        failed=$((failed + 1))
+        finish
+    }
+}
+
+# stop_daemon: SIGTERM, and its exit status must be 0.
+stop_daemon() {
+    kill -TERM "$PID"
+    wait "$PID"
+    is "exit status after SIGTERM" $? 0
+    PID=
+    if grep -Eq 'Sanitizer|runtime error' "$LOG"; then
+        cat "$LOG"
+        ok "no sanitizer report" false
+    fi
+}
+
+# req METHOD PATH [CURL-OPTION...]: sets STATUS; the answer is in $T/body and $T/head.
+req() {
+    method=$1 path=$2
+    shift 2
+    [ "$method" != HEAD ] || set -- --head "$@"
+    STATUS=$(curl -sS -m 60 -X "$method" -o "$T/body" -D "$T/head" -w '%{http_code}' \
+        ${AUTH:+-H "Authorization: Bearer $AUTH"} "$@" "$URL$path" 2>"$T/curl")
+}
+
+# send METHOD PATH TYPE FILE [CURL-OPTION...]: the same with a body.
+send() {
+    method=$1 path=$2 type=$3 file=$4
+    shift 4
+    req "$method" "$path" -H "$type" --data-binary "@$file" "$@"
+}
+
+# get .MEMBER: of the JSON answer.
+get() {
+    jq -r "$1" "$T/body" 2>/dev/null
+}
+
+# field NAME: a header of the answer.
+field() {
+    tr -d '\r' <"$T/head" | sed -n "s/^$1: //Ip"
+}
+
+# problem TITLE STATUS CODE [DETAIL-PATTERN]: the last answer is this problem document.
+problem() {
+    is "$1: status" "$STATUS" "$2"
+    is "$1: Content-Type" "$(field Content-Type)" application/problem+json
+    is "$1: code" "$(get .code)" "$3"
+    is "$1: its status" "$(get .status)" "$2"
+    is "$1: request_id" "$(get .request_id)" "$(field X-Request-Id)"
+    [ -z "${4:-}" ] || ok "$1: detail '$(get .detail)' like '$4'" matches "$(get .detail)" "$4"
+}
+
+matches() {
+    printf '%s\n' "$1" | grep -Eq -- "$2"
+}
+
+# alive: the daemon still answers.
+alive() {
+    req GET /healthz
+    is "alive after $1" "$STATUS" 200
+}
+
+# scan SUBJECT SCAN FILE [FACEGEN-OPTION...]: a simulated scan; the same every time.
+scan() {
+    s_subject=$1 s_scan=$2 s_file=$3
+    shift 3
+    "$BUILD/facegen" --subject "$s_subject" --scan "$s_scan" -o "$s_file" "$@" || exit 1
+}
+
+# without_times FILE: a JSON answer without what may differ between runs.
+without_times() {
+    jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
+                 else . end)' "$1"
+}
