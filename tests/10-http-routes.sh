@@ -22,6 +22,7 @@ version=$(get .version)
 req GET /openapi.json
 is "openapi's version" "$STATUS $(get .info.version)" "200 $version"
 is "openapi's format" "$(get .openapi)" 3.1.0
+# shellcheck disable=SC2016 # $d is jq's
 ok "openapi's references lead somewhere" jq -e '. as $d
     | [.. | objects | ."$ref"? // empty | ltrimstr("#/") / "/"]
     | all(. as $p | $d | getpath($p) != null)' "$T/body" >/dev/null
