@@ -7,7 +7,6 @@
 #include "holes.h"
 #include "locate.h"
 #include "mesh.h"
-#include "predicates.h"
 
 /* A sum and what was lost in rounding it: Neumaier, "Rundungsfehleranalyse einiger
  * Verfahren zur Summation endlicher Summen", ZAMM 54, 1974, with Knuth's exact error of an
@@ -29,24 +28,46 @@ static inline double sum_total(const struct sum *s)
     return s->value + s->lost;
 }
 
+static inline double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* yes where it holds, else no, without a branch. */
+static inline double choose(bool holds, double yes, double no)
+{
+    uint64_t y, n;
+
+    memcpy(&y, &yes, sizeof y);
+    memcpy(&n, &no, sizeof n);
+    n ^= (n ^ y) & -(uint64_t)holds;
+    memcpy(&no, &n, sizeof no);
+    return no;
+}
+
 /* The mean of |gap| over a triangle, times 3.
- * One sign throughout: the plain sum (Fig. 9 a, b: prism and pyramids).  Else one corner p
- * is alone on its side of zero (d, e; of two, the one farther off), and cuts off the tip
- * of the triangle, in area the share p^2 / ((p - q) (p - r)), over which |gap| falls from
- * |p| to 0: a pyramid.  The signed sum counts the tip once with the wrong sign, so it is
- * added twice: that makes the wedge (f) of the rest.  Nearly all cells of a good fit are
- * cut, at random: the sign cases are told apart without branches. */
+ * One sign throughout: the plain sum (Fig. 9 a-c: prisms and pyramids).  Else one corner is
+ * alone on its side of zero (d, e), at the height w; the line of zeros cuts off its tip of
+ * the triangle, in area the share w^2 / ((w + |mid|) (below + above)), over which |gap|
+ * falls from w to 0: a pyramid.  The signed sum takes the tip from the wedge (f) beyond
+ * the line, so the tip is added twice.  In a good fit very many cells are cut, at random:
+ * the sign cases are told apart without branches. */
 static inline double mean3(double a, double b, double c)
 {
-    const double least = a < b ? a : b, most = a < b ? b : a;
-    const double lo = least < c ? least : c, hi = most < c ? c : most;
-    const double inner = most < c ? most : c, mid = least < inner ? inner : least;
-    const bool below = (mid > 0) | ((mid == 0) & (lo + hi < 0)); /* lo is alone, else hi */
-    const double p = below ? lo : hi, r = below ? hi : lo;
-    const double total = (lo + hi) + mid, cut = ((lo < 0) & (hi > 0)) ? 1 : 0;
-    const double share = p * p / ((p - mid) * (p - r) + (1 - cut));
+    const double lo = least(least(a, b), c), hi = most(most(a, b), c);
+    const double mid = most(least(a, b), least(most(a, b), c));
+    const double below = -lo, above = hi, inner = fabs(mid);
+    const bool low = (mid > 0) | ((mid == 0) & (below < above)); /* the lowest is alone */
+    const double w = choose(low, below, above), other = choose(low, above, below);
+    const double tip = w * w * w / ((w + inner) * (below + above));
 
-    return fabs(total) * (1 - cut) + cut * (2 * fabs(p) * share + (below ? total : -total));
+    /* (Where no sign changes the tip may be no number; it is not chosen.) */
+    return choose((lo < 0) & (hi > 0), 2 * tip + (inner + other - w), fabs(lo + hi + mid));
 }
 
 double disparity_cell(double area, double a, double b, double c)
@@ -98,62 +119,67 @@ static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
     }
 }
 
-/* Sums over the cells.  Areas are twice the area, in whole square lattice units: all of a
- * hull's are below 2^52. */
+/* Sums over the cells.  Areas are twice the area, whole square lattice units: all of a
+ * hull's are below 2^52, so they are exact. */
 struct totals {
     struct sum volume, weighted, weights; /* six times, six times, twice */
-    int64_t common, bridged, outside;
+    double common, bridged, outside;
 };
 
-static void weigh(struct totals *t, const struct disparity_weight *weight, struct ivec2 p,
-                  struct ivec2 q, struct ivec2 r, double area, double volume)
+static inline double weight_at(const struct disparity_weight *weight, struct ivec2 p,
+                               struct ivec2 q, struct ivec2 r)
 {
-    const double x = ((double)p.x + (double)q.x + (double)r.x) / 3;
-    const double y = ((double)p.y + (double)q.y + (double)r.y) / 3;
-    const double u = weight->at(weight->arg, x, y);
-
-    sum_add(&t->weighted, u * volume);
-    sum_add(&t->weights, u * area);
+    return weight->at(weight->arg, ((double)p.x + (double)q.x + (double)r.x) / 3,
+                      ((double)p.y + (double)q.y + (double)r.y) / 3);
 }
 
-static void add_cells(const struct mesh *general, const struct disparity_vertex *vertex,
-                      const struct disparity_weight *weight, struct totals *t,
-                      struct disparity *out)
+static struct totals add_cells(const struct mesh *general,
+                               const struct disparity_vertex *vertex,
+                               const struct disparity_weight *weight,
+                               struct disparity *out)
 {
     const struct ivec2 *const xy = general->xy;
-    const uint32_t nv = general->nv;
+    const uint32_t *const org = general->org;
+    const uint32_t nv = general->nv, nh = 3 * general->nt;
+    struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0};
+    uint32_t cells = 0, bridged = 0, outside = 0;
 
-    for (uint32_t h = 0; h < 3 * general->nt; h += 3) {
-        const uint32_t i = general->org[h], j = general->org[h + 1], k = general->org[h + 2];
-        double spread, volume;
-        int64_t area;
+    for (uint32_t h = 0; h < nh; h += 3) {
+        const uint32_t i = org[h], j = org[h + 1], k = org[h + 2];
+        double spread, area, volume;
+        bool wide;
 
         if (__builtin_expect((i == nv) | (j == nv) | (k == nv), 0))
             continue;
-        area = orient2d(xy[i], xy[j], xy[k]);
-        spread = vertex[i].gap + vertex[j].gap + vertex[k].gap;
-        if (__builtin_expect(!isfinite(spread), 0)) {
-            const bool outside = isnan(spread);
-
-            out->outside += outside;
-            out->bridged += !outside;
-            *(outside ? &t->outside : &t->bridged) += area;
-            continue;
-        }
         spread = (double)vertex[i].spacing + (double)vertex[j].spacing +
                  (double)vertex[k].spacing;
-        if (__builtin_expect(holes_wide(xy[i], xy[j], xy[k], spread), 0)) {
-            out->bridged++;
-            t->bridged += area;
+        wide = holes_wide(xy[i], xy[j], xy[k], spread, &area);
+        spread = vertex[i].gap + vertex[j].gap + vertex[k].gap;
+        if (__builtin_expect(isnan(spread), 0)) {
+            outside++;
+            t.outside += area;
             continue;
         }
-        out->cells++;
-        t->common += area;
-        volume = (double)area * mean3(vertex[i].gap, vertex[j].gap, vertex[k].gap);
-        sum_add(&t->volume, volume);
-        if (weight != NULL)
-            weigh(t, weight, xy[i], xy[j], xy[k], (double)area, volume);
+        if (__builtin_expect(wide | !(spread < (double)INFINITY), 0)) {
+            bridged++;
+            t.bridged += area;
+            continue;
+        }
+        cells++;
+        t.common += area;
+        volume = area * mean3(vertex[i].gap, vertex[j].gap, vertex[k].gap);
+        sum_add(&t.volume, volume);
+        if (weight != NULL) {
+            const double u = weight_at(weight, xy[i], xy[j], xy[k]);
+
+            sum_add(&t.weighted, u * volume);
+            sum_add(&t.weights, u * area);
+        }
     }
+    out->cells = cells;
+    out->bridged = bridged;
+    out->outside = outside;
+    return t;
 }
 
 void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
@@ -162,18 +188,18 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
                        struct disparity_vertex *vertex, struct disparity *out)
 {
     const double mm2 = 1 / (per_mm * per_mm);
-    struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0};
+    struct totals t;
     double share;
 
     memset(out, 0, sizeof *out);
     gaps(b_vertex, a, b, vertex);
-    add_cells(general, vertex, weight, &t, out);
+    t = add_cells(general, vertex, weight, out);
     out->volume_mm3 = sum_total(&t.volume) / 6 * mm2 / per_mm;
-    out->area_mm2 = 0.5 * (double)t.common * mm2;
-    out->bridged_mm2 = 0.5 * (double)t.bridged * mm2;
-    out->outside_mm2 = 0.5 * (double)t.outside * mm2;
+    out->area_mm2 = 0.5 * t.common * mm2;
+    out->bridged_mm2 = 0.5 * t.bridged * mm2;
+    out->outside_mm2 = 0.5 * t.outside * mm2;
     if (t.common > 0)
-        out->plain_mm = sum_total(&t.volume) / (3 * (double)t.common) / per_mm;
+        out->plain_mm = sum_total(&t.volume) / (3 * t.common) / per_mm;
     out->weighted_mm = out->plain_mm;
     if (weight != NULL) {
         const double weights = sum_total(&t.weights);
@@ -181,6 +207,6 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
         out->weighted_mm =
             weights > 0 ? sum_total(&t.weighted) / (3 * weights) / per_mm : 0;
     }
-    share = a->measured > 0 ? 0.5 * (double)t.common / a->measured : 0;
+    share = a->measured > 0 ? 0.5 * t.common / a->measured : 0;
     out->overlap = share < 1 ? share : 1;
 }

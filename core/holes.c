@@ -5,7 +5,6 @@
 
 #include "mem.h"
 #include "mesh.h"
-#include "predicates.h"
 
 /* Lengths of tree edges, and how many. */
 struct sum {
@@ -55,8 +54,9 @@ bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint3
                    uint32_t c)
 {
     const double sum = (double)spacing[a] + (double)spacing[b] + (double)spacing[c];
+    double twice;
 
-    return holes_wide(m->xy[a], m->xy[b], m->xy[c], sum);
+    return holes_wide(m->xy[a], m->xy[b], m->xy[c], sum, &twice);
 }
 
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
@@ -64,20 +64,21 @@ double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
     const uint32_t nv = m->nv, nt = m->nt;
     const uint32_t *const org = m->org;
     const struct ivec2 *const xy = m->xy;
-    int64_t measured = 0; /* twice the area: below 2^52, like the hull's */
+    double measured = 0; /* twice the area: a whole number below 2^52, like the hull's */
 
     for (uint32_t t = 0; t < nt; t++) {
         const uint32_t a = org[3 * t], b = org[3 * t + 1], c = org[3 * t + 2];
+        double twice, sum;
         bool wide;
 
         if (__builtin_expect((a == nv) | (b == nv) | (c == nv), 0)) {
             bridge[t] = 1;
             continue;
         }
-        wide = holes_wide(xy[a], xy[b], xy[c],
-                          (double)spacing[a] + (double)spacing[b] + (double)spacing[c]);
+        sum = (double)spacing[a] + (double)spacing[b] + (double)spacing[c];
+        wide = holes_wide(xy[a], xy[b], xy[c], sum, &twice);
         bridge[t] = wide;
-        measured += ((int64_t)wide - 1) & orient2d(xy[a], xy[b], xy[c]);
+        measured += wide ? 0 : twice;
     }
-    return 0.5 * (double)measured;
+    return 0.5 * measured;
 }

@@ -29,17 +29,20 @@ struct scratch; /* mem.h */
  * ways counted as often.  Needs m->parent.  O(nv).  Returns ST_OK, ST_ENOMEM. */
 enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacing);
 
-/* holes_wide(p, q, r, sum): does the triangle pqr bridge missing points, where sum is the
- * sum of the spacings at its corners?  The corners may come from different meshes. */
-static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, double sum)
+/* holes_wide(p, q, r, sum, twice): does the triangle pqr bridge missing points, where sum
+ * is the sum of the spacings at its corners?  The corners may come from different meshes.
+ * *twice is twice the signed area of pqr, exact. */
+static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, double sum,
+                              double *twice)
 {
     /* Differences of 25 bits: squares and cross product are exact in doubles. */
     const double ax = q.x - p.x, ay = q.y - p.y, a = ax * ax + ay * ay;
     const double bx = r.x - q.x, by = r.y - q.y, b = bx * bx + by * by;
     const double cx = p.x - r.x, cy = p.y - r.y, c = cx * cx + cy * cy;
     const double ab = a > b ? a : b, side = ab > c ? ab : c;
-    const double cross = ax * by - ay * bx, mean2 = sum * sum / 9;
+    const double cross = ax * by - ay * bx, mean2 = sum * sum * (1.0 / 9);
 
+    *twice = cross;
     /* The radius is the product of the sides over four times the area. */
     return (side > HOLES_SIDE * HOLES_SIDE * mean2) &
            (a * b * c > 4 * HOLES_CIRCLE * HOLES_CIRCLE * mean2 * (cross * cross));

@@ -523,7 +523,7 @@ static void test_classes(void **state)
         p = compare(na, nb, true);
         for (uint32_t t = 0; t < p->general.nt; t++) {
             const uint32_t *v = &p->general.org[3 * t];
-            double g[3], spread = 0;
+            double g[3], spread = 0, area;
 
             if (mesh_is_ghost(&p->general, t))
                 continue;
@@ -537,7 +537,7 @@ static void test_classes(void **state)
                 outside++;
             } else if (isinf(g[0] + g[1] + g[2]) ||
                        holes_wide(p->general.xy[v[0]], p->general.xy[v[1]],
-                                  p->general.xy[v[2]], spread)) {
+                                  p->general.xy[v[2]], spread, &area)) {
                 bridged++;
             } else {
                 const int64_t twice = orient2d(p->general.xy[v[0]], p->general.xy[v[1]],
