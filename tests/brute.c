@@ -317,6 +317,34 @@ void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out)
     table_free(&t);
 }
 
+static void pair(struct mesh *m, uint32_t h, uint32_t org, uint32_t twin)
+{
+    m->org[h] = org;
+    m->twin[h] = twin;
+    m->twin[twin] = h;
+    m->out[org] = h;
+}
+
+bool brute_flip(struct mesh *m, uint32_t h)
+{
+    const uint32_t k = m->twin[h], hn = mesh_next(h), hp = mesh_prev(h);
+    const uint32_t kn = mesh_next(k), kp = mesh_prev(k);
+    const uint32_t a = m->org[h], b = m->org[k], c = m->org[hp], d = m->org[kp];
+    const uint32_t bc = m->twin[hn], ca = m->twin[hp], ad = m->twin[kn], db = m->twin[kp];
+
+    if (a == m->nv || b == m->nv || c == m->nv || d == m->nv ||
+        orient2d(m->xy[d], m->xy[c], m->xy[a]) <= 0 ||
+        orient2d(m->xy[c], m->xy[d], m->xy[b]) <= 0)
+        return false;
+    pair(m, h, d, k);
+    pair(m, hn, c, ca);
+    pair(m, hp, a, ad);
+    pair(m, k, c, h);
+    pair(m, kn, d, db);
+    pair(m, kp, b, bc);
+    return true;
+}
+
 struct corners {
     struct ivec2 v[3];
 };

@@ -42,6 +42,11 @@ const char *brute_shape_name(enum brute_shape shape);
  * the point on its left whose circle is empty, found by scanning all points. O(n^2). */
 void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out);
 
+/* brute_flip(m, h): exchange the diagonal h of the two triangles beside it for the other
+ * one, if both are real and the other one lies inside; a triangulation that is not
+ * Delaunay any more.  Returns whether it did. */
+bool brute_flip(struct mesh *m, uint32_t h);
+
 /* brute_same(a, b): the same points and the same set of triangles, whatever the numbers. */
 bool brute_same(const struct mesh *a, const struct mesh *b);
 

@@ -9,8 +9,11 @@
 #include <cmocka.h>
 
 #include "brute.h"
+#include "delaunay.h"
 #include "locate.h"
+#include "mem.h"
 #include "mesh.h"
+#include "mst.h"
 #include "predicates.h"
 
 #define MAX_POINTS 400
@@ -25,6 +28,13 @@ static struct mesh make(enum brute_shape shape, size_t n, struct brute_rng *r)
     n = brute_points(shape, n, r, pts);
     brute_delaunay(pts, n, &m);
     return m;
+}
+
+/* Every second mesh is Delaunay no longer: location must do with any triangulation. */
+static void disturb(struct mesh *m, int round, struct brute_rng *r)
+{
+    for (int i = 0; round % 2 != 0 && i < 100; i++)
+        (void)brute_flip(m, (uint32_t)(brute_rand(r) % (3 * m->nt)));
 }
 
 static bool same_xy(struct ivec2 a, struct ivec2 b)
@@ -191,6 +201,7 @@ static void test_point(void **state)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = make(shape, 3 + brute_rand(&r) % 60, &r);
 
+            disturb(&m, round, &r);
             for (int k = 0; k < 60; k++)
                 walk_and_check(&m, &r);
             mesh_free(&m);
@@ -240,6 +251,7 @@ static void test_mesh(void **state)
             struct mesh in = make(pair / BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
             struct mesh pts = make(pair % BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
 
+            disturb(&in, round, &r);
             pts.parent[0] = 0;
             for (uint32_t v = 1; v < pts.nv; v++)
                 pts.parent[v] = (uint32_t)(brute_rand(&r) % v);
@@ -293,6 +305,60 @@ static void test_by_hand(void **state)
     mesh_free(&m);
 }
 
+static void count(void *arg, uint32_t t)
+{
+    (void)t;
+    ++*(uint64_t *)arg;
+}
+
+/* Along the spanning tree a walk crosses a handful of triangles, whatever the number of
+ * points (paper 1, 3.3); from one fixed place it would cross some sqrt(n) of them. */
+static void test_linear(void **state)
+{
+    struct brute_rng r = {seed + 3};
+
+    (void)state;
+    for (size_t n = 1000; n <= 64000; n *= 8) {
+        struct ivec3 *pts = malloc(n * sizeof *pts);
+        struct location *loc = malloc(n * sizeof *loc);
+        struct scratch s = {0};
+        struct mesh m[2] = {{0}, {0}};
+        uint64_t entered = 0;
+        const struct locate_trace trace = {count, &entered};
+
+        assert_non_null(pts);
+        assert_non_null(loc);
+        for (int i = 0; i < 2; i++) {
+            for (size_t k = 0; k < n; k++)
+                pts[k] = (struct ivec3){brute_int(&r, -9999999, 9999999),
+                                        brute_int(&r, -9999999, 9999999), 0};
+            assert_int_equal(delaunay_build(pts, n, &s, &m[i]), ST_OK);
+            assert_int_equal(mst_build(&m[i], &s), ST_OK);
+        }
+        locate_mesh(&m[0], &m[1], loc);
+        for (uint32_t v = 1; v < m[1].nv; v++) {
+            const uint32_t p = m[1].parent[v];
+            const struct ivec2 q = m[1].xy[v];
+            const uint32_t *t = &m[0].org[3 * (loc[v].he / 3)];
+            struct location at;
+
+            if (loc[p].where == LOCATE_OUTSIDE || loc[v].where == LOCATE_OUTSIDE)
+                continue;
+            assert_true(orient2d(m[0].xy[t[0]], m[0].xy[t[1]], q) >= 0);
+            assert_true(orient2d(m[0].xy[t[1]], m[0].xy[t[2]], q) >= 0);
+            assert_true(orient2d(m[0].xy[t[2]], m[0].xy[t[0]], q) >= 0);
+            at = locate_point(&m[0], loc[p].he, m[1].xy[p], q, &trace);
+            assert_int_equal(at.he, loc[v].he);
+        }
+        assert_true(entered < 4 * n);
+        mesh_free(&m[0]);
+        mesh_free(&m[1]);
+        scratch_free(&s);
+        free(pts);
+        free(loc);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -300,6 +366,7 @@ int main(void)
         cmocka_unit_test(test_point),
         cmocka_unit_test(test_outside),
         cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_linear),
     };
 
     seed = brute_seed("test_locate");

@@ -1,3 +1,4 @@
+/* link: -Wl,--wrap=aligned_alloc */
 /* The spanning tree in stages, against Prim's rule on the whole graph. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,6 +11,7 @@
 
 #include "brute.h"
 #include "delaunay.h"
+#include "fail_alloc.h"
 #include "mem.h"
 #include "mesh.h"
 #include "mst.h"
@@ -83,7 +85,9 @@ static void test_against_prim(void **state)
             const size_t n = brute_points(shape, 3 + brute_rand(&r) % 90, &r, pts);
 
             brute_delaunay(pts, n, &m);
-            brute_delaunay(pts, n, &before);
+            for (int i = 0; round % 2 != 0 && i < 100; i++) /* not Delaunay any more */
+                (void)brute_flip(&m, (uint32_t)(brute_rand(&r) % (3 * m.nt)));
+            assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
             assert_int_equal(mst_build(&m, &s), ST_OK);
             check_tree(&m, &before);
             check_preorder(&m);
@@ -155,12 +159,69 @@ static void test_check(void **state)
     scratch_free(&s);
 }
 
+/* A tree as deep as there are points: along a line, ever farther apart; and a large one. */
+static void test_deep_and_large(void **state)
+{
+    struct brute_rng r = {seed + 3};
+    struct scratch s = {0};
+    struct mesh m = {0};
+    const size_t n = 20000;
+    struct ivec3 *many = malloc(n * sizeof *many);
+
+    (void)state;
+    assert_non_null(many);
+    for (int32_t i = 0; i < 4000; i++)
+        many[i] = (struct ivec3){i * (i + 1) / 2, i % 2, 0};
+    assert_int_equal(delaunay_build(many, 4000, &s, &m), ST_OK);
+    assert_int_equal(mst_build(&m, &s), ST_OK);
+    for (uint32_t v = 1; v < m.nv; v++)
+        assert_int_equal(m.parent[v], v - 1);
+    assert_int_equal(mst_check(&m), ST_OK);
+    for (size_t i = 0; i < n; i++)
+        many[i] = (struct ivec3){brute_int(&r, -999999, 999999), brute_int(&r, -99999, 99999), 0};
+    assert_int_equal(delaunay_build(many, n, &s, &m), ST_OK);
+    assert_int_equal(mst_build(&m, &s), ST_OK);
+    assert_int_equal(mesh_check(&m, true), ST_OK);
+    assert_int_equal(mst_check(&m), ST_OK);
+    check_preorder(&m);
+    mesh_free(&m);
+    scratch_free(&s);
+    free(many);
+}
+
+static void test_no_memory(void **state)
+{
+    struct brute_rng r = {seed + 4};
+    struct scratch s = {0};
+    struct mesh m = {0}, before = {0};
+    const size_t n = brute_points(BRUTE_SMALL, 200, &r, pts);
+
+    (void)state;
+    brute_delaunay(pts, n, &m);
+    memset(m.parent, 0, n * sizeof *m.parent);
+    assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
+    fail_alloc_at(1);
+    assert_int_equal(mst_build(&m, &s), ST_ENOMEM);
+    fail_alloc_at(0);
+    assert_memory_equal(m.xy, before.xy, n * sizeof *m.xy);
+    assert_memory_equal(m.org, before.org, 3 * m.nt * sizeof *m.org);
+    assert_memory_equal(m.out, before.out, (n + 1) * sizeof *m.out);
+    assert_memory_equal(m.parent, before.parent, n * sizeof *m.parent);
+    assert_int_equal(mst_build(&m, &s), ST_OK);
+    check_tree(&m, &before);
+    mesh_free(&m);
+    mesh_free(&before);
+    scratch_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_prim),
         cmocka_unit_test(test_canonical),
         cmocka_unit_test(test_check),
+        cmocka_unit_test(test_deep_and_large),
+        cmocka_unit_test(test_no_memory),
     };
 
     seed = brute_seed("test_mst");
