@@ -279,7 +279,7 @@ static void test_same_points(void **state)
     (void)state;
     for (int round = 0; round < 6; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            const size_t n = brute_points(shape, 4 + brute_rand(&r) % 60, &r, pts_a);
+            const size_t n = brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts_a);
             struct both *p;
             double area, volume;
 
@@ -506,8 +506,8 @@ static void test_classes(void **state)
 
     (void)state;
     for (int round = 0; round < 3 * BRUTE_SHAPES; round++) {
-        const size_t na = brute_points(round % BRUTE_SHAPES, 150, &r, pts_a);
-        const size_t nb = brute_points(round / 3, 150, &r, pts_b);
+        const size_t na = brute_points((enum brute_shape)(round % BRUTE_SHAPES), 150, &r, pts_a);
+        const size_t nb = brute_points((enum brute_shape)(round / 3), 150, &r, pts_b);
         struct both *p;
         long double volume = 0;
         uint32_t cells = 0, bridged = 0, outside = 0;

@@ -63,7 +63,7 @@ static void test_spacing(void **state)
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
 
-        (void)make(&m, brute_points(shape, 90, &r, pts));
+        (void)make(&m, brute_points((enum brute_shape)shape, 90, &r, pts));
         memset(sum, 0, sizeof sum);
         memset(count, 0, sizeof count);
         for (uint32_t v = 0; v < m.nv; v++)
@@ -98,7 +98,7 @@ static void test_marks(void **state)
     (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
-        const double measured = make(&m, brute_points(shape, 300, &r, pts));
+        const double measured = make(&m, brute_points((enum brute_shape)shape, 300, &r, pts));
         int64_t twice = 0;
 
         for (uint32_t t = 0; t < m.nt; t++) {

@@ -199,7 +199,7 @@ static void test_point(void **state)
     (void)state;
     for (int round = 0; round < 40; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            struct mesh m = make(shape, 3 + brute_rand(&r) % 60, &r);
+            struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 60, &r);
 
             disturb(&m, round, &r);
             for (int k = 0; k < 60; k++)
@@ -216,7 +216,7 @@ static void test_outside(void **state)
     (void)state;
     for (int round = 0; round < 40; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            struct mesh m = make(shape, 3 + brute_rand(&r) % 40, &r);
+            struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 40, &r);
 
             for (int k = 0; k < 40; k++) {
                 const struct ivec2 q = query(&m, &r);
@@ -248,8 +248,8 @@ static void test_mesh(void **state)
     (void)state;
     for (int round = 0; round < 12; round++)
         for (int pair = 0; pair < BRUTE_SHAPES * BRUTE_SHAPES; pair++) {
-            struct mesh in = make(pair / BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
-            struct mesh pts = make(pair % BRUTE_SHAPES, 3 + brute_rand(&r) % 80, &r);
+            struct mesh in = make((enum brute_shape)(pair / BRUTE_SHAPES), 3 + brute_rand(&r) % 80, &r);
+            struct mesh pts = make((enum brute_shape)(pair % BRUTE_SHAPES), 3 + brute_rand(&r) % 80, &r);
 
             disturb(&in, round, &r);
             pts.parent[0] = 0;

@@ -82,7 +82,7 @@ static void test_against_prim(void **state)
     for (int round = 0; round < 30; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = {0}, before = {0};
-            const size_t n = brute_points(shape, 3 + brute_rand(&r) % 90, &r, pts);
+            const size_t n = brute_points((enum brute_shape)shape, 3 + brute_rand(&r) % 90, &r, pts);
 
             brute_delaunay(pts, n, &m);
             for (int i = 0; round % 2 != 0 && i < 100; i++) /* not Delaunay any more */
@@ -107,7 +107,7 @@ static void test_canonical(void **state)
     (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh a = {0}, b = {0};
-        const size_t n = brute_points(shape, 300, &r, pts);
+        const size_t n = brute_points((enum brute_shape)shape, 300, &r, pts);
 
         brute_delaunay(pts, n, &a);
         for (size_t i = n; i-- > 1;) {

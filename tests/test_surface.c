@@ -32,7 +32,7 @@ static void test_plane(void **state)
     for (int round = 0; round < 20; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
-            const size_t n = brute_points(shape, 4 + brute_rand(&r) % 60, &r, pts);
+            const size_t n = brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts);
             struct mesh m = {0};
 
             for (size_t i = 0; i < n; i++)
@@ -57,7 +57,7 @@ static void test_vertices(void **state)
 
     (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-        const size_t n = brute_points(shape, 80, &r, pts);
+        const size_t n = brute_points((enum brute_shape)shape, 80, &r, pts);
         struct mesh m = {0};
 
         brute_delaunay(pts, n, &m);
@@ -106,7 +106,7 @@ static void test_interpolate(void **state)
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh a = {0}, b = {0};
 
-        brute_delaunay(pts, brute_points(shape, 90, &r, pts), &a);
+        brute_delaunay(pts, brute_points((enum brute_shape)shape, 90, &r, pts), &a);
         brute_delaunay(pts, brute_points(BRUTE_RANDOM, 90, &r, pts), &b);
         for (uint32_t v = 0; v < b.nv; v++)
             loc[v] = brute_locate(&a, b.xy[v]);
