@@ -67,7 +67,8 @@ static inline double mean3(double a, double b, double c)
     const double tip = w * w * w / ((w + inner) * (below + above));
 
     /* (Where no sign changes the tip may be no number; it is not chosen.) */
-    return choose((lo < 0) & (hi > 0), 2 * tip + (inner + other - w), fabs(lo + hi + mid));
+    return choose((lo < 0) & (hi > 0), 2 * tip + (inner + other - w),
+                  fabs(lo + hi + mid));
 }
 
 double disparity_cell(double area, double a, double b, double c)

@@ -22,7 +22,7 @@ struct disparity_side {
     const uint8_t *bridge;      /* holes_mark() */
     double measured;            /* holes_mark()'s area, square lattice units */
     const struct location *loc; /* each of its vertices located in the other's mesh */
-    const double *other;        /* each of its vertices interpolated in the other's mesh */
+    const double *other; /* each of its vertices interpolated in the other's mesh */
 };
 
 /* u(x, y) of definition (1), in lattice units; taken at each cell's centroid.  Finite and
@@ -40,14 +40,13 @@ struct disparity_vertex {
 };
 
 struct disparity {
-    double volume_mm3;        /* sum of |gap| over the common cells, u = 1 */
-    double area_mm2;          /* their area */
-    double plain_mm;          /* volume / area; 0 when the area is 0 */
-    double weighted_mm;       /* sum of u |gap| / sum of u over the same cells; 0 when the
-                                 latter is 0 */
-    double overlap;           /* area over a's measured area, 0..1 */
-    double bridged_mm2;       /* area left out because a side only bridges missing points */
-    double outside_mm2;       /* area of the cells not wholly inside both hulls */
+    double volume_mm3;  /* sum of |gap| over the common cells, u = 1 */
+    double area_mm2;    /* their area */
+    double plain_mm;    /* volume / area; 0 when the area is 0 */
+    double weighted_mm; /* sum of u |gap| / sum of u over the same cells, or 0 */
+    double overlap;     /* area over a's measured area, 0..1 */
+    double bridged_mm2; /* area left out because a side only bridges missing points */
+    double outside_mm2; /* area of the cells not wholly inside both hulls */
     uint32_t cells, bridged, outside; /* how many of each */
 };
 

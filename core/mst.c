@@ -63,7 +63,8 @@ static inline uint64_t length2(struct ivec2 a, struct ivec2 b)
 
 /* For edges of equal length: the one whose first end point comes first, then the other's
  * (points by x, then y). */
-static bool tie_less(const struct ivec2 *xy, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+static bool tie_less(const struct ivec2 *xy, uint32_t a, uint32_t b, uint32_t c,
+                     uint32_t d)
 {
     const struct ivec2 ab0 = lex_less(xy[b], xy[a]) ? xy[b] : xy[a];
     const struct ivec2 ab1 = lex_less(xy[b], xy[a]) ? xy[a] : xy[b];
@@ -91,8 +92,8 @@ static uint32_t longest_tie(const struct ivec2 *xy, const uint32_t v[3],
     uint32_t k = 0;
 
     for (uint32_t i = 1; i < 3; i++)
-        if (len[i] > len[k] ||
-            (len[i] == len[k] && tie_less(xy, v[k], v[(k + 1) % 3], v[i], v[(i + 1) % 3])))
+        if (len[i] > len[k] || (len[i] == len[k] &&
+                                tie_less(xy, v[k], v[(k + 1) % 3], v[i], v[(i + 1) % 3])))
             k = i;
     return k;
 }
@@ -251,10 +252,10 @@ static void clean_up(struct forest *f)
 
 /* The tree as lists of neighbours, and what the walk over it makes. */
 struct walk {
-    uint32_t *first; /* [nv + 1] where a vertex's neighbours begin in near */
-    uint32_t *near;  /* [2 nv - 2] */
-    uint32_t *stack; /* [nv] vertices to visit */
-    uint32_t *above; /* [nv] the vertex before it on the walk: its parent */
+    uint32_t *first;  /* [nv + 1] where a vertex's neighbours begin in near */
+    uint32_t *near;   /* [2 nv - 2] */
+    uint32_t *stack;  /* [nv] vertices to visit */
+    uint32_t *above;  /* [nv] the vertex before it on the walk: its parent */
     uint32_t *number; /* [nv + 1] the new number of a vertex */
     struct ivec2 *xy; /* [nv] in new order, as z, out and parent */
     int32_t *z;

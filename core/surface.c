@@ -36,7 +36,8 @@ static inline double height(const struct mesh *m, struct location loc, struct iv
     wc = orient2d(m->xy[a], m->xy[b], q);
     area = orient2d(m->xy[a], m->xy[b], m->xy[c]);
     return m->z[a] + ((double)wb * ((double)m->z[b] - m->z[a]) +
-                      (double)wc * ((double)m->z[c] - m->z[a])) / (double)area;
+                      (double)wc * ((double)m->z[c] - m->z[a])) /
+                         (double)area;
 }
 
 double surface_height(const struct mesh *m, struct location loc, struct ivec2 q)

@@ -88,7 +88,8 @@ static struct ivec3 one_point(enum brute_shape shape, size_t i, size_t n,
         p.x = brute_int(r, 0, 40) * 1000;
         p.y = brute_int(r, 0, 30) * 1000;
         if (i % 2 == 0)
-            *(i % 4 == 0 ? &p.x : &p.y) = brute_int(r, 0, 1) * (i % 4 == 0 ? 40000 : 30000);
+            *(i % 4 == 0 ? &p.x : &p.y) =
+                brute_int(r, 0, 1) * (i % 4 == 0 ? 40000 : 30000);
         break;
     case BRUTE_CLUSTERS:
         p.x = (int32_t)(i % 3) * 5000000 + brute_int(r, 0, 300);
@@ -178,9 +179,9 @@ size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
 
 const char *brute_shape_name(enum brute_shape shape)
 {
-    static const char *const name[BRUTE_SHAPES] = {
-        "random", "small", "lattice", "circle", "hull line", "clusters", "columns",
-        "extreme"};
+    static const char *const name[BRUTE_SHAPES] = {"random",  "small",     "lattice",
+                                                   "circle",  "hull line", "clusters",
+                                                   "columns", "extreme"};
 
     return name[shape];
 }
@@ -510,7 +511,8 @@ static size_t clip(const struct corner *p, size_t n, struct corner *out)
         if ((a->g > 0 && b->g < 0) || (a->g < 0 && b->g > 0)) {
             const double t = a->g / (a->g - b->g);
 
-            out[k++] = (struct corner){a->x + t * (b->x - a->x), a->y + t * (b->y - a->y), 0};
+            out[k++] =
+                (struct corner){a->x + t * (b->x - a->x), a->y + t * (b->y - a->y), 0};
         }
     }
     return k;

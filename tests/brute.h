@@ -16,8 +16,9 @@ struct brute_rng {
 /* brute_seed(name): the test's seed: SEED in the environment, else a fixed one; printed. */
 uint64_t brute_seed(const char *name);
 uint64_t brute_rand(struct brute_rng *r);
-int32_t brute_int(struct brute_rng *r, int32_t lo, int32_t hi); /* lo..hi, both included */
-double brute_real(struct brute_rng *r);                         /* [0, 1) */
+int32_t brute_int(struct brute_rng *r, int32_t lo,
+                  int32_t hi);          /* lo..hi, both included */
+double brute_real(struct brute_rng *r); /* [0, 1) */
 
 /* Shapes of point sets.  All points are distinct in (x, y) and not all on a line. */
 enum brute_shape {

@@ -30,14 +30,14 @@ static void test_cell_by_hand(void **state)
 {
     (void)state;
     assert_true(disparity_cell(6, 0, 0, 0) == 0);
-    assert_true(disparity_cell(6, 2, 2, 2) == 12);  /* prism */
-    assert_true(disparity_cell(6, 1, 2, 3) == 12);  /* cut prism */
-    assert_true(disparity_cell(6, 0, 3, 3) == 12);  /* (a) pyramid over a quadrangle */
-    assert_true(disparity_cell(6, 0, 0, 3) == 6);   /* (b) (c) pyramid over the triangle */
+    assert_true(disparity_cell(6, 2, 2, 2) == 12); /* prism */
+    assert_true(disparity_cell(6, 1, 2, 3) == 12); /* cut prism */
+    assert_true(disparity_cell(6, 0, 3, 3) == 12); /* (a) pyramid over a quadrangle */
+    assert_true(disparity_cell(6, 0, 0, 3) == 6);  /* (b) (c) pyramid over the triangle */
     assert_true(disparity_cell(6, 0, 0, -3) == 6);
-    assert_true(disparity_cell(6, 0, -3, 3) == 6);  /* (d) two pyramids of 3 */
-    assert_true(disparity_cell(6, 0, -1, 3) == 5);  /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
-    assert_true(disparity_cell(6, 1, -1, 1) == 3);  /* (e) (f) 0.5 and a wedge of 2.5 */
+    assert_true(disparity_cell(6, 0, -3, 3) == 6); /* (d) two pyramids of 3 */
+    assert_true(disparity_cell(6, 0, -1, 3) == 5); /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
+    assert_true(disparity_cell(6, 1, -1, 1) == 3); /* (e) (f) 0.5 and a wedge of 2.5 */
     assert_true(disparity_cell(6, -1, 1, -1) == 3);
     /* tip 30 / 3 / 5 = 2 in area, 2 / 3 in volume; the signed volume is 50 */
     assert_true(fabs(disparity_cell(30, 2, -1, 4) - (50 + 4.0 / 3)) < 1e-13);
@@ -279,7 +279,8 @@ static void test_same_points(void **state)
     (void)state;
     for (int round = 0; round < 6; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            const size_t n = brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts_a);
+            const size_t n =
+                brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts_a);
             struct both *p;
             double area, volume;
 
@@ -312,11 +313,11 @@ static void test_planes(void **state)
             struct ivec3 *pts = side == 0 ? pts_a : pts_b;
             const int32_t a = brute_int(&r, -3, 3), b = brute_int(&r, -3, 3);
 
-            n[side] = brute_points(round % 2 == 0 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 50, &r,
-                                   pts);
+            n[side] = brute_points(round % 2 == 0 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 50,
+                                   &r, pts);
             for (int32_t i = 0; i < 4; i++) /* one hull for both */
-                pts[n[side]++] = (struct ivec3){i / 2 * 200000 - 100000,
-                                                i % 2 * 200000 - 100000, 0};
+                pts[n[side]++] =
+                    (struct ivec3){i / 2 * 200000 - 100000, i % 2 * 200000 - 100000, 0};
             for (size_t i = 0; i < n[side]; i++)
                 pts[i].z = a * pts[i].x + b * pts[i].y + 1000 * side;
         }
@@ -338,7 +339,8 @@ static void test_smooth(void **state)
     (void)state;
     for (int side = 0; side < 2; side++)
         for (int i = 0; i < 500; i++) {
-            struct ivec3 q = {brute_int(&r, -60000, 60000), brute_int(&r, -60000, 60000), 0};
+            struct ivec3 q = {brute_int(&r, -60000, 60000), brute_int(&r, -60000, 60000),
+                              0};
 
             q.z = (int32_t)(9000 * cos(q.x * 3e-5) * cos(q.y * 2e-5)) +
                   side * (int32_t)(3000 * sin(q.x * 4e-5));
@@ -360,7 +362,8 @@ static void test_symmetries(void **state)
     for (int round = 0; round < 16; round++) {
         const bool holes = round % 2 == 0;
         const size_t na = brute_points(BRUTE_RANDOM, 150, &r, pts_a);
-        size_t nb = brute_points(round % 4 < 2 ? BRUTE_RANDOM : BRUTE_CLUSTERS, 150, &r, pts_b);
+        size_t nb =
+            brute_points(round % 4 < 2 ? BRUTE_RANDOM : BRUTE_CLUSTERS, 150, &r, pts_b);
         struct both *first, *p;
 
         if (round % 3 == 0) /* some points in both */
@@ -450,7 +453,8 @@ static void test_hole(void **state)
         p = compare(side == 0 ? n : m, side == 0 ? m : n, true);
         assert_true(p->d.volume_mm3 == 0);
         assert_true(p->d.bridged > 100 && p->d.outside == 0);
-        assert_true(p->d.area_mm2 >= 300 * 1e4 && p->d.area_mm2 + p->d.bridged_mm2 == 400 * 1e4);
+        assert_true(p->d.area_mm2 >= 300 * 1e4 &&
+                    p->d.area_mm2 + p->d.bridged_mm2 == 400 * 1e4);
         assert_true(p->d.overlap > (side == 0 ? 0.74 : 0.94));
         drop(p);
         p = compare(side == 0 ? n : m, side == 0 ? m : n, false); /* it would have */
@@ -459,7 +463,8 @@ static void test_hole(void **state)
     }
     {
         const size_t n = grid(pts_a, 21, (struct ivec3){0, 0, 0}, true);
-        struct both *p = compare(n, grid(pts_b, 21, (struct ivec3){50, 50, 9}, true), true);
+        struct both *p =
+            compare(n, grid(pts_b, 21, (struct ivec3){50, 50, 9}, true), true);
 
         /* both have the hole, at other points: the wide cells across it bridge */
         assert_true(p->d.bridged_mm2 > 70 * 1e4);
@@ -475,7 +480,8 @@ static double gap_again(const struct both *p, uint32_t v)
     bool bridged = false, outside = false;
 
     for (int side = 0; side < 2; side++) {
-        const struct one *mine = side == 0 ? &p->a : &p->b, *other = side == 0 ? &p->b : &p->a;
+        const struct one *mine = side == 0 ? &p->a : &p->b,
+                         *other = side == 0 ? &p->b : &p->a;
 
         for (uint32_t w = 0; w < mine->mesh.nv; w++) {
             const struct ivec2 q = mine->mesh.xy[w];
@@ -506,7 +512,8 @@ static void test_classes(void **state)
 
     (void)state;
     for (int round = 0; round < 3 * BRUTE_SHAPES; round++) {
-        const size_t na = brute_points((enum brute_shape)(round % BRUTE_SHAPES), 150, &r, pts_a);
+        const size_t na =
+            brute_points((enum brute_shape)(round % BRUTE_SHAPES), 150, &r, pts_a);
         const size_t nb = brute_points((enum brute_shape)(round / 3), 150, &r, pts_b);
         struct both *p;
         long double volume = 0;
@@ -530,7 +537,8 @@ static void test_classes(void **state)
             for (int i = 0; i < 3; i++) {
                 g[i] = gap_again(p, v[i]);
                 spread += (double)p->vertex[v[i]].spacing;
-                assert_memory_equal(&g[i], &p->vertex[v[i]].gap, isnan(g[i]) ? 0 : sizeof g[i]);
+                assert_memory_equal(&g[i], &p->vertex[v[i]].gap,
+                                    isnan(g[i]) ? 0 : sizeof g[i]);
                 assert_int_equal(isnan(g[i]) != 0, isnan(p->vertex[v[i]].gap) != 0);
             }
             if (isnan(g[0] + g[1] + g[2])) {
@@ -545,7 +553,8 @@ static void test_classes(void **state)
 
                 cells++;
                 common += twice;
-                volume += (long double)disparity_cell(0.5 * (double)twice, g[0], g[1], g[2]);
+                volume +=
+                    (long double)disparity_cell(0.5 * (double)twice, g[0], g[1], g[2]);
             }
         }
         assert_int_equal(p->d.cells, cells);
@@ -649,8 +658,8 @@ static void test_weight(void **state)
     measure(p, &half, 1); /* the centroid of the right cell alone lies beyond x = 6 */
     assert_true(close_to(p->d.weighted_mm, 70 / 3.0));
     measure(p, &tilted, 1); /* at (6, 2) (6, 10) (10, 6) (2, 6) */
-    assert_true(close_to(p->d.weighted_mm,
-                         (10 * 50 + 26 * 50 + 22 * 70 + 14 * 30) / (3.0 * 72)));
+    assert_true(
+        close_to(p->d.weighted_mm, (10 * 50 + 26 * 50 + 22 * 70 + 14 * 30) / (3.0 * 72)));
     drop(p);
 }
 

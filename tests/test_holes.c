@@ -98,7 +98,8 @@ static void test_marks(void **state)
     (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
-        const double measured = make(&m, brute_points((enum brute_shape)shape, 300, &r, pts));
+        const double measured =
+            make(&m, brute_points((enum brute_shape)shape, 300, &r, pts));
         int64_t twice = 0;
 
         for (uint32_t t = 0; t < m.nt; t++) {
@@ -217,12 +218,9 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spacing),
-        cmocka_unit_test(test_marks),
-        cmocka_unit_test(test_block),
-        cmocka_unit_test(test_outline),
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_spacing), cmocka_unit_test(test_marks),
+        cmocka_unit_test(test_block),   cmocka_unit_test(test_outline),
+        cmocka_unit_test(test_random),  cmocka_unit_test(test_no_memory),
     };
 
     seed = brute_seed("test_holes");

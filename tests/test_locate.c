@@ -56,10 +56,12 @@ static void check_location(const struct mesh *m, struct location at, struct ivec
     c = m->xy[m->org[mesh_prev(at.he)]];
     switch (at.where) {
     case LOCATE_INSIDE:
-        assert_true(orient2d(a, b, q) > 0 && orient2d(b, c, q) > 0 && orient2d(c, a, q) > 0);
+        assert_true(orient2d(a, b, q) > 0 && orient2d(b, c, q) > 0 &&
+                    orient2d(c, a, q) > 0);
         break;
     case LOCATE_EDGE:
-        assert_true(orient2d(a, b, q) == 0 && orient2d(b, c, q) > 0 && orient2d(c, a, q) > 0);
+        assert_true(orient2d(a, b, q) == 0 && orient2d(b, c, q) > 0 &&
+                    orient2d(c, a, q) > 0);
         break;
     case LOCATE_VERTEX:
         assert_true(same_xy(a, q));
@@ -167,7 +169,8 @@ static void check_path(const struct path *p)
         if (cut)
             assert_true(p->seen[t]);
         else if (p->seen[t] && p->n > 1)
-            assert_true(touch || t == p->last || brute_locate(m, p->from).where == LOCATE_EDGE);
+            assert_true(touch || t == p->last ||
+                        brute_locate(m, p->from).where == LOCATE_EDGE);
     }
 }
 
@@ -226,7 +229,8 @@ static void test_outside(void **state)
                     continue;
                 for (uint32_t v = 0; v < m.nv; v++) {
                     const struct location from = brute_locate(&m, m.xy[v]);
-                    const struct location at = locate_point(&m, from.he, m.xy[v], q, NULL);
+                    const struct location at =
+                        locate_point(&m, from.he, m.xy[v], q, NULL);
 
                     if (v == 0)
                         check_location(&m, at, q);
@@ -248,8 +252,10 @@ static void test_mesh(void **state)
     (void)state;
     for (int round = 0; round < 12; round++)
         for (int pair = 0; pair < BRUTE_SHAPES * BRUTE_SHAPES; pair++) {
-            struct mesh in = make((enum brute_shape)(pair / BRUTE_SHAPES), 3 + brute_rand(&r) % 80, &r);
-            struct mesh pts = make((enum brute_shape)(pair % BRUTE_SHAPES), 3 + brute_rand(&r) % 80, &r);
+            struct mesh in = make((enum brute_shape)(pair / BRUTE_SHAPES),
+                                  3 + brute_rand(&r) % 80, &r);
+            struct mesh pts = make((enum brute_shape)(pair % BRUTE_SHAPES),
+                                   3 + brute_rand(&r) % 80, &r);
 
             disturb(&in, round, &r);
             pts.parent[0] = 0;
@@ -281,9 +287,9 @@ static void test_by_hand(void **state)
         {{10, 9}, LOCATE_EDGE, {10, 0}, {10, 10}},
         {{12, 5}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},
         {{5, -1}, LOCATE_OUTSIDE, {0, 0}, {10, 0}},
-        {{20, 10}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},  /* nearest: a corner */
-        {{20, 20}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},  /* the edge that ends there */
-        {{10, 20}, LOCATE_OUTSIDE, {10, 10}, {0, 10}},  /* which does not face q here */
+        {{20, 10}, LOCATE_OUTSIDE, {10, 0}, {10, 10}}, /* nearest: a corner */
+        {{20, 20}, LOCATE_OUTSIDE, {10, 0}, {10, 10}}, /* the edge that ends there */
+        {{10, 20}, LOCATE_OUTSIDE, {10, 10}, {0, 10}}, /* which does not face q here */
         {{-3, -3}, LOCATE_OUTSIDE, {0, 10}, {0, 0}},
     };
     struct mesh m = {0};
@@ -362,10 +368,8 @@ static void test_linear(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_point),
-        cmocka_unit_test(test_outside),
-        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_by_hand), cmocka_unit_test(test_point),
+        cmocka_unit_test(test_outside), cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_linear),
     };
 

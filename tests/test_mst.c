@@ -52,8 +52,9 @@ static void check_tree(const struct mesh *m, const struct mesh *before)
         const uint32_t a = m->org[h], b = before->org[h];
 
         assert_int_equal(m->twin[h], before->twin[h]);
-        assert_true(a == m->nv ? b == m->nv
-                               : m->xy[a].x == before->xy[b].x && m->xy[a].y == before->xy[b].y);
+        assert_true(a == m->nv
+                        ? b == m->nv
+                        : m->xy[a].x == before->xy[b].x && m->xy[a].y == before->xy[b].y);
     }
     for (uint32_t v = 0; v <= m->nv; v++)
         assert_int_equal(m->org[m->out[v]], v);
@@ -82,7 +83,8 @@ static void test_against_prim(void **state)
     for (int round = 0; round < 30; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = {0}, before = {0};
-            const size_t n = brute_points((enum brute_shape)shape, 3 + brute_rand(&r) % 90, &r, pts);
+            const size_t n =
+                brute_points((enum brute_shape)shape, 3 + brute_rand(&r) % 90, &r, pts);
 
             brute_delaunay(pts, n, &m);
             for (int i = 0; round % 2 != 0 && i < 100; i++) /* not Delaunay any more */
@@ -143,7 +145,8 @@ static void test_check(void **state)
     brute_delaunay(pts, brute_points(BRUTE_RANDOM, 60, &r, pts), &m);
     assert_int_equal(mst_build(&m, &s), ST_OK);
     for (uint32_t h = 0; h < 3 * m.nt; h++) {
-        const uint32_t u = mesh_dest(&m, h), v = m.org[h], keep = v < m.nv ? m.parent[v] : 0;
+        const uint32_t u = mesh_dest(&m, h), v = m.org[h],
+                       keep = v < m.nv ? m.parent[v] : 0;
 
         if (v >= m.nv || u >= v || u == keep)
             continue;
@@ -178,7 +181,8 @@ static void test_deep_and_large(void **state)
         assert_int_equal(m.parent[v], v - 1);
     assert_int_equal(mst_check(&m), ST_OK);
     for (size_t i = 0; i < n; i++)
-        many[i] = (struct ivec3){brute_int(&r, -999999, 999999), brute_int(&r, -99999, 99999), 0};
+        many[i] = (struct ivec3){brute_int(&r, -999999, 999999),
+                                 brute_int(&r, -99999, 99999), 0};
     assert_int_equal(delaunay_build(many, n, &s, &m), ST_OK);
     assert_int_equal(mst_build(&m, &s), ST_OK);
     assert_int_equal(mesh_check(&m, true), ST_OK);
@@ -217,10 +221,8 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_prim),
-        cmocka_unit_test(test_canonical),
-        cmocka_unit_test(test_check),
-        cmocka_unit_test(test_deep_and_large),
+        cmocka_unit_test(test_against_prim), cmocka_unit_test(test_canonical),
+        cmocka_unit_test(test_check),        cmocka_unit_test(test_deep_and_large),
         cmocka_unit_test(test_no_memory),
     };
 

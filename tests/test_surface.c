@@ -32,14 +32,16 @@ static void test_plane(void **state)
     for (int round = 0; round < 20; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
-            const size_t n = brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts);
+            const size_t n =
+                brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts);
             struct mesh m = {0};
 
             for (size_t i = 0; i < n; i++)
                 pts[i].z = a * pts[i].x + b * pts[i].y + 17;
             brute_delaunay(pts, n, &m);
             for (int k = 0; k < 60; k++) {
-                const struct ivec2 u = m.xy[brute_rand(&r) % n], v = m.xy[brute_rand(&r) % n];
+                const struct ivec2 u = m.xy[brute_rand(&r) % n],
+                                   v = m.xy[brute_rand(&r) % n];
                 const struct ivec2 q = {(u.x + v.x) / 2, (u.y + v.y) / 2};
 
                 if (brute_locate(&m, q).where == LOCATE_OUTSIDE)
