@@ -7,7 +7,8 @@
 /* Default threshold: about one impostor in 1,000 has a disparity at or below it. */
 extern const double decision_threshold_mm;
 
-/* A comparison over less than this share of the template's measured area says nothing. */
+/* A comparison over less than this share of the template's measured area, or of its weight
+ * (weight.h), says nothing. */
 extern const double decision_min_overlap;
 
 /* decision_fmr(disparity_mm): the share of impostor comparisons with a disparity at or

@@ -202,9 +202,11 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
     if (t.common > 0)
         out->plain_mm = sum_total(&t.volume) / (3 * t.common) / per_mm;
     out->weighted_mm = out->plain_mm;
+    out->weight_mm2 = out->area_mm2;
     if (weight != NULL) {
         const double weights = sum_total(&t.weights);
 
+        out->weight_mm2 = 0.5 * weights * mm2;
         out->weighted_mm =
             weights > 0 ? sum_total(&t.weighted) / (3 * weights) / per_mm : 0;
     }

@@ -138,7 +138,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     const double start = clock_ms != NULL ? clock_ms() : 0;
     struct weight_face rigid;
     struct disparity_weight u;
-    double aligned;
+    double aligned, total, share;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -156,10 +156,15 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : decision_threshold_mm;
     out->disparity_mm = out->measure.weighted_mm;
     out->fmr_at_score = out->measure.cells > 0 ? decision_fmr(out->disparity_mm) : 1;
-    if (out->align.stop == ALIGN_APART || out->measure.overlap < decision_min_overlap)
+    total = weight_total(&a, &u);
+    share = total > 0 ? out->measure.weight_mm2 / total : 0;
+    out->weight_overlap = share < 1 ? share : 1;
+    if (out->align.stop == ALIGN_APART || out->measure.overlap < decision_min_overlap ||
+        out->weight_overlap < decision_min_overlap)
         out->decision = FACE_INCONCLUSIVE;
     else
-        out->decision = out->disparity_mm <= out->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+        out->decision =
+            out->disparity_mm <= out->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
     return ST_OK;
 }
 

@@ -30,7 +30,7 @@ struct face {
     int32_t *raw;    /* [nv] heights as scanned; the mesh's have the spikes laid flat */
     double measured; /* square lattice units */
     struct face_quality quality;
-    void *block; /* holds spacing, raw and bridge */
+    void *block;  /* holds spacing, raw and bridge */
     uint32_t cap; /* points block has room for */
 };
 
@@ -65,11 +65,14 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double disparity_mm;  /* the weighted disparity the decision was taken on */
+    double disparity_mm; /* the weighted disparity the decision was taken on */
     double threshold_mm;
-    double fmr_at_score;  /* share of impostors at or below disparity_mm */
+    double weight_overlap; /* share of the template's weight (weight.h) that lies in the
+                              common area, 0..1 */
+    double fmr_at_score;   /* share of impostors at or below disparity_mm */
     struct disparity measure;
-    struct align_result align; /* transform probe -> template, evaluations, why it stopped */
+    struct align_result
+        align; /* transform probe -> template, evaluations, why it stopped */
     double align_ms, measure_ms; /* by the caller's clock; 0 without one */
 };
 

@@ -2,6 +2,9 @@
 
 #include "align_pose.h"
 #include "lattice.h"
+#include "measure.h"
+#include "mesh.h"
+#include "predicates.h"
 
 #define FLOOR    0.05
 #define BELOW_MM 10.0 /* this far beneath the nose tip the weight has halved */
@@ -26,4 +29,23 @@ struct disparity_weight weight_of(const struct measure_surface *tmpl,
     w->nose_x = frame.nose.x * LATTICE_PER_MM;
     w->nose_y = frame.nose.y * LATTICE_PER_MM;
     return (struct disparity_weight){at, w};
+}
+
+double weight_total(const struct measure_surface *tmpl, const struct disparity_weight *u)
+{
+    const struct mesh *m = tmpl->mesh;
+    double sum = 0.0;
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        struct ivec2 a, b, c;
+
+        if (tmpl->bridge[t])
+            continue;
+        a = m->xy[m->org[3 * t]];
+        b = m->xy[m->org[3 * t + 1]];
+        c = m->xy[m->org[3 * t + 2]];
+        sum += (double)orient2d(a, b, c) * u->at(u->arg, ((double)a.x + b.x + c.x) / 3.0,
+                                                 ((double)a.y + b.y + c.y) / 3.0);
+    }
+    return 0.5 * sum / (LATTICE_PER_MM * LATTICE_PER_MM);
 }

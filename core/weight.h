@@ -18,4 +18,8 @@ struct weight_face {
 struct disparity_weight weight_of(const struct measure_surface *tmpl,
                                   struct weight_face *w);
 
+/* weight_total(tmpl, u): the sum of u over what was measured of the template, mm^2.
+ * O(nt). */
+double weight_total(const struct measure_surface *tmpl, const struct disparity_weight *u);
+
 #endif

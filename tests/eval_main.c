@@ -272,7 +272,8 @@ static void run_probe(int p, int per_probe, struct face_work *w)
     if (r.disparity_mm > 0) {
         pose_error[k][npose[k]] = angle(&scans[p], &scans[e], r.align.transform);
         align_ms[k][npose[k]] = r.align_ms;
-        overlap[k][npose[k]] = r.measure.overlap;
+        overlap[k][npose[k]] =
+            r.measure.overlap < r.weight_overlap ? r.measure.overlap : r.weight_overlap;
         measure_ms[k][npose[k]++] = r.measure_ms;
         exact_count[k] += r.align.exact;
     }
@@ -373,9 +374,9 @@ static void report(void)
         for (int i = 0; i < n; i++)
             beyond += pose_error[k][i] > 3;
         printf("%-4s %5d  %10.2f  %8.2f  %7d  %8.2f  %9.2f  %5.2f  %13.2f\n", names[k], n,
-               mid, value_at(pose_error[k], n, 0.9), beyond, value_at(align_ms[k], n, 0.5),
-               value_at(measure_ms[k], n, 0.5), n > 0 ? exact_count[k] / n : 0,
-               value_at(overlap[k], n, 0));
+               mid, value_at(pose_error[k], n, 0.9), beyond,
+               value_at(align_ms[k], n, 0.5), value_at(measure_ms[k], n, 0.5),
+               n > 0 ? exact_count[k] / n : 0, value_at(overlap[k], n, 0));
     }
     printf(
         "\n%zu genuine, %zu impostor comparisons; threshold %.4f mm accepts %.3f %% of "

@@ -417,6 +417,36 @@ static void test_apart(void **state)
     face_free(&a);
 }
 
+/* The brow and forehead alone fit many: too little of the template's weight to say. */
+static void test_partial(void **state)
+{
+    struct face a = {0}, b = {0};
+
+    (void)state;
+    for (uint64_t who = 90; who < 93; who++) {
+        struct facegen_scan s;
+        struct face_result r;
+        size_t n, kept = 0;
+
+        enroll(90, &a);
+        facegen_default(&s);
+        n = sample(&s, who, 2, points);
+        for (size_t i = 0; i < n; i++)
+            if (points[i].y > 45)
+                points[kept++] = points[i];
+        build(points, kept, &b);
+        assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+        assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+        n = sample(&s, who, 2, points);
+        build(points, n, &b);
+        assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+        assert_int_equal(r.decision, who == 90 ? FACE_MATCH : FACE_NO_MATCH);
+        assert_true(r.weight_overlap > 0.5 && r.weight_overlap <= 1);
+    }
+    face_free(&a);
+    face_free(&b);
+}
+
 /* The n-th allocation fails, for every n until none does. */
 static void test_memory(void **state)
 {
@@ -465,6 +495,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_mirror_and_translation),
         cmocka_unit_test(test_minimum),
         cmocka_unit_test(test_apart),
+        cmocka_unit_test(test_partial),
         cmocka_unit_test(test_memory),
     };
     int failed;
