@@ -44,7 +44,7 @@ struct disparity {
     double area_mm2;    /* their area */
     double plain_mm;    /* volume / area; 0 when the area is 0 */
     double weighted_mm; /* sum of u |gap| / sum of u over the same cells, or 0 */
-    double weight_mm2;   /* sum of u over the common cells; area_mm2 without a weight */
+    double weight_mm2;  /* sum of u over the common cells; area_mm2 without a weight */
     double overlap;     /* area over a's measured area, 0..1 */
     double bridged_mm2; /* area left out because a side only bridges missing points */
     double outside_mm2; /* area of the cells not wholly inside both hulls */
