@@ -18,8 +18,9 @@
 #define STRIDE   2    /* every so many vertices of either mesh are samples */
 #define SOFT_MM  0.03 /* |gap| is rounded off below this */
 #define DAMPING  1e-4
-#define WORTH    5e-3 /* a promised gain below this share is not worth measuring */
-#define LEVER_MM 80.0 /* centre of turns behind the surface, as in the search */
+#define WORTH    5e-3   /* a promised gain below this share, or below WORTH_MM, is not */
+#define WORTH_MM 1.5e-3 /* worth measuring */
+#define LEVER_MM 80.0   /* centre of turns behind the surface, as in the search */
 
 struct sample {
     double j[6], gap, weight;
@@ -170,28 +171,28 @@ enum status align_finish(const struct measure_surface *tmpl,
                          const struct disparity_weight *u, struct measure_work *w,
                          struct align_result *io, struct disparity *out)
 {
-    struct align_frame frame;
     struct align_pose pose;
+    struct dvec3 centre;
     enum status st = measure_at(tmpl, probe, io->transform, u, w, out);
 
     io->exact = 1;
     if (st != ST_OK || io->stop == ALIGN_APART || out->cells == 0)
         return st;
     io->stop = ALIGN_STEPS;
-    align_pose_frame(tmpl, &frame);
-    frame.centre.z -= LEVER_MM;
+    centre = align_pose_centre(tmpl->mesh);
+    centre.z -= LEVER_MM;
     align_pose_from_matrix(io->transform, &pose);
     while (io->exact < ALIGN_MAX_EXACT) {
-        double x[6], gain = promise(tmpl, u, w, frame.centre, x), matrix[16];
+        double x[6], gain = promise(tmpl, u, w, centre, x), matrix[16];
         struct disparity next;
 
         if (gain < 0.0)
             return ST_ENOMEM;
-        if (gain < WORTH) {
+        if (gain < WORTH || gain * out->weighted_mm < WORTH_MM) {
             io->stop = ALIGN_CONVERGED;
             break;
         }
-        align_pose_move(&pose, frame.centre, x);
+        align_pose_move(&pose, centre, x);
         align_pose_to_matrix(&pose, matrix);
         if ((st = measure_at(tmpl, probe, matrix, u, w, &next)) != ST_OK)
             return st;

@@ -210,18 +210,26 @@ static struct dvec3 nose_of(const struct mesh *m, const struct align_frame *f)
     return (struct dvec3){sum.x / n, sum.y / n, sum.z / n};
 }
 
+struct dvec3 align_pose_centre(const struct mesh *m)
+{
+    int64_t x = 0, y = 0, z = 0;
+    const double unit = 1.0 / (LATTICE_PER_MM * m->nv);
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        x += m->xy[v].x;
+        y += m->xy[v].y;
+        z += m->z[v];
+    }
+    return (struct dvec3){(double)x * unit, (double)y * unit, (double)z * unit};
+}
+
 void align_pose_frame(const struct measure_surface *s, struct align_frame *f)
 {
     const struct mesh *m = s->mesh;
-    struct dvec3 sum = {0.0, 0.0, 0.0}, axis[3];
+    struct dvec3 axis[3];
     double c[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
-    for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 p = vertex_mm(m, v);
-
-        sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
-    }
-    f->centre = (struct dvec3){sum.x / m->nv, sum.y / m->nv, sum.z / m->nv};
+    f->centre = align_pose_centre(m);
     for (uint32_t v = 0; v < m->nv; v++) {
         const struct dvec3 d = sub(vertex_mm(m, v), f->centre);
 

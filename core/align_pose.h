@@ -5,6 +5,7 @@
 #include "vec.h"
 
 struct measure_surface; /* measure.h */
+struct mesh;            /* mesh.h */
 
 /* p -> r p + t, r a rotation (row-major), millimetres. */
 struct align_pose {
@@ -38,6 +39,9 @@ struct align_frame {
                              y the greatest, both turned towards the scanner's */
     struct dvec3 nose; /* the mean of the points that stick out most along axis[2] */
 };
+
+/* align_pose_centre(m): the mean of the points, mm.  O(nv). */
+struct dvec3 align_pose_centre(const struct mesh *m);
 
 /* align_pose_frame(s, f): O(nv). */
 void align_pose_frame(const struct measure_surface *s, struct align_frame *f);
