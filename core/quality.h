@@ -17,11 +17,12 @@ struct scratch; /* mem.h */
  * not matter.  O(n).  Returns ST_OK, ST_EUNITS, ST_ENOMEM.  n >= 1. */
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s);
 
-/* quality_spikes(m, s): find the points that stand out of the surface alone (most
- * of their neighbours lie on one side, further off in height than any face is steep) and
- * lay each on the median height of its neighbours that are none: the surface then runs as
- * if they had been left out, without triangulating again.  O(m->nv).
- * Returns ST_OK, ST_ENOMEM. */
+/* quality_spikes(m, s): find the points that stand out of the surface alone, and lay each
+ * on the median height of its neighbours that do not: the surface then runs as if they had
+ * been left out, without triangulating again.  A point stands out when it differs in height
+ * by more than 1 mm and 45 degrees from three quarters of its neighbours, all to one side,
+ * one of them its neighbour in the spanning tree (so that few points are looked at).
+ * O(m->nv).  Returns ST_OK, ST_ENOMEM. */
 enum status quality_spikes(struct mesh *m, struct scratch *s);
 
 /* quality_rate(f, s): fill f->quality from the model (mesh, tree and holes are there) and
