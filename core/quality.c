@@ -15,6 +15,7 @@
 #define RELIEF_MIN (3 * LATTICE_PER_MM) /* root mean square from the best plane */
 #define NOISE_MAX  3.0                  /* mm */
 #define COVER_MIN  0.1
+#define SPIKES_MAX 0.1 /* share of the points laid flat; beyond it the noise hides in them */
 
 /* A spike rises from each neighbour by more than this: 1 mm, and steeper than 45 degrees. */
 #define SPIKE_STEP INT64_C(1000)
@@ -274,7 +275,10 @@ enum status quality_rate(struct face *f, struct scratch *s)
     const double area = hull_area(m);
     struct face_quality *q = &f->quality;
     double *r, rough, dense, smooth;
+    uint32_t laid = 0;
 
+    for (uint32_t v = 0; v < m->nv; v++)
+        laid += f->raw[v] != m->z[v];
     if ((r = scratch_need(s, (m->nv / NOISE_STRIDE + 1) * sizeof *r)) == NULL)
         return ST_ENOMEM;
     rough = relief(m);
@@ -286,7 +290,7 @@ enum status quality_rate(struct face *f, struct scratch *s)
     q->score = fmin(q->coverage, fmin(dense, smooth));
     if (rough < RELIEF_MIN)
         return ST_ENOTFACE;
-    if (q->noise_mm > NOISE_MAX || q->coverage < COVER_MIN)
+    if (q->noise_mm > NOISE_MAX || laid > SPIKES_MAX * m->nv || q->coverage < COVER_MIN)
         return ST_EQUALITY;
     return ST_OK;
 }

@@ -285,6 +285,18 @@ static void test_not_face(void **state)
     }
 }
 
+static void test_noise(void **state)
+{
+    static struct cloud c;
+    struct brute_rng r = {brute_seed("noise")};
+
+    (void)state;
+    scan(4, 6, POINTS, &c);
+    for (size_t i = 0; i < c.n; i++)
+        c.pts[i].z += 30 * (brute_real(&r) - 0.5);
+    refused(&c, ST_EQUALITY);
+}
+
 /* Single points thrown far off are laid flat: the scan compares as if it had none. */
 static void test_spikes(void **state)
 {
@@ -638,6 +650,7 @@ int main(void)
         cmocka_unit_test(test_too_few),      cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_limit),        cmocka_unit_test(test_degenerate),
         cmocka_unit_test(test_units),        cmocka_unit_test(test_not_face),
+        cmocka_unit_test(test_noise),
         cmocka_unit_test(test_spikes),       cmocka_unit_test(test_permutation),
         cmocka_unit_test(test_identity),     cmocka_unit_test(test_people),
         cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
