@@ -18,8 +18,6 @@
 #include "mesh.h"
 #include "predicates.h"
 
-#define NONE UINT32_MAX
-
 /* Steps and flips a point may cost on average before merging starts from scratch.  Two
  * scans of a face need about 6. */
 #define WORK_PER_POINT 40

@@ -15,7 +15,7 @@
 #define RELIEF_MIN (3 * LATTICE_PER_MM) /* root mean square from the best plane */
 #define NOISE_MAX  3.0                  /* mm */
 #define COVER_MIN  0.1
-#define SPIKES_MAX 0.1 /* share of the points laid flat; beyond it the noise hides in them */
+#define SPIKES_MAX 0.25 /* share of the points laid flat; beyond it noise hides in them */
 
 /* A spike rises from each neighbour by more than this: 1 mm, and steeper than 45 degrees. */
 #define SPIKE_STEP INT64_C(1000)
