@@ -13,12 +13,16 @@
 #include <cmocka.h>
 
 #include "align.h"
+#include "align_field.h"
 #include "align_pose.h"
 #include "align_solve.h"
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
+#include "locate.h"
 #include "measure.h"
+#include "mem.h"
+#include "surface.h"
 #include "weight.h"
 
 #define MAX_POINTS 3000
@@ -192,6 +196,44 @@ static void test_pose(void **state)
     align_pose_to_matrix(&pose, m);
     align_pose_from_matrix(m, &back);
     assert_memory_equal(&pose, &back, sizeof pose);
+}
+
+/* One point at a time, thrown about: the gap against a scan of all triangles, and no gap
+ * outside the hull. */
+static void test_field(void **state)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct face f = {0};
+    struct brute_rng rng = {seed + 4};
+    struct measure_surface s;
+    struct align_field field;
+    struct align_cell *cells;
+    struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
+
+    (void)state;
+    enroll(5, &f);
+    s = surface_of(&f);
+    memset(f.bridge, 0, f.mesh.nt);
+    assert_non_null(cells = mem_array(align_field_bytes(f.mesh.nt), 1));
+    align_field_make(&s, NULL, cells, &field);
+    for (int i = 0; i < 2000; i++) {
+        const struct ivec2 q = {brute_int(&rng, -120000, 120000),
+                                brute_int(&rng, -150000, 150000)};
+        const struct location loc = brute_locate(&f.mesh, q);
+        struct align_sum sum;
+
+        p.p = (struct dvec3){q.x / 1000.0, q.y / 1000.0, -30};
+        align_field_sum(&field, &p, 1, 1, &still, p.p, ALIGN_LOSS_VOLUME, &sum);
+        if (loc.where == LOCATE_OUTSIDE) {
+            assert_true(sum.within == 0 && sum.cost == (double)INFINITY);
+        } else {
+            const double gap = fabs(-30 - surface_height(&f.mesh, loc, q) / 1000);
+
+            assert_true(sum.within == 1 && fabs(sum.cost - gap) < 1e-3);
+        }
+    }
+    mem_free(cells);
+    face_free(&f);
 }
 
 /* Probes of the same person, turned and shifted up to the bounds. */
@@ -488,6 +530,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_solve),
         cmocka_unit_test(test_solve_plane),
         cmocka_unit_test(test_pose),
+        cmocka_unit_test(test_field),
         cmocka_unit_test(test_finds_pose),
         cmocka_unit_test(test_holes_and_spikes),
         cmocka_unit_test(test_start_does_not_matter),
