@@ -147,17 +147,27 @@ static inline void pair_half(struct table *t, uint32_t h, uint32_t a, uint32_t b
     t->twin[other] = h;
 }
 
+/* What waits is left, too.  Few do: four places are looked at together. */
+static void collect(struct table *t)
+{
+    for (uint32_t i = 0; i <= t->mask; i += 4) {
+        if ((t->edge[i] | t->edge[i + 1] | t->edge[i + 2] | t->edge[i + 3]) == 0)
+            continue;
+        for (uint32_t k = i; k < i + 4; k++) {
+            t->list[t->left] = t->half[k];
+            t->left += t->edge[k] != 0;
+            t->edge[k] = 0;
+        }
+    }
+}
+
 /* Pair what is left, round by round. */
 static enum status pair_rest(const uint32_t *org, struct table *t)
 {
     for (int round = 0; round < ROUNDS; round++) {
         uint32_t n;
 
-        for (uint32_t i = 0; i <= t->mask; i++) { /* what waits is left, too */
-            t->list[t->left] = t->half[i];
-            t->left += t->edge[i] != 0;
-            t->edge[i] = 0;
-        }
+        collect(t);
         if ((n = t->left) == 0)
             return ST_OK;
         t->salt = t->salt * UINT64_C(0x9e3779b97f4a7c15) + 1;
@@ -236,7 +246,7 @@ enum status mesh_link(struct mesh *m, struct scratch *s)
         !indices_below(m->org + 3 * ghosts, 3 * (m->nt - ghosts), m->nv) ||
         !check_real(m, ghosts))
         return ST_ECORRUPT;
-    while (t.mask < m->nv / 2)
+    while (t.mask < m->nv)
         t.mask = 2 * t.mask + 1;
     places = t.mask + (size_t)1;
     edge = mem_round(places * sizeof *t.edge);
