@@ -17,59 +17,11 @@
 #define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
 #define APPLICATION 0x53524644  /* application_id in schema.sql */
 
-#define TEMPLATE_COLUMNS                                                                 \
-    "t.id, s.id, t.label, t.created, t.digest, t.engine, t.points, t.triangles, "        \
-    "t.quality, t.coverage, t.density_mm, t.noise_mm"
-#define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
-#define SUBJECT_COLUMNS                                                                  \
-    "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
-
-static const char *const sql_text[SQL_COUNT] = {
-    [SQL_BEGIN] = "BEGIN IMMEDIATE",
-    [SQL_COMMIT] = "COMMIT",
-    [SQL_ROLLBACK] = "ROLLBACK",
-    [SQL_VERSION] = "PRAGMA user_version",
-    [SQL_SUBJECT_FIND] = "SELECT subject_key FROM subjects WHERE id = ?1",
-    [SQL_SUBJECT_ADD] = "INSERT INTO subjects (id, created) VALUES (?1, ?2)",
-    [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id = ?1",
-    [SQL_SUBJECT_LIST] =
-        "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id > ?1 ORDER BY id LIMIT ?2",
-    [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
-    [SQL_TEMPLATE_ADD] =
-        "INSERT INTO templates (id, subject_key, label, created, digest, engine, points, "
-        "triangles, quality, coverage, density_mm, noise_mm, model) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
-    [SQL_TEMPLATE_GET] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM " WHERE t.id = ?1",
-    [SQL_TEMPLATE_LOAD] =
-        "SELECT " TEMPLATE_COLUMNS ", t.model" TEMPLATE_FROM " WHERE t.id = ?1",
-    [SQL_TEMPLATE_SAME] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
-                          " WHERE t.subject_key = ?1 AND t.digest = ?2",
-    [SQL_TEMPLATE_LIST] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
-                          " WHERE t.subject_key = ?1 ORDER BY t.template_key",
-    [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model, t.template_key "
-                          "FROM templates t LEFT JOIN subjects s USING (subject_key) "
-                          "ORDER BY t.template_key",
-    [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
-    [SQL_EVENT_ADD] =
-        "INSERT INTO events (at, kind, actor, subject, template_id, outcome) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-    [SQL_TOKEN_ADD] =
-        "INSERT INTO tokens (id, name, hash, created) VALUES (?1, ?2, ?3, ?4)",
-    [SQL_TOKEN_LIST] = "SELECT id, name, created, revoked FROM tokens ORDER BY token_key",
-    [SQL_TOKEN_REVOKE] =
-        "UPDATE tokens SET revoked = coalesce(revoked, ?2) WHERE id = ?1",
-    [SQL_TOKEN_FIND] =
-        "SELECT id, name, created, revoked, hash FROM tokens WHERE hash = ?1",
-    [SQL_STATS] = "SELECT (SELECT count(*) FROM subjects), count(*), "
-                  "coalesce(sum(points), 0), coalesce(sum(length(model)), 0), "
-                  "(SELECT count(*) FROM events), (SELECT count(*) FROM tokens) "
-                  "FROM templates",
-};
-
 struct sqlite_store {
     struct store base;
     char *path;
-    int flags; /* of sqlite3_open_v2() for readers */
+    char *reading; /* what readers open: the path, or a URI */
+    int flags;     /* with these */
 
     pthread_mutex_t write_lock;
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
@@ -141,7 +93,7 @@ enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_
 {
     *stmt = NULL;
     if (c->stmt[sql] == NULL &&
-        sqlite3_prepare_v3(c->db, sql_text[sql], -1, SQLITE_PREPARE_PERSISTENT,
+        sqlite3_prepare_v3(c->db, store_sqlite_sql[sql], -1, SQLITE_PREPARE_PERSISTENT,
                            &c->stmt[sql], NULL) != SQLITE_OK)
         return store_sqlite_fail(c, "cannot prepare a statement", e);
     *stmt = c->stmt[sql];
@@ -254,7 +206,7 @@ out:
 static enum status open_query(struct sqlite_store *q, struct store_sqlite_conn **c,
                               struct errinfo *e)
 {
-    enum status st = conn_open(q->path, q->flags, c, e);
+    enum status st = conn_open(q->reading, q->flags, c, e);
 
     if (st == ST_OK &&
         sqlite3_exec((*c)->db, "PRAGMA query_only=ON", NULL, NULL, NULL) != SQLITE_OK) {
@@ -469,7 +421,8 @@ static enum status check_file(const char *path, enum store_mode mode, bool *made
     }
     if (!S_ISREG(sb.st_mode))
         return errinfo_set(e, ST_EINVAL, "%s is not a file", path);
-    if (access(path, mode == STORE_READ ? R_OK : R_OK | W_OK) != 0)
+    if (faccessat(AT_FDCWD, path, mode == STORE_READ ? R_OK : R_OK | W_OK, AT_EACCESS) !=
+        0)
         return errinfo_set(e, ST_EIO, "cannot %s %s: %s",
                            mode == STORE_READ ? "read" : "write", path, strerror(errno));
     return ST_OK;
@@ -531,8 +484,49 @@ static void sqlite_close(struct store *s)
     (void)pthread_cond_destroy(&q->read_free);
     (void)pthread_mutex_destroy(&q->read_lock);
     (void)pthread_mutex_destroy(&q->write_lock);
+    free(q->reading);
     free(q->path);
     free(q);
+}
+
+/* How readers open the database.  The last to close it brings in its log and removes it,
+ * and has to be able to write for that; query_only keeps it from changing anything else.
+ * Who may not write the file must not make a log for it either, which those who may could
+ * then not write: where there is none, the file is read as one that nobody changes. */
+static bool choose_reading(struct sqlite_store *q, enum store_mode mode)
+{
+    static const char hex[] = "0123456789ABCDEF";
+    const size_t n = strlen(q->path);
+    char *to = malloc(3 * n + sizeof "file:?immutable=1-wal");
+    bool frozen;
+
+    if ((q->reading = to) == NULL)
+        return false;
+    (void)snprintf(to, n + sizeof "-wal", "%s-wal", q->path);
+    frozen = mode == STORE_READ && access(to, F_OK) != 0;
+    (void)snprintf(to, n + 1, "%s", q->path);
+    q->flags = SQLITE_OPEN_READONLY;
+    if (mode == STORE_READ && faccessat(AT_FDCWD, q->path, W_OK, AT_EACCESS) == 0)
+        q->flags = SQLITE_OPEN_READWRITE;
+    else if (frozen) {
+        q->flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+        memcpy(to, "file:", 5);
+        to += 5;
+        for (const char *p = q->path; *p != '\0'; p++) {
+            if (p == q->path)
+                p += strspn(p, "/") > 1 ? strspn(p, "/") - 1
+                                        : 0; /* "//" would be a host */
+            if (*p == '%' || *p == '?' || *p == '#') {
+                *to++ = '%';
+                *to++ = hex[(unsigned char)*p >> 4];
+                *to++ = hex[*p & 15];
+            } else {
+                *to++ = *p;
+            }
+        }
+        memcpy(to, "?immutable=1", sizeof "?immutable=1");
+    }
+    return true;
 }
 
 enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
@@ -545,17 +539,16 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
     *out = NULL;
     if ((st = check_file(path, mode, &made, e)) != ST_OK)
         return st;
-    if ((q = calloc(1, sizeof *q)) == NULL || (q->path = strdup(path)) == NULL) {
+    if ((q = calloc(1, sizeof *q)) == NULL || (q->path = strdup(path)) == NULL ||
+        !choose_reading(q, mode)) {
+        if (q != NULL)
+            free(q->path);
         free(q);
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
         goto out;
     }
     q->base.engine = &store_sqlite_engine;
     q->synced = -1;
-    /* The last to close a database brings in its log and removes it, and needs to be able
-     * to write for that; query_only keeps readers from changing anything. */
-    q->flags = mode == STORE_READ && access(path, W_OK) == 0 ? SQLITE_OPEN_READWRITE
-                                                             : SQLITE_OPEN_READONLY;
     (void)pthread_mutex_init(&q->write_lock, NULL);
     (void)pthread_mutex_init(&q->read_lock, NULL);
     (void)pthread_cond_init(&q->read_free, NULL);

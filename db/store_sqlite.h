@@ -3,7 +3,8 @@
  * in WAL mode neither waits for the other.  Statements are prepared once a connection.
  *   store_sqlite.c        opening, connections, transactions
  *   store_sqlite_face.c   subjects and templates
- *   store_sqlite_admin.c  events, tokens, statistics, check */
+ *   store_sqlite_admin.c  events, tokens, statistics, check
+ *   store_sqlite_sql.c    the statements' text */
 #ifndef DB_STORE_SQLITE_H
 #define DB_STORE_SQLITE_H
 #include <sqlite3.h>
@@ -42,6 +43,8 @@ struct store_sqlite_conn {
     sqlite3_stmt *stmt[SQL_COUNT];
     struct store_sqlite_conn *next; /* in the list of those at rest */
 };
+
+extern const char *const store_sqlite_sql[SQL_COUNT]; /* their text */
 
 extern const struct store_engine store_sqlite_engine;
 

@@ -22,7 +22,8 @@
 #include "facegen.h"
 #include "store.h"
 
-#define FACES 4
+#define FACES  4
+#define NOBODY 65534
 
 static char dir[64], path[96];
 static struct face face[FACES];
@@ -436,16 +437,41 @@ static void test_refused(void **state)
     write_file(path, "", 0); /* an empty file may be initialised */
     store_close(again(STORE_CREATE));
     store_close(again(STORE_WRITE));
-    if (geteuid() == 0) {
-        print_message("SKIP unwritable paths: running as root, who may write anywhere\n");
-        return;
+}
+
+/* Paths that we may not write.  Root may write anywhere: then as another user. */
+static void test_unwritable(void **state)
+{
+    struct store *s = fresh();
+    struct store_subject *list;
+    const bool root = geteuid() == 0;
+    char name[128];
+    size_t n;
+
+    (void)state;
+    store_close(s);
+    if (root) {
+        assert_int_equal(chown(dir, NOBODY, NOBODY), 0);
+        assert_int_equal(chown(path, NOBODY, NOBODY), 0);
+        assert_int_equal(seteuid(NOBODY), 0);
     }
     assert_int_equal(chmod(path, 0400), 0);
     assert_refused(path, STORE_WRITE, ST_EIO, path);
+    s = again(STORE_READ); /* but it can be read */
+    assert_int_equal(store_subject_list(s, "", 10, &list, &n, &e), ST_OK);
+    free(list);
+    store_close(s);
+    assert_int_equal(chmod(path, 0000), 0);
+    assert_refused(path, STORE_READ, ST_EIO, path);
+    assert_int_equal(chmod(path, 0600), 0);
     assert_int_equal(chmod(dir, 0500), 0);
     (void)snprintf(name, sizeof name, "%s/new", dir);
     assert_refused(name, STORE_CREATE, ST_EIO, name);
+    assert_refused(path, STORE_WRITE, ST_EIO, path); /* there is no room for its log */
     assert_int_equal(chmod(dir, 0700), 0);
+    store_close(again(STORE_WRITE));
+    if (root)
+        assert_int_equal(seteuid(0), 0);
 }
 
 /* A version that comes while we have the database open. */
@@ -752,13 +778,14 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_templates),    cmocka_unit_test(test_subjects),
-        cmocka_unit_test(test_erased),       cmocka_unit_test(test_tokens),
-        cmocka_unit_test(test_events),       cmocka_unit_test(test_bad_arguments),
-        cmocka_unit_test(test_refused),      cmocka_unit_test(test_ready),
-        cmocka_unit_test(test_damaged_rows), cmocka_unit_test(test_damaged_pages),
-        cmocka_unit_test(test_full_disk),    cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_processes),    cmocka_unit_test(test_locked),
+        cmocka_unit_test(test_templates),     cmocka_unit_test(test_subjects),
+        cmocka_unit_test(test_erased),        cmocka_unit_test(test_tokens),
+        cmocka_unit_test(test_events),        cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_unwritable),
+        cmocka_unit_test(test_ready),         cmocka_unit_test(test_damaged_rows),
+        cmocka_unit_test(test_damaged_pages), cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_processes),
+        cmocka_unit_test(test_locked),
     };
 
     return cmocka_run_group_tests_name("store", tests, set_up, tear_down);

@@ -1,0 +1,51 @@
+/* Every statement that is prepared. */
+#include "store_sqlite.h"
+
+#define TEMPLATE_COLUMNS                                                                 \
+    "t.id, s.id, t.label, t.created, t.digest, t.engine, t.points, t.triangles, "        \
+    "t.quality, t.coverage, t.density_mm, t.noise_mm"
+#define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
+#define SUBJECT_COLUMNS                                                                  \
+    "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
+
+const char *const store_sqlite_sql[SQL_COUNT] = {
+    [SQL_BEGIN] = "BEGIN IMMEDIATE",
+    [SQL_COMMIT] = "COMMIT",
+    [SQL_ROLLBACK] = "ROLLBACK",
+    [SQL_VERSION] = "PRAGMA user_version",
+    [SQL_SUBJECT_FIND] = "SELECT subject_key FROM subjects WHERE id = ?1",
+    [SQL_SUBJECT_ADD] = "INSERT INTO subjects (id, created) VALUES (?1, ?2)",
+    [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id = ?1",
+    [SQL_SUBJECT_LIST] =
+        "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id > ?1 ORDER BY id LIMIT ?2",
+    [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
+    [SQL_TEMPLATE_ADD] =
+        "INSERT INTO templates (id, subject_key, label, created, digest, engine, points, "
+        "triangles, quality, coverage, density_mm, noise_mm, model) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
+    [SQL_TEMPLATE_GET] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM " WHERE t.id = ?1",
+    [SQL_TEMPLATE_LOAD] =
+        "SELECT " TEMPLATE_COLUMNS ", t.model" TEMPLATE_FROM " WHERE t.id = ?1",
+    [SQL_TEMPLATE_SAME] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
+                          " WHERE t.subject_key = ?1 AND t.digest = ?2",
+    [SQL_TEMPLATE_LIST] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
+                          " WHERE t.subject_key = ?1 ORDER BY t.template_key",
+    [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model, t.template_key "
+                          "FROM templates t LEFT JOIN subjects s USING (subject_key) "
+                          "ORDER BY t.template_key",
+    [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
+    [SQL_EVENT_ADD] =
+        "INSERT INTO events (at, kind, actor, subject, template_id, outcome) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+    [SQL_TOKEN_ADD] =
+        "INSERT INTO tokens (id, name, hash, created) VALUES (?1, ?2, ?3, ?4)",
+    [SQL_TOKEN_LIST] = "SELECT id, name, created, revoked FROM tokens ORDER BY token_key",
+    [SQL_TOKEN_REVOKE] =
+        "UPDATE tokens SET revoked = coalesce(revoked, ?2) WHERE id = ?1",
+    [SQL_TOKEN_FIND] =
+        "SELECT id, name, created, revoked, hash FROM tokens WHERE hash = ?1",
+    [SQL_STATS] = "SELECT (SELECT count(*) FROM subjects), count(*), "
+                  "coalesce(sum(points), 0), coalesce(sum(length(model)), 0), "
+                  "(SELECT count(*) FROM events), (SELECT count(*) FROM tokens) "
+                  "FROM templates",
+};
