@@ -33,14 +33,14 @@
 #define CONNECTION_LIMIT  512
 #define IDLE_SECONDS      30
 #define LENGTH_UNKNOWN    UINT64_MAX
-/* Bodies that are being collected may together hold this many times the limit of one. */
+/* The bodies of all requests may together take this many times the limit of one. */
 #define BODIES_AT_ONCE 8
 
 enum state {
     ARRIVED,  /* the headers are there, nothing has been decided */
     ADMITTED, /* suspended: a worker checks the token */
     COLLECTING,
-    WORKING, /* suspended: a worker makes the answer */
+    WORKING, /* suspended: a worker makes the answer; or it is there already */
     ANSWERED /* the answer is on its way out */
 };
 
@@ -64,7 +64,7 @@ struct http {
     int fd; /* the listening socket; -1 once it is closed or libmicrohttpd's */
     atomic_uint exchanges;
     atomic_bool stopping;
-    size_t buffered; /* bytes of bodies being collected; I/O thread only */
+    size_t buffered; /* bytes of bodies, until their requests end; I/O thread only */
     unsigned long serial;
 };
 
@@ -131,12 +131,16 @@ static int socket_of(const struct exchange *x)
     return info == NULL ? -1 : info->connect_fd;
 }
 
-/* Answer while the client still sends, or is about to send, a body that nobody reads: keep
- * the socket open beside libmicrohttpd, or else the client loses the answer (drain.h). */
+/* Answer before the body is read.  A client that still sends it, or is about to, may lose
+ * the answer unless the socket is kept open beside libmicrohttpd (drain.h).  Where there is
+ * no body, the answer waits for the next call, so that the connection can be used again. */
 static enum MHD_Result send_early(struct exchange *x)
 {
-    if (x->body_sent)
-        x->drain_fd = fcntl(socket_of(x), F_DUPFD_CLOEXEC, 0);
+    if (!x->body_sent) {
+        x->state = WORKING;
+        return MHD_YES;
+    }
+    x->drain_fd = fcntl(socket_of(x), F_DUPFD_CLOEXEC, 0);
     return send_answer(x);
 }
 
@@ -262,13 +266,6 @@ static bool make_room(struct exchange *x, size_t n)
     return true;
 }
 
-/* Once no more is collected, the body is not counted any more. */
-static void body_done(struct exchange *x)
-{
-    x->http->buffered -= x->cap;
-    x->cap = 0;
-}
-
 static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)
 {
     struct request *r = &x->r;
@@ -293,7 +290,6 @@ static enum MHD_Result collect(struct exchange *x, const char *data, size_t *siz
 
 static enum MHD_Result body_complete(struct exchange *x)
 {
-    body_done(x);
     if (x->r.route->body != ROUTES_NO_BODY && x->r.len == 0) {
         request_problem(&x->r, ST_EINVAL, "the body is empty");
         return send_answer(x);
@@ -417,7 +413,7 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
                  x->r.id, method, name, http, ms, x->r.fault);
     if (x->drain_fd >= 0)
         drain_adopt(h->drain, x->drain_fd);
-    body_done(x);
+    h->buffered -= x->cap;
     request_free(&x->r);
     free(x);
     (void)atomic_fetch_sub(&h->exchanges, 1);

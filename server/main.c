@@ -24,6 +24,7 @@
 static void block_signals(sigset_t *stop)
 {
     (void)signal(SIGPIPE, SIG_IGN);
+    (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error of write() */
     (void)sigemptyset(stop);
     (void)sigaddset(stop, SIGTERM);
     (void)sigaddset(stop, SIGINT);
