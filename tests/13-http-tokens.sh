@@ -9,6 +9,7 @@ ctl() {
 }
 
 scan 1 0 "$T/a.ply"
+# shellcheck disable=SC2119 # without options
 start_daemon
 for path in /healthz /readyz /version /metrics /openapi.json; do
     req GET "$path"

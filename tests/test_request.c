@@ -1,0 +1,189 @@
+/* Requests without HTTP: percent-encoding, query parameters, media types, ids, the routes,
+ * and the map from outcomes to HTTP. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "errmap.h"
+#include "request.h"
+#include "routes.h"
+
+static void check_decode(const char *in, enum status st, const char *want)
+{
+    char out[8];
+
+    assert_int_equal(request_decode(in, strlen(in), true, out, sizeof out), st);
+    if (st == ST_OK)
+        assert_string_equal(out, want);
+}
+
+static void test_decode(void **state)
+{
+    char out[8];
+
+    (void)state;
+    check_decode("", ST_OK, "");
+    check_decode("abc", ST_OK, "abc");
+    check_decode("a+b", ST_OK, "a b");
+    check_decode("%41%2f%2F", ST_OK, "A//");
+    check_decode("%ff", ST_OK, "\xff");
+    check_decode("1234567", ST_OK, "1234567");
+    check_decode("12345678", ST_ELIMIT, NULL);
+    check_decode("123456%37", ST_OK, "1234567");
+    check_decode("%", ST_EINVAL, NULL);
+    check_decode("%4", ST_EINVAL, NULL);
+    check_decode("a%4", ST_EINVAL, NULL);
+    check_decode("%4g", ST_EINVAL, NULL);
+    check_decode("%%41", ST_EINVAL, NULL);
+    check_decode("%00", ST_EINVAL, NULL);
+    assert_int_equal(request_decode("a+b%20c", 3, false, out, sizeof out), ST_OK);
+    assert_string_equal(out, "a+b");
+    assert_int_equal(request_decode("%41", 2, false, out, sizeof out), ST_EINVAL);
+}
+
+static void check_query(const char *target, const char *name, enum status st,
+                        const char *want)
+{
+    char copy[64], out[16];
+    struct request r = {.target = copy};
+
+    (void)snprintf(copy, sizeof copy, "%s", target);
+    assert_int_equal(request_query(&r, name, out, sizeof out), st);
+    assert_string_equal(out, want);
+}
+
+static void test_query(void **state)
+{
+    (void)state;
+    check_query("/p", "a", ST_ENOTFOUND, "");
+    check_query("/p?", "a", ST_ENOTFOUND, "");
+    check_query("/p?a", "a", ST_OK, "");
+    check_query("/p?a=", "a", ST_OK, "");
+    check_query("/p?a=1", "a", ST_OK, "1");
+    check_query("/p?b=2&a=1", "a", ST_OK, "1");
+    check_query("/p?a=1&a=2", "a", ST_OK, "1");
+    check_query("/p?aa=1&ba=2&&=3&a=4", "a", ST_OK, "4");
+    check_query("/p?a=1=2", "a", ST_OK, "1=2");
+    check_query("/p?a=%26b", "a", ST_OK, "&b");
+    check_query("/p?x=?a=1", "a", ST_ENOTFOUND, "");
+    check_query("/p?a=%", "a", ST_EINVAL, "");
+}
+
+static void test_media(void **state)
+{
+    (void)state;
+    assert_int_equal(request_media(NULL), REQUEST_NO_MEDIA);
+    assert_int_equal(request_media(""), REQUEST_OTHER_MEDIA);
+    assert_int_equal(request_media("application/json"), REQUEST_JSON);
+    assert_int_equal(request_media(" Application/JSON;charset=utf-8"), REQUEST_JSON);
+    assert_int_equal(request_media("application/json "), REQUEST_JSON);
+    assert_int_equal(request_media("application/jsonx"), REQUEST_OTHER_MEDIA);
+    assert_int_equal(request_media("application/jso"), REQUEST_OTHER_MEDIA);
+    assert_int_equal(request_media("model/x-ply"), REQUEST_PLY);
+    assert_int_equal(request_media("application/x-ply"), REQUEST_PLY);
+    assert_int_equal(request_media("model/obj"), REQUEST_OBJ);
+    assert_int_equal(request_media("text/plain"), REQUEST_XYZ);
+    assert_int_equal(request_media("application/octet-stream"), REQUEST_BYTES);
+}
+
+static void check_route(enum request_method m, const char *target, const char *pattern,
+                        int http)
+{
+    char copy[256];
+    struct request r = {.target = copy, .method = m};
+
+    (void)snprintf(copy, sizeof copy, "%s", target);
+    routes_find(&r);
+    if (r.route != NULL)
+        routes_read_id(&r);
+    assert_int_equal(r.answer.http, http);
+    if (pattern != NULL) {
+        const char *method;
+
+        assert_non_null(r.route);
+        assert_string_equal(routes_name(routes_index(r.route), &method), pattern);
+    } else {
+        assert_null(r.route);
+    }
+    request_free(&(struct request){.answer.body = r.answer.body});
+}
+
+static void test_routes(void **state)
+{
+    const char *const id = "/v1/templates/0123456789abcdef0123456789abcdef";
+
+    (void)state;
+    check_route(REQUEST_GET, "/healthz", "/healthz", 0);
+    check_route(REQUEST_GET, "/healthz?x=/y", "/healthz", 0);
+    check_route(REQUEST_GET, "/healthz/", NULL, 404);
+    check_route(REQUEST_GET, "healthz", NULL, 404);
+    check_route(REQUEST_GET, "", NULL, 404);
+    check_route(REQUEST_GET, "*", NULL, 404);
+    check_route(REQUEST_GET, "http://host/healthz", NULL, 404);
+    check_route(REQUEST_GET, "/v1/subjects", "/v1/subjects", 0);
+    check_route(REQUEST_GET, "/v1/subjects/", NULL, 404);
+    check_route(REQUEST_GET, "/v1/subjects/verify", "/v1/subjects/{subject}", 0);
+    check_route(REQUEST_GET, "/v1/subjects/a%2Fb", "/v1/subjects/{subject}", 400);
+    check_route(REQUEST_GET, "/v1/subjects/a/b", NULL, 404);
+    check_route(REQUEST_POST, "/v1/subjects/a", NULL, 405);
+    check_route(REQUEST_OTHER, "/v1/subjects/a", NULL, 405);
+    check_route(REQUEST_POST, "/v1/subjects/a/verify?x", "/v1/subjects/{subject}/verify",
+                0);
+    check_route(REQUEST_DELETE, id, "/v1/templates/{template_id}", 0);
+    check_route(REQUEST_DELETE, "/v1/templates/0123", "/v1/templates/{template_id}", 404);
+}
+
+static void test_id(void **state)
+{
+    struct request r = {0};
+    char longest[REQUEST_ID_MAX + 2];
+
+    (void)state;
+    request_set_id(&r, "Abc-1_2.z", 1);
+    assert_string_equal(r.id, "Abc-1_2.z");
+    memset(longest, 'x', sizeof longest);
+    longest[REQUEST_ID_MAX] = '\0';
+    request_set_id(&r, longest, 2);
+    assert_string_equal(r.id, longest);
+    longest[REQUEST_ID_MAX] = 'x';
+    longest[REQUEST_ID_MAX + 1] = '\0';
+    request_set_id(&r, longest, 3);
+    assert_string_equal(r.id + strlen(r.id) - 8, "00000003");
+    request_set_id(&r, "a\nb", 4);
+    assert_string_equal(r.id + strlen(r.id) - 8, "00000004");
+    request_set_id(&r, "", 5);
+    assert_string_equal(r.id + strlen(r.id) - 8, "00000005");
+}
+
+/* Every outcome has an entry, the code of a status is a machine word. */
+static void test_errmap(void **state)
+{
+    (void)state;
+    for (unsigned k = 1; k < ERRMAP_COUNT; k++) {
+        const struct errmap *m = errmap_get(k);
+
+        assert_true(m->http >= 400 && m->http <= 599);
+        assert_true(strspn(m->code, "abcdefghijklmnopqrstuvwxyz_") == strlen(m->code));
+        assert_non_null(m->title);
+        if (m->http < 500)
+            assert_string_not_equal(m->code, "internal");
+    }
+    assert_string_equal(errmap_get(ST_OK)->code, "internal");
+    assert_string_equal(errmap_get(ERRMAP_COUNT)->code, "internal");
+    assert_string_equal(errmap_get(UINT32_MAX)->code, "internal");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_decode), cmocka_unit_test(test_query),
+        cmocka_unit_test(test_media),  cmocka_unit_test(test_routes),
+        cmocka_unit_test(test_id),     cmocka_unit_test(test_errmap),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
