@@ -19,10 +19,11 @@ struct edge {
 struct builder {
     const struct ivec2 *xy;
     struct edge *edges;
-    uint32_t *hull;   /* [v] for v on the hull: its edge to the next vertex of the hull,
+    uint32_t *hull; /* [v] for v on the hull: its edge to the next vertex of the hull,
                          counter-clockwise; outdated elsewhere */
-    uint32_t count;   /* directed edges handed out so far */
-    uint32_t deleted; /* head of the list of deleted edge pairs, linked by next; or NONE */
+    uint32_t count; /* directed edges handed out so far */
+    uint32_t
+        deleted; /* head of the list of deleted edge pairs, linked by next; or NONE */
 };
 
 /* new_edge(b, from, to): an edge from -> to that is in no ring yet. */
@@ -113,8 +114,8 @@ static void build_three(struct builder *b, uint32_t v)
  * vertex *l and the right's vertex *r nearest to that line (each extreme in the direction
  * across it).  The hull edges before which they stand are found by hull[]: the previous
  * edge in the ring leads clockwise round the hull. */
-static void lower_tangent(const struct builder *b, uint32_t *l, uint32_t *r, uint32_t *l_cw,
-                          uint32_t *r_ccw)
+static void lower_tangent(const struct builder *b, uint32_t *l, uint32_t *r,
+                          uint32_t *l_cw, uint32_t *r_ccw)
 {
     const struct edge *edges = b->edges;
     const struct ivec2 *xy = b->xy;

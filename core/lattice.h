@@ -8,7 +8,7 @@
 #include "status.h"
 #include "vec.h"
 
-#define LATTICE_PER_MM 1000.0              /* lattice units per millimetre, for faces */
+#define LATTICE_PER_MM 1000.0             /* lattice units per millimetre, for faces */
 #define LATTICE_MAX    (INT32_C(1) << 24) /* |coordinate| <= this: incircle fits 128 bits */
 
 /* lattice_round(mm, scale, out): nearest lattice coordinate, ties to even; scale is units

@@ -135,7 +135,8 @@ static inline bool must_flip(const struct grower *g, uint32_t h, struct ivec2 q)
     return incircle(xy[x], xy[y], q, xy[w]);
 }
 
-static void insert(struct grower *g, uint32_t he, bool on_edge, uint32_t v, struct ivec2 q)
+static void insert(struct grower *g, uint32_t he, bool on_edge, uint32_t v,
+                   struct ivec2 q)
 {
     struct mesh *m = g->m;
     uint32_t h = he, stop;

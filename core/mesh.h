@@ -65,7 +65,8 @@ static inline uint32_t mesh_turn(const struct mesh *m, uint32_t h)
 
 static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
 {
-    return m->org[3 * t] == m->nv || m->org[3 * t + 1] == m->nv || m->org[3 * t + 2] == m->nv;
+    return m->org[3 * t] == m->nv || m->org[3 * t + 1] == m->nv ||
+           m->org[3 * t + 2] == m->nv;
 }
 
 /* mesh_real(m): how many triangles are no ghosts.  O(nt). */

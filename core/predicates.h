@@ -50,7 +50,8 @@ bool incircle_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d
  * the points after it).  So cocircular points have one triangulation whatever their order:
  * the fan from the lexicographically first.
  * False where d is a, b or c.  Precondition: abc counter-clockwise. */
-static inline bool incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+static inline bool incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c,
+                            struct ivec2 d)
 {
     predicates_i128 det = incircle_det(a, b, c, d);
 

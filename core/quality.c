@@ -119,7 +119,8 @@ static bool is_spike(const struct mesh *m, uint32_t v)
 }
 
 /* The median height of v's neighbours that are no spikes; v's own when all are. */
-static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spike, double *z)
+static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spike,
+                            double *z)
 {
     const uint32_t first = m->out[v];
     uint32_t h = first;

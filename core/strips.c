@@ -25,7 +25,8 @@ size_t strips_scratch(size_t n)
 }
 
 /* Stable LSD radix sort by x (or y), from *a; *a and *b swap so that *a is sorted. */
-static void sort_by(struct item **a, struct item **b, size_t n, bool by_y, struct extent e)
+static void sort_by(struct item **a, struct item **b, size_t n, bool by_y,
+                    struct extent e)
 {
     const uint32_t range = (uint32_t)(e.max - e.min);
     unsigned bits = 0, passes;
@@ -51,8 +52,8 @@ static void sort_by(struct item **a, struct item **b, size_t n, bool by_y, struc
             sum += count;
         }
         for (size_t i = 0; i < n; i++)
-            to[at[((uint32_t)((by_y ? from[i].y : from[i].x) - e.min) >> shift) & mask]++] =
-                from[i];
+            to[at[((uint32_t)((by_y ? from[i].y : from[i].x) - e.min) >> shift) &
+                  mask]++] = from[i];
         *b = *a;
         *a = to;
         shift += width;
@@ -109,7 +110,8 @@ static bool yx_less(struct ivec2 a, struct ivec2 b)
 }
 
 /* Move the point at `from` to its place among the points [first, last), sorted but for it. */
-static void settle(struct ivec2 *xy, int32_t *z, uint32_t from, uint32_t first, uint32_t last)
+static void settle(struct ivec2 *xy, int32_t *z, uint32_t from, uint32_t first,
+                   uint32_t last)
 {
     const struct ivec2 p = xy[from];
     const int32_t height = z[from];
@@ -150,8 +152,8 @@ static void join_singles(struct strips *st, struct ivec2 *xy, int32_t *z)
     st->count = w;
 }
 
-enum status strips_sort(const struct ivec3 *pts, size_t n, void *block, struct strips *out,
-                        struct ivec2 *xy, int32_t *z)
+enum status strips_sort(const struct ivec3 *pts, size_t n, void *block,
+                        struct strips *out, struct ivec2 *xy, int32_t *z)
 {
     struct item *a = block;
     struct item *b = (struct item *)(void *)((unsigned char *)block +

@@ -13,7 +13,7 @@
 #define STRIPS_MAX 4096
 
 struct strip {
-    uint32_t first; /* its points: first .. first of the next strip - 1; at least two */
+    uint32_t first;  /* its points: first .. first of the next strip - 1; at least two */
     uint32_t lo, hi; /* its first and last point by (x, y) */
 };
 
@@ -32,7 +32,7 @@ size_t strips_scratch(size_t n);
  * Cost  O(n): radix sort, 2 passes per coordinate for faces, plus one by strip.
  * Returns ST_OK; ST_ERANGE a coordinate lies off the lattice; ST_EDEGENERATE fewer than
  * two distinct points.  n >= 1. */
-enum status strips_sort(const struct ivec3 *pts, size_t n, void *block, struct strips *out,
-                        struct ivec2 *xy, int32_t *z);
+enum status strips_sort(const struct ivec3 *pts, size_t n, void *block,
+                        struct strips *out, struct ivec2 *xy, int32_t *z);
 
 #endif

@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 #ifndef FUZZ_ROUNDS
 #define FUZZ_ROUNDS 1500
 #endif
-#define FUZZ_SEED   7
+#define FUZZ_SEED 7
 
 static uint64_t fuzz_state = FUZZ_SEED;
 

@@ -646,17 +646,16 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_accepted),     cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_too_few),      cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_limit),        cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_units),        cmocka_unit_test(test_not_face),
-        cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_spikes),       cmocka_unit_test(test_permutation),
-        cmocka_unit_test(test_identity),     cmocka_unit_test(test_people),
-        cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
-        cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_clock),
-        cmocka_unit_test(test_heatmap),      cmocka_unit_test(test_adopt),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_accepted),    cmocka_unit_test(test_quality),
+        cmocka_unit_test(test_too_few),     cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_limit),       cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_units),       cmocka_unit_test(test_not_face),
+        cmocka_unit_test(test_noise),       cmocka_unit_test(test_spikes),
+        cmocka_unit_test(test_permutation), cmocka_unit_test(test_identity),
+        cmocka_unit_test(test_people),      cmocka_unit_test(test_determinism),
+        cmocka_unit_test(test_threshold),   cmocka_unit_test(test_inconclusive),
+        cmocka_unit_test(test_clock),       cmocka_unit_test(test_heatmap),
+        cmocka_unit_test(test_adopt),       cmocka_unit_test(test_no_memory),
     };
     int failed;
 
