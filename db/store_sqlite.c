@@ -497,11 +497,12 @@ static bool choose_reading(struct sqlite_store *q, enum store_mode mode)
 {
     static const char hex[] = "0123456789ABCDEF";
     const size_t n = strlen(q->path);
-    char *to = malloc(3 * n + sizeof "file:?immutable=1-wal");
     bool frozen;
+    char *to;
 
-    if ((q->reading = to) == NULL)
+    if ((q->reading = malloc(3 * n + sizeof "file:?immutable=1-wal")) == NULL)
         return false;
+    to = q->reading;
     (void)snprintf(to, n + sizeof "-wal", "%s-wal", q->path);
     frozen = mode == STORE_READ && access(to, F_OK) != 0;
     (void)snprintf(to, n + 1, "%s", q->path);
