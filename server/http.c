@@ -150,14 +150,17 @@ static enum MHD_Result send_early(struct exchange *x)
 static enum MHD_Result send_amid(struct exchange *x)
 {
     struct request_answer *a = &x->r.answer;
-    char head[512];
-    int fd = socket_of(x);
-    int n = snprintf(head, sizeof head,
-                     "HTTP/1.1 %d Refused\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
-                     "Cache-Control: no-store\r\nConnection: close\r\n"
-                     "Content-Length: %zu\r\n\r\n",
-                     a->http, a->type, x->r.id, a->len);
+    char head[512], retry[32] = "";
+    int fd = socket_of(x), n;
 
+    if (a->retry_after > 0)
+        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", a->retry_after);
+    n = snprintf(head, sizeof head,
+                 "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
+                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s"
+                 "Connection: close\r\nContent-Length: %zu\r\n\r\n",
+                 a->http, MHD_get_reason_phrase_for((unsigned)a->http), a->type, x->r.id,
+                 retry, a->len);
     if (n > 0 && (size_t)n < sizeof head &&
         send(fd, head, (size_t)n, MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE) == n &&
         send(fd, a->body, a->len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)a->len) {

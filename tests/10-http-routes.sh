@@ -45,6 +45,7 @@ send POST '/v1/subjects/alice/templates?label=scanner%201' "$PLY" "$T/a.ply"
 is "enroll" "$STATUS" 201
 id=$(get .template_id)
 is "Location" "$(field Location)" "/v1/templates/$id"
+fits "enroll" Template
 is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 5000,
     (.digest | length), (.created | test("^20.*Z$")), .quality.score > 0.3,
     .quality.coverage > 0.3, .quality.density_mm > 0.5, .quality.noise_mm >= 0,
@@ -69,6 +70,7 @@ for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTE
     send POST /v1/subjects/alice/verify "${form%:*}" "$T/a2.${form##*:}"
     is "verify as $form" "$STATUS $(get .decision)" "200 match"
 done
+fits verify Verdict
 is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .plain_mm,
     .volume_mm3, .overlap_mm2, .overlap, .templates_compared, .quality.score,
     .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
@@ -92,10 +94,14 @@ for bad in 0 -1 nan inf 1e999 0x1 '' 1mm '1%00'; do
 done
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
 is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
+fits "verify with a heatmap" Verdict
 is "each a number or null" "$(get '.heatmap | all(type == "number" or type == "null")')" true
 is "mostly numbers" "$(get '(.heatmap | map(numbers) | length) > (.heatmap | length / 2)')" true
 send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
 problem "detail=all" 400 invalid_parameter
+awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/part.xyz"
+is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
 send POST '/v1/subjects/alice/verify?unknown=1&other' "$PLY" "$T/a2.ply"
 is "unknown parameters are ignored" "$STATUS" 200
 
@@ -126,6 +132,7 @@ jq -c -n --slurpfile a "$T/a2.json" --slurpfile b "$T/m.json" '{a: $a[0], b: $b[
 send POST /v1/compare "$JSON" "$T/ab.json"
 is "compare" "$STATUS $(get '[.decision, .subject, .template_id, .templates_compared] | @csv')" \
     '200 "match",,,1'
+fits compare Verdict
 is "a cloud with itself" "$(get '.disparity_mm < 0.01')" true
 send POST /v1/compare "$PLY" "$T/a.ply"
 problem "compare a file" 415 unsupported_media_type
@@ -139,12 +146,15 @@ ok "the description again" cmp -s "$T/body" "$T/first"
 req HEAD "/v1/templates/$id"
 is "HEAD" "$STATUS" 200
 req GET /v1/subjects/alice
+fits "a subject" Subject
 is "subject" "$(get '[.subject, (.templates | length), .templates[0].template_id] | @tsv')" \
     "$(printf 'alice\t2\t%s' "$id")"
 for s in 'b@x' c:1 d_2 'e.3' f-4; do
     send POST "/v1/subjects/$s/templates" "$PLY" "$T/a.ply"
     is "enroll $s" "$STATUS" 201
 done
+req GET /v1/subjects
+fits "a page" SubjectPage
 cursor='' seen=''
 for _ in 1 2 3; do
     req GET "/v1/subjects?limit=2&cursor=$cursor"
@@ -178,9 +188,11 @@ send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
 problem "the template alike" 404 not_found
 req DELETE /v1/subjects/alice
 is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
+fits erase Erased
 is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
 req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found
+fits "an error" Problem
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "verify the erased" 404 not_found
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"

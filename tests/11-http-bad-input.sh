@@ -116,6 +116,9 @@ send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
 shape "a plane" not_a_face \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 2.5 * i, 2.5 * j, 5'
+scan 1 1 "$T/noisy.ply" --noise 6
+send POST /v1/subjects/alice/verify "$PLY" "$T/noisy.ply"
+problem "a noisy scan" 422 low_quality
 shape "a kilometre" units_suspicious \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 200 * i, 200 * j, 5'
 shape "far away" out_of_range \

@@ -119,6 +119,16 @@ problem() {
     [ -z "${4:-}" ] || ok "$1: detail '$(get .detail)' like '$4'" matches "$(get .detail)" "$4"
 }
 
+# fits TITLE SCHEMA: the last answer has every member that the API's description requires,
+# and none that it does not know.
+fits() {
+    [ -f "$T/openapi" ] || curl -sS -o "$T/openapi" "$URL/openapi.json"
+    # shellcheck disable=SC2016 # the variables are jq's
+    ok "$1 fits the schema $2" jq -e -n --slurpfile d "$T/openapi" --slurpfile a "$T/body" \
+        --arg s "$2" '$d[0].components.schemas[$s] as $s | ($a[0] | keys) as $k
+        | ($s.required - $k == []) and ($k - ($s.properties | keys) == [])' >/dev/null
+}
+
 matches() {
     printf '%s\n' "$1" | grep -Eq -- "$2"
 }
