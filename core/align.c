@@ -15,7 +15,10 @@
  * that radius, so that turns and shifts disturb each other least. */
 #define CENTRE_MM 80.0
 
-#define COARSE_POINTS 200 /* points that decide between starts */
+#define COARSE_POINTS 200  /* points that decide between starts */
+#define MIDDLE_POINTS 750  /* that bring the best of them home */
+#define TUKEY_POINTS  1500 /* that leave out what does not fit */
+#define LAST_POINTS   6000 /* and at most, of a dense scan, that end the search */
 #define DAMPING       1e-4
 #define MAX_TURN      0.25 /* longest step, radians and mm */
 #define MAX_SHIFT_MM  25.0
@@ -201,12 +204,18 @@ static bool same(const struct search *s, const struct align_pose *a,
     return true;
 }
 
+/* stride_for(n, points): every how many of n points make about so many. */
+static uint32_t stride_for(uint32_t n, uint32_t points)
+{
+    return n > points ? n / points : 1;
+}
+
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good; best[0] and best[1] are the cheapest two. */
 static void choose(struct search *s, const struct align_frame *tmpl,
                    const struct align_frame *probe, struct candidate best[2])
 {
-    const uint32_t stride = s->n > COARSE_POINTS ? s->n / COARSE_POINTS : 1;
+    const uint32_t stride = stride_for(s->n, COARSE_POINTS);
 
     best[0].cost = best[1].cost = INFINITY;
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
@@ -226,11 +235,6 @@ static void choose(struct search *s, const struct align_frame *tmpl,
         if (best[0].within > GOOD_WITHIN && best[0].cost < (again ? FAIR_MM : GOOD_MM))
             break;
     }
-}
-
-static uint32_t at_least_one(uint32_t n)
-{
-    return n > 0 ? n : 1;
 }
 
 enum status align_search(const struct measure_surface *tmpl,
@@ -260,16 +264,17 @@ enum status align_search(const struct measure_surface *tmpl,
     choose(&search, &tf, &pf, best);
     rival = best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost &&
             !same(&search, &best[0].pose, &best[1].pose);
-    (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
+    (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 12, 0.1,
                   &best[0]);
     if (rival)
-        (void)descend(&search, at_least_one(search.n / 750), ALIGN_LOSS_L1, 12, 0.1,
-                      &best[1]);
+        (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 12,
+                      0.1, &best[1]);
     if (rival && best[1].cost < best[0].cost)
         best[0] = best[1];
-    (void)descend(&search, at_least_one(search.n / 1500), ALIGN_LOSS_TUKEY, 12, 0.05,
+    (void)descend(&search, stride_for(search.n, TUKEY_POINTS), ALIGN_LOSS_TUKEY, 12, 0.05,
                   &best[0]);
-    out->stop = descend(&search, 1, ALIGN_LOSS_VOLUME, 12, 0.02, &best[0])
+    out->stop = descend(&search, stride_for(search.n, LAST_POINTS), ALIGN_LOSS_VOLUME, 12,
+                        0.02, &best[0])
                     ? ALIGN_CONVERGED
                     : ALIGN_STEPS;
     if (best[0].within < APART_WITHIN)

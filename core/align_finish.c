@@ -15,7 +15,7 @@
 #include "measure.h"
 
 #define PASSES   2    /* reweightings of one linearised measure */
-#define STRIDE   2    /* every so many vertices of either mesh are samples */
+#define SAMPLES  3000 /* about so many vertices, or every other, are samples */
 #define SOFT_MM  0.03 /* |gap| is rounded off below this */
 #define DAMPING  1e-4
 #define WORTH    5e-3   /* a promised gain below this share, or below WORTH_MM, is not */
@@ -67,14 +67,15 @@ struct view {
     double sign;          /* of own height minus the other's in moved minus template */
 };
 
-/* gather(view, area, u, c, out): view's samples; returns how many. */
-static size_t gather(const struct view *view, const float *area,
+/* gather(view, stride, area, u, c, out): the samples at every stride-th vertex;
+ * returns how many. */
+static size_t gather(const struct view *view, uint32_t stride, const float *area,
                      const struct disparity_weight *u, struct dvec3 c, struct sample *out)
 {
     const struct mesh *m = view->mesh;
     size_t n = 0;
 
-    for (uint32_t v = 0; v < m->nv; v += STRIDE) {
+    for (uint32_t v = 0; v < m->nv; v += stride) {
         const struct location loc = view->loc[v];
         struct sample *s = &out[n];
         double zx, zy, x, y, z;
@@ -150,7 +151,8 @@ static double promise(const struct measure_surface *tmpl,
         {b, a, tmpl->bridge, w->moved_in_tmpl, w->moved_other, 1.0},
         {a, b, w->bridge, w->tmpl_in_moved, w->tmpl_other, -1.0},
     };
-    const size_t most = ((size_t)a->nv + b->nv) / STRIDE + 2;
+    const uint32_t all = a->nv + b->nv, stride = all > 3 * SAMPLES ? all / SAMPLES : 2;
+    const size_t most = all / stride + 2;
     const size_t head = mem_round((a->nv > b->nv ? a->nv : b->nv) * sizeof(float));
     unsigned char *block = scratch_need(&w->scratch, head + most * sizeof(struct sample));
     struct sample *s;
@@ -161,7 +163,7 @@ static double promise(const struct measure_surface *tmpl,
     s = (struct sample *)(void *)(block + head);
     for (int i = 0; i < 2; i++) {
         areas(views[i].mesh, i == 0 ? w->bridge : tmpl->bridge, (float *)(void *)block);
-        n += gather(&views[i], (const float *)(void *)block, u, c, s + n);
+        n += gather(&views[i], stride, (const float *)(void *)block, u, c, s + n);
     }
     return minimise(s, n, x);
 }
