@@ -7,6 +7,8 @@
 #include "mesh.h"
 #include "predicates.h"
 
+#define EDGES_PER_TREE 4 /* a simple planar graph has fewer than 3 */
+
 /* An edge of the graph whose vertices are the trees found so far. */
 struct edge {
     uint64_t len;  /* squared length, exact */
@@ -99,13 +101,12 @@ static uint32_t longest_tie(const struct ivec2 *xy, const uint32_t v[3],
 }
 
 /* The first clean-up: the longest side of a triangle is in no minimum spanning tree, for
- * the other two join its ends.  What is left of the Delaunay graph, fewer than 2 nv edges,
- * goes to f->edge.  dead[h] tells that the triangle of h drops h. */
-static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
+ * the other two join its ends.  Returns how many edges of the graph are left, fewer than
+ * 2 nv, a half-edge of each in kept[].  dead[h] tells that the triangle of h drops h. */
+static uint32_t thin_out(const struct mesh *m, uint8_t *dead, uint32_t *kept)
 {
     const struct ivec2 *const xy = m->xy;
-    struct edge *const edge = f->edge;
-    uint32_t ne = 0;
+    uint32_t n = 0;
 
     memset(dead, 0, 3 * (size_t)m->nt);
     for (uint32_t h = 0; h < 3 * m->nt; h += 3) {
@@ -115,12 +116,12 @@ static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
 
         if (v[0] == m->nv || v[1] == m->nv || v[2] == m->nv) {
             /* A ghost drops the two edges that are none. */
-            const uint32_t i = v[0] == m->nv ? 1 : v[1] == m->nv ? 2 : 0, j = (i + 1) % 3;
-            const bool keep = twin[i] < h && !dead[twin[i]];
+            const uint32_t i = v[0] == m->nv ? 1 : v[1] == m->nv ? 2 : 0;
 
-            dead[h + j] = dead[h + (j + 1) % 3] = 1;
-            edge[ne] = (struct edge){length2(xy[v[i]], xy[v[j]]), v[i], v[j], v[i], v[j]};
-            ne += keep;
+            memset(&dead[h], 1, 3);
+            dead[h + i] = 0;
+            kept[n] = h + i;
+            n += twin[i] < h && !dead[twin[i]];
             continue;
         }
         len[0] = length2(xy[v[0]], xy[v[1]]);
@@ -134,13 +135,25 @@ static void collect(struct forest *f, const struct mesh *m, uint8_t *dead)
             k = longest_tie(xy, v, len);
         dead[h + k] = 1;
         for (uint32_t i = 0; i < 3; i++) { /* an edge is taken on its second visit */
-            const uint32_t b = i < 2 ? v[i + 1] : v[0];
-
-            edge[ne] = (struct edge){len[i], v[i], b, v[i], b};
-            ne += (twin[i] < h) & (i != k) & !dead[twin[i]];
+            kept[n] = h + i;
+            n += (twin[i] < h) & (i != k) & !dead[twin[i]];
         }
     }
-    f->ne = ne;
+    return n;
+}
+
+/* What is left of the Delaunay graph, each vertex a tree of its own. */
+static void collect(struct forest *f, const struct mesh *m)
+{
+    uint32_t *const kept = (uint32_t *)(void *)f->sorted; /* 14 bytes a point, of 36 */
+    const uint32_t n = thin_out(m, (uint8_t *)(kept + 2 * (size_t)m->nv), kept);
+
+    for (uint32_t e = 0; e < n; e++) {
+        const uint32_t a = m->org[kept[e]], b = mesh_dest(m, kept[e]);
+
+        f->edge[e] = (struct edge){length2(m->xy[a], m->xy[b]), a, b, a, b};
+    }
+    f->ne = n;
 }
 
 static inline void offer(const struct forest *f, uint32_t tree, uint32_t e)
@@ -206,24 +219,18 @@ static void join(struct forest *f)
     f->trees = n;
 }
 
-/* The clean-up: contract the trees; drop edges inside a tree; of parallel edges keep the
- * shortest.  f->edge is then the simple planar graph of the new trees, grouped by u. */
-static void clean_up(struct forest *f)
+/* Of parallel edges keep the shortest: f->edge is then simple, fewer than 3 edges a tree,
+ * as the graph is planar. */
+static void drop_parallels(struct forest *f)
 {
     uint32_t *const mark = f->mark;
     struct edge *const edge = f->edge, *const sorted = f->sorted;
-    uint32_t n = 0, sum = 0, first = 0;
+    const uint32_t n = f->ne;
+    uint32_t sum = 0, first = 0;
 
-    memset(mark, 0, (f->trees + 1) * sizeof *mark);
-    for (uint32_t e = 0; e < f->ne; e++) {
-        const uint32_t u = f->next[edge[e].u], v = f->next[edge[e].v];
-
-        edge[n] = edge[e];
-        edge[n].u = u < v ? u : v;
-        edge[n].v = u < v ? v : u;
-        mark[edge[n].u] += u != v;
-        n += u != v;
-    }
+    memset(mark, 0, f->trees * sizeof *mark);
+    for (uint32_t e = 0; e < n; e++)
+        mark[edge[e].u]++;
     for (uint32_t t = 0; t < f->trees; t++) {
         const uint32_t count = mark[t];
 
@@ -248,6 +255,27 @@ static void clean_up(struct forest *f)
             edge[place] = sorted[e];
         }
     }
+}
+
+/* The clean-up: contract the trees and drop the edges inside a tree; drop parallel edges
+ * as soon as there are more than a few edges to a tree, so that a stage costs no more than
+ * a fixed time a tree. */
+static void clean_up(struct forest *f)
+{
+    struct edge *const edge = f->edge;
+    uint32_t n = 0;
+
+    for (uint32_t e = 0; e < f->ne; e++) {
+        const uint32_t u = f->next[edge[e].u], v = f->next[edge[e].v];
+
+        edge[n] = edge[e];
+        edge[n].u = u < v ? u : v;
+        edge[n].v = u < v ? v : u;
+        n += u != v;
+    }
+    f->ne = n;
+    if (n / EDGES_PER_TREE > f->trees)
+        drop_parallels(f);
 }
 
 /* The tree as lists of neighbours, and what the walk over it makes. */
@@ -338,7 +366,7 @@ enum status mst_build(struct mesh *m, struct scratch *s)
     if (block == NULL)
         return ST_ENOMEM;
     (void)layout(&f, nv, block);
-    collect(&f, m, (uint8_t *)f.sorted); /* 6 bytes a point, of 36 */
+    collect(&f, m);
     join(&f);
     while (f.trees > 1) {
         clean_up(&f);

@@ -427,7 +427,12 @@ static void test_overlap(void **state)
     assert_true(p->d.bridged_mm2 == 0);
     assert_true(p->d.overlap == 0.5);
     assert_true(close_to(p->d.plain_mm, 7));
-    assert_true(p->vertex[p->b_vertex[p->b.mesh.nv - 1]].gap != p->d.plain_mm);
+    p->a.measured = 1; /* never above one */
+    measure(p, NULL, 1);
+    assert_true(p->d.overlap == 1);
+    p->a.measured = 0;
+    measure(p, NULL, 1);
+    assert_true(p->d.overlap == 0);
     drop(p);
 
     p = compare(n, grid(pts_b, 11, (struct ivec3){5000, 0, 0}, false), true); /* apart */
@@ -471,6 +476,47 @@ static void test_hole(void **state)
         assert_true(close_to(p->d.plain_mm, 9));
         drop(p);
     }
+}
+
+/* A point all of whose triangles bridge is no surface, also where the other mesh has a
+ * point too; one sound triangle makes it one. */
+static void test_lone_point(void **state)
+{
+    const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
+    struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){0, 0, 40}, false), true);
+    const uint32_t v = brute_locate(&p->b.mesh, (struct ivec2){500, 500}).he;
+    const uint32_t lone = p->b.mesh.org[v];
+    uint32_t h = v;
+
+    (void)state;
+    do {
+        measure(p, NULL, 1);
+        assert_true(p->vertex[p->b_vertex[lone]].gap == 40);
+        p->b.bridge[h / 3] = 1;
+        h = mesh_turn(&p->b.mesh, h);
+    } while (h != v);
+    measure(p, NULL, 1);
+    assert_true(isinf(p->vertex[p->b_vertex[lone]].gap));
+    assert_true(p->d.bridged_mm2 >= 2e4 && p->d.bridged_mm2 <= 4e4);
+    drop(p);
+}
+
+/* A vertex has the spacing of its mesh, one of both meshes the larger one. */
+static void check_spacings(const struct both *p)
+{
+    static bool shared[2 * MAX_POINTS];
+
+    memset(shared, 0, sizeof shared);
+    for (uint32_t v = 0; v < p->b.mesh.nv; v++) {
+        const uint32_t g = p->b_vertex[v];
+        const float own = p->b.spacing[v];
+        const float want = g < p->a.mesh.nv ? fmaxf(own, p->a.spacing[g]) : own;
+
+        shared[g] = true;
+        assert_true(p->vertex[g].spacing == want);
+    }
+    for (uint32_t v = 0; v < p->a.mesh.nv; v++)
+        assert_true(shared[v] || p->vertex[v].spacing == p->a.spacing[v]);
 }
 
 /* Every cell and vertex classified again, in the words of the header. */
@@ -557,6 +603,7 @@ static void test_classes(void **state)
                     (long double)disparity_cell(0.5 * (double)twice, g[0], g[1], g[2]);
             }
         }
+        check_spacings(p);
         assert_int_equal(p->d.cells, cells);
         assert_int_equal(p->d.bridged, bridged);
         assert_int_equal(p->d.outside, outside);
@@ -671,8 +718,8 @@ int main(void)
         cmocka_unit_test(test_same_points),     cmocka_unit_test(test_planes),
         cmocka_unit_test(test_smooth),          cmocka_unit_test(test_symmetries),
         cmocka_unit_test(test_overlap),         cmocka_unit_test(test_hole),
-        cmocka_unit_test(test_classes),         cmocka_unit_test(test_compensated),
-        cmocka_unit_test(test_weight),
+        cmocka_unit_test(test_lone_point),      cmocka_unit_test(test_classes),
+        cmocka_unit_test(test_compensated),     cmocka_unit_test(test_weight),
     };
 
     seed = brute_seed("test_disparity");

@@ -158,6 +158,8 @@ static void test_check(void **state)
     assert_true(caught > 60);
     m.parent[5] = 5;
     assert_int_equal(mst_check(&m), ST_ECORRUPT);
+    m.parent[0] = 1;
+    assert_int_equal(mst_check(&m), ST_ECORRUPT);
     mesh_free(&m);
     scratch_free(&s);
 }

@@ -78,6 +78,7 @@ static void test_by_hand(void **state)
 {
     const struct ivec3 pyramid[] = {
         {0, 0, 0}, {12, 0, 0}, {12, 12, 24}, {0, 12, 0}, {6, 6, 60}};
+    const struct ivec3 needle[] = {{0, 0, 5}, {100, 0, 70}, {50, 10, 900}};
     struct mesh m = {0};
 
     (void)state;
@@ -94,6 +95,8 @@ static void test_by_hand(void **state)
     assert_true(height(&m, (struct ivec2){13, 12}) == 24);
     assert_true(height(&m, (struct ivec2){3, 15}) == 6);
     assert_true(height(&m, (struct ivec2){-5, -7}) == 0);
+    brute_delaunay(needle, 3, &m); /* beyond a sharp corner, where one side faces it */
+    assert_true(height(&m, (struct ivec2){-10, -3}) == 5);
     mesh_free(&m);
 }
 
