@@ -129,7 +129,8 @@ tests: all $(TEST_BIN) $(FUZZ_BIN)
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
 test: tests
-	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) $(BLACK_BOX)
+	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) \
+	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out tests/8%,$(BLACK_BOX)),$(BLACK_BOX))
 
 ## unit: the unit tests alone
 unit: tests
@@ -138,7 +139,8 @@ unit: tests
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
 threads: all $(THREAD_BIN)
-	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) $(BLACK_BOX)
+	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) \
+	    $(filter tests/10-% tests/14-% tests/15-%,$(BLACK_BOX))
 
 ## demo: faces enrolled and verified over HTTP (scripts/demo)
 .PHONY: demo

@@ -1,26 +1,35 @@
 #!/bin/sh
-# fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, starting from its corpus.
-# What it finds on the way is kept in BUILD/corpus; a crash leaves its input in BUILD/crash.
+# fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a
+# time, starting from its corpus.  What it finds on the way is kept in BUILD/corpus; a crash
+# leaves its input in BUILD/crash.
 set -u
-build=$1 seconds=$2
-passed=0 failed=0
-mkdir -p "$build/crash" "$build/log"
-for fuzzer in "$build"/tests/fuzz_*; do
-    case $fuzzer in *.o | *.d) continue ;; esac
-    name=$(basename "$fuzzer")
-    mkdir -p "$build/corpus/$name"
-    if "$fuzzer" -max_total_time="$seconds" -seed=1 -timeout=20 -rss_limit_mb=2048 \
-        -print_final_stats=1 -artifact_prefix="$build/crash/$name-" \
-        "$build/corpus/$name" "tests/corpus/${name#fuzz_}" >"$build/log/$name" 2>&1; then
-        runs=$(sed -n 's/.*number_of_executed_units: *//p' "$build/log/$name")
-        printf '  ok    %-20s %s runs\n' "$name" "$runs"
-        passed=$((passed + 1))
-    else
-        printf '  FAIL  %s: %s\n' "$name" "$build/log/$name"
-        tail -n 40 "$build/log/$name" | sed 's/^/        | /'
-        failed=$((failed + 1))
+
+run_one() { # FUZZER BUILD SECONDS
+    name=$(basename "$1")
+    log=$2/log/$name
+    mkdir -p "$2/corpus/$name"
+    if "$1" -max_total_time="$3" -seed=1 -timeout=60 -rss_limit_mb=2048 \
+        -print_final_stats=1 -artifact_prefix="$2/crash/$name-" \
+        "$2/corpus/$name" "tests/corpus/${name#fuzz_}" >"$log" 2>&1; then
+        printf '  ok    %-20s %s runs\n' "$name" \
+            "$(sed -n 's/.*number_of_executed_units: *//p' "$log")"
+        return 0
     fi
-done
-[ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
-echo "$passed passed, $failed failed"
+    printf '  FAIL  %s: %s\n%s\n' "$name" "$log" "$(tail -n 40 "$log" | sed 's/^/        | /')"
+    echo failed >"$log.failed"
+}
+
+if [ "$1" = --one ]; then
+    run_one "$4" "$2" "$3"
+    exit 0
+fi
+build=$1 seconds=$2
+mkdir -p "$build/crash" "$build/log"
+rm -f "$build"/log/*.failed
+find "$build/tests" -name 'fuzz_*' ! -name '*.*' | sort |
+    xargs -P "${JOBS:-$(nproc)}" -n 1 "$0" --one "$build" "$seconds"
+total=$(find "$build/tests" -name 'fuzz_*' ! -name '*.*' | wc -l)
+failed=$(find "$build/log" -name '*.failed' | wc -l)
+[ -z "${RESULTS:-}" ] || echo "$((total - failed)) $failed" >>"$RESULTS"
+echo "$((total - failed)) passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -1,21 +1,20 @@
 #!/bin/sh
-# run_tests.sh TEST...: run each test and add up.  A test is a cmocka program or a
-# black-box script; a script that counts for itself ends with "N passed, N failed".
-# What a test prints goes to $BUILD/log/NAME.log and is shown when the test fails; a line
-# that begins with SKIP is always shown.  The totals are added to the file $RESULTS, if set.
-# Exit: 0 all passed, 1 otherwise.
+# run_tests.sh TEST...: run each test, $JOBS (one per core) at a time, and add up.  A test
+# is a cmocka program or a black-box script; a script that counts for itself ends with
+# "N passed, N failed".  What a test prints goes to $BUILD/log/NAME.log and is shown when the
+# test fails; a line that begins with SKIP is always shown.  The totals are added to the
+# file $RESULTS, if set.  Exit: 0 all passed, 1 otherwise.
 set -u
 BUILD=${BUILD:-build}
 export BUILD
-mkdir -p "$BUILD/log"
-passed=0 failed=0
 
-for test in "$@"; do
-    name=$(basename "$test" .sh)
+# run_one TEST: one test, its report, and its counts into $BUILD/log/NAME.counts.
+run_one() {
+    name=$(basename "$1" .sh)
     log=$BUILD/log/$name.log
-    case $test in
-    *.sh) timeout 600 sh "$test" >"$log" 2>&1 ;;
-    *) timeout 600 "$test" >"$log" 2>&1 ;;
+    case $1 in
+    *.sh) timeout 900 sh "$1" >"$log" 2>&1 ;;
+    *) timeout 900 "$1" >"$log" 2>&1 ;;
     esac
     rc=$?
     counts=$(sed -n \
@@ -24,19 +23,33 @@ for test in "$@"; do
         -e 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p' "$log" |
         awk '{ p += $1; f += $2 } END { print p + 0, f + 0 }')
     p=${counts% *} f=${counts#* }
+    skips=$(grep '^SKIP' "$log" | sed 's/^/        /')
     if [ "$rc" -eq 0 ] && [ "$f" -eq 0 ]; then
-        [ "$p" -gt 0 ] || p=1
-        printf '  ok    %-24s %4d passed\n' "$name" "$p"
+        [ "$p" -gt 0 ] || [ -n "$skips" ] || p=1
+        report=$(printf '  ok    %-24s %4d passed' "$name" "$p")
     else
         [ "$f" -gt 0 ] || f=1
-        printf '  FAIL  %-24s %4d passed, %d failed (exit %d); %s:\n' \
+        report=$(printf '  FAIL  %-24s %4d passed, %d failed (exit %d); %s:\n' \
             "$name" "$p" "$f" "$rc" "$log"
-        tail -n 60 "$log" | sed 's/^/        | /'
+            tail -n 60 "$log" | sed 's/^/        | /')
     fi
-    grep '^SKIP' "$log" | sed 's/^/        /'
-    passed=$((passed + p)) failed=$((failed + f))
-done
+    echo "$p $f" >"$BUILD/log/$name.counts"
+    printf '%s\n' "$report${skips:+
+$skips}"
+}
 
+if [ "${1:-}" = --one ]; then
+    run_one "$2"
+    exit 0
+fi
+mkdir -p "$BUILD/log"
+rm -f "$BUILD"/log/*.counts
+[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(nproc)}" -n 1 "$0" --one
+counts=$(cat "$BUILD"/log/*.counts /dev/null |
+    awk '{ p += $1; f += $2; n++ } END { print p + 0, f + 0, n + 0 }')
+done=${counts##* } counts=${counts% *}
+passed=${counts% *} failed=${counts#* }
+failed=$((failed + $# - done)) # a test that left no counts
 [ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
