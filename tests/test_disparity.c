@@ -24,79 +24,6 @@
 static uint64_t seed;
 static struct ivec3 pts_a[MAX_POINTS], pts_b[MAX_POINTS];
 
-/* ---- one cell */
-
-static void test_cell_by_hand(void **state)
-{
-    (void)state;
-    assert_true(disparity_cell(6, 0, 0, 0) == 0);
-    assert_true(disparity_cell(6, 2, 2, 2) == 12); /* prism */
-    assert_true(disparity_cell(6, 1, 2, 3) == 12); /* cut prism */
-    assert_true(disparity_cell(6, 0, 3, 3) == 12); /* (a) pyramid over a quadrangle */
-    assert_true(disparity_cell(6, 0, 0, 3) == 6);  /* (b) (c) pyramid over the triangle */
-    assert_true(disparity_cell(6, 0, 0, -3) == 6);
-    assert_true(disparity_cell(6, 0, -3, 3) == 6); /* (d) two pyramids of 3 */
-    assert_true(disparity_cell(6, 0, -1, 3) == 5); /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
-    assert_true(disparity_cell(6, 1, -1, 1) == 3); /* (e) (f) 0.5 and a wedge of 2.5 */
-    assert_true(disparity_cell(6, -1, 1, -1) == 3);
-    /* tip 30 / 3 / 5 = 2 in area, 2 / 3 in volume; the signed volume is 50 */
-    assert_true(fabs(disparity_cell(30, 2, -1, 4) - (50 + 4.0 / 3)) < 1e-13);
-    assert_true(disparity_cell(0, 5, -7, 1) == 0);
-}
-
-static double cell_by_overlay(double *area, int32_t a, int32_t b, int32_t c)
-{
-    const struct ivec3 flat[] = {{0, 0, 0}, {900, 100, 0}, {300, 700, 0}};
-    const struct ivec3 bent[] = {{0, 0, a}, {900, 100, b}, {300, 700, c}};
-    struct mesh m = {0}, n = {0};
-    double volume;
-
-    brute_delaunay(flat, 3, &m);
-    brute_delaunay(bent, 3, &n);
-    volume = brute_volume(&m, &n, area);
-    mesh_free(&m);
-    mesh_free(&n);
-    return volume;
-}
-
-static void test_cell_by_overlay(void **state)
-{
-    struct brute_rng r = {seed};
-
-    (void)state;
-    for (int round = 0; round < 2000; round++) {
-        const int32_t top = round % 2 == 0 ? 3 : 1000;
-        const int32_t a = brute_int(&r, -top, top), b = brute_int(&r, -top, top);
-        const int32_t c = brute_int(&r, -top, top);
-        double area;
-        const double want = cell_by_overlay(&area, a, b, c);
-
-        assert_true(fabs(disparity_cell(area, a, b, c) - want) <= 1e-12 * (want + 1));
-    }
-}
-
-static void test_cell_symmetries(void **state)
-{
-    struct brute_rng r = {seed + 1};
-
-    (void)state;
-    for (int round = 0; round < 5000; round++) {
-        const double a = brute_real(&r) - 0.5, b = brute_real(&r) - 0.5;
-        const double c = round % 3 == 0 ? 0 : round % 7 == 0 ? a : brute_real(&r) - 0.5;
-        const double v = disparity_cell(3, a, b, c);
-
-        assert_true(v > 0);
-        assert_true(disparity_cell(3, b, c, a) == v && disparity_cell(3, c, a, b) == v);
-        assert_true(disparity_cell(3, b, a, c) == v && disparity_cell(3, c, b, a) == v);
-        assert_true(disparity_cell(3, -a, -b, -c) == v);
-        assert_true(disparity_cell(3, 1024 * a, 1024 * b, 1024 * c) == 1024 * v);
-        assert_true(v <= 3 * (fabs(a) + fabs(b) + fabs(c)) / 3 * (1 + 1e-15));
-        assert_true(v >= 3 * fabs(a + b + c) / 3 * (1 - 1e-15));
-    }
-}
-
-/* ---- whole surfaces */
-
 struct one {
     struct mesh mesh;
     float spacing[MAX_POINTS];
@@ -713,13 +640,12 @@ static void test_weight(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cell_by_hand),    cmocka_unit_test(test_cell_by_overlay),
-        cmocka_unit_test(test_cell_symmetries), cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_same_points),     cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_smooth),          cmocka_unit_test(test_symmetries),
-        cmocka_unit_test(test_overlap),         cmocka_unit_test(test_hole),
-        cmocka_unit_test(test_lone_point),      cmocka_unit_test(test_classes),
-        cmocka_unit_test(test_compensated),     cmocka_unit_test(test_weight),
+        cmocka_unit_test(test_by_hand),    cmocka_unit_test(test_same_points),
+        cmocka_unit_test(test_planes),     cmocka_unit_test(test_smooth),
+        cmocka_unit_test(test_symmetries), cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_hole),       cmocka_unit_test(test_lone_point),
+        cmocka_unit_test(test_classes),    cmocka_unit_test(test_compensated),
+        cmocka_unit_test(test_weight),
     };
 
     seed = brute_seed("test_disparity");
