@@ -1,7 +1,7 @@
 /* mst.h -- minimum spanning tree of the Delaunay graph in linear time.
  * Paper 1 section 3.3.  Method: Cheriton and Tarjan, "Finding Minimum Spanning Trees",
  * SIAM J. Computing 5(4), 1976: in stages, every tree takes its shortest outgoing edge;
- * then the clean-up contracts the trees and keeps the shortest of parallel edges, so that
+ * then the clean-up contracts the trees and, of parallel edges, keeps the shortest, so that
  * a planar graph of k trees has fewer than 3k edges again and the stages' costs fall
  * geometrically.  (The paper's Fibonacci heap is not needed on planar graphs.)  Before the
  * first stage every triangle drops its longest side, which leaves fewer than 2 nv edges. */
@@ -19,7 +19,7 @@ struct scratch; /* mem.h */
  * comes first, then by the other, points by x, then y: the tree and the numbers are a
  * function of the set of points alone, whatever the numbers were before.
  * Works on any triangulation, Delaunay or not; edges are compared by squared length.
- * Cost  O(nv) time on every input; scratch: 124 bytes a point.
+ * Cost  O(nv) time on every input; scratch: 116 bytes a point.
  * Returns ST_OK, ST_ENOMEM (m is as before). */
 enum status mst_build(struct mesh *m, struct scratch *s);
 
