@@ -60,7 +60,7 @@ static const struct command commands[] = {
      "surfacectl --db faces.db check", 0, 0, OPT_DB, surfacectl_admin_check},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
-    {"token", "create NAME | list | revoke ID", "Bearer tokens for the daemon",
+    {"token", "create [NAME] | list | revoke ID", "Bearer tokens for the daemon",
      "The token is printed once, on standard output; only a hash of it is kept.  A running\n"
      "daemon sees new and revoked tokens at once.",
      "surfacectl --db faces.db token create front-door", 1, 2, OPT_DB,

@@ -299,8 +299,8 @@ static enum status token_create(struct surfacectl *c, struct store *s)
 {
     struct store_token t;
     char secret[65];
-    enum status st =
-        store_token_create(s, SURFACECTL_ACTOR, c->args[1], secret, &t, &c->e);
+    const char *name = c->nargs > 1 ? c->args[1] : "unnamed";
+    enum status st = store_token_create(s, SURFACECTL_ACTOR, name, secret, &t, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -362,7 +362,8 @@ int surfacectl_admin_token(struct surfacectl *c)
         int nargs;
         enum store_mode mode;
         enum status (*run)(struct surfacectl *, struct store *);
-    } verbs[] = {{"create", 2, STORE_WRITE, token_create},
+    } verbs[] = {{"create", 1, STORE_WRITE, token_create},
+                 {"create", 2, STORE_WRITE, token_create},
                  {"list", 1, STORE_READ, token_list},
                  {"revoke", 2, STORE_WRITE, token_revoke}};
     struct store *s = NULL;
@@ -377,6 +378,6 @@ int surfacectl_admin_token(struct surfacectl *c)
         return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
     }
     (void)errinfo_set(&c->e, ST_EINVAL,
-                      "it is 'token create NAME', 'token list' or 'token revoke ID'");
+                      "it is 'token create [NAME]', 'token list' or 'token revoke ID'");
     return EXIT_USAGE;
 }

@@ -107,6 +107,8 @@ has out '"templates_deleted":.*1'
 expect 66 "no such subject" "$ctl" verify alice a1.ply
 has err 'no subject alice'
 
+expect 0 "make a token without a name" "$ctl" token create
+that "it has 64 characters too" [ "$(wc -c <out)" -eq 65 ]
 expect 0 "make a token" "$ctl" token create 'front door'
 secret=$(cat out)
 that "the token has 64 characters" [ ${#secret} -eq 64 ]

@@ -57,8 +57,8 @@ refuse 64 'does not take' "$ctl" --db f.db list --yes
 refuse 64 'units are' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db --threshold-mm nan verify alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db --threshold-mm -1 verify alice good.ply
-refuse 64 'token create NAME' "$ctl" --db f.db token destroy all
-refuse 64 'token create NAME' "$ctl" --db f.db token create
+refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
+refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
 
 # ids
 refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
