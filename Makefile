@@ -130,7 +130,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN)
 .PHONY: test unit
 test: tests
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) \
-	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out tests/8%,$(BLACK_BOX)),$(BLACK_BOX))
+	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out tests/30-%,$(BLACK_BOX)),$(BLACK_BOX))
 
 ## unit: the unit tests alone
 unit: tests
