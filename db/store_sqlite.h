@@ -79,6 +79,17 @@ enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_
 enum status store_sqlite_run(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
                              struct errinfo *e);
 
+/* Turn the statement's current row into the object at out. */
+typedef enum status store_sqlite_row(sqlite3_stmt *stmt, void *out, struct errinfo *e);
+
+/* store_sqlite_rows(c, stmt, row, size, what, out, n, e): step a bound statement to its end
+ * and reset it; its *n rows as a new array of objects of size bytes, released by free(),
+ * NULL where there are none.  On failure *out and *n are as before; what: the text of an
+ * error of the database. */
+enum status store_sqlite_rows(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                              store_sqlite_row *row, size_t size, const char *what,
+                              void **out, size_t *n, struct errinfo *e);
+
 /* store_sqlite_fail(c, what, e): the status and text of the connection's last error. */
 enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *what,
                               struct errinfo *e);

@@ -1,4 +1,3 @@
-#include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -45,9 +44,10 @@ enum status store_sqlite_admin_event(struct store *s, const struct store_act *by
 
 /* ---- tokens */
 
-static enum status read_token(sqlite3_stmt *stmt, struct store_token *t,
-                              struct errinfo *e)
+static enum status read_token(sqlite3_stmt *stmt, void *out, struct errinfo *e)
 {
+    struct store_token *t = out;
+
     memset(t, 0, sizeof *t);
     if (!store_sqlite_text(stmt, 0, t->id, sizeof t->id) || !store_id_valid(t->id) ||
         !store_sqlite_text(stmt, 1, t->name, sizeof t->name) ||
@@ -85,44 +85,21 @@ out:
 enum status store_sqlite_admin_token_list(struct store *s, struct store_token **out,
                                           size_t *n, struct errinfo *e)
 {
-    struct store_token t, *list = NULL, *larger;
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
-    size_t room = 0;
+    void *list = NULL;
     enum status st;
-    int rc = SQLITE_DONE;
 
     *out = NULL;
     *n = 0;
     if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;
-    if ((st = store_sqlite_prepare(c, SQL_TOKEN_LIST, &stmt, e)) != ST_OK)
-        goto out;
-    while (st == ST_OK && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
-        if ((st = read_token(stmt, &t, e)) != ST_OK)
-            break;
-        if (*n == room) {
-            room = room != 0 ? 2 * room : 16;
-            if ((larger = realloc(list, room * sizeof *list)) == NULL) {
-                st = errinfo_set(e, ST_ENOMEM, "out of memory");
-                break;
-            }
-            list = larger;
-        }
-        list[(*n)++] = t;
-    }
-    if (st == ST_OK && rc != SQLITE_DONE)
-        st = store_sqlite_fail(c, "cannot read the tokens", e);
-    (void)sqlite3_reset(stmt);
-out:
+    if ((st = store_sqlite_prepare(c, SQL_TOKEN_LIST, &stmt, e)) == ST_OK)
+        st = store_sqlite_rows(c, stmt, read_token, sizeof **out,
+                               "cannot read the tokens", &list, n, e);
     store_sqlite_done(s, c);
-    if (st != ST_OK) {
-        free(list);
-        *n = 0;
-        return st;
-    }
     *out = list;
-    return ST_OK;
+    return st;
 }
 
 enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_act *by,

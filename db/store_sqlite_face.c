@@ -1,5 +1,4 @@
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -45,9 +44,9 @@ static bool column_measure(sqlite3_stmt *stmt, int col, double max, double *out)
 
 /* The description in the current row.  The schema's checks hold for what this program
  * wrote; the file may have been written by anyone. */
-static enum status read_template(sqlite3_stmt *stmt, struct store_template *t,
-                                 struct errinfo *e)
+static enum status read_template(sqlite3_stmt *stmt, void *out, struct errinfo *e)
 {
+    struct store_template *t = out;
     const char *bad = NULL;
 
     memset(t, 0, sizeof *t);
@@ -79,16 +78,16 @@ static enum status read_template(sqlite3_stmt *stmt, struct store_template *t,
     return ST_OK;
 }
 
-static enum status read_subject(sqlite3_stmt *stmt, struct store_subject *out,
-                                struct errinfo *e)
+static enum status read_subject(sqlite3_stmt *stmt, void *out, struct errinfo *e)
 {
-    memset(out, 0, sizeof *out);
-    if (!store_sqlite_text(stmt, 0, out->id, sizeof out->id) ||
-        !store_subject_valid(out->id) ||
-        !store_sqlite_text(stmt, 1, out->created, sizeof out->created) ||
-        !column_count(stmt, 2, UINT32_MAX, &out->templates))
+    struct store_subject *s = out;
+
+    memset(s, 0, sizeof *s);
+    if (!store_sqlite_text(stmt, 0, s->id, sizeof s->id) || !store_subject_valid(s->id) ||
+        !store_sqlite_text(stmt, 1, s->created, sizeof s->created) ||
+        !column_count(stmt, 2, UINT32_MAX, &s->templates))
         return errinfo_set(e, ST_ECORRUPT, "subject %s: its row is damaged",
-                           store_subject_valid(out->id) ? out->id : "?");
+                           store_subject_valid(s->id) ? s->id : "?");
     return ST_OK;
 }
 
@@ -352,33 +351,15 @@ out:
 
 /* ---- lists */
 
-/* grow(list, n, room, size, e): room for one more, doubling. */
-static enum status grow(void **list, size_t n, size_t *room, size_t size,
-                        struct errinfo *e)
-{
-    void *larger;
-
-    if (n < *room)
-        return ST_OK;
-    *room = *room != 0 ? 2 * *room : 16;
-    if ((larger = realloc(*list, *room * size)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    *list = larger;
-    return ST_OK;
-}
-
 enum status store_sqlite_face_list(struct store *s, const char *subject,
                                    struct store_template **out, size_t *n,
                                    struct errinfo *e)
 {
-    struct store_template t;
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
     void *list = NULL;
-    size_t room = 0;
     int64_t key;
     enum status st;
-    int rc = SQLITE_ERROR;
 
     *out = NULL;
     *n = 0;
@@ -387,25 +368,15 @@ enum status store_sqlite_face_list(struct store *s, const char *subject,
     if ((st = find_subject(c, subject, &key, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_TEMPLATE_LIST, &stmt, e)) != ST_OK)
         goto out;
-    if (sqlite3_bind_int64(stmt, 1, key) == SQLITE_OK)
-        while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
-            if ((st = read_template(stmt, &t, e)) != ST_OK ||
-                (st = grow(&list, *n, &room, sizeof t, e)) != ST_OK)
-                break;
-            ((struct store_template *)list)[(*n)++] = t;
-        }
-    if (st == ST_OK && rc != SQLITE_DONE)
+    if (sqlite3_bind_int64(stmt, 1, key) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot read the templates", e);
-    (void)sqlite3_reset(stmt);
+    else
+        st = store_sqlite_rows(c, stmt, read_template, sizeof **out,
+                               "cannot read the templates", &list, n, e);
+    *out = list;
 out:
     store_sqlite_done(s, c);
-    if (st != ST_OK) {
-        free(list);
-        *n = 0;
-        return st;
-    }
-    *out = list;
-    return ST_OK;
+    return st;
 }
 
 enum status store_sqlite_face_subject(struct store *s, const char *subject,
@@ -437,13 +408,11 @@ enum status store_sqlite_face_subjects(struct store *s, const char *after, size_
                                        struct store_subject **out, size_t *n,
                                        struct errinfo *e)
 {
-    struct store_subject one;
+    const int64_t most = limit < INT64_MAX ? (int64_t)limit : INT64_MAX;
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
     void *list = NULL;
-    size_t room = 0;
     enum status st;
-    int rc = SQLITE_ERROR;
 
     *out = NULL;
     *n = 0;
@@ -451,27 +420,16 @@ enum status store_sqlite_face_subjects(struct store *s, const char *after, size_
         return st;
     if ((st = store_sqlite_prepare(c, SQL_SUBJECT_LIST, &stmt, e)) != ST_OK)
         goto out;
-    if (store_sqlite_bind(stmt, 1, after) == SQLITE_OK &&
-        sqlite3_bind_int64(stmt, 2, limit < INT64_MAX ? (int64_t)limit : INT64_MAX) ==
-            SQLITE_OK)
-        while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
-            if ((st = read_subject(stmt, &one, e)) != ST_OK ||
-                (st = grow(&list, *n, &room, sizeof one, e)) != ST_OK)
-                break;
-            ((struct store_subject *)list)[(*n)++] = one;
-        }
-    if (st == ST_OK && rc != SQLITE_DONE)
+    if (store_sqlite_bind(stmt, 1, after) != SQLITE_OK ||
+        sqlite3_bind_int64(stmt, 2, most) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot read the subjects", e);
-    (void)sqlite3_reset(stmt);
+    else
+        st = store_sqlite_rows(c, stmt, read_subject, sizeof **out,
+                               "cannot read the subjects", &list, n, e);
+    *out = list;
 out:
     store_sqlite_done(s, c);
-    if (st != ST_OK) {
-        free(list);
-        *n = 0;
-        return st;
-    }
-    *out = list;
-    return ST_OK;
+    return st;
 }
 
 enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
