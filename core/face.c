@@ -10,6 +10,7 @@
 #include "locate.h"
 #include "measure.h"
 #include "mem.h"
+#include "model.h"
 #include "mst.h"
 #include "quality.h"
 #include "surface.h"
@@ -18,15 +19,25 @@
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct scratch points;       /* a cloud on the lattice */
+    const struct model *model;
+    struct decision decision;
 };
 
-struct face_work *face_work_new(void)
+struct face_work *face_work_new(const struct model *m)
 {
     struct face_work *w = mem_array(1, sizeof *w);
 
-    if (w != NULL)
-        memset(w, 0, sizeof *w);
+    if (w == NULL)
+        return NULL;
+    memset(w, 0, sizeof *w);
+    w->model = m != NULL ? m : &model_default;
+    w->decision = w->model->decision;
     return w;
+}
+
+void face_work_decide(struct face_work *w, const struct decision *d)
+{
+    w->decision = d != NULL ? *d : w->model->decision;
 }
 
 void face_work_free(struct face_work *w)
@@ -153,9 +164,10 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
-    out->threshold_mm = threshold_mm > 0 ? threshold_mm : decision_threshold_mm;
+    out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
     out->disparity_mm = out->measure.weighted_mm;
-    out->fmr_at_score = out->measure.cells > 0 ? decision_fmr(out->disparity_mm) : 1;
+    out->fmr_at_score =
+        out->measure.cells > 0 ? decision_fmr(&w->decision, out->disparity_mm) : 1;
     total = weight_total(&a, &u);
     share = total > 0 ? out->measure.weight_mm2 / total : 0;
     out->weight_overlap = share < 1 ? share : 1;

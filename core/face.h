@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "align.h"
+#include "decision.h"
 #include "disparity.h"
 #include "mesh.h"
 #include "status.h"
@@ -34,11 +35,19 @@ struct face {
     uint32_t cap; /* points block has room for */
 };
 
+struct model; /* model.h */
+
 /* A worker's reusable memory for building and comparing: after the first few calls nothing
  * is allocated any more.  One thread at a time. */
 struct face_work;
-struct face_work *face_work_new(void); /* NULL: out of memory */
+/* face_work_new(m): m is borrowed, and what is built and compared by this memory is judged
+ * by it; NULL: model_default.  NULL: out of memory. */
+struct face_work *face_work_new(const struct model *m);
 void face_work_free(struct face_work *w);
+
+/* face_work_decide(w, d): decide by d (copied) from now on instead of by the model's own
+ * calibration; NULL: by the model's again. */
+void face_work_decide(struct face_work *w, const struct decision *d);
 
 /* face_build(pts, n, w, out, bad): from a scanner's points (mm, any order) to a model:
  * lattice, triangulation, spikes laid flat, spanning tree, holes, quality gate.
@@ -78,7 +87,7 @@ struct face_result {
 
 /* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
  * template, measure the minimal disparity, decide.
- * threshold_mm  0 or less: decision_threshold_mm (decision.h, docs/decision.md)
+ * threshold_mm  0 or less: that of w's calibration
  * clock_ms      may be NULL; only ever read into align_ms and measure_ms
  * Deterministic: depends on the two models and the threshold alone.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */

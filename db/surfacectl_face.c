@@ -168,7 +168,7 @@ static enum status enroll_file(struct surfacectl *c, struct store *s, const char
 int surfacectl_face_enroll(struct surfacectl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     struct store *s = NULL;
     int failed = 0, code = EXIT_FINE;
@@ -208,7 +208,7 @@ out:
 int surfacectl_face_verify(struct surfacectl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face probe = {0};
     struct store *s = NULL;
     struct best best;
@@ -245,7 +245,7 @@ int surfacectl_face_verify(struct surfacectl *c)
 int surfacectl_face_compare(struct surfacectl *c)
 {
     const double start = clock_ms();
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face a = {0}, b = {0};
     struct face_result r;
     enum status st;

@@ -69,7 +69,7 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
 
         w->app = app;
         w->queue = q;
-        w->work = face_work_new();
+        w->work = face_work_new(NULL);
         if (w->work == NULL)
             goto fail;
         if (pthread_create(&q->threads[i], NULL, serve, w) != 0) {

@@ -390,7 +390,7 @@ int main(void)
 
     peers = timing_peers();
     b_vertex = timing_alloc(POINTS, sizeof *b_vertex);
-    if ((work = face_work_new()) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         must(ST_ENOMEM);
     vertex = timing_alloc(2 * POINTS, sizeof *vertex);
     for (size_t k = 0; k < PAIRS; k++)

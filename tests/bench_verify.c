@@ -225,7 +225,7 @@ static void white_noise_only(void)
 static void memory(const struct pair *p)
 {
     const double before = timing_bytes();
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face a = {0}, b = {0};
     struct face_result r;
     double bytes;
@@ -248,7 +248,7 @@ int main(void)
     static struct pair pair[PAIRS];
 
     peers = timing_peers();
-    if ((work = face_work_new()) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         must(ST_ENOMEM);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k);

@@ -14,9 +14,9 @@
 
 #include "align_pose.h"
 #include "cloudfile.h"
-#include "decision.h"
 #include "face.h"
 #include "mem.h"
+#include "model.h"
 
 #define MAX_SCANS  4096
 #define MAX_FIELDS 24
@@ -381,8 +381,8 @@ static void report(void)
     printf(
         "\n%zu genuine, %zu impostor comparisons; threshold %.4f mm accepts %.3f %% of "
         "the impostors\n",
-        genuine.n, impostor.n, decision_threshold_mm,
-        100 * accepted(&impostor, -1, decision_threshold_mm));
+        genuine.n, impostor.n, model_default.decision.threshold_mm,
+        100 * accepted(&impostor, -1, model_default.decision.threshold_mm));
     printf("at FMR 0.1 %%: %.4f mm; at 1 %%: %.4f mm\n", at_01, at_1);
     printf(
         "kind   EER %%  TAR %% at FMR 0.1 %%  at 1 %%  at the threshold  first rank %%\n");
@@ -397,11 +397,12 @@ static void report(void)
         printf("%-4s  %6.2f  %18.1f  %7.1f  %16.1f  %12.1f\n", names[i],
                100 * equal_error(k), 100 * accepted(&genuine, k, at_01),
                100 * accepted(&genuine, k, at_1),
-               100 * accepted(&genuine, k, decision_threshold_mm),
+               100 * accepted(&genuine, k, model_default.decision.threshold_mm),
                r > 0 ? 100.0 * f / r : 0);
     }
     printf("close relatives: %zu comparisons, %.1f %% accepted at the threshold\n",
-           relative.n, 100 * accepted(&relative, -1, decision_threshold_mm));
+           relative.n,
+           100 * accepted(&relative, -1, model_default.decision.threshold_mm));
 }
 
 static void print_table(void)
@@ -431,7 +432,7 @@ int main(int argc, char **argv)
     }
     if (arg + 1 != argc || per_probe < 1)
         die("usage:", "eval [--per-probe N] [--table] DIR");
-    if ((w = face_work_new()) == NULL)
+    if ((w = face_work_new(NULL)) == NULL)
         die("out of", "memory");
     read_index(argv[arg]);
     read_subjects(argv[arg]);

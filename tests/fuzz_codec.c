@@ -22,7 +22,7 @@ static void put_u64(uint8_t *p, uint64_t value)
 
 static void try_model(const uint8_t *block, size_t size)
 {
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     struct face_result result;
     struct errinfo e = {ST_OK, ""};

@@ -54,7 +54,7 @@ static void compare(const struct face *a, const struct face *b, struct face_work
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct dvec3 all[MAX_POINTS], some[MAX_POINTS];
     struct face a = {0}, b = {0};
     size_t n = 0, m = 0;

@@ -545,7 +545,7 @@ int main(int argc, char **argv)
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
     seed = brute_seed("align");
-    if ((work = face_work_new()) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         return 2;
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     face_work_free(work);

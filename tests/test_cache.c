@@ -38,7 +38,7 @@ static int set_up(void **state)
     assert_non_null(mkdtemp(dir));
     (void)snprintf(path, sizeof path, "%s/db", dir);
     assert_int_equal(store_open(path, STORE_CREATE, &store, &e), ST_OK);
-    work = face_work_new();
+    work = face_work_new(NULL);
     assert_non_null(work);
     for (uint64_t i = 0; i < FACES; i++) {
         facegen_default(&s);
@@ -183,7 +183,7 @@ static void test_unknown(void **state)
 static void *hammer(void *arg)
 {
     struct cache *c = arg;
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     uint32_t r = 1;
     intptr_t bad = w == NULL;
 

@@ -301,7 +301,7 @@ static void test_no_memory(void **state)
     build(BRUTE_RANDOM, 300, &r, &f);
     buf = encode(&f, &len);
     do {
-        struct face_work *w = face_work_new();
+        struct face_work *w = face_work_new(NULL);
         struct face g = {0};
 
         assert_non_null(w);
@@ -323,7 +323,7 @@ static void test_no_memory(void **state)
 static int set_up(void **state)
 {
     (void)state;
-    return (work = face_work_new()) == NULL;
+    return (work = face_work_new(NULL)) == NULL;
 }
 
 static int tear_down(void **state)

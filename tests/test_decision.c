@@ -7,6 +7,9 @@
 #include <cmocka.h>
 
 #include "decision.h"
+#include "model.h"
+
+static const struct decision *const d = &model_default.decision;
 
 static void test_monotone(void **state)
 {
@@ -14,35 +17,59 @@ static void test_monotone(void **state)
 
     (void)state;
     for (int i = 0; i <= 50000; i++) {
-        const double rate = decision_fmr(i * 1e-4);
+        const double rate = decision_fmr(d, i * 1e-4);
 
         assert_true(rate > 0 && rate <= 1);
         assert_true(rate >= last);
         assert_true(rate < last + 0.001); /* and without jumps */
         last = rate;
     }
-    assert_true(decision_fmr(4) == 1 && decision_fmr(1e300) == 1);
+    assert_true(decision_fmr(d, 4) == 1 && decision_fmr(d, 1e300) == 1);
 }
 
 static void test_threshold(void **state)
 {
     (void)state;
-    assert_true(fabs(decision_fmr(decision_threshold_mm) - 0.001) < 2e-4);
+    assert_true(fabs(decision_fmr(d, d->threshold_mm) - 0.001) < 2e-4);
     assert_true(decision_min_overlap > 0 && decision_min_overlap < 0.5);
 }
 
 static void test_odd_values(void **state)
 {
     (void)state;
-    assert_true(decision_fmr(-1) == decision_fmr(0));
-    assert_true(decision_fmr(0) > 0 && decision_fmr(0) < 1e-6);
-    assert_true(decision_fmr((double)NAN) == 1 && decision_fmr((double)INFINITY) == 1);
+    assert_true(decision_fmr(d, -1) == decision_fmr(d, 0));
+    assert_true(decision_fmr(d, 0) > 0 && decision_fmr(d, 0) < 1e-6);
+    assert_true(decision_fmr(d, (double)NAN) == 1 &&
+                decision_fmr(d, (double)INFINITY) == 1);
+}
+
+static void test_valid(void **state)
+{
+    struct decision bad = *d;
+
+    (void)state;
+    assert_true(decision_valid(d));
+    bad.threshold_mm = (double)NAN;
+    assert_false(decision_valid(&bad));
+    bad = *d;
+    bad.n = DECISION_KNOTS + 1;
+    assert_false(decision_valid(&bad));
+    bad = *d;
+    bad.knot[3].mm = bad.knot[2].mm;
+    assert_false(decision_valid(&bad));
+    bad = *d;
+    bad.n--; /* does not reach 1 */
+    assert_false(decision_valid(&bad));
+    bad = *d;
+    bad.halving_mm = 0;
+    assert_false(decision_valid(&bad));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_monotone),
+        cmocka_unit_test(test_valid),
         cmocka_unit_test(test_threshold),
         cmocka_unit_test(test_odd_values),
     };

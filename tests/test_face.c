@@ -17,6 +17,7 @@
 #include "facegen.h"
 #include "fail_alloc.h"
 #include "lattice.h"
+#include "model.h"
 #include "mst.h"
 
 #define POINTS 3000
@@ -420,8 +421,9 @@ static void test_people(void **state)
             clouds_move(cloud.pts, cloud.n, who * 7 + k, 8, 10, moved);
             assert_int_equal(build(&cloud, &probe), ST_OK);
             assert_int_equal(face_compare(&tmpl, &probe, 0, NULL, work, &r), ST_OK);
-            assert_true(r.threshold_mm == decision_threshold_mm);
-            assert_true(r.fmr_at_score == decision_fmr(r.disparity_mm));
+            assert_true(r.threshold_mm == model_default.decision.threshold_mm);
+            assert_true(r.fmr_at_score ==
+                        decision_fmr(&model_default.decision, r.disparity_mm));
             assert_true(r.disparity_mm == r.measure.weighted_mm);
             assert_true(r.align_ms == 0 && r.measure_ms == 0);
             if (who == k) {
@@ -443,7 +445,7 @@ static void test_determinism(void **state)
 {
     struct face a = {0}, b = {0}, c = {0};
     struct face_result first, again;
-    struct face_work *fresh = face_work_new();
+    struct face_work *fresh = face_work_new(NULL);
 
     (void)state;
     assert_non_null(fresh);
@@ -600,12 +602,12 @@ static void test_no_memory(void **state)
 
     (void)state;
     fail_alloc_at(1);
-    assert_null(face_work_new());
+    assert_null(face_work_new(NULL));
     make(18, 1, &b);
     make(18, 0, &want);
     assert_int_equal(face_compare(&want, &b, 0, NULL, work, &plain), ST_OK);
     for (k = 1; st != ST_OK; k++) {
-        struct face_work *w = face_work_new();
+        struct face_work *w = face_work_new(NULL);
         struct face f = {0};
 
         assert_non_null(w);
@@ -623,7 +625,7 @@ static void test_no_memory(void **state)
     }
     assert_true(k > 4);
     for (st = ST_ENOMEM, k = 1; st != ST_OK; k++) {
-        struct face_work *w = face_work_new();
+        struct face_work *w = face_work_new(NULL);
 
         assert_non_null(w);
         fail_alloc_at(k);
@@ -659,7 +661,7 @@ int main(void)
     };
     int failed;
 
-    if ((work = face_work_new()) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         return 1;
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     face_work_free(work);

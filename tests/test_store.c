@@ -631,7 +631,7 @@ static void test_full_disk(void **state)
 static void *reader(void *arg)
 {
     struct store *s = arg;
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     struct errinfo why;
     intptr_t bad = w == NULL;
@@ -757,7 +757,7 @@ static int set_up(void **state)
 {
     (void)state;
     (void)snprintf(dir, sizeof dir, "/tmp/test_store.XXXXXX");
-    if (mkdtemp(dir) == NULL || (work = face_work_new()) == NULL)
+    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
         return 1;
     (void)snprintf(path, sizeof path, "%s/db", dir);
     for (uint64_t i = 0; i < FACES; i++)

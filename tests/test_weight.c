@@ -34,7 +34,7 @@ static struct measure_surface surface_of(const struct face *f)
 
 static void test_nose(void **state)
 {
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
 
     (void)state;
@@ -57,7 +57,7 @@ static void test_nose(void **state)
 
 static void test_shape(void **state)
 {
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     struct measure_surface s;
     struct weight_face face;
