@@ -60,9 +60,37 @@ int surfacectl_admin_check(struct surfacectl *c);
 int surfacectl_admin_stats(struct surfacectl *c);
 int surfacectl_admin_token(struct surfacectl *c);
 
+/* surfacectl_face_nearest(c, s, subject, probe, w, best): the probe compared with all of a
+ * subject's templates; ST_ENOTFOUND without any. */
+struct surfacectl_nearest {
+    struct face_result result;
+    struct store_template tmpl;
+    unsigned compared;
+};
+enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
+                                    const char *subject, const struct face *probe,
+                                    struct face_work *w, struct surfacectl_nearest *best);
+
+const char *surfacectl_face_decision(enum face_decision d);
+int surfacectl_face_exit(enum face_decision d);
+
+/* What every JSON answer to a comparison has; q: the probe's. */
+void surfacectl_face_verdict(struct surfacectl_out *o, const struct face_result *r,
+                             const struct face_quality *q);
+void surfacectl_face_quality(struct surfacectl_out *o, const char *key,
+                             const struct face_quality *q);
+
 /* surfacectl_scan_read(c, path, w, out): the scan in a file ("-": standard input), in
  * c->units, as a model.  Every failure is in c->e, with the path. */
 enum status surfacectl_scan_read(struct surfacectl *c, const char *path,
                                  struct face_work *w, struct face *out);
+
+/* The same in two steps, for who needs the points too: in millimetres, in the file's order,
+ * a new array released by mem_free() (NULL on failure). */
+enum status surfacectl_scan_points(struct surfacectl *c, const char *path,
+                                   struct dvec3 **pts, size_t *n);
+enum status surfacectl_scan_build(struct surfacectl *c, const char *path,
+                                  const struct dvec3 *pts, size_t n, struct face_work *w,
+                                  struct face *out);
 
 #endif

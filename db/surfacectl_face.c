@@ -13,7 +13,7 @@ static double clock_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-static const char *decision_name(enum face_decision d)
+const char *surfacectl_face_decision(enum face_decision d)
 {
     static const char *const name[] = {[FACE_MATCH] = "match",
                                        [FACE_NO_MATCH] = "no_match",
@@ -22,7 +22,7 @@ static const char *decision_name(enum face_decision d)
     return name[d];
 }
 
-static int decision_exit(enum face_decision d)
+int surfacectl_face_exit(enum face_decision d)
 {
     return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
 }
@@ -37,16 +37,9 @@ static bool better(const struct face_result *a, const struct face_result *b)
     return a->disparity_mm < b->disparity_mm;
 }
 
-struct best {
-    struct face_result result;
-    struct store_template tmpl;
-    unsigned compared;
-};
-
-/* Compare the probe with all of a subject's templates; ST_ENOTFOUND without any. */
-static enum status compare_subject(struct surfacectl *c, struct store *s,
-                                   const char *subject, const struct face *probe,
-                                   struct face_work *w, struct best *best)
+enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
+                                    const char *subject, const struct face *probe,
+                                    struct face_work *w, struct surfacectl_nearest *best)
 {
     struct store_template *list, t;
     struct face f = {0};
@@ -76,9 +69,10 @@ static enum status compare_subject(struct surfacectl *c, struct store *s,
     return st;
 }
 
-static void out_quality(struct surfacectl_out *o, const struct face_quality *q)
+void surfacectl_face_quality(struct surfacectl_out *o, const char *key,
+                             const struct face_quality *q)
 {
-    surfacectl_out_object(o, "quality");
+    surfacectl_out_object(o, key);
     surfacectl_out_number(o, "score", q->score);
     surfacectl_out_number(o, "coverage", q->coverage);
     surfacectl_out_number(o, "density_mm", q->density_mm);
@@ -86,13 +80,10 @@ static void out_quality(struct surfacectl_out *o, const struct face_quality *q)
     surfacectl_out_close(o);
 }
 
-/* Everything about a comparison but the templates. */
-static void print_result(struct surfacectl *c, const struct face_result *r,
-                         const struct face *probe, double ms)
+void surfacectl_face_verdict(struct surfacectl_out *o, const struct face_result *r,
+                             const struct face_quality *q)
 {
-    struct surfacectl_out *o = c->out;
-
-    surfacectl_out_text(o, "decision", decision_name(r->decision));
+    surfacectl_out_text(o, "decision", surfacectl_face_decision(r->decision));
     surfacectl_out_number(o, "disparity_mm", r->disparity_mm);
     surfacectl_out_number(o, "threshold_mm", r->threshold_mm);
     surfacectl_out_number(o, "fmr_at_score", r->fmr_at_score);
@@ -104,12 +95,19 @@ static void print_result(struct surfacectl *c, const struct face_result *r,
     for (int i = 0; i < 16; i++)
         surfacectl_out_number(o, NULL, r->align.transform[i]);
     surfacectl_out_close(o);
-    out_quality(o, &probe->quality);
+    surfacectl_face_quality(o, "quality", q);
     surfacectl_out_text(o, "engine", FACE_ENGINE);
-    surfacectl_out_number(o, "total_ms", ms);
+}
+
+/* Everything about a comparison but the templates. */
+static void print_result(struct surfacectl *c, const struct face_result *r,
+                         const struct face *probe, double ms)
+{
+    surfacectl_face_verdict(c->out, r, &probe->quality);
+    surfacectl_out_number(c->out, "total_ms", ms);
     if (c->json)
         return;
-    (void)printf("decision     %s\n", decision_name(r->decision));
+    (void)printf("decision     %s\n", surfacectl_face_decision(r->decision));
     (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
                  r->threshold_mm);
     (void)printf("impostors    a share of %.2g would score this low or lower\n",
@@ -128,12 +126,12 @@ static enum status enroll_file(struct surfacectl *c, struct store *s, const char
 {
     struct surfacectl_out *o = c->out;
     struct store_template t;
-    struct best best;
+    struct surfacectl_nearest best;
     bool created;
     enum status st = surfacectl_scan_read(c, path, w, f);
 
     if (st == ST_OK && !c->force) {
-        if ((st = compare_subject(c, s, subject, f, w, &best)) == ST_ENOTFOUND)
+        if ((st = surfacectl_face_nearest(c, s, subject, f, w, &best)) == ST_ENOTFOUND)
             st = ST_OK; /* the first sample fits */
         else if (st == ST_OK && best.result.decision == FACE_NO_MATCH)
             st = errinfo_set(&c->e, ST_EMISMATCH,
@@ -153,7 +151,7 @@ static enum status enroll_file(struct surfacectl *c, struct store *s, const char
         surfacectl_out_number(o, "points", t.points);
         surfacectl_out_number(o, "triangles", t.triangles);
         surfacectl_out_text(o, "digest", t.digest);
-        out_quality(o, &t.quality);
+        surfacectl_face_quality(o, "quality", &t.quality);
         if (!c->json)
             (void)printf("%s  %s  %u points, quality %.2f%s\n", t.id, path, t.points,
                          t.quality.score, created ? "" : " (was there already)");
@@ -211,7 +209,7 @@ int surfacectl_face_verify(struct surfacectl *c)
     struct face_work *w = face_work_new(NULL);
     struct face probe = {0};
     struct store *s = NULL;
-    struct best best;
+    struct surfacectl_nearest best;
     double start = 0;
     enum status st;
 
@@ -223,10 +221,10 @@ int surfacectl_face_verify(struct surfacectl *c)
     if (st == ST_OK)
         st = surfacectl_scan_read(c, c->args[1], w, &probe);
     if (st == ST_OK)
-        st = compare_subject(c, s, subject, &probe, w, &best);
+        st = surfacectl_face_nearest(c, s, subject, &probe, w, &best);
     if (st == ST_OK)
         st = store_event(s, "verify", SURFACECTL_ACTOR, subject, best.tmpl.id,
-                         decision_name(best.result.decision), &c->e);
+                         surfacectl_face_decision(best.result.decision), &c->e);
     if (st == ST_OK) {
         surfacectl_out_text(c->out, "subject", subject);
         surfacectl_out_text(c->out, "template_id", best.tmpl.id);
@@ -239,7 +237,8 @@ int surfacectl_face_verify(struct surfacectl *c)
     store_close(s);
     face_free(&probe);
     face_work_free(w);
-    return st == ST_OK ? decision_exit(best.result.decision) : surfacectl_fail(c, st);
+    return st == ST_OK ? surfacectl_face_exit(best.result.decision)
+                       : surfacectl_fail(c, st);
 }
 
 int surfacectl_face_compare(struct surfacectl *c)
@@ -261,5 +260,5 @@ int surfacectl_face_compare(struct surfacectl *c)
     face_free(&a);
     face_free(&b);
     face_work_free(w);
-    return st == ST_OK ? decision_exit(r.decision) : surfacectl_fail(c, st);
+    return st == ST_OK ? surfacectl_face_exit(r.decision) : surfacectl_fail(c, st);
 }

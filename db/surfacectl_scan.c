@@ -52,14 +52,17 @@ static double unit_mm(const char *units)
     return strcmp(units, "cm") == 0 ? 10 : 1000;
 }
 
-static enum status parse(struct surfacectl *c, const char *path, struct dvec3 **pts,
-                         size_t *n)
+enum status surfacectl_scan_points(struct surfacectl *c, const char *path,
+                                   struct dvec3 **pts, size_t *n)
 {
+    const double mm = unit_mm(c->units);
     struct cloudfile_error why = {.what = "out of memory"};
     unsigned char *bytes;
     size_t len;
     enum status st = read_file(path, &bytes, &len, &c->e);
 
+    *pts = NULL;
+    *n = 0;
     if (st == ST_OK && (st = cloudfile_parse(bytes, len, CLOUDFILE_ANY, FACE_MAX_POINTS,
                                              pts, n, &why)) != ST_OK) {
         if (why.line != 0)
@@ -68,23 +71,20 @@ static enum status parse(struct surfacectl *c, const char *path, struct dvec3 **
             (void)errinfo_set(&c->e, st, "%s, byte %zu: %s", path, why.where, why.what);
     }
     free(bytes);
+    if (st == ST_OK)
+        for (size_t i = 0; i < *n; i++)
+            (*pts)[i] =
+                (struct dvec3){(*pts)[i].x * mm, (*pts)[i].y * mm, (*pts)[i].z * mm};
     return st;
 }
 
-enum status surfacectl_scan_read(struct surfacectl *c, const char *path,
-                                 struct face_work *w, struct face *out)
+enum status surfacectl_scan_build(struct surfacectl *c, const char *path,
+                                  const struct dvec3 *pts, size_t n, struct face_work *w,
+                                  struct face *out)
 {
-    const double mm = unit_mm(c->units);
-    struct dvec3 *pts = NULL;
-    size_t n = 0, bad = 0;
-    enum status st = parse(c, path, &pts, &n);
+    size_t bad = 0;
+    const enum status st = face_build(pts, n, w, out, &bad);
 
-    if (st != ST_OK)
-        return st;
-    for (size_t i = 0; i < n; i++)
-        pts[i] = (struct dvec3){pts[i].x * mm, pts[i].y * mm, pts[i].z * mm};
-    st = face_build(pts, n, w, out, &bad);
-    mem_free(pts);
     if (st == ST_ENOTFINITE || st == ST_ERANGE)
         (void)errinfo_set(&c->e, st, "%s: point %zu of %zu: %s", path, bad + 1, n,
                           status_message(st));
@@ -93,5 +93,18 @@ enum status surfacectl_scan_read(struct surfacectl *c, const char *path,
                           FACE_MIN_POINTS);
     else if (st != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", path, status_message(st));
+    return st;
+}
+
+enum status surfacectl_scan_read(struct surfacectl *c, const char *path,
+                                 struct face_work *w, struct face *out)
+{
+    struct dvec3 *pts;
+    size_t n;
+    enum status st = surfacectl_scan_points(c, path, &pts, &n);
+
+    if (st == ST_OK)
+        st = surfacectl_scan_build(c, path, pts, n, w, out);
+    mem_free(pts);
     return st;
 }
