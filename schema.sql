@@ -1,6 +1,8 @@
--- schema.sql -- the template database, schema version 1.
+-- schema.sql -- the template database, schema version 2.
 -- Embedded in the programs at build and run in one transaction on an empty database.
--- A change here is a new user_version.
+-- A change here is a new user_version, added as a step at the end: a database of version 1
+-- is upgraded by running what follows the line "-- version 2", and so on.  What was there
+-- before that line stays as it is.
 
 PRAGMA application_id = 0x53524644; -- "SRFD"
 PRAGMA user_version = 1;
@@ -56,4 +58,28 @@ CREATE TABLE tokens (
     hash      BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
     created   TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
     revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB '????-??-??T??:??:??.???Z')
+) STRICT;
+
+-- version 2
+
+PRAGMA user_version = 2;
+
+-- From a disparity to a decision (docs/decision.md): the newest is in force.  Rows are only
+-- ever added; going back to the shipped table is a new row too.
+CREATE TABLE calibrations (
+    calibration_key INTEGER PRIMARY KEY AUTOINCREMENT,
+    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    actor        TEXT NOT NULL CHECK (length(actor) <= 64),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    shipped      INTEGER NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
+    fmr          REAL NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
+    threshold_mm REAL NOT NULL CHECK (threshold_mm > 0),
+    low_mm       REAL NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
+    high_mm      REAL NOT NULL CHECK (high_mm >= low_mm),
+    subjects     INTEGER NOT NULL CHECK (subjects >= 0),
+    impostors    INTEGER NOT NULL CHECK (impostors >= 0),    -- comparisons
+    genuine      INTEGER NOT NULL CHECK (genuine >= 0),
+    halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
+    knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
 ) STRICT;

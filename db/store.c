@@ -383,6 +383,49 @@ enum status store_token_check(struct store *s, const char *secret,
     return ST_OK;
 }
 
+/* ---- calibrations */
+
+static bool calibration_valid(const struct store_calibration *k)
+{
+    return decision_valid(&k->decision) && k->fmr > 0 && k->fmr < 1 && k->low_mm >= 0 &&
+           k->high_mm >= k->low_mm && k->high_mm < 1e3 && k->subjects <= INT64_MAX &&
+           k->impostors <= INT64_MAX && k->genuine <= INT64_MAX;
+}
+
+enum status store_calibration_add(struct store *s, const char *actor,
+                                  struct store_calibration *k, struct errinfo *e)
+{
+    struct store_act by;
+    enum status st;
+
+    if (!calibration_valid(k))
+        return errinfo_set(e, ST_EINVAL, "the calibration's numbers are impossible");
+    if ((st = act(&by, actor, e)) != ST_OK)
+        return st;
+    (void)snprintf(k->created, sizeof k->created, "%s", by.at);
+    (void)snprintf(k->actor, sizeof k->actor, "%s", actor);
+    (void)snprintf(k->engine, sizeof k->engine, "%s", FACE_ENGINE);
+    return s->engine->calibration_add(s, &by, k, e);
+}
+
+enum status store_calibration_get(struct store *s, struct store_calibration *k,
+                                  struct errinfo *e)
+{
+    return s->engine->calibration_get(s, k, e);
+}
+
+enum status store_calibration_version(struct store *s, int64_t *version,
+                                      struct errinfo *e)
+{
+    return s->engine->calibration_version(s, version, e);
+}
+
+enum status store_calibration_list(struct store *s, struct store_calibration **out,
+                                   size_t *n, struct errinfo *e)
+{
+    return s->engine->calibration_list(s, out, n, e);
+}
+
 /* ---- statistics */
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)

@@ -8,7 +8,7 @@
  * actor: who asks, for the events table: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
  * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row or file, not a database),
- * ST_EVERSION (database of a newer version), ST_EBUSY (locked by another process for
+ * ST_EVERSION (database of a newer version, or of an older one and opened for reading), ST_EBUSY (locked by another process for
  * longer than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
 #ifndef DB_STORE_H
 #define DB_STORE_H
@@ -32,7 +32,8 @@ enum store_mode {
     STORE_CREATE /* made if it is missing or empty, readable by its owner alone */
 };
 
-/* store_open(path, mode, out, e): ST_ENOTFOUND when there is no such file. */
+/* store_open(path, mode, out, e): ST_ENOTFOUND when there is no such file.  A database of an
+ * older version is upgraded in one transaction, but not by STORE_READ. */
 enum status store_open(const char *path, enum store_mode mode, struct store **out,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
@@ -129,6 +130,38 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 enum status store_token_check(struct store *s, const char *secret,
                               char id[STORE_ID_LEN + 1], struct errinfo *e);
 
+struct store_calibration {
+    int64_t version;  /* 1, 2, ...: the greatest is in force */
+    char created[32]; /* RFC 3339, UTC */
+    char actor[STORE_NAME_MAX + 1];
+    char engine[64];        /* that made it: it holds for no other measure */
+    bool shipped;           /* back to the table that comes with the program */
+    double fmr;             /* the false match rate that was wanted */
+    double low_mm, high_mm; /* 95 % interval of the threshold */
+    uint64_t subjects;      /* people whose templates were compared */
+    uint64_t impostors;     /* comparisons of different people, and of the same */
+    uint64_t genuine;
+    struct decision decision; /* valid */
+};
+
+/* store_calibration_add(s, actor, k, e): append *k, whose version, time, actor and engine
+ * are set here; an event with it.  ST_EINVAL: its numbers are impossible. */
+enum status store_calibration_add(struct store *s, const char *actor,
+                                  struct store_calibration *k, struct errinfo *e);
+
+/* store_calibration_get(s, k, e): the newest; ST_ENOTFOUND when there never was one. */
+enum status store_calibration_get(struct store *s, struct store_calibration *k,
+                                  struct errinfo *e);
+
+/* store_calibration_version(s, version, e): the newest one's version, 0 for none, without
+ * reading it: some microseconds. */
+enum status store_calibration_version(struct store *s, int64_t *version,
+                                      struct errinfo *e);
+
+/* store_calibration_list(s, out, n, e): all, oldest first; released by free(). */
+enum status store_calibration_list(struct store *s, struct store_calibration **out,
+                                   size_t *n, struct errinfo *e);
+
 struct store_stats {
     uint64_t subjects, templates, points, template_bytes, file_bytes, events, tokens;
     uint32_t schema;
@@ -141,8 +174,8 @@ struct store_check {
 };
 
 /* store_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys,
- * every template decoded, its triangulation Delaunay and its tree minimal, its digest and
- * counts right.  report() is called once a problem with one line of text. */
+ * every calibration valid, every template decoded, its triangulation Delaunay and its tree
+ * minimal, its digest and counts right.  report() is called once a problem with one line of text. */
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e);
 

@@ -69,8 +69,19 @@ struct store_engine {
                               struct store_token *t, unsigned char kept[STORE_HASH_LEN],
                               struct errinfo *e);
 
+    /* Append *k, complete but for its version, which is set. */
+    enum status (*calibration_add)(struct store *s, const struct store_act *by,
+                                   struct store_calibration *k, struct errinfo *e);
+    enum status (*calibration_get)(struct store *s, struct store_calibration *k,
+                                   struct errinfo *e);
+    enum status (*calibration_version)(struct store *s, int64_t *version,
+                                       struct errinfo *e);
+    enum status (*calibration_list)(struct store *s, struct store_calibration **out,
+                                    size_t *n, struct errinfo *e);
+
     enum status (*stats)(struct store *s, struct store_stats *out, struct errinfo *e);
-    /* The database's own structure: pages, indexes, references, schema. */
+    /* The database's own structure (pages, indexes, references, schema), and the rows of
+     * calibrations. */
     enum status (*check)(struct store *s, store_report *report, void *arg,
                          struct errinfo *e);
 };

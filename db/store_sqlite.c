@@ -10,12 +10,10 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "schema_sql.h"
 
 #define BUSY_MS     5000
 #define MAX_READERS 32
 #define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
-#define APPLICATION 0x53524644  /* application_id in schema.sql */
 
 struct sqlite_store {
     struct store base;
@@ -310,90 +308,6 @@ void store_sqlite_erase_log(struct store *s)
 
 /* ---- opening */
 
-/* The value of a one-row query of one integer. */
-static enum status query_int(struct store_sqlite_conn *c, const char *sql, int64_t *out,
-                             struct errinfo *e)
-{
-    sqlite3_stmt *stmt = NULL;
-    enum status st = ST_OK;
-
-    if (sqlite3_prepare_v2(c->db, sql, -1, &stmt, NULL) != SQLITE_OK ||
-        sqlite3_step(stmt) != SQLITE_ROW)
-        st = store_sqlite_fail(c, "cannot read", e);
-    else
-        *out = sqlite3_column_int64(stmt, 0);
-    (void)sqlite3_finalize(stmt);
-    return st;
-}
-
-enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
-                               struct errinfo *e)
-{
-    int64_t pages = 0, size = 0;
-    enum status st;
-
-    if ((st = query_int(c, "PRAGMA page_count", &pages, e)) == ST_OK &&
-        (st = query_int(c, "PRAGMA page_size", &size, e)) == ST_OK)
-        *bytes = (uint64_t)pages * (uint64_t)size;
-    return st;
-}
-
-/* Is the database this program's?  *empty: it holds nothing at all. */
-static enum status identify(struct store_sqlite_conn *c, const char *path, bool *empty,
-                            struct errinfo *e)
-{
-    int64_t application = 0, version = 0, objects = 0;
-    enum status st;
-
-    *empty = false;
-    if ((st = query_int(c, "PRAGMA application_id", &application, e)) != ST_OK ||
-        (st = query_int(c, "PRAGMA user_version", &version, e)) != ST_OK ||
-        (st = query_int(c, "SELECT count(*) FROM sqlite_schema", &objects, e)) != ST_OK) {
-        if (st == ST_ECORRUPT && sqlite3_errcode(c->db) == SQLITE_NOTADB)
-            return errinfo_set(e, st, "%s is not a database", path);
-        return st;
-    }
-    if (application == 0 && version == 0 && objects == 0) {
-        *empty = true;
-        return ST_OK;
-    }
-    if (application != APPLICATION)
-        return errinfo_set(e, ST_ECORRUPT, "%s is the database of another program", path);
-    if (version > STORE_SQLITE_SCHEMA)
-        return errinfo_set(e, ST_EVERSION,
-                           "%s has schema version %lld, this program knows up to %d: "
-                           "use a newer program",
-                           path, (long long)version, STORE_SQLITE_SCHEMA);
-    if (version < 1)
-        return errinfo_set(e, ST_ECORRUPT, "%s has the impossible schema version %lld",
-                           path, (long long)version);
-    return ST_OK;
-}
-
-/* Create the tables, unless another process has just done so. */
-static enum status initialise(struct store_sqlite_conn *c, const char *path,
-                              struct errinfo *e)
-{
-    bool empty;
-    enum status st;
-
-    if (sqlite3_exec(c->db, "PRAGMA journal_mode=WAL; BEGIN EXCLUSIVE", NULL, NULL,
-                     NULL) != SQLITE_OK)
-        return store_sqlite_fail(c, "cannot initialise", e);
-    if ((st = identify(c, path, &empty, e)) != ST_OK)
-        goto out;
-    if (empty && sqlite3_exec(c->db, schema_sql, NULL, NULL, NULL) != SQLITE_OK) {
-        st = store_sqlite_fail(c, "cannot create the tables", e);
-        goto out;
-    }
-    if (sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK)
-        st = store_sqlite_fail(c, "cannot create the tables", e);
-out:
-    if (!sqlite3_get_autocommit(c->db))
-        (void)sqlite3_exec(c->db, "ROLLBACK", NULL, NULL, NULL);
-    return st;
-}
-
 /* Look at the file before SQLite does, for errors that say what is wrong, and make a new
  * one ourselves: SQLite would let others read it. */
 static enum status check_file(const char *path, enum store_mode mode, bool *made,
@@ -431,17 +345,18 @@ static enum status check_file(const char *path, enum store_mode mode, bool *made
 static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
                                struct errinfo *e)
 {
-    bool empty;
+    int version;
     enum status st;
 
     if ((st = conn_open(q->path, SQLITE_OPEN_READWRITE, &q->writer, e)) != ST_OK)
         return st;
-    if ((st = identify(q->writer, q->path, &empty, e)) != ST_OK)
+    if ((st = store_sqlite_schema_version(q->writer, q->path, &version, e)) != ST_OK)
         return st;
-    if (empty && mode != STORE_CREATE)
+    if (version == 0 && mode != STORE_CREATE)
         return errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
                            q->path);
-    if (empty && (st = initialise(q->writer, q->path, e)) != ST_OK)
+    if (version < STORE_SQLITE_SCHEMA &&
+        (st = store_sqlite_schema_make(q->writer, q->path, e)) != ST_OK)
         return st;
     /* Deleted bytes are overwritten. */
     if (sqlite3_exec(q->writer->db,
@@ -458,15 +373,20 @@ static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
 static enum status open_reader(struct sqlite_store *q, struct errinfo *e)
 {
     struct store_sqlite_conn *c;
-    bool empty;
+    int version;
     enum status st;
 
     if ((st = store_sqlite_read(&q->base, &c, e)) != ST_OK)
         return st;
-    st = identify(c, q->path, &empty, e);
-    if (st == ST_OK && empty)
+    st = store_sqlite_schema_version(c, q->path, &version, e);
+    if (st == ST_OK && version == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
                          q->path);
+    else if (st == ST_OK && version < STORE_SQLITE_SCHEMA)
+        st = errinfo_set(e, ST_EVERSION,
+                         "%s has schema version %d, this program reads %d: upgrade it by "
+                         "opening it for writing (surfacectl init)",
+                         q->path, version, STORE_SQLITE_SCHEMA);
     store_sqlite_done(&q->base, c);
     return st;
 }
@@ -609,6 +529,10 @@ const struct store_engine store_sqlite_engine = {
     .token_list = store_sqlite_admin_token_list,
     .token_revoke = store_sqlite_admin_token_revoke,
     .token_find = store_sqlite_admin_token_find,
+    .calibration_add = store_sqlite_calibration_add,
+    .calibration_get = store_sqlite_calibration_get,
+    .calibration_version = store_sqlite_calibration_version,
+    .calibration_list = store_sqlite_calibration_list,
     .stats = store_sqlite_admin_stats,
     .check = store_sqlite_admin_check,
 };

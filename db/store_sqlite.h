@@ -2,15 +2,17 @@
  * One connection writes, under a lock; readers have a connection each while they read, and
  * in WAL mode neither waits for the other.  Statements are prepared once a connection.
  *   store_sqlite.c        opening, connections, transactions
+ *   store_sqlite_schema.c the tables: made, upgraded, compared
  *   store_sqlite_face.c   subjects and templates
  *   store_sqlite_admin.c  events, tokens, statistics, check
+ *   store_sqlite_calibration.c  calibrations
  *   store_sqlite_sql.c    the statements' text */
 #ifndef DB_STORE_SQLITE_H
 #define DB_STORE_SQLITE_H
 #include <sqlite3.h>
 #include "store_engine.h"
 
-#define STORE_SQLITE_SCHEMA 1 /* user_version in schema.sql */
+#define STORE_SQLITE_SCHEMA 2 /* user_version in schema.sql */
 
 enum store_sqlite_sql {
     SQL_BEGIN,
@@ -34,6 +36,10 @@ enum store_sqlite_sql {
     SQL_TOKEN_LIST,
     SQL_TOKEN_REVOKE,
     SQL_TOKEN_FIND,
+    SQL_CALIBRATION_ADD,
+    SQL_CALIBRATION_GET,
+    SQL_CALIBRATION_VERSION,
+    SQL_CALIBRATION_LIST,
     SQL_STATS,
     SQL_COUNT
 };
@@ -98,6 +104,21 @@ enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *wha
 enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
                                struct errinfo *e);
 
+/* store_sqlite_schema.c */
+
+/* store_sqlite_schema_version(c, path, version, e): of this program's database, 1 up to
+ * STORE_SQLITE_SCHEMA; 0: it holds nothing at all.  ST_ECORRUPT: another's; ST_EVERSION: a
+ * newer one. */
+enum status store_sqlite_schema_version(struct store_sqlite_conn *c, const char *path,
+                                        int *version, struct errinfo *e);
+
+/* store_sqlite_schema_make(c, path, e): create the tables, or bring those of an older
+ * version up to this one, in one transaction; nothing if another process has just done so. */
+enum status store_sqlite_schema_make(struct store_sqlite_conn *c, const char *path,
+                                     struct errinfo *e);
+enum status store_sqlite_schema_check(struct store_sqlite_conn *c, store_report *report,
+                                      void *arg, struct errinfo *e);
+
 /* Columns as they should be, or false: a text of 0..size-1 bytes without NUL. */
 bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size);
 int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text); /* copied */
@@ -130,6 +151,20 @@ enum status store_sqlite_face_subjects(struct store *s, const char *after, size_
 enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
                                     const char *subject, uint32_t *removed,
                                     struct errinfo *e);
+
+/* store_sqlite_calibration.c */
+enum status store_sqlite_calibration_add(struct store *s, const struct store_act *by,
+                                         struct store_calibration *k, struct errinfo *e);
+enum status store_sqlite_calibration_get(struct store *s, struct store_calibration *k,
+                                         struct errinfo *e);
+enum status store_sqlite_calibration_version(struct store *s, int64_t *version,
+                                             struct errinfo *e);
+enum status store_sqlite_calibration_list(struct store *s, struct store_calibration **out,
+                                          size_t *n, struct errinfo *e);
+/* Every row that is damaged is reported. */
+enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
+                                           store_report *report, void *arg,
+                                           struct errinfo *e);
 
 /* store_sqlite_admin.c */
 enum status store_sqlite_admin_event(struct store *s, const struct store_act *by,

@@ -1,7 +1,6 @@
 #include <string.h>
 
 #include "errinfo.h"
-#include "schema_sql.h"
 #include "store_sqlite.h"
 
 /* ---- events */
@@ -228,68 +227,6 @@ static enum status check_pragma(struct store_sqlite_conn *c, const char *sql,
     return st;
 }
 
-#define SCHEMA_ROWS                                                                      \
-    "SELECT type, name, tbl_name, sql FROM sqlite_schema "                               \
-    "WHERE name NOT GLOB 'sqlite_stat*' ORDER BY type, name"
-
-/* Do two databases have the same schema, word for word? */
-static enum status same_schema(struct store_sqlite_conn *c, sqlite3 *model, bool *same,
-                               struct errinfo *e)
-{
-    sqlite3_stmt *a = NULL, *b = NULL;
-    enum status st = ST_OK;
-    int ra, rb;
-
-    *same = true;
-    if (sqlite3_prepare_v2(c->db, SCHEMA_ROWS, -1, &a, NULL) != SQLITE_OK) {
-        st = store_sqlite_fail(c, "cannot check", e);
-        goto out;
-    }
-    if (sqlite3_prepare_v2(model, SCHEMA_ROWS, -1, &b, NULL) != SQLITE_OK) {
-        st = errinfo_set(e, ST_EDB, "cannot check: %s", sqlite3_errmsg(model));
-        goto out;
-    }
-    do {
-        ra = sqlite3_step(a);
-        rb = sqlite3_step(b);
-        if (ra != rb)
-            *same = false;
-        for (int i = 0; *same && ra == SQLITE_ROW && i < 4; i++) {
-            const int n = sqlite3_column_bytes(a, i);
-
-            *same = n == sqlite3_column_bytes(b, i) &&
-                    (n == 0 || memcmp(sqlite3_column_blob(a, i),
-                                      sqlite3_column_blob(b, i), (size_t)n) == 0);
-        }
-    } while (*same && ra == SQLITE_ROW);
-    if (ra != SQLITE_ROW && ra != SQLITE_DONE)
-        st = store_sqlite_fail(c, "cannot check", e);
-out:
-    (void)sqlite3_finalize(a);
-    (void)sqlite3_finalize(b);
-    return st;
-}
-
-static enum status check_schema(struct store_sqlite_conn *c, store_report *report,
-                                void *arg, struct errinfo *e)
-{
-    sqlite3 *model = NULL;
-    bool same = true;
-    enum status st;
-
-    if (sqlite3_open_v2(":memory:", &model, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY,
-                        NULL) != SQLITE_OK ||
-        sqlite3_exec(model, schema_sql, NULL, NULL, NULL) != SQLITE_OK)
-        st = errinfo_set(e, ST_EDB, "cannot make the schema to compare with: %s",
-                         model != NULL ? sqlite3_errmsg(model) : "out of memory");
-    else
-        st = same_schema(c, model, &same, e);
-    (void)sqlite3_close(model);
-    if (st == ST_OK && !same)
-        report(arg, "schema: the tables are not those of this program");
-    return st;
-}
-
 enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
                                      struct errinfo *e)
 {
@@ -301,8 +238,9 @@ enum status store_sqlite_admin_check(struct store *s, store_report *report, void
     if ((st = check_pragma(c, "PRAGMA integrity_check", "integrity", report, arg, e)) ==
             ST_OK &&
         (st = check_pragma(c, "PRAGMA foreign_key_check", "reference", report, arg, e)) ==
-            ST_OK)
-        st = check_schema(c, report, arg, e);
+            ST_OK &&
+        (st = store_sqlite_schema_check(c, report, arg, e)) == ST_OK)
+        st = store_sqlite_calibration_check(c, report, arg, e);
     store_sqlite_done(s, c);
     return st;
 }

@@ -8,6 +8,10 @@
 #define SUBJECT_COLUMNS                                                                  \
     "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
 
+#define CALIBRATION_COLUMNS                                                              \
+    "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
+    "high_mm, subjects, impostors, genuine, halving_mm, knots"
+
 const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_BEGIN] = "BEGIN IMMEDIATE",
     [SQL_COMMIT] = "COMMIT",
@@ -44,6 +48,15 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "UPDATE tokens SET revoked = coalesce(revoked, ?2) WHERE id = ?1",
     [SQL_TOKEN_FIND] =
         "SELECT id, name, created, revoked, hash FROM tokens WHERE hash = ?1",
+    [SQL_CALIBRATION_ADD] =
+        "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, "
+        "low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
+    [SQL_CALIBRATION_GET] = "SELECT " CALIBRATION_COLUMNS " FROM calibrations "
+                            "ORDER BY calibration_key DESC LIMIT 1",
+    [SQL_CALIBRATION_VERSION] = "SELECT max(calibration_key) FROM calibrations",
+    [SQL_CALIBRATION_LIST] =
+        "SELECT " CALIBRATION_COLUMNS " FROM calibrations ORDER BY calibration_key",
     [SQL_STATS] = "SELECT (SELECT count(*) FROM subjects), count(*), "
                   "coalesce(sum(points), 0), coalesce(sum(length(model)), 0), "
                   "(SELECT count(*) FROM events), (SELECT count(*) FROM tokens) "

@@ -26,7 +26,7 @@ struct command {
 static const struct command commands[] = {
     {"init", "", "make a new database",
      "The file is readable by its owner alone.  A database that is there already is left\n"
-     "as it is.",
+     "as it is, but one of an older version is upgraded.",
      "surfacectl --db faces.db init", 0, 0, OPT_DB, surfacectl_admin_init},
     {"enroll", "SUBJECT FILE...", "enroll scans of a subject",
      "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  The same scan\n"

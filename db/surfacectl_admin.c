@@ -11,9 +11,8 @@ int surfacectl_admin_init(struct surfacectl *c)
 {
     struct store *s = NULL;
     struct errinfo ignored;
-    const bool there =
-        c->db != NULL && store_open(c->db, STORE_READ, &s, &ignored) == ST_OK;
-    enum status st;
+    enum status before = store_open(c->db, STORE_READ, &s, &ignored), st;
+    const bool there = before == ST_OK || before == ST_EVERSION;
 
     store_close(s);
     if ((st = store_open(c->db, STORE_CREATE, &s, &c->e)) != ST_OK)
@@ -21,8 +20,12 @@ int surfacectl_admin_init(struct surfacectl *c)
     store_close(s);
     surfacectl_out_text(c->out, "database", c->db);
     surfacectl_out_flag(c->out, "created", !there);
+    surfacectl_out_flag(c->out, "upgraded", before == ST_EVERSION);
     if (!c->json)
-        (void)printf("%s: %s\n", c->db, there ? "was initialised before" : "initialised");
+        (void)printf("%s: %s\n", c->db,
+                     before == ST_EVERSION ? "upgraded to this version"
+                     : there               ? "was initialised before"
+                                           : "initialised");
     return EXIT_FINE;
 }
 

@@ -429,10 +429,10 @@ static void test_refused(void **state)
     assert_refused(path, STORE_CREATE, ST_ECORRUPT, "another program");
     s = fresh();
     store_close(s);
-    sql("PRAGMA user_version = 2");
+    sql("PRAGMA user_version = 3");
     assert_refused(path, STORE_WRITE, ST_EVERSION, "newer");
-    assert_refused(path, STORE_READ, ST_EVERSION, "2");
-    assert_int_equal(count("PRAGMA user_version"), 2); /* left as it was */
+    assert_refused(path, STORE_READ, ST_EVERSION, "3");
+    assert_int_equal(count("PRAGMA user_version"), 3); /* left as it was */
     remove_database();
     write_file(path, "", 0); /* an empty file may be initialised */
     store_close(again(STORE_CREATE));
@@ -481,9 +481,9 @@ static void test_ready(void **state)
     char aside[128];
 
     (void)state;
-    sql("PRAGMA user_version = 2");
+    sql("PRAGMA user_version = 3");
     assert_int_equal(store_ready(s, &e), ST_EVERSION);
-    sql("PRAGMA user_version = 1");
+    sql("PRAGMA user_version = 2");
     assert_int_equal(store_ready(s, &e), ST_OK);
     (void)snprintf(aside, sizeof aside, "%s.aside", path);
     assert_int_equal(rename(path, aside), 0);

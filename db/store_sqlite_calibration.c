@@ -1,0 +1,255 @@
+#include <string.h>
+
+#include "errinfo.h"
+#include "store_sqlite.h"
+
+enum { /* the columns of CALIBRATION_COLUMNS */
+       COL_KEY,
+       COL_CREATED,
+       COL_ACTOR,
+       COL_ENGINE,
+       COL_SHIPPED,
+       COL_FMR,
+       COL_THRESHOLD,
+       COL_LOW,
+       COL_HIGH,
+       COL_SUBJECTS,
+       COL_IMPOSTORS,
+       COL_GENUINE,
+       COL_HALVING,
+       COL_KNOTS
+};
+
+#define KNOT_BYTES 16
+
+/* ---- the knots' bytes */
+
+static void put_double(unsigned char *to, double v)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &v, sizeof bits);
+    for (int i = 0; i < 8; i++)
+        to[i] = (unsigned char)(bits >> 8 * i);
+}
+
+static double get_double(const unsigned char *from)
+{
+    uint64_t bits = 0;
+    double v;
+
+    for (int i = 0; i < 8; i++)
+        bits |= (uint64_t)from[i] << 8 * i;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static bool read_knots(sqlite3_stmt *stmt, struct decision *d)
+{
+    const unsigned char *bytes = sqlite3_column_blob(stmt, COL_KNOTS);
+    const int len = sqlite3_column_bytes(stmt, COL_KNOTS);
+
+    if (bytes == NULL || sqlite3_column_type(stmt, COL_KNOTS) != SQLITE_BLOB ||
+        len % KNOT_BYTES != 0 || len > DECISION_KNOTS * KNOT_BYTES)
+        return false;
+    d->n = (uint32_t)len / KNOT_BYTES;
+    for (uint32_t i = 0; i < d->n; i++) {
+        d->knot[i].mm = get_double(bytes + KNOT_BYTES * i);
+        d->knot[i].rate = get_double(bytes + KNOT_BYTES * i + 8);
+    }
+    return true;
+}
+
+/* ---- rows */
+
+static bool column_number(sqlite3_stmt *stmt, int col, double low, double high,
+                          double *out)
+{
+    *out = sqlite3_column_double(stmt, col);
+    return sqlite3_column_type(stmt, col) == SQLITE_FLOAT && *out >= low && *out <= high;
+}
+
+static bool column_count(sqlite3_stmt *stmt, int col, uint64_t *out)
+{
+    const int64_t v = sqlite3_column_int64(stmt, col);
+
+    *out = v < 0 ? 0 : (uint64_t)v;
+    return sqlite3_column_type(stmt, col) == SQLITE_INTEGER && v >= 0;
+}
+
+/* The schema's checks hold for what this program wrote; the file may have been written by
+ * anyone, and a forged threshold would open the door: all of it is looked at. */
+static enum status read_calibration(sqlite3_stmt *stmt, void *out, struct errinfo *e)
+{
+    struct store_calibration *k = out;
+    struct decision *d = &k->decision;
+    const char *bad = NULL;
+
+    memset(k, 0, sizeof *k);
+    k->version = sqlite3_column_int64(stmt, COL_KEY);
+    k->shipped = sqlite3_column_int(stmt, COL_SHIPPED) != 0;
+    if (k->version < 1)
+        bad = "version";
+    else if (!store_sqlite_text(stmt, COL_CREATED, k->created, sizeof k->created) ||
+             !store_sqlite_text(stmt, COL_ACTOR, k->actor, sizeof k->actor) ||
+             !store_sqlite_text(stmt, COL_ENGINE, k->engine, sizeof k->engine))
+        bad = "texts";
+    else if (!column_count(stmt, COL_SUBJECTS, &k->subjects) ||
+             !column_count(stmt, COL_IMPOSTORS, &k->impostors) ||
+             !column_count(stmt, COL_GENUINE, &k->genuine))
+        bad = "counts";
+    else if (!column_number(stmt, COL_FMR, 0, 1, &k->fmr) || k->fmr <= 0 || k->fmr >= 1)
+        bad = "fmr";
+    else if (!column_number(stmt, COL_LOW, 0, 1e3, &k->low_mm) ||
+             !column_number(stmt, COL_HIGH, k->low_mm, 1e3, &k->high_mm))
+        bad = "interval";
+    else if (!column_number(stmt, COL_THRESHOLD, 0, 1e3, &d->threshold_mm) ||
+             !column_number(stmt, COL_HALVING, 0, 1e3, &d->halving_mm) ||
+             !read_knots(stmt, d) || !decision_valid(d))
+        bad = "table";
+    if (bad != NULL)
+        return errinfo_set(e, ST_ECORRUPT, "calibration %lld: its row is damaged (%s)",
+                           (long long)k->version, bad);
+    return ST_OK;
+}
+
+static enum status insert(struct store_sqlite_conn *c, const struct store_calibration *k,
+                          struct errinfo *e)
+{
+    const struct decision *d = &k->decision;
+    unsigned char knots[DECISION_KNOTS * KNOT_BYTES];
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_ADD, &stmt, e);
+
+    if (st != ST_OK)
+        return st;
+    for (uint32_t i = 0; i < d->n; i++) {
+        put_double(knots + KNOT_BYTES * i, d->knot[i].mm);
+        put_double(knots + KNOT_BYTES * i + 8, d->knot[i].rate);
+    }
+    if (store_sqlite_bind(stmt, 1, k->created) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 2, k->actor) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 3, k->engine) != SQLITE_OK ||
+        sqlite3_bind_int(stmt, 4, k->shipped) != SQLITE_OK ||
+        sqlite3_bind_double(stmt, 5, k->fmr) != SQLITE_OK ||
+        sqlite3_bind_double(stmt, 6, d->threshold_mm) != SQLITE_OK ||
+        sqlite3_bind_double(stmt, 7, k->low_mm) != SQLITE_OK ||
+        sqlite3_bind_double(stmt, 8, k->high_mm) != SQLITE_OK ||
+        sqlite3_bind_int64(stmt, 9, (int64_t)k->subjects) != SQLITE_OK ||
+        sqlite3_bind_int64(stmt, 10, (int64_t)k->impostors) != SQLITE_OK ||
+        sqlite3_bind_int64(stmt, 11, (int64_t)k->genuine) != SQLITE_OK ||
+        sqlite3_bind_double(stmt, 12, d->halving_mm) != SQLITE_OK ||
+        sqlite3_bind_blob(stmt, 13, knots, (int)d->n * KNOT_BYTES, SQLITE_TRANSIENT) !=
+            SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot add a calibration", e);
+    else
+        st = store_sqlite_run(c, stmt, e);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+enum status store_sqlite_calibration_add(struct store *s, const struct store_act *by,
+                                         struct store_calibration *k, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    char outcome[32];
+    enum status st;
+
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
+        return st;
+    if ((st = insert(c, k, e)) == ST_OK) {
+        k->version = sqlite3_last_insert_rowid(c->db);
+        (void)sqlite3_snprintf(sizeof outcome, outcome, "version %lld", k->version);
+        st = store_sqlite_admin_add_event(c, by, "calibrate", "", "", outcome, e);
+    }
+    return store_sqlite_written(s, st, e);
+}
+
+enum status store_sqlite_calibration_get(struct store *s, struct store_calibration *k,
+                                         struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    enum status st;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_CALIBRATION_GET, &stmt, e)) != ST_OK)
+        goto out;
+    switch (sqlite3_step(stmt)) {
+    case SQLITE_ROW:
+        st = read_calibration(stmt, k, e);
+        break;
+    case SQLITE_DONE:
+        st = errinfo_set(e, ST_ENOTFOUND, "there is no calibration");
+        break;
+    default:
+        st = store_sqlite_fail(c, "cannot read a calibration", e);
+    }
+    (void)sqlite3_reset(stmt);
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
+enum status store_sqlite_calibration_version(struct store *s, int64_t *version,
+                                             struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    enum status st;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_CALIBRATION_VERSION, &stmt, e)) != ST_OK)
+        goto out;
+    if (sqlite3_step(stmt) != SQLITE_ROW)
+        st = store_sqlite_fail(c, "cannot read a calibration", e);
+    else
+        *version = sqlite3_column_int64(stmt, 0); /* NULL is 0 */
+    (void)sqlite3_reset(stmt);
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
+enum status store_sqlite_calibration_list(struct store *s, struct store_calibration **out,
+                                          size_t *n, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    void *list = NULL;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_CALIBRATION_LIST, &stmt, e)) == ST_OK)
+        st = store_sqlite_rows(c, stmt, read_calibration, sizeof **out,
+                               "cannot read the calibrations", &list, n, e);
+    store_sqlite_done(s, c);
+    *out = list;
+    return st;
+}
+
+enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
+                                           store_report *report, void *arg,
+                                           struct errinfo *e)
+{
+    struct store_calibration k;
+    struct errinfo row;
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_LIST, &stmt, e);
+    int rc;
+
+    if (st != ST_OK)
+        return st;
+    while ((rc = sqlite3_step(stmt)) == SQLITE_ROW)
+        if (read_calibration(stmt, &k, &row) != ST_OK)
+            report(arg, row.msg);
+    if (rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot read the calibrations", e);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
