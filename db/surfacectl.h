@@ -61,7 +61,7 @@ int surfacectl_admin_stats(struct surfacectl *c);
 int surfacectl_admin_token(struct surfacectl *c);
 
 /* surfacectl_face_nearest(c, s, subject, probe, w, best): the probe compared with all of a
- * subject's templates; ST_ENOTFOUND without any. */
+ * subject's templates, by the database's calibration; ST_ENOTFOUND without any. */
 struct surfacectl_nearest {
     struct face_result result;
     struct store_template tmpl;

@@ -3,6 +3,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "calibration.h"
 #include "surfacectl.h"
 
 static double clock_ms(void)
@@ -41,11 +42,14 @@ enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
                                     const char *subject, const struct face *probe,
                                     struct face_work *w, struct surfacectl_nearest *best)
 {
-    struct store_template *list, t;
+    struct store_template *list = NULL, t;
     struct face f = {0};
+    int64_t version = 0;
     size_t n;
-    enum status st = store_template_list(s, subject, &list, &n, &c->e);
+    enum status st = calibration_follow(s, w, &version, &c->e);
 
+    if (st == ST_OK)
+        st = store_template_list(s, subject, &list, &n, &c->e);
     memset(best, 0, sizeof *best);
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         struct face_result r;

@@ -1,6 +1,7 @@
 #include "compare.h"
 
 #include "cloud.h"
+#include "errinfo.h"
 #include "errmap.h"
 #include "json.h"
 #include "log.h"
@@ -12,6 +13,7 @@
 
 void compare_handle(struct request *r, struct worker *w)
 {
+    struct errinfo e = {0};
     double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
     struct cloud a = {0}, b = {0};
     struct face_result result;
@@ -25,6 +27,10 @@ void compare_handle(struct request *r, struct worker *w)
     if (cloud_build(r, &a, "a.points", w->work, &w->other) != ST_OK ||
         cloud_build(r, &b, "b.points", w->work, &w->probe) != ST_OK)
         goto out;
+    if (verify_calibrate(w, &e) != ST_OK) {
+        request_fail(r, &e);
+        goto out;
+    }
     prepared = log_clock_ms();
     st = face_compare(&w->other, &w->probe, threshold, log_clock_ms, w->work, &result);
     if (st == ST_OK && map) {

@@ -423,6 +423,19 @@ char *json_state(const char *state)
     return print(o, add_string(o, "status", state));
 }
 
+char *json_ready(const struct store_calibration *k)
+{
+    const struct decision *d = &k->decision;
+    cJSON *o = cJSON_CreateObject(), *x;
+    bool ok = add_string(o, "status", "ready");
+
+    x = cJSON_AddObjectToObject(o, "calibration");
+    return print(o, ok && add_number(x, "version", (double)k->version) &&
+                        add_string(x, "source", k->shipped ? "shipped" : "database") &&
+                        add_number(x, "threshold_mm", d->threshold_mm) &&
+                        add_number(x, "fmr", decision_fmr(d, d->threshold_mm)));
+}
+
 char *json_version(const char *version, const char *engine, const char *compiler)
 {
     cJSON *o = cJSON_CreateObject();

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "app.h"
+#include "calibration.h"
 #include "errinfo.h"
 #include "face.h"
 #include "json.h"
@@ -20,11 +21,13 @@ void meta_health(struct request *r, struct worker *w)
 
 void meta_ready(struct request *r, struct worker *w)
 {
+    struct store_calibration k;
     struct errinfo e = {0};
 
     (void)w;
-    if (store_ready(r->app->store, &e) == ST_OK)
-        request_answer(r, 200, json_state("ready"));
+    if (store_ready(r->app->store, &e) == ST_OK &&
+        calibration_in_force(r->app->store, &k, &e) == ST_OK)
+        request_answer(r, 200, json_ready(&k));
     else
         request_problem(r, ST_EBUSY, "not ready: %s", e.msg);
 }

@@ -3,6 +3,7 @@
 #define SERVER_QUEUE_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include "face.h"
 
 struct app;
@@ -14,6 +15,7 @@ struct worker {
     struct queue *queue; /* the one it serves */
     struct app *app;
     struct face_work *work;
+    int64_t calibration; /* that work decides by: calibration.h */
     struct face probe, other;
 };
 

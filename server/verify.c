@@ -4,6 +4,7 @@
 
 #include "app.h"
 #include "cache.h"
+#include "calibration.h"
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -24,16 +25,25 @@ static bool better(const struct face_result *a, const struct face_result *b)
     return a->disparity_mm < b->disparity_mm;
 }
 
+enum status verify_calibrate(struct worker *w, struct errinfo *e)
+{
+    return calibration_follow(w->app->store, w->work, &w->calibration, e);
+}
+
 enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
                            const struct face *probe, double threshold_mm,
                            struct verify_best *out, struct errinfo *e)
 {
+    enum status st = verify_calibrate(w, e);
+
     *out = (struct verify_best){0};
+    if (st != ST_OK)
+        return st;
     for (size_t i = 0; i < n; i++) {
         struct face_result result;
         const struct face *face;
-        enum status st =
-            cache_hold(w->app->cache, w->app->store, t[i].id, w->work, &face, e);
+
+        st = cache_hold(w->app->cache, w->app->store, t[i].id, w->work, &face, e);
 
         if (st == ST_ENOTFOUND)
             continue;

@@ -20,9 +20,13 @@ struct verify_best {
     double align_ms, measure_ms; /* over all of them */
 };
 
+/* verify_calibrate(w, e): let the worker decide by the calibration in force: before every
+ * comparison that belongs to a request, so that a new one needs no restart. */
+enum status verify_calibrate(struct worker *w, struct errinfo *e);
+
 /* verify_compare(w, t, n, probe, threshold_mm, out, e): threshold_mm as in face_compare().
- * Templates deleted meanwhile are left out.  Returns ST_OK; ST_ENOTFOUND: none was left;
- * or as store_template_load(). */
+ * By the calibration in force.  Templates deleted meanwhile are left out.  Returns ST_OK; ST_ENOTFOUND: none was left;
+ * or as store_template_load(), calibration_follow(). */
 enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
                            const struct face *probe, double threshold_mm,
                            struct verify_best *out, struct errinfo *e);

@@ -16,6 +16,8 @@ req GET /healthz
 is healthz "$STATUS $(get .status)" "200 ok"
 req GET /readyz
 is readyz "$STATUS $(get .status)" "200 ready"
+is "the calibration in force" "$(get '.calibration | [.version, .source, .threshold_mm > 0,
+    .fmr > 0 and .fmr < 0.01] | @csv')" '0,"shipped",true,true'
 req GET /version
 is version "$STATUS $(get .engine)" "200 $("$BUILD/surfaced" --version)"
 version=$(get .version)

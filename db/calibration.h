@@ -1,0 +1,26 @@
+/* calibration.h -- the calibration in force: the newest of the store, or the table that is
+ * shipped (core/model.h) where there is none, where the newest says so, and where it was
+ * made for another measure than this program's. */
+#ifndef DB_CALIBRATION_H
+#define DB_CALIBRATION_H
+#include <stdint.h>
+#include "status.h"
+
+struct errinfo;
+struct face_work;         /* face.h */
+struct store;             /* store.h */
+struct store_calibration; /* store.h */
+
+/* calibration_in_force(s, k, e): *k is the newest one, or one of version 0 where there is
+ * none; k->decision is what decides, and k->shipped tells whether it is the shipped table.
+ * ST_ECORRUPT: the newest is damaged; nobody should decide then. */
+enum status calibration_in_force(struct store *s, struct store_calibration *k,
+                                 struct errinfo *e);
+
+/* calibration_follow(s, w, version, e): w decides by the calibration in force from now on.
+ * version  of the one that w decides by, 0 for a new w; kept by the caller for w
+ * Costs some microseconds when it is the same as before.  On failure w is as it was. */
+enum status calibration_follow(struct store *s, struct face_work *w, int64_t *version,
+                               struct errinfo *e);
+
+#endif
