@@ -1,0 +1,233 @@
+#include "csv.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "number.h"
+
+struct csv {
+    char *path, *text, *at, *end;
+    unsigned line, row_line; /* of at; where the present row began */
+    int nhead, nfield;
+    char *head[CSV_MAX_COLUMNS], *field[CSV_MAX_COLUMNS];
+};
+
+static enum status read_text(struct csv *t, struct errinfo *e)
+{
+    FILE *f = fopen(t->path, "rb");
+    size_t room = 1 << 16, len = 0, n;
+    char *larger;
+
+    if (f == NULL)
+        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%.160s: %s",
+                           t->path, strerror(errno));
+    do {
+        room *= 2;
+        if ((larger = realloc(t->text, room)) == NULL) {
+            (void)fclose(f);
+            return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", t->path);
+        }
+        t->text = larger;
+        len += n = fread(t->text + len, 1, room - len - 1, f);
+    } while (n != 0 && len <= CSV_MAX_FILE);
+    n = (size_t)ferror(f);
+    (void)fclose(f);
+    if (n != 0)
+        return errinfo_set(e, ST_EIO, "%.160s: cannot be read", t->path);
+    if (len > CSV_MAX_FILE)
+        return errinfo_set(e, ST_ELIMIT, "%.160s: larger than %zu MB", t->path,
+                           CSV_MAX_FILE >> 20);
+    t->text[len] = '\0';
+    t->at = t->text;
+    t->end = t->text + len;
+    t->line = 1;
+    if (len >= 3 && memcmp(t->text, "\xEF\xBB\xBF", 3) == 0)
+        t->at += 3;
+    return ST_OK;
+}
+
+static enum status bad_row(const struct csv *t, struct errinfo *e, const char *what)
+{
+    return errinfo_set(e, ST_EINVAL, "%.120s, line %u, field %d: %s", t->path, t->line,
+                       t->nfield + 1, what);
+}
+
+/* The line's end at *p (LF or CR LF), as a number of bytes; 0: none. */
+static int line_end(const char *p)
+{
+    return p[0] == '\n' ? 1 : p[0] == '\r' && p[1] == '\n' ? 2 : 0;
+}
+
+/* What stands between quotation marks, moved together; t->at goes behind the last. */
+static enum status read_quoted(struct csv *t, char **begin, char **stop,
+                               struct errinfo *e)
+{
+    char *to = ++t->at;
+
+    *begin = to;
+    for (; t->at < t->end; t->at++) {
+        if (t->at[0] == '"' && t->at[1] == '"') {
+            t->at++;
+        } else if (t->at[0] == '"') {
+            break;
+        } else if (t->at[0] == '\0') {
+            return bad_row(t, e, "a NUL byte");
+        } else if (t->at[0] == '\n') {
+            t->line++;
+        }
+        *to++ = *t->at;
+    }
+    if (t->at == t->end)
+        return bad_row(t, e, "a quotation is not closed");
+    *stop = to;
+    t->at++;
+    while (*t->at == ' ' || *t->at == '\t')
+        t->at++;
+    if (t->at < t->end && *t->at != ',' && line_end(t->at) == 0)
+        return bad_row(t, e, "text after a closing quotation mark");
+    return ST_OK;
+}
+
+static enum status read_plain(struct csv *t, char **begin, char **stop, struct errinfo *e)
+{
+    *begin = t->at;
+    while (t->at < t->end && *t->at != ',' && line_end(t->at) == 0) {
+        if (*t->at == '\0')
+            return bad_row(t, e, "a NUL byte");
+        t->at++;
+    }
+    *stop = t->at;
+    while (*stop > *begin && ((*stop)[-1] == ' ' || (*stop)[-1] == '\t'))
+        --*stop;
+    return ST_OK;
+}
+
+/* Read a row, in place.  Empty lines are passed over; *more is false at the end. */
+static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
+{
+    const char *row;
+    bool last = false;
+
+    for (int n; (n = line_end(t->at)) != 0; t->line++)
+        t->at += n;
+    *more = t->at < t->end;
+    row = t->at;
+    t->row_line = t->line;
+    t->nfield = 0;
+    while (*more && !last) {
+        char *begin = t->at, *stop = t->at;
+        enum status st;
+        int ends;
+
+        if (t->nfield == CSV_MAX_COLUMNS)
+            return errinfo_set(e, ST_ELIMIT, "%.120s, line %u: more than %d fields",
+                               t->path, t->line, CSV_MAX_COLUMNS);
+        while (*t->at == ' ' || *t->at == '\t')
+            t->at++;
+        st = *t->at == '"' ? read_quoted(t, &begin, &stop, e)
+                           : read_plain(t, &begin, &stop, e);
+        if (st != ST_OK)
+            return st;
+        if (t->at - row > CSV_MAX_LINE)
+            return errinfo_set(e, ST_ELIMIT, "%.120s, line %u: longer than %d bytes",
+                               t->path, t->row_line, CSV_MAX_LINE);
+        ends = line_end(t->at);
+        last = t->at == t->end || ends != 0;
+        t->at += last ? ends : 1; /* or the comma */
+        t->line += ends != 0;
+        *stop = '\0'; /* only now: it may lie on what was looked at */
+        t->field[t->nfield++] = begin;
+    }
+    return ST_OK;
+}
+
+enum status csv_open(const char *path, struct csv **out, struct errinfo *e)
+{
+    struct csv *t = calloc(1, sizeof *t);
+    bool more;
+    enum status st;
+
+    *out = NULL;
+    if (t == NULL || (t->path = strdup(path)) == NULL) {
+        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
+        goto out;
+    }
+    if ((st = read_text(t, e)) != ST_OK || (st = read_row(t, &more, e)) != ST_OK)
+        goto out;
+    if (!more)
+        st = errinfo_set(e, ST_EINVAL, "%.160s: empty, not even a heading", path);
+    memcpy(t->head, t->field, sizeof t->head);
+    t->nhead = t->nfield;
+    for (int i = 0; st == ST_OK && i < t->nhead; i++)
+        if (t->head[i][0] != '\0' && csv_column(t, t->head[i]) != i)
+            st = errinfo_set(e, ST_EINVAL, "%.120s, line %u: two columns are named %.40s",
+                             path, t->row_line, t->head[i]);
+out:
+    if (st == ST_OK)
+        *out = t;
+    else
+        csv_close(t);
+    return st;
+}
+
+void csv_close(struct csv *t)
+{
+    if (t == NULL)
+        return;
+    free(t->path);
+    free(t->text);
+    free(t);
+}
+
+int csv_column(const struct csv *t, const char *name)
+{
+    for (int i = 0; i < t->nhead; i++)
+        if (strcasecmp(t->head[i], name) == 0)
+            return i;
+    return -1;
+}
+
+enum status csv_need(const struct csv *t, const char *name, int *column,
+                     struct errinfo *e)
+{
+    if ((*column = csv_column(t, name)) >= 0)
+        return ST_OK;
+    return errinfo_set(e, ST_EINVAL, "%.120s, line 1: no column is named %s", t->path,
+                       name);
+}
+
+enum status csv_next(struct csv *t, bool *more, struct errinfo *e)
+{
+    const enum status st = read_row(t, more, e);
+
+    if (st == ST_OK && *more && t->nfield != t->nhead)
+        return errinfo_set(e, ST_EINVAL, "%.120s, line %u: %d fields, the heading has %d",
+                           t->path, t->row_line, t->nfield, t->nhead);
+    return st;
+}
+
+const char *csv_field(const struct csv *t, int column)
+{
+    return column < 0 ? "" : t->field[column];
+}
+
+enum status csv_bad(const struct csv *t, int column, struct errinfo *e, const char *what)
+{
+    return errinfo_set(e, ST_EINVAL, "%.100s, line %u, column %.30s: %.80s", t->path,
+                       t->row_line, column < 0 ? "?" : t->head[column], what);
+}
+
+enum status csv_number(const struct csv *t, int column, double *out, struct errinfo *e)
+{
+    const char *text = csv_field(t, column), *end = text + strlen(text);
+
+    *out = NAN;
+    if (text == end || number_read(text, end, out) != end || !isfinite(*out))
+        return csv_bad(t, column, e, "not a number");
+    return ST_OK;
+}

@@ -1,0 +1,307 @@
+#include "rates.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const double rates_target[RATES_TARGETS] = {0.01, 0.001, 0.0001};
+
+struct rates {
+    size_t n, ngenuine, nimpostor;
+    uint32_t nsubject;
+    struct rates_score *score;  /* rising */
+    double *genuine, *impostor; /* the same scores, apart */
+};
+
+double rates_least(size_t n)
+{
+    return n > 0 ? 3 / (double)n : (double)INFINITY;
+}
+
+bool rates_supported(double rate, size_t n)
+{
+    return rate >= rates_least(n);
+}
+
+size_t rates_needed(double rate)
+{
+    return (size_t)ceil(3 / rate - 1e-6); /* 3 / 0.0001 is not quite 30000 */
+}
+
+static int by_score(const void *a, const void *b)
+{
+    const struct rates_score *x = a, *y = b;
+
+    if (x->mm != y->mm)
+        return x->mm < y->mm ? -1 : 1;
+    if (x->template != y->template)
+        return x->template <y->template ? -1 : 1;
+    return (x->probe > y->probe) - (x->probe < y->probe);
+}
+
+enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
+                      struct rates **out)
+{
+    struct rates *r = calloc(1, sizeof *r);
+
+    *out = NULL;
+    if (r == NULL)
+        return ST_ENOMEM;
+    r->n = n;
+    r->nsubject = nsubject;
+    r->score = malloc((n + 1) * sizeof *r->score);
+    r->genuine = malloc((n + 1) * sizeof *r->genuine);
+    r->impostor = malloc((n + 1) * sizeof *r->impostor);
+    if (r->score == NULL || r->genuine == NULL || r->impostor == NULL) {
+        rates_free(r);
+        return ST_ENOMEM;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (isnan(s[i].mm) || s[i].template >= nsubject || s[i].probe >= nsubject) {
+            rates_free(r);
+            return ST_EINVAL;
+        }
+        r->score[i] = s[i];
+    }
+    qsort(r->score, n, sizeof *r->score, by_score);
+    for (size_t i = 0; i < n; i++) {
+        if (r->score[i].template == r->score[i].probe)
+            r->genuine[r->ngenuine++] = r->score[i].mm;
+        else
+            r->impostor[r->nimpostor++] = r->score[i].mm;
+    }
+    *out = r;
+    return ST_OK;
+}
+
+void rates_free(struct rates *r)
+{
+    if (r == NULL)
+        return;
+    free(r->score);
+    free(r->genuine);
+    free(r->impostor);
+    free(r);
+}
+
+size_t rates_ngenuine(const struct rates *r)
+{
+    return r->ngenuine;
+}
+
+size_t rates_nimpostor(const struct rates *r)
+{
+    return r->nimpostor;
+}
+
+/* How many of v[0..n-1], rising, are at or below mm; INFINITY never is. */
+static size_t accepted(const double *v, size_t n, double mm)
+{
+    size_t low = 0, high = n;
+
+    while (low < high) {
+        const size_t mid = low + (high - low) / 2;
+
+        if (v[mid] <= mm && v[mid] < (double)INFINITY)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+double rates_fmr(const struct rates *r, double mm)
+{
+    return (double)accepted(r->impostor, r->nimpostor, mm) / (double)r->nimpostor;
+}
+
+double rates_fnmr(const struct rates *r, double mm)
+{
+    return (double)(r->ngenuine - accepted(r->genuine, r->ngenuine, mm)) /
+           (double)r->ngenuine;
+}
+
+double rates_at(const struct rates *r, double fmr)
+{
+    double best = -1;
+
+    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY; i++) {
+        if (!(rates_fmr(r, r->score[i].mm) <= fmr))
+            break;
+        best = r->score[i].mm;
+    }
+    return best;
+}
+
+/* ---- figures */
+
+/* The weights of the comparisons accepted so far, and of all. */
+struct sums {
+    double genuine, impostor, all_genuine, all_impostor;
+};
+
+static double weight(const struct rates_score *s, const uint32_t *drawn)
+{
+    if (drawn == NULL)
+        return 1;
+    return s->template == s->probe ? (double)drawn[s->template]
+                                   : (double)drawn[s->template] * (double)drawn[s->probe];
+}
+
+/* Where the rates crossed between the last threshold and this one. */
+static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double mm,
+                  struct rates_figures *out)
+{
+    const double before = fnmr0 - fmr0, after = fmr1 - fnmr1;
+    const double t = before / (before + after);
+
+    out->eer = fmr0 + t * (fmr1 - fmr0);
+    out->eer_mm = mm;
+}
+
+/* figures(r, drawn, threshold, out): one pass over the scores, each group of ties at once.
+ * drawn[i]: how often subject i counts; NULL: once. */
+static void figures(const struct rates *r, const uint32_t *drawn, double threshold,
+                    struct rates_figures *out)
+{
+    struct sums s = {0};
+    double fmr0 = 0, fnmr0 = 1;
+
+    *out = (struct rates_figures){NAN, NAN, {NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN};
+    for (size_t i = 0; i < r->n; i++) {
+        const double w = weight(&r->score[i], drawn);
+
+        if (r->score[i].template == r->score[i].probe)
+            s.all_genuine += w;
+        else
+            s.all_impostor += w;
+    }
+    out->fmr = s.all_impostor > 0 ? 0 : (double)NAN;
+    out->fnmr = s.all_genuine > 0 ? 1 : (double)NAN;
+    for (int k = 0; k < RATES_TARGETS && s.all_impostor > 0; k++) {
+        out->tar_mm[k] = -1;
+        out->tar[k] = s.all_genuine > 0 ? 0 : (double)NAN;
+    }
+    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY;) {
+        const double mm = r->score[i].mm;
+        const struct sums last = s;
+        double fmr, fnmr;
+
+        for (; i < r->n && r->score[i].mm == mm; i++) {
+            const double w = weight(&r->score[i], drawn);
+
+            if (r->score[i].template == r->score[i].probe)
+                s.genuine += w;
+            else
+                s.impostor += w;
+        }
+        if (s.genuine + s.impostor <= last.genuine + last.impostor)
+            continue; /* nobody of these was drawn */
+        fmr = s.impostor / s.all_impostor;
+        fnmr = (s.all_genuine - s.genuine) / s.all_genuine;
+        if (mm <= threshold) {
+            out->fmr = fmr;
+            out->fnmr = fnmr;
+        }
+        for (int k = 0; k < RATES_TARGETS; k++)
+            if (fmr <= rates_target[k]) {
+                out->tar[k] = 1 - fnmr;
+                out->tar_mm[k] = mm;
+            }
+        if (isnan(out->eer) && fmr >= fnmr)
+            cross(fmr0, fnmr0, fmr, fnmr, mm, out);
+        fmr0 = fmr;
+        fnmr0 = fnmr;
+    }
+    if (isnan(out->eer) && s.all_genuine > 0 && s.all_impostor > 0)
+        out->eer = fnmr0; /* more than that is inconclusive: they never meet */
+}
+
+void rates_figures(const struct rates *r, double threshold_mm, struct rates_figures *out)
+{
+    figures(r, NULL, threshold_mm, out);
+}
+
+/* ---- bootstrap */
+
+uint64_t rates_random(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
+
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ (z >> 31);
+}
+
+uint32_t rates_below(uint64_t *state, uint32_t n)
+{
+    const uint64_t fair = UINT64_MAX - UINT64_MAX % n; /* a multiple of n */
+    uint64_t x;
+
+    do
+        x = rates_random(state);
+    while (x >= fair);
+    return (uint32_t)(x % n);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The 2.5 and 97.5 per cent points of v[0..n-1], those that are numbers. */
+static void interval(double *v, size_t n, double *low, double *high)
+{
+    size_t m = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (!isnan(v[i]))
+            v[m++] = v[i];
+    *low = *high = NAN;
+    if (m == 0)
+        return;
+    qsort(v, m, sizeof *v, by_value);
+    *low = v[(size_t)(0.025 * (double)(m - 1) + 0.5)];
+    *high = v[(size_t)(0.975 * (double)(m - 1) + 0.5)];
+}
+
+/* The figures as an array of doubles, which they are. */
+#define FIGURES (sizeof(struct rates_figures) / sizeof(double))
+
+enum status rates_bootstrap(const struct rates *r, double threshold_mm,
+                            unsigned replicates, uint64_t seed, struct rates_figures *low,
+                            struct rates_figures *high)
+{
+    uint32_t *drawn = malloc((r->nsubject + (size_t)1) * sizeof *drawn);
+    double *all = malloc(((size_t)replicates + 1) * FIGURES * sizeof *all);
+    double bound[2][FIGURES];
+    enum status st = ST_OK;
+
+    if (drawn == NULL || all == NULL)
+        st = ST_ENOMEM;
+    else if (replicates == 0)
+        st = ST_EINVAL;
+    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
+        struct rates_figures f;
+        double value[FIGURES];
+
+        memset(drawn, 0, r->nsubject * sizeof *drawn);
+        for (uint32_t k = 0; k < r->nsubject; k++)
+            drawn[rates_below(&seed, r->nsubject)]++;
+        figures(r, drawn, threshold_mm, &f);
+        memcpy(value, &f, sizeof value);
+        for (size_t k = 0; k < FIGURES; k++)
+            all[k * replicates + i] = value[k];
+    }
+    for (size_t k = 0; k < FIGURES && st == ST_OK; k++)
+        interval(&all[k * replicates], replicates, &bound[0][k], &bound[1][k]);
+    if (st == ST_OK) {
+        memcpy(low, bound[0], sizeof *low);
+        memcpy(high, bound[1], sizeof *high);
+    }
+    free(drawn);
+    free(all);
+    return st;
+}

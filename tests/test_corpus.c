@@ -1,0 +1,256 @@
+/* Which scans there are, whose, of what kind: by their names and by a manifest. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "corpus.h"
+
+static struct errinfo e;
+static char dir[32], made[256][128];
+static size_t nmade;
+
+/* A file of the folder, removed after the test. */
+static void put(const char *name, const char *text)
+{
+    char path[128];
+    FILE *f;
+
+    (void)snprintf(path, sizeof path, "%s/%s", dir, name);
+    assert_non_null(f = fopen(path, "wb"));
+    assert_true(fputs(text, f) >= 0);
+    assert_int_equal(fclose(f), 0);
+    (void)snprintf(made[nmade++], sizeof made[0], "%s", path);
+}
+
+static int clean(void **state)
+{
+    (void)state;
+    while (nmade > 0)
+        (void)unlink(made[--nmade]);
+    return 0;
+}
+
+static struct corpus *corpus(void)
+{
+    struct corpus *c;
+
+    if (corpus_read(dir, &c, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return c;
+}
+
+static void refuse(enum status want, const char *words)
+{
+    struct corpus *c;
+
+    assert_int_equal(corpus_read(dir, &c, &e), want);
+    assert_null(c);
+    if (strstr(e.msg, words) == NULL)
+        fail_msg("'%s' says nothing of '%s'", e.msg, words);
+}
+
+static const char *kind(const struct corpus *c, uint32_t scan)
+{
+    return c->kind[c->scan[scan].kind];
+}
+
+static void test_folder(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    put("bob_2.ply", "");
+    put("bob_1.XYZ", "");
+    put("alice_late_one.obj", "");
+    put("alice_enroll.txt", "");
+    put("alice_early.ply", "");
+    put("README.md", "");
+    put(".hidden_1.ply", "");
+    c = corpus();
+    assert_int_equal(c->nscan, 5);
+    assert_int_equal(c->nsubject, 2);
+    assert_false(c->posed);
+    assert_string_equal(c->subject[0].id, "alice");
+    assert_string_equal(c->scan[c->subject[0].enrolled].file, "alice_enroll.txt");
+    assert_string_equal(c->scan[c->subject[1].enrolled].file, "bob_1.XYZ");
+    assert_int_equal(c->subject[0].nscan, 3);
+    assert_string_equal(kind(c, 2), "late_one");
+    assert_false(c->scan[2].enrolled);
+    assert_true(c->scan[1].enrolled);
+    assert_int_equal(corpus_pair(c, 0, 1), CORPUS_IMPOSTOR);
+    assert_int_equal(corpus_pair(c, 1, 1), CORPUS_GENUINE);
+    corpus_free(c);
+    corpus_free(NULL);
+}
+
+static void test_bad_folder(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    refuse(ST_EINVAL, "no scans");
+    put("noname.ply", "");
+    refuse(ST_EINVAL, "noname.ply: not SUBJECT_KIND.ply");
+    (void)clean(NULL);
+    put("_x.ply", "");
+    refuse(ST_EINVAL, "not SUBJECT_KIND");
+    (void)clean(NULL);
+    put("x_.ply", "");
+    refuse(ST_EINVAL, "not SUBJECT_KIND");
+    (void)clean(NULL);
+    put("a\nb_1.ply", "");
+    refuse(ST_EINVAL, "control character");
+    (void)clean(NULL);
+    put("a\xC0\xAF_1.ply", "");
+    refuse(ST_EINVAL, "not UTF-8");
+    assert_int_equal(corpus_read("/nowhere", &c, &e), ST_ENOTFOUND);
+}
+
+static void test_manifest(void **state)
+{
+    struct corpus *c;
+    char path[64];
+
+    (void)state;
+    put("1", "");
+    put("2", "");
+    put("3", "");
+    put("4", "");
+    put("index.csv", "id,n,kind,file,yaw,pitch,roll,tx,ty,tz\r\n"
+                     "b,0,p,3,1,2,3,4,5,-6e-1\r\nb,0,enroll,1,0,0,0,0,0,0\r\n"
+                     "b,0,enroll,4,0,0,0,0,0,0\r\n\"a \"\"x\"\"\",,,2,0,0,0,0,0,0\r\n");
+    (void)snprintf(path, sizeof path, "%s/index.csv", dir);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(corpus_read(i == 0 ? dir : path, &c, &e), ST_OK);
+        assert_int_equal(c->nscan, 4);
+        assert_int_equal(c->nsubject, 2);
+        assert_true(c->posed);
+        assert_true(c->scan[0].pose[5] == -0.6);
+        assert_int_equal(c->subject[0].enrolled, 1); /* the first that is marked */
+        assert_false(c->scan[2].enrolled);
+        assert_string_equal(c->subject[1].id, "a \"x\"");
+        assert_int_equal(c->subject[1].enrolled, 3); /* or the first */
+        assert_string_equal(kind(c, 3), "");
+        corpus_free(c);
+    }
+}
+
+static void test_families(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    put("a_1.ply", "");
+    put("b_1.ply", "");
+    put("c_1.ply", "");
+    put("d_1.ply", "");
+    put("e_1.ply", "");
+    put("subjects.csv", "relative_of,id,population\n,a,x\na,b,x\nmother,c,x\nmother,d,x\n"
+                        "mother,e,y\nb,nobody,x\n");
+    c = corpus();
+    assert_int_equal(c->nsubject, 5);
+    assert_int_equal(corpus_pair(c, 0, 1), CORPUS_RELATIVE);
+    assert_int_equal(corpus_pair(c, 1, 0), CORPUS_RELATIVE);
+    assert_int_equal(corpus_pair(c, 2, 3), CORPUS_RELATIVE); /* both their mother's */
+    assert_int_equal(corpus_pair(c, 0, 2), CORPUS_IMPOSTOR);
+    assert_int_equal(corpus_pair(c, 3, 4), CORPUS_FOREIGN);
+    assert_int_equal(corpus_pair(c, 4, 4), CORPUS_GENUINE);
+    corpus_free(c);
+}
+
+static void test_bad_tables(void **state)
+{
+    (void)state;
+    put("1", "");
+    put("index.csv", "name,id\n1,a\n");
+    refuse(ST_EINVAL, "no column is named file");
+    put("index.csv", "file,kind\n1,a\n");
+    refuse(ST_EINVAL, "no column is named subject");
+    put("index.csv", "file,id\n");
+    refuse(ST_EINVAL, "no scans");
+    put("index.csv", "file,id\n1,\n");
+    refuse(ST_EINVAL, "line 2, column id: empty");
+    put("index.csv", "file,id\n1,a\x01\n");
+    refuse(ST_EINVAL, "line 2, column id: a control");
+    put("index.csv", "file,id\n1,a\n2,a\n");
+    refuse(ST_ENOTFOUND, "line 3, column file: No such file");
+    put("index.csv", "file,id\n.,a\n");
+    refuse(ST_ENOTFOUND, "not a file");
+    put("index.csv", "file,id\n1,a\n1,b\n");
+    refuse(ST_EINVAL, "1 is listed twice");
+    put("index.csv", "file,id,yaw\n1,a,0\n");
+    refuse(ST_EINVAL, "no column is named pitch");
+    put("index.csv", "file,id,yaw,pitch,roll,tx,ty,tz\n1,a,0,0,zero,0,0,0\n");
+    refuse(ST_EINVAL, "line 2, column roll: not a number");
+    put("index.csv", "file,id,population\n1,a,x\n");
+    put("subjects.csv", "id,population\na,y\n");
+    refuse(ST_EINVAL, "subjects.csv, line 2, column population: a subject is in two");
+    put("subjects.csv", "name\na\n");
+    refuse(ST_EINVAL, "no column is named id");
+    put("subjects.csv", "id,relative_of\na,a\n");
+    refuse(ST_EINVAL, "line 2, column relative_of: a subject is its own relative");
+}
+
+/* More subjects than the tables had room for at first. */
+static void test_many(void **state)
+{
+    const size_t room = 1 << 20;
+    char *text = malloc(room);
+    struct corpus *c;
+    size_t n;
+
+    (void)state;
+    assert_non_null(text);
+    for (int i = 0; i < 200; i++) {
+        char name[16];
+
+        (void)snprintf(name, sizeof name, "f%d", i);
+        put(name, "");
+    }
+    n = (size_t)snprintf(text, room, "file,id\n");
+    for (int i = 0; i < 200; i++)
+        n += (size_t)snprintf(text + n, room - n, "f%d,s%d\n", i, i);
+    put("index.csv", text);
+    n = (size_t)snprintf(text, room, "id,relative_of\n");
+    for (int i = 0; i < 200; i++)
+        for (int k = 0; k < 100; k++)
+            n += (size_t)snprintf(text + n, room - n, "n%d_%d,m%d\n", i, k, k);
+    for (int i = 0; i < 200; i++)
+        n += (size_t)snprintf(text + n, room - n, "s%d,mother%d\n", i, i);
+    put("subjects.csv", text);
+    c = corpus();
+    assert_int_equal(c->nsubject, 200);
+    assert_int_equal(c->nnamed, 400);
+    for (uint32_t i = 0; i < 200; i++)
+        assert_int_equal(c->subject[i].relative_of, 200 + i);
+    assert_int_equal(corpus_pair(c, 3, 4), CORPUS_IMPOSTOR);
+    corpus_free(c);
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_folder, clean),
+        cmocka_unit_test_teardown(test_bad_folder, clean),
+        cmocka_unit_test_teardown(test_manifest, clean),
+        cmocka_unit_test_teardown(test_families, clean),
+        cmocka_unit_test_teardown(test_bad_tables, clean),
+        cmocka_unit_test_teardown(test_many, clean),
+    };
+    int failed;
+
+    (void)snprintf(dir, sizeof dir, "/tmp/test_corpus.XXXXXX");
+    if (mkdtemp(dir) == NULL)
+        return 1;
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    (void)rmdir(dir);
+    return failed;
+}

@@ -1,0 +1,264 @@
+/* Error rates against brute force, on cases made by hand, and how well they are known. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "rates.h"
+
+#define INF ((double)INFINITY)
+
+static struct rates *rates(const struct rates_score *s, size_t n, uint32_t nsubject)
+{
+    struct rates *r;
+
+    assert_int_equal(rates_new(s, n, nsubject, &r), ST_OK);
+    return r;
+}
+
+/* Genuine scores g and impostor scores i (of subjects 0 and 1), each ended by -1. */
+static struct rates_figures figures(const double *g, const double *i, double threshold)
+{
+    struct rates_score s[64] = {{0}};
+    struct rates_figures f;
+    struct rates *r;
+    size_t n = 0;
+
+    for (; *g >= 0; g++)
+        s[n++] = (struct rates_score){*g, 0, 0};
+    for (; *i >= 0; i++)
+        s[n++] = (struct rates_score){*i, 0, 1};
+    r = rates(s, n, 2);
+    rates_figures(r, threshold, &f);
+    if (n > 0)
+        assert_true(f.tar_mm[0] == rates_at(r, rates_target[0]) || isnan(f.tar_mm[0]));
+    rates_free(r);
+    return f;
+}
+
+#define LIST(...) ((const double[]){__VA_ARGS__, -1})
+#define NOTHING   ((const double[]){-1})
+
+static void test_by_hand(void **state)
+{
+    struct rates_figures f;
+
+    (void)state;
+    f = figures(LIST(1, 2, 3), LIST(4, 5), 3.5); /* apart */
+    assert_true(f.eer == 0 && f.eer_mm == 3);
+    assert_true(f.tar[0] == 1 && f.tar_mm[0] == 3 && f.fmr == 0 && f.fnmr == 0);
+    f = figures(LIST(4, 5), LIST(1, 2), 3); /* the wrong way round */
+    assert_true(f.eer == 1 && f.tar[0] == 0 && f.tar_mm[0] == -1);
+    assert_true(f.fmr == 1 && f.fnmr == 1);
+    f = figures(LIST(1, 3), LIST(2, 4), 2); /* crossing at a threshold */
+    assert_true(f.eer == 0.5 && f.eer_mm == 2 && f.fmr == 0.5 && f.fnmr == 0.5);
+    f = figures(LIST(1, 1), LIST(1, 1), 1); /* all equal: a coin */
+    assert_true(f.eer == 0.5 && f.tar[0] == 0 && f.fmr == 1 && f.fnmr == 0);
+    f = figures(LIST(0, 0), LIST(0), 0);
+    assert_true(f.fmr == 1 && f.fnmr == 0 && f.eer == 0.5);
+    f = figures(LIST(1, 2, 2, 3), LIST(2, 5, 6, 7), 2); /* a tie across */
+    assert_true(f.fmr == 0.25 && f.fnmr == 0.25 && f.eer == 0.25);
+    assert_true(f.tar[0] == 0.25 && f.tar_mm[0] == 1);
+    f = figures(LIST(1), LIST(9), 5);
+    assert_true(f.eer == 0 && f.tar[2] == 1);
+}
+
+static void test_inconclusive(void **state)
+{
+    struct rates_figures f = figures(LIST(1, INF, INF, INF), LIST(2, INF), INF);
+
+    (void)state;
+    assert_true(f.fmr == 0.5 && f.fnmr == 0.75); /* never accepted */
+    assert_true(f.eer == 0.75);                  /* they do not meet */
+    f = figures(LIST(INF), LIST(INF), INF);
+    assert_true(f.fmr == 0 && f.fnmr == 1 && f.tar_mm[0] == -1 && f.eer == 1);
+}
+
+static void test_nothing(void **state)
+{
+    struct rates_figures f = figures(NOTHING, NOTHING, 1);
+    struct rates_score nan = {(double)NAN, 0, 0}, far = {1, 0, 2};
+    struct rates *r;
+
+    (void)state;
+    assert_true(isnan(f.eer) && isnan(f.fmr) && isnan(f.fnmr) && isnan(f.tar[0]));
+    f = figures(LIST(1, 2), NOTHING, 1); /* one subject: no impostors */
+    assert_true(isnan(f.eer) && isnan(f.fmr) && f.fnmr == 0.5 && isnan(f.tar[0]));
+    f = figures(NOTHING, LIST(1, 2), 1);
+    assert_true(isnan(f.eer) && f.fmr == 0.5 && isnan(f.fnmr) && isnan(f.tar[0]));
+    assert_int_equal(rates_new(&nan, 1, 1, &r), ST_EINVAL);
+    assert_int_equal(rates_new(&far, 1, 2, &r), ST_EINVAL);
+    rates_free(NULL);
+}
+
+/* Random scores with many ties, against the definitions. */
+static void test_brute_force(void **state)
+{
+    uint64_t seed = 1;
+
+    (void)state;
+    for (int round = 0; round < 300; round++) {
+        struct rates_score s[120];
+        const size_t n = 2 + rates_below(&seed, 118);
+        const uint32_t nsubject = 2 + rates_below(&seed, 6);
+        const double threshold = rates_below(&seed, 14);
+        struct rates_figures f;
+        struct rates *r;
+        size_t g = 0, i = 0, ga = 0, ia = 0;
+        double best[RATES_TARGETS] = {-1, -1, -1}, apart = 2;
+
+        for (size_t k = 0; k < n; k++) {
+            const uint32_t a = rates_below(&seed, nsubject);
+
+            s[k] = (struct rates_score){
+                rates_below(&seed, 12), a,
+                rates_below(&seed, 2) ? a : rates_below(&seed, nsubject)};
+            if (rates_below(&seed, 15) == 0)
+                s[k].mm = INF;
+        }
+        r = rates(s, n, nsubject);
+        rates_figures(r, threshold, &f);
+        for (size_t k = 0; k < n; k++) {
+            g += s[k].template == s[k].probe;
+            i += s[k].template != s[k].probe;
+        }
+        assert_int_equal(rates_ngenuine(r), g);
+        assert_int_equal(rates_nimpostor(r), i);
+        for (int mm = 0; mm < 14 && g > 0 && i > 0; mm++) {
+            size_t seen = 0;
+            double fmr, fnmr;
+
+            ga = ia = 0;
+            for (size_t k = 0; k < n; k++) {
+                ga += s[k].mm <= mm && s[k].template == s[k].probe;
+                ia += s[k].mm <= mm && s[k].template != s[k].probe;
+                seen += s[k].mm == mm;
+            }
+            fmr = (double)ia / (double)i;
+            fnmr = (double)(g - ga) / (double)g;
+            assert_true(rates_fmr(r, mm) == fmr && rates_fnmr(r, mm) == fnmr);
+            if (mm == (int)threshold)
+                assert_true(f.fmr == fmr && f.fnmr == fnmr);
+            apart = fmin(apart, fmax(fmr, fnmr));
+            for (int t = 0; t < RATES_TARGETS; t++)
+                if (seen > 0 && fmr <= rates_target[t]) {
+                    best[t] = mm;
+                    assert_true(f.tar[t] >= 1 - fnmr);
+                }
+        }
+        for (int t = 0; t < RATES_TARGETS && g > 0 && i > 0; t++) {
+            assert_true(f.tar_mm[t] == best[t] &&
+                        rates_at(r, rates_target[t]) == best[t]);
+            if (best[t] >= 0)
+                assert_true(f.tar[t] == 1 - rates_fnmr(r, best[t]));
+        }
+        if (g > 0 && i > 0) /* no threshold does better than about the EER */
+            assert_true(f.eer <= apart + 1e-12 && f.eer >= 0);
+        rates_free(r);
+    }
+}
+
+static void test_rule_of_3(void **state)
+{
+    (void)state;
+    assert_true(rates_least(0) == INF && rates_least(300) == 0.01);
+    assert_true(rates_supported(0.01, 300) && !rates_supported(0.01, 299));
+    assert_int_equal(rates_needed(0.01), 300);
+    assert_int_equal(rates_needed(0.001), 3000);
+    assert_int_equal(rates_needed(0.0001), 30000);
+    for (int i = 0; i < RATES_TARGETS; i++)
+        assert_true(rates_supported(rates_target[i], rates_needed(rates_target[i])));
+    assert_false(rates_supported(0, 1000000));
+}
+
+/* Subjects 0..n-1, one good and one bad genuine score each for the odd ones. */
+static struct rates *crowd(uint32_t n)
+{
+    struct rates_score *s = malloc((size_t)n * (n + 1) * sizeof *s);
+    struct rates *r;
+    size_t m = 0;
+
+    assert_non_null(s);
+    for (uint32_t a = 0; a < n; a++) {
+        s[m++] = (struct rates_score){1, a, a};
+        s[m++] = (struct rates_score){a % 2 ? 9 : 2, a, a};
+        for (uint32_t b = 0; b < n; b++)
+            if (b != a)
+                s[m++] = (struct rates_score){3 + 0.001 * ((a * 7 + b * 13) % 101), a, b};
+    }
+    r = rates(s, m, n);
+    free(s);
+    return r;
+}
+
+static void test_bootstrap(void **state)
+{
+    struct rates *r = crowd(40);
+    struct rates_figures low, high, again[2], f;
+
+    (void)state;
+    rates_figures(r, 2.5, &f);
+    assert_true(f.fnmr == 0.25 && f.fmr == 0);
+    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &low, &high), ST_OK);
+    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &again[0], &again[1]), ST_OK);
+    assert_memory_equal(&low, &again[0], sizeof low);
+    assert_memory_equal(&high, &again[1], sizeof high);
+    assert_int_equal(rates_bootstrap(r, 2.5, 400, 8, &again[0], &again[1]), ST_OK);
+    assert_memory_not_equal(&low, &again[0], sizeof low);
+    /* half of 40 people err in one of two: a share of 0.25, give or take 1.96 x 0.0395 */
+    assert_true(low.fnmr > 0.14 && low.fnmr < 0.20 && high.fnmr > 0.30 &&
+                high.fnmr < 0.36);
+    assert_true(low.tar[0] < f.tar[0] && high.tar[0] > f.tar[0]);
+    assert_true(low.fmr == 0 && high.fmr == 0); /* the rule of 3 is the caller's */
+    assert_int_equal(rates_bootstrap(r, 2.5, 0, 7, &low, &high), ST_EINVAL);
+    rates_free(r);
+    r = crowd(1); /* one subject: the same every time */
+    assert_int_equal(rates_bootstrap(r, 2.5, 50, 7, &low, &high), ST_OK);
+    assert_true(low.fnmr == 0 && high.fnmr == 0 && isnan(low.eer) && isnan(high.fmr));
+    rates_free(r);
+}
+
+/* With every subject drawn once, the bootstrap's figures are the figures themselves; the
+ * intervals of one replicate are that replicate. */
+static void test_one_replicate(void **state)
+{
+    struct rates *r = crowd(12);
+    struct rates_figures low, high;
+
+    (void)state;
+    assert_int_equal(rates_bootstrap(r, 9, 1, 3, &low, &high), ST_OK);
+    assert_memory_equal(&low, &high, sizeof low);
+    assert_true(low.fnmr == 0 && low.fmr == 1);
+    rates_free(r);
+}
+
+static void test_random(void **state)
+{
+    uint64_t seed = 5;
+    int count[7] = {0};
+
+    (void)state;
+    for (int i = 0; i < 70000; i++)
+        count[rates_below(&seed, 7)]++;
+    for (int i = 0; i < 7; i++)
+        assert_true(count[i] > 9500 && count[i] < 10500);
+    assert_int_equal(rates_below(&seed, 1), 0);
+    seed = 0;
+    assert_true(rates_random(&seed) == UINT64_C(0xE220A8397B1DCDAF)); /* as published */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_by_hand),       cmocka_unit_test(test_inconclusive),
+        cmocka_unit_test(test_nothing),       cmocka_unit_test(test_brute_force),
+        cmocka_unit_test(test_rule_of_3),     cmocka_unit_test(test_bootstrap),
+        cmocka_unit_test(test_one_replicate), cmocka_unit_test(test_random),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
