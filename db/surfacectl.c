@@ -13,7 +13,8 @@ enum { /* options that not every command takes */
        OPT_LABEL = 4,
        OPT_FORCE = 8,
        OPT_THRESHOLD = 16,
-       OPT_YES = 32
+       OPT_YES = 32,
+       OPT_OUT = 64
 };
 
 struct command {
@@ -43,6 +44,13 @@ static const struct command commands[] = {
      "B is moved onto A.  Exit: 0 match, 1 no match, 2 inconclusive.",
      "surfacectl compare monday.ply tuesday.ply", 2, 2, OPT_UNITS | OPT_THRESHOLD,
      surfacectl_face_compare},
+    {"explain", "A B", "compare two scans and show where they differ",
+     "B is moved onto A.  With --db, A is a subject or a template; else a scan.  Writes\n"
+     "into a directory: explain.txt and explain.json, gap.ply (the points of B, coloured\n"
+     "by the signed gap), and by gnuplot gap.png and histogram.png.  They are biometric\n"
+     "data: readable by their owner alone.  Exit: 0 match, 1 no match, 2 inconclusive.",
+     "surfacectl explain monday.ply tuesday.ply --out why", 2, 2,
+     OPT_UNITS | OPT_THRESHOLD | OPT_OUT, surfacectl_explain},
     {"list", "", "list the subjects", "In order of their ids.",
      "surfacectl --db faces.db list", 0, 0, OPT_DB, surfacectl_admin_list},
     {"show", "ID", "describe a subject or a template",
@@ -71,9 +79,9 @@ static const struct command commands[] = {
 
 static const char exit_help[] =
     "Exit codes:\n"
-    "   0  done; verify, compare: match\n"
-    "   1  verify, compare: no match; check: problems found\n"
-    "   2  verify, compare: inconclusive (too little in common)\n"
+    "   0  done; verify, compare, explain: match\n"
+    "   1  verify, compare, explain: no match; check: problems found\n"
+    "   2  verify, compare, explain: inconclusive (too little in common)\n"
     "  64  the command line is wrong\n"
     "  65  a scan or the database is malformed or cannot be used\n"
     "  66  no such file, subject, template, token or database\n"
@@ -94,6 +102,7 @@ static const struct {
      "  --force             enroll scans that do not fit the subject's others\n"},
     {OPT_THRESHOLD,
      "  --threshold-mm MM   decide by another threshold than the default\n"},
+    {OPT_OUT, "  --out DIR           where the files go (./explanation)\n"},
     {OPT_YES, "  --yes               do not ask\n"},
 };
 
@@ -191,6 +200,7 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
     } options[] = {{"--db", OPT_DB},
                    {"--units", OPT_UNITS},
                    {"--label", OPT_LABEL},
+                   {"--out", OPT_OUT},
                    {"--threshold-mm", OPT_THRESHOLD}};
     const char *value, *name = argv[*i];
 
@@ -203,6 +213,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             l->c.db = value;
         } else if (options[k].option == OPT_LABEL) {
             l->c.label = value;
+        } else if (options[k].option == OPT_OUT) {
+            l->c.dir = value;
         } else if (options[k].option == OPT_UNITS) {
             l->c.units = value;
             if (strcmp(value, "mm") != 0 && strcmp(value, "cm") != 0 &&
@@ -325,7 +337,7 @@ int main(int argc, char **argv)
         code = l.cmd->run(&l.c);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);
-    if (!surfacectl_out_end(l.c.out)) {
+    if (!surfacectl_out_end(l.c.out, stdout)) {
         (void)fprintf(stderr, "surfacectl: the output cannot be written\n");
         return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
     }

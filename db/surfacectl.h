@@ -1,6 +1,7 @@
 /* surfacectl.h -- the admin command's parts, among themselves.
  *   surfacectl.c        options, help
  *   surfacectl_face.c   enroll, verify, compare
+ *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
  *   surfacectl_admin.c  init, list, show, delete, check, stats, token
  *   surfacectl_scan.c   a scan's file to a face model
  *   surfacectl_fail.c   a status to an exit code
@@ -16,7 +17,7 @@
 #define SURFACECTL_ACTOR "surfacectl" /* in the events table */
 
 enum surfacectl_exit {                /* as in <sysexits.h> where that has one */
-                       EXIT_FINE = 0, /* done; verify, compare: match */
+                       EXIT_FINE = 0, /* done; verify, compare, explain: match */
                        EXIT_NO = 1, /* verify, compare: no match; check: problems found */
                        EXIT_INCONCLUSIVE =
                            2, /* verify, compare: too little in common to say */
@@ -37,6 +38,7 @@ struct surfacectl { /* what the command line said */
     const char *db;
     const char *units; /* NULL: millimetres */
     const char *label;
+    const char *dir;     /* --out; NULL: the command's own */
     double threshold_mm; /* 0: the default */
     bool json, yes, force;
     int nargs;
@@ -52,6 +54,7 @@ int surfacectl_fail(struct surfacectl *c, enum status st);
 int surfacectl_face_enroll(struct surfacectl *c);
 int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
+int surfacectl_explain(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);

@@ -94,7 +94,7 @@ void surfacectl_out_flag(struct surfacectl_out *o, const char *key, bool value)
         add(o, key, cJSON_CreateBool(value));
 }
 
-bool surfacectl_out_end(struct surfacectl_out *o)
+bool surfacectl_out_end(struct surfacectl_out *o, FILE *to)
 {
     bool ok;
     char *text;
@@ -103,10 +103,10 @@ bool surfacectl_out_end(struct surfacectl_out *o)
         return false;
     ok = !o->failed;
     if (o->json && ok) {
-        ok = (text = cJSON_Print(o->open[0])) != NULL && puts(text) >= 0;
+        ok = (text = cJSON_Print(o->open[0])) != NULL && fprintf(to, "%s\n", text) >= 0;
         cJSON_free(text);
     }
     cJSON_Delete(o->open[0]);
     free(o);
-    return fflush(stdout) == 0 && ok;
+    return fflush(to) == 0 && ok;
 }

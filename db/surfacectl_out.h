@@ -5,6 +5,7 @@
 #define DB_SURFACECTL_OUT_H
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 struct surfacectl_out;
 
@@ -18,8 +19,8 @@ void surfacectl_out_text(struct surfacectl_out *o, const char *key, const char *
 void surfacectl_out_number(struct surfacectl_out *o, const char *key, double value);
 void surfacectl_out_flag(struct surfacectl_out *o, const char *key, bool value);
 
-/* surfacectl_out_end(o): print the JSON, if there is any, and release o; NULL is allowed.
+/* surfacectl_out_end(o, to): print the JSON, if there is any, and release o; NULL is allowed.
  * false: out of memory on the way, or the output cannot be written. */
-bool surfacectl_out_end(struct surfacectl_out *o);
+bool surfacectl_out_end(struct surfacectl_out *o, FILE *to);
 
 #endif

@@ -1,0 +1,120 @@
+#include <math.h>
+
+#include "surfacectl.h"
+#include "surfacectl_explain.h"
+
+/* Why the decision is what it is, in a sentence. */
+static const char *reason(const struct face_result *r)
+{
+    if (r->decision == FACE_MATCH)
+        return "the disparity is not above the threshold";
+    if (r->decision == FACE_NO_MATCH)
+        return "the disparity is above the threshold";
+    if (r->align.stop == ALIGN_APART)
+        return "no pose was found in which the surfaces have enough in common";
+    if (r->measure.overlap < decision_min_overlap)
+        return "the common area is too small a share of the template's";
+    return "the common area has too small a share of the weight";
+}
+
+static void print_quality(FILE *to, const char *who, const struct face *f)
+{
+    (void)fprintf(to,
+                  "%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
+                  "noise %.3f mm)\n",
+                  who, f->mesh.nv, f->quality.score, f->quality.coverage,
+                  f->quality.density_mm, f->quality.noise_mm);
+}
+
+static void print_gap(FILE *to, const struct explanation *x)
+{
+    const struct explain_gap *s = &x->sum;
+
+    (void)fprintf(to, "gap          at %zu of %zu points of the probe\n", s->compared,
+                  x->n);
+    if (s->compared == 0)
+        return;
+    (void)fprintf(to, "  median     %+.3f mm (probe minus template)\n", s->median_mm);
+    (void)fprintf(to, "  beyond     %.1f %% of them by more than %g mm\n",
+                  100 * s->beyond, EXPLAIN_BEYOND_MM);
+    (void)fprintf(to, "  size      ");
+    for (int k = 0; k < EXPLAIN_QUANTILES; k++)
+        (void)fprintf(to, " %.0f %%: %.3f%s", 100 * surfacectl_explain_levels[k],
+                      s->quantile_mm[k],
+                      k + 1 < EXPLAIN_QUANTILES ? "," : " mm or less\n");
+}
+
+enum status surfacectl_explain_text(FILE *to, const struct explanation *x,
+                                    struct errinfo *e)
+{
+    const struct face_result *r = &x->result;
+
+    (void)e;
+    (void)fprintf(to, "template     %s\n", x->a);
+    if (x->template_id != NULL)
+        (void)fprintf(to, "             %s, the nearest of %u\n", x->template_id,
+                      x->compared);
+    (void)fprintf(to, "probe        %s\n", x->b);
+    (void)fprintf(to, "decision     %s: %s\n", surfacectl_face_decision(r->decision),
+                  reason(r));
+    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+                  r->threshold_mm);
+    (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
+                  r->fmr_at_score);
+    (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
+                  r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
+    (void)fprintf(to,
+                  "common       %.1f %% of the template's area, %.1f %% of its weight "
+                  "(at least %.0f %% of each is needed)\n",
+                  100 * r->measure.overlap, 100 * r->weight_overlap,
+                  100 * decision_min_overlap);
+    print_quality(to, "template", &x->tmpl);
+    print_quality(to, "probe", &x->probe);
+    print_gap(to, x);
+    (void)fprintf(to, "transform    of the probe onto the template, mm\n");
+    for (int i = 0; i < 16; i += 4)
+        (void)fprintf(to, "  %12.6f %12.6f %12.6f %12.4f\n", r->align.transform[i],
+                      r->align.transform[i + 1], r->align.transform[i + 2],
+                      r->align.transform[i + 3]);
+    return ST_OK;
+}
+
+void surfacectl_explain_out(struct surfacectl_out *o, const struct explanation *x)
+{
+    const struct explain_gap *s = &x->sum;
+
+    surfacectl_out_text(o, "template", x->a);
+    if (x->template_id != NULL)
+        surfacectl_out_text(o, "template_id", x->template_id);
+    surfacectl_out_text(o, "probe", x->b);
+    surfacectl_face_verdict(o, &x->result, &x->probe.quality);
+    surfacectl_face_quality(o, "template_quality", &x->tmpl.quality);
+    surfacectl_out_text(o, "reason", reason(&x->result));
+    surfacectl_out_number(o, "weight_overlap", x->result.weight_overlap);
+    surfacectl_out_object(o, "gap");
+    surfacectl_out_number(o, "points", (double)x->n);
+    surfacectl_out_number(o, "compared", (double)s->compared);
+    surfacectl_out_number(o, "median_mm", s->median_mm);
+    surfacectl_out_number(o, "share_beyond_1_mm", s->beyond);
+    surfacectl_out_array(o, "size_quantiles");
+    for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
+        surfacectl_out_object(o, NULL);
+        surfacectl_out_number(o, "share", surfacectl_explain_levels[k]);
+        surfacectl_out_number(o, "mm", s->quantile_mm[k]);
+        surfacectl_out_close(o);
+    }
+    surfacectl_out_close(o);
+    surfacectl_out_close(o);
+}
+
+enum status surfacectl_explain_json(FILE *to, const struct explanation *x,
+                                    struct errinfo *e)
+{
+    struct surfacectl_out *o = surfacectl_out_new(true);
+
+    if (o == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    surfacectl_explain_out(o, x);
+    return surfacectl_out_end(o, to) ? ST_OK
+                                     : errinfo_set(e, ST_EIO, "it cannot be written");
+}
