@@ -154,6 +154,14 @@ enum status store_enroll(struct store *s, const char *actor, const char *subject
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
+    return store_enroll_after(s, actor, subject, label, f, NULL, t, created, e);
+}
+
+enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
+                               const char *label, const struct face *f,
+                               const char *newest, struct store_template *t,
+                               bool *created, struct errinfo *e)
+{
     struct store_act by;
     unsigned char *model;
     size_t len;
@@ -181,7 +189,7 @@ enum status store_enroll(struct store *s, const char *actor, const char *subject
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
     codec_encode(f, model);
-    st = s->engine->template_add(s, &by, t, model, len, created, e);
+    st = s->engine->template_add(s, &by, t, newest, model, len, created, e);
     sodium_memzero(model, len);
     free(model);
     return st;

@@ -62,6 +62,15 @@ enum status store_enroll(struct store *s, const char *actor, const char *subject
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
 
+/* store_enroll_after(s, actor, subject, label, f, newest, t, created, e): the same for a
+ * face that was compared with all of the subject's templates, of which `newest` was the
+ * last ("": it had none).  ST_EEXISTS and nothing stored where another is the last by now:
+ * then there may be one that it was not compared with, by whatever thread or process. */
+enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
+                               const char *label, const struct face *f,
+                               const char *newest, struct store_template *t,
+                               bool *created, struct errinfo *e);
+
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e);
 

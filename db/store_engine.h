@@ -30,10 +30,12 @@ struct store_engine {
     enum status (*ready)(struct store *s, struct errinfo *e);
 
     /* Add *t, complete, and its subject where it is new; or, where the subject has its
-     * digest already, make *t the template that is there and *created false. */
+     * digest already, make *t the template that is there and *created false.
+     * newest: NULL, or the id that the subject's newest template must have ("": none). */
     enum status (*template_add)(struct store *s, const struct store_act *by,
-                                struct store_template *t, const void *model, size_t len,
-                                bool *created, struct errinfo *e);
+                                struct store_template *t, const char *newest,
+                                const void *model, size_t len, bool *created,
+                                struct errinfo *e);
     /* use may be NULL: then the model is not read. */
     enum status (*template_read)(struct store *s, const char *id,
                                  struct store_template *t, store_use *use, void *arg,

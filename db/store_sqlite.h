@@ -28,6 +28,7 @@ enum store_sqlite_sql {
     SQL_TEMPLATE_GET,
     SQL_TEMPLATE_LOAD,
     SQL_TEMPLATE_SAME,
+    SQL_TEMPLATE_NEWEST,
     SQL_TEMPLATE_LIST,
     SQL_TEMPLATE_EACH,
     SQL_TEMPLATE_DELETE,
@@ -131,8 +132,9 @@ enum status store_sqlite_admin_add_event(struct store_sqlite_conn *c,
 
 /* store_sqlite_face.c */
 enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
-                                  struct store_template *t, const void *model, size_t len,
-                                  bool *created, struct errinfo *e);
+                                  struct store_template *t, const char *newest,
+                                  const void *model, size_t len, bool *created,
+                                  struct errinfo *e);
 enum status store_sqlite_face_read(struct store *s, const char *id,
                                    struct store_template *t, store_use *use, void *arg,
                                    struct errinfo *e);

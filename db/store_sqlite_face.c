@@ -177,6 +177,28 @@ static enum status find_same(struct store_sqlite_conn *c, int64_t subject_key,
     return st;
 }
 
+/* ST_EEXISTS unless the subject's newest template has this id ("": there is none). */
+static enum status expect_newest(struct store_sqlite_conn *c, int64_t subject_key,
+                                 const char *newest, struct errinfo *e)
+{
+    char id[STORE_ID_LEN + 1] = "";
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_TEMPLATE_NEWEST, &stmt, e);
+    int rc;
+
+    if (st != ST_OK)
+        return st;
+    if (sqlite3_bind_int64(stmt, 1, subject_key) != SQLITE_OK ||
+        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE))
+        st = store_sqlite_fail(c, "cannot read a template", e);
+    else if (rc == SQLITE_ROW && !store_sqlite_text(stmt, 0, id, sizeof id))
+        st = errinfo_set(e, ST_ECORRUPT, "template ?: its row is damaged (id)");
+    else if (strcmp(id, newest) != 0)
+        st = errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
 static enum status add_template(struct store_sqlite_conn *c, int64_t subject_key,
                                 const struct store_template *t, const void *model,
                                 size_t len, struct errinfo *e)
@@ -208,8 +230,9 @@ static enum status add_template(struct store_sqlite_conn *c, int64_t subject_key
 }
 
 enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
-                                  struct store_template *t, const void *model, size_t len,
-                                  bool *created, struct errinfo *e)
+                                  struct store_template *t, const char *newest,
+                                  const void *model, size_t len, bool *created,
+                                  struct errinfo *e)
 {
     struct store_sqlite_conn *c;
     bool found = false;
@@ -225,6 +248,8 @@ enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
         st = find_same(c, key, t, &found, e);
     else
         st = store_sqlite_fail(c, "cannot read a subject", e);
+    if (st == ST_OK && !found && newest != NULL)
+        st = expect_newest(c, key, newest, e);
     if (st == ST_OK && !found && (st = add_template(c, key, t, model, len, e)) == ST_OK)
         st = store_sqlite_admin_add_event(c, by, "enroll", t->subject, t->id, "created",
                                           e);

@@ -32,6 +32,8 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "SELECT " TEMPLATE_COLUMNS ", t.model" TEMPLATE_FROM " WHERE t.id = ?1",
     [SQL_TEMPLATE_SAME] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
                           " WHERE t.subject_key = ?1 AND t.digest = ?2",
+    [SQL_TEMPLATE_NEWEST] = "SELECT id FROM templates WHERE subject_key = ?1 "
+                            "ORDER BY template_key DESC LIMIT 1",
     [SQL_TEMPLATE_LIST] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
                           " WHERE t.subject_key = ?1 ORDER BY t.template_key",
     [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model, t.template_key "

@@ -31,8 +31,9 @@ static const struct command commands[] = {
      "surfacectl --db faces.db init", 0, 0, OPT_DB, surfacectl_admin_init},
     {"enroll", "SUBJECT FILE...", "enroll scans of a subject",
      "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  The same scan\n"
-     "again changes nothing.  A scan that does not match the subject's others is refused,\n"
-     "unless --force is given.  A bad scan does not stop the others.",
+     "again changes nothing.  A scan that matches none of the subject's others, or has too\n"
+     "little in common with them to tell, is refused, unless --force is given.  A bad scan\n"
+     "does not stop the others.",
      "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply", 2, 1 << 30,
      OPT_DB | OPT_UNITS | OPT_LABEL | OPT_FORCE, surfacectl_face_enroll},
     {"verify", "SUBJECT FILE", "compare a scan with a subject's templates",

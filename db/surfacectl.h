@@ -69,6 +69,7 @@ struct surfacectl_nearest {
     struct face_result result;
     struct store_template tmpl;
     unsigned compared;
+    char newest[STORE_ID_LEN + 1]; /* the subject's last one; "" without any */
 };
 enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
                                     const char *subject, const struct face *probe,

@@ -51,6 +51,8 @@ enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
     if (st == ST_OK)
         st = store_template_list(s, subject, &list, &n, &c->e);
     memset(best, 0, sizeof *best);
+    if (st == ST_OK && n > 0)
+        memcpy(best->newest, list[n - 1].id, sizeof best->newest);
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         struct face_result r;
 
@@ -125,28 +127,48 @@ static void print_result(struct surfacectl *c, const struct face_result *r,
     (void)printf("time         %.1f ms\n", ms);
 }
 
+/* A further sample must match the nearest of the subject's templates. */
+static enum status check_fit(struct surfacectl *c, struct store *s, const char *subject,
+                             const char *path, struct face_work *w, const struct face *f,
+                             char newest[STORE_ID_LEN + 1])
+{
+    struct surfacectl_nearest best;
+    const struct face_result *r = &best.result;
+    enum status st = surfacectl_face_nearest(c, s, subject, f, w, &best);
+
+    memcpy(newest, best.newest, sizeof best.newest);
+    if (st == ST_ENOTFOUND)
+        return ST_OK; /* the first one */
+    if (st != ST_OK || r->decision == FACE_MATCH)
+        return st;
+    if (r->decision == FACE_INCONCLUSIVE)
+        return errinfo_set(&c->e, ST_EMISMATCH,
+                           "%s: too little in common with %s's other samples to tell "
+                           "whether it fits (--force enrolls it all the same)",
+                           path, subject);
+    return errinfo_set(&c->e, ST_EMISMATCH,
+                       "%s: does not fit %s's other samples: disparity %.3f mm, "
+                       "threshold %.3f mm (--force enrolls it all the same)",
+                       path, subject, r->disparity_mm, r->threshold_mm);
+}
+
 static enum status enroll_file(struct surfacectl *c, struct store *s, const char *subject,
                                const char *path, struct face_work *w, struct face *f)
 {
     struct surfacectl_out *o = c->out;
     struct store_template t;
-    struct surfacectl_nearest best;
+    char newest[STORE_ID_LEN + 1];
     bool created;
     enum status st = surfacectl_scan_read(c, path, w, f);
 
-    if (st == ST_OK && !c->force) {
-        if ((st = surfacectl_face_nearest(c, s, subject, f, w, &best)) == ST_ENOTFOUND)
-            st = ST_OK; /* the first sample fits */
-        else if (st == ST_OK && best.result.decision == FACE_NO_MATCH)
-            st = errinfo_set(&c->e, ST_EMISMATCH,
-                             "%s: does not fit %s's other samples: disparity %.3f mm, "
-                             "threshold %.3f mm (--force enrolls it all the same)",
-                             path, subject, best.result.disparity_mm,
-                             best.result.threshold_mm);
-    }
     if (st == ST_OK)
-        st = store_enroll(s, SURFACECTL_ACTOR, subject, c->label != NULL ? c->label : "",
-                          f, &t, &created, &c->e);
+        do { /* again only when another enrolment came in between */
+            if (!c->force && (st = check_fit(c, s, subject, path, w, f, newest)) != ST_OK)
+                break;
+            st = store_enroll_after(s, SURFACECTL_ACTOR, subject,
+                                    c->label != NULL ? c->label : "", f,
+                                    c->force ? NULL : newest, &t, &created, &c->e);
+        } while (st == ST_EEXISTS);
     surfacectl_out_object(o, NULL);
     surfacectl_out_text(o, "file", path);
     if (st == ST_OK) {

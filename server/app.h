@@ -2,7 +2,6 @@
  * released after the last; the pointers never change in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
-#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -18,9 +17,6 @@ struct app {
     struct queue *queue;
     bool no_auth;
     size_t max_body; /* bytes */
-    /* Held from the comparison with a subject's templates to the end of the enrolment: two
-     * samples that do not fit each other cannot both be the first. */
-    pthread_mutex_t enroll_lock;
 };
 
 #endif

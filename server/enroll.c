@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "app.h"
 #include "cloud.h"
@@ -13,22 +14,27 @@
 #include "request.h"
 #include "verify.h"
 
-/* Does the sample fit those that the subject has?  One that says nothing about it (too
- * little in common) is not held against it. */
-static enum status check_fit(struct request *r, struct worker *w, struct errinfo *e)
+/* Does the sample match the best of those that the subject has?  From then on it decides
+ * like any of them, so one that cannot be compared (too little in common) does not do.
+ * newest: the id of the last one it was compared with, "" where there is none. */
+static enum status check_fit(struct request *r, struct worker *w,
+                             char newest[STORE_ID_LEN + 1], struct errinfo *e)
 {
     struct store_template *t = NULL;
     struct verify_best best;
     size_t n = 0;
     enum status st = store_template_list(r->app->store, r->subject, &t, &n, e);
 
-    if (st == ST_OK && n > 0)
+    newest[0] = '\0';
+    if (st == ST_OK && n > 0) {
+        memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
         st = verify_compare(w, t, n, &w->probe, 0.0, &best, e);
+    }
     free(t);
     if (st == ST_ENOTFOUND || (st == ST_OK && n == 0))
         return ST_OK; /* the first sample */
-    if (st == ST_OK && best.result.decision == FACE_NO_MATCH) {
-        request_mismatch(r, best.result.disparity_mm, best.result.threshold_mm);
+    if (st == ST_OK && best.result.decision != FACE_MATCH) {
+        request_mismatch(r, &best.result);
         return ST_EMISMATCH;
     }
     if (st != ST_OK)
@@ -40,21 +46,20 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
 {
     struct store_template t;
     struct errinfo e = {0};
+    char newest[STORE_ID_LEN + 1];
     bool created = false;
-    enum status st = ST_OK;
+    enum status st;
 
-    (void)pthread_mutex_lock(&r->app->enroll_lock);
-    if (!force)
-        st = check_fit(r, w, &e);
-    if (st == ST_OK) {
-        st = store_enroll(r->app->store, r->actor, r->subject, label, &w->probe, &t,
-                          &created, &e);
-        if (st != ST_OK)
-            request_fail(r, &e);
-    }
-    (void)pthread_mutex_unlock(&r->app->enroll_lock);
-    if (st != ST_OK)
+    do { /* again only when another enrolment came in between */
+        if (!force && check_fit(r, w, newest, &e) != ST_OK)
+            return;
+        st = store_enroll_after(r->app->store, r->actor, r->subject, label, &w->probe,
+                                force ? NULL : newest, &t, &created, &e);
+    } while (st == ST_EEXISTS);
+    if (st != ST_OK) {
+        request_fail(r, &e);
         return;
+    }
     request_answer(r, created ? 201 : 200, json_template(&t));
     if (created)
         (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/templates/%s",

@@ -305,11 +305,12 @@ static bool add_timing(cJSON *o, const struct json_verdict *v)
            add_number(x, "measure", v->measure_ms) && add_number(x, "total", v->total_ms);
 }
 
+static const char *const decision[] = {[FACE_MATCH] = "match",
+                                       [FACE_NO_MATCH] = "no_match",
+                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+
 char *json_verdict(const struct json_verdict *v)
 {
-    static const char *const decision[] = {[FACE_MATCH] = "match",
-                                           [FACE_NO_MATCH] = "no_match",
-                                           [FACE_INCONCLUSIVE] = "inconclusive"};
     const struct face_result *r = v->result;
     cJSON *o = cJSON_CreateObject();
 
@@ -334,7 +335,7 @@ char *json_verdict(const struct json_verdict *v)
 }
 
 char *json_problem(const struct errmap *m, const char *detail, const char *request_id,
-                   const struct json_mismatch *mismatch)
+                   const struct face_result *mismatch)
 {
     cJSON *o = cJSON_CreateObject();
     char type[96];
@@ -346,7 +347,8 @@ char *json_problem(const struct errmap *m, const char *detail, const char *reque
                         add_string(o, "code", m->code) &&
                         add_string(o, "request_id", request_id) &&
                         (mismatch == NULL ||
-                         (add_number(o, "disparity_mm", mismatch->disparity_mm) &&
+                         (add_string(o, "decision", decision[mismatch->decision]) &&
+                          add_number(o, "disparity_mm", mismatch->disparity_mm) &&
                           add_number(o, "threshold_mm", mismatch->threshold_mm))));
 }
 

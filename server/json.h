@@ -43,13 +43,10 @@ enum status json_clouds_read(const char *text, size_t len, size_t max_points,
 /* json_units(name, mm): "mm", "cm", "m" to millimetres per unit; false: none of them. */
 bool json_units(const char *name, double *mm);
 
-struct json_mismatch {
-    double disparity_mm, threshold_mm;
-};
-
-/* json_problem(m, detail, request_id, mismatch): RFC 9457; mismatch may be NULL. */
+/* json_problem(m, detail, request_id, mismatch): RFC 9457; mismatch may be NULL: the
+ * comparison that is told with it. */
 char *json_problem(const struct errmap *m, const char *detail, const char *request_id,
-                   const struct json_mismatch *mismatch);
+                   const struct face_result *mismatch);
 
 struct json_verdict {
     const struct face_result *result;

@@ -62,7 +62,7 @@ static void stop(struct app *app, struct http *http)
 
 int main(int argc, char **argv)
 {
-    struct app app = {.enroll_lock = PTHREAD_MUTEX_INITIALIZER};
+    struct app app = {0};
     struct http *http = NULL;
     struct options o = {0};
     struct errinfo e = {0};

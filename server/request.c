@@ -174,16 +174,19 @@ void request_fail(struct request *r, const struct errinfo *e)
     request_problem(r, (unsigned)e->code, "%s", e->msg);
 }
 
-void request_mismatch(struct request *r, double disparity_mm, double threshold_mm)
+void request_mismatch(struct request *r, const struct face_result *result)
 {
     const struct errmap *m = errmap_get(ST_EMISMATCH);
-    const struct json_mismatch mismatch = {disparity_mm, threshold_mm};
 
     set_body(r, m->http, "application/problem+json",
              json_problem(m,
-                          "the sample does not match any of the subject's templates; "
-                          "force=true enrolls it all the same",
-                          r->id, &mismatch));
+                          result->decision == FACE_INCONCLUSIVE
+                              ? "the sample has too little in common with any of the "
+                                "subject's templates to tell whether it fits; force=true "
+                                "enrolls it all the same"
+                              : "the sample does not match any of the subject's "
+                                "templates; force=true enrolls it all the same",
+                          r->id, result));
 }
 
 void request_free(struct request *r)

@@ -10,6 +10,7 @@
 
 struct app;
 struct errinfo;
+struct face_result;  /* face.h */
 struct routes_route; /* routes.h */
 struct worker;       /* queue.h */
 
@@ -94,8 +95,9 @@ request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 /* request_fail(r, e): the problem that e tells. */
 void request_fail(struct request *r, const struct errinfo *e);
 
-/* request_mismatch(r, disparity_mm, threshold_mm): 409 sample_mismatch with both. */
-void request_mismatch(struct request *r, double disparity_mm, double threshold_mm);
+/* request_mismatch(r, result): 409 sample_mismatch, with the decision (no match or
+ * inconclusive), the disparity and the threshold. */
+void request_mismatch(struct request *r, const struct face_result *result);
 
 /* request_free(r): what r points to. */
 void request_free(struct request *r);

@@ -59,7 +59,13 @@ is "the same cloud again" "$STATUS" 200
 ok "gives the same template" cmp -s "$T/body" "$T/first"
 send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 problem "another's sample" 409 sample_mismatch
-ok "tells the disparity" jq -e '.disparity_mm > .threshold_mm' "$T/body" >/dev/null
+ok "tells the disparity" jq -e '.decision == "no_match" and .disparity_mm > .threshold_mm' \
+    "$T/body" >/dev/null
+awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
+send POST /v1/subjects/alice/templates 'Content-Type: text/plain' "$T/part.xyz"
+problem "a part of the face, nothing to compare" 409 sample_mismatch "too little in common"
+is "and says so" "$(get '[.decision, (.disparity_mm, .threshold_mm | type)] | @csv')" \
+    '"inconclusive","number","number"'
 req GET /v1/subjects/alice
 is "nothing was stored" "$(get '.templates | length')" 1
 send POST '/v1/subjects/alice/templates?force=maybe' "$PLY" "$T/b.ply"
@@ -101,7 +107,6 @@ is "each a number or null" "$(get '.heatmap | all(type == "number" or type == "n
 is "mostly numbers" "$(get '(.heatmap | map(numbers) | length) > (.heatmap | length / 2)')" true
 send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
 problem "detail=all" 400 invalid_parameter
-awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/part.xyz"
 is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
 send POST '/v1/subjects/alice/verify?unknown=1&other' "$PLY" "$T/a2.ply"
@@ -128,6 +133,14 @@ other=$(get .template_id)
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "the best of two" "$(get '[.decision, .templates_compared, .template_id] | @tsv')" \
     "$(printf 'match\t2\t%s' "$other")"
+scan 2 5 "$T/b5.ply" --pose 5 --shift 5
+send POST /v1/subjects/alice/templates "$PLY" "$T/b5.ply"
+is "a sample that fits the second template alone" "$STATUS" 201
+req DELETE "/v1/templates/$(get .template_id)"
+send POST '/v1/subjects/alice/templates?force=true' 'Content-Type: text/plain' "$T/part.xyz"
+is "force, with nothing to compare" "$STATUS" 201
+req DELETE "/v1/templates/$(get .template_id)"
+is "without it" "$STATUS" 204
 
 # ---- compare
 jq -c -n --slurpfile a "$T/a2.json" --slurpfile b "$T/m.json" '{a: $a[0], b: $b[0]}' >"$T/ab.json"

@@ -52,6 +52,28 @@ done
 wait $clients
 is "two people as one" "$(cat "$T/s.a" "$T/s.b" | sort | tr '\n' ' ')" "201 409 "
 
+# Six people, three times each, at once as the samples of a new subject: whoever came first,
+# no other person is in.
+rm -f "$T"/s.*
+clients=
+for who in 11 12 13 14 15 16; do
+    for n in 0 1 2; do
+        scan $who $n "$T/m.$who.$n" --points 1500
+    done
+done
+for n in 0 1 2; do
+    for who in 11 12 13 14 15 16; do
+        curl -sS -o "$T/o.$who.$n" -w "$who %{http_code}\n" -H "$PLY" \
+            --data-binary "@$T/m.$who.$n" \
+            "$URL/v1/subjects/mixed/templates?label=$who" >"$T/s.$who.$n" &
+        clients="$clients $!"
+    done
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+is "18 samples of six people at once: one person's three" "$(cat "$T"/s.* |
+    awk '{ n[$2]++ } $2 == 201 { who[$1] = 1 } END { print n[201], n[409], length(who) }')" "3 15 1"
+
 # Deleting and enrolling while others verify: never anything but 200 and 404.
 rm -f "$T"/w.*
 writer() {

@@ -53,6 +53,18 @@ while [ $i -lt 8 ]; do
 done
 ok "surfacectl enrolled all" test ! -e "$T/lost"
 
+# Two people at once as the first sample of a subject, one from each side: never both.
+i=0
+while [ $i -lt 8 ]; do
+    (ctl enroll "both$i" "$T/a.ply") &
+    send POST "/v1/subjects/both$i/templates" "$PLY" "$T/b.ply"
+    wait $!
+    req GET "/v1/subjects/both$i"
+    is "one of two people is in" "$(get '.templates | length')" 1
+    req DELETE "/v1/subjects/both$i"
+    i=$((i + 1))
+done
+
 # Killed: what was answered is there.
 kill -9 "$PID"
 wait "$PID" 2>/dev/null

@@ -199,6 +199,45 @@ static void test_templates(void **state)
     store_close(s);
 }
 
+/* An enrolment that was decided on templates that have changed since. */
+static void test_enroll_after(void **state)
+{
+    struct store *s = fresh();
+    struct store_template a, b, t;
+    struct store_subject who;
+    bool created;
+
+    (void)state;
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[0], "", &a, &created, &e), ST_OK);
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[1], "", &t, &created, &e),
+        ST_EEXISTS);
+    assert_false(created);
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[0], "", &t, &created, &e), ST_OK);
+    assert_false(created); /* the same cloud again changes nothing */
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[1], a.id, &b, &created, &e), ST_OK);
+    assert_true(created);
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[2], a.id, &t, &created, &e),
+        ST_EEXISTS);
+    assert_int_equal(store_template_delete(s, "", b.id, &e), ST_OK);
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[2], b.id, &t, &created, &e),
+        ST_EEXISTS); /* nothing new, but it cannot know */
+    assert_int_equal(
+        store_enroll_after(s, "", "bob", "", &face[2], a.id, &t, &created, &e),
+        ST_EEXISTS);
+    assert_int_equal(store_subject_get(s, "bob", &who, &e), ST_ENOTFOUND);
+    assert_int_equal(
+        store_enroll_after(s, "", "alice", "", &face[2], a.id, &t, &created, &e), ST_OK);
+    store_close(s);
+    assert_int_equal(count("SELECT count(*) FROM templates"), 2);
+    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'enroll'"), 3);
+}
+
 static void test_subjects(void **state)
 {
     struct store *s = fresh();
@@ -785,7 +824,7 @@ int main(void)
         cmocka_unit_test(test_ready),         cmocka_unit_test(test_damaged_rows),
         cmocka_unit_test(test_damaged_pages), cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_threads),       cmocka_unit_test(test_processes),
-        cmocka_unit_test(test_locked),
+        cmocka_unit_test(test_locked),        cmocka_unit_test(test_enroll_after),
     };
 
     return cmocka_run_group_tests_name("store", tests, set_up, tear_down);
