@@ -76,27 +76,15 @@ double disparity_cell(double area, double a, double b, double c)
     return area * mean3(a, b, c) / 3;
 }
 
-/* Does the other surface have something measured where this vertex lies? */
-static bool measured_at(const struct mesh *m, const uint8_t *bridge, struct location loc)
-{
-    if (!bridge[loc.he / 3])
-        return true;
-    if (loc.where == LOCATE_EDGE)
-        return !bridge[m->twin[loc.he] / 3];
-    if (loc.where == LOCATE_VERTEX)
-        for (uint32_t h = mesh_turn(m, loc.he); h != loc.he; h = mesh_turn(m, h))
-            if (!bridge[h / 3])
-                return true;
-    return false;
-}
-
 /* The gap as disparity_vertex tells it, at a vertex that lies at loc in the other mesh. */
 static inline double told(double gap, const struct disparity_side *other,
                           struct location loc)
 {
     if (loc.where == LOCATE_OUTSIDE)
         return NAN;
-    return measured_at(other->mesh, other->bridge, loc) ? gap : INFINITY;
+    return !other->bridge[loc.he / 3] || holes_measured(other->mesh, other->bridge, loc)
+               ? gap
+               : INFINITY; /* (Nearly always the former: no call.) */
 }
 
 static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,

@@ -209,7 +209,7 @@ void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
         q = (struct ivec2){p.x, p.y};
         at = locate_point(m, start, m->xy[m->org[start]], q, NULL);
         start = at.he;
-        if (at.where != LOCATE_OUTSIDE && !tmpl->bridge[at.he / 3])
+        if (at.where != LOCATE_OUTSIDE && holes_measured(m, tmpl->bridge, at))
             gap_mm[i] = (p.z - surface_height(m, at, q)) / LATTICE_PER_MM;
     }
 }

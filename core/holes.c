@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "locate.h"
 #include "mem.h"
 #include "mesh.h"
 
@@ -81,4 +82,17 @@ double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
         measured += wide ? 0 : twice;
     }
     return 0.5 * measured;
+}
+
+bool holes_measured(const struct mesh *m, const uint8_t *bridge, struct location loc)
+{
+    if (!bridge[loc.he / 3])
+        return true;
+    if (loc.where == LOCATE_EDGE)
+        return !bridge[m->twin[loc.he] / 3];
+    if (loc.where == LOCATE_VERTEX)
+        for (uint32_t h = mesh_turn(m, loc.he); h != loc.he; h = mesh_turn(m, h))
+            if (!bridge[h / 3])
+                return true;
+    return false;
 }

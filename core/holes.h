@@ -18,8 +18,9 @@
 #include "status.h"
 #include "vec.h"
 
-struct mesh;    /* mesh.h */
-struct scratch; /* mem.h */
+struct location; /* locate.h */
+struct mesh;     /* mesh.h */
+struct scratch;  /* mem.h */
 
 #define HOLES_SIDE   4.0
 #define HOLES_CIRCLE 2.8
@@ -57,5 +58,9 @@ bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint3
  * missing points, ghosts included, 0 for the others.  Returns the measured area: that of
  * the triangles that do not, in square lattice units.  O(nv). */
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge);
+
+/* holes_measured(m, bridge, loc): is loc, not outside m, where m has something measured?
+ * In a triangle that does not bridge, or on an edge or vertex of one. */
+bool holes_measured(const struct mesh *m, const uint8_t *bridge, struct location loc);
 
 #endif

@@ -565,6 +565,43 @@ static void test_heatmap(void **state)
     face_free(&a);
 }
 
+/* The points on the rim of a hole are covered: one of their triangles was measured. */
+static void test_heatmap_rim(void **state)
+{
+    static struct dvec3 pts[POINTS];
+    static double gap[POINTS];
+    const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct face f = {0};
+    size_t n = 0, rim = 0;
+
+    (void)state;
+    scan(15, 0, POINTS, &cloud);
+    for (size_t i = 0; i < cloud.n; i++)
+        if (hypot(cloud.pts[i].x - 25, cloud.pts[i].y) > 14)
+            cloud.pts[n++] = cloud.pts[i];
+    cloud.n = n;
+    assert_int_equal(build(&cloud, &f), ST_OK);
+    for (uint32_t v = 0; v < f.mesh.nv; v++)
+        pts[v] =
+            (struct dvec3){f.mesh.xy[v].x / LATTICE_PER_MM,
+                           f.mesh.xy[v].y / LATTICE_PER_MM, f.mesh.z[v] / LATTICE_PER_MM};
+    face_heatmap(&f, pts, f.mesh.nv, still, gap);
+    for (uint32_t v = 0; v < f.mesh.nv; v++) {
+        bool bridged = false, measured = false;
+        uint32_t h = f.mesh.out[v];
+
+        do {
+            bridged |= f.bridge[h / 3];
+            measured |= !f.bridge[h / 3];
+            h = mesh_turn(&f.mesh, h);
+        } while (h != f.mesh.out[v]);
+        rim += bridged && measured;
+        assert_true(measured ? gap[v] == 0 : isnan(gap[v]));
+    }
+    assert_true(rim > 50);
+    face_free(&f);
+}
+
 /* A model from its stored parts is the model that was stored. */
 static void test_adopt(void **state)
 {
@@ -657,7 +694,8 @@ int main(void)
         cmocka_unit_test(test_people),      cmocka_unit_test(test_determinism),
         cmocka_unit_test(test_threshold),   cmocka_unit_test(test_inconclusive),
         cmocka_unit_test(test_clock),       cmocka_unit_test(test_heatmap),
-        cmocka_unit_test(test_adopt),       cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_heatmap_rim), cmocka_unit_test(test_adopt),
+        cmocka_unit_test(test_no_memory),
     };
     int failed;
 
