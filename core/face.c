@@ -7,13 +7,11 @@
 #include "delaunay.h"
 #include "holes.h"
 #include "lattice.h"
-#include "locate.h"
 #include "measure.h"
 #include "mem.h"
 #include "model.h"
 #include "mst.h"
 #include "quality.h"
-#include "surface.h"
 #include "weight.h"
 
 struct face_work {
@@ -178,38 +176,4 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
         out->decision =
             out->disparity_mm <= out->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
     return ST_OK;
-}
-
-/* transform * p on the lattice, or ST_ERANGE, ST_ENOTFINITE. */
-static enum status move(const double t[16], struct dvec3 p, struct ivec3 *out)
-{
-    const struct dvec3 q = {t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
-                            t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
-                            t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
-
-    return lattice_from_mm(&q, 1, LATTICE_PER_MM, out, NULL);
-}
-
-void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
-                  const double transform[16], double *gap_mm)
-{
-    const struct mesh *m = &tmpl->mesh;
-    uint32_t start = m->out[0];
-
-    while (mesh_is_ghost(m, start / 3))
-        start = mesh_turn(m, start);
-    for (size_t i = 0; i < n; i++) {
-        struct location at;
-        struct ivec3 p;
-        struct ivec2 q;
-
-        gap_mm[i] = NAN;
-        if (move(transform, pts[i], &p) != ST_OK)
-            continue;
-        q = (struct ivec2){p.x, p.y};
-        at = locate_point(m, start, m->xy[m->org[start]], q, NULL);
-        start = at.he;
-        if (at.where != LOCATE_OUTSIDE && holes_measured(m, tmpl->bridge, at))
-            gap_mm[i] = (p.z - surface_height(m, at, q)) / LATTICE_PER_MM;
-    }
 }

@@ -97,7 +97,8 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 
 /* face_heatmap(tmpl, pts, n, transform, gap_mm): for detail=heatmap: the signed gap
  * (probe minus template, mm) at each of the probe's own points in the order given, NAN
- * where the template does not cover it or it is off the lattice. */
+ * where the template does not cover it or it is off the lattice.
+ * Cost  O(tmpl->mesh.nv + n) for points spread like the template's, in any order. */
 void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
                   const double transform[16], double *gap_mm);
 
