@@ -1,7 +1,7 @@
 /* plot.h -- pictures by gnuplot, for surfacectl: started directly, never through a shell.
- * The script comes on its standard input with the data in it (datablocks), the picture
- * leaves on its standard output ("set terminal pngcairo", and no "set output"): gnuplot
- * opens no file, and no file's name needs quoting. */
+ * The script comes on its standard input with the data in it, the picture leaves on its
+ * standard output ("set terminal pngcairo", and no "set output"): gnuplot opens no file,
+ * and no file's name needs quoting. */
 #ifndef DB_PLOT_H
 #define DB_PLOT_H
 #include <stdio.h>

@@ -61,6 +61,22 @@ done
 send POST '/v1/subjects/a/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
 heatmap "a file: a gap for each of its points" '($m | length) == ($b | length)'
 
+# The figures of surfacectl explain are those of the heatmap.
+scan 2 0 "$T/c.xyz"
+send POST /v1/subjects/c/templates 'Content-Type: text/plain' "$T/c.xyz"
+send POST '/v1/subjects/c/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
+"$BUILD/surfacectl" explain --json "$T/c.xyz" "$T/b.xyz" --out "$T/why" >"$T/why.json" \
+    2>"$T/why.err"
+is "explain's exit: no match" $? 1
+ok "explain's figures" holds --slurpfile m "$T/body" \
+    'def near(x): . - x | fabs < 1e-12; .gap as $g
+    | ($m[0].heatmap | map(numbers)) as $gap | ($gap | length) as $n
+    | ($gap | map(fabs) | sort) as $size
+    | $g.points == ($m[0].heatmap | length) and $g.compared == $n
+      and ($g.median_mm | near(($gap | sort)[($n / 2 | ceil) - 1]))
+      and ($g.share_beyond_1_mm | near(($gap | map(select(fabs > 1)) | length) / $n))
+      and all($g.size_quantiles[]; .share as $p | .mm | near($size[($p * $n | ceil) - 1]))' "$T/why.json"
+
 # Both are described alike.
 req GET /openapi.json
 is "described at all three" "$(get '[.paths[].post? | select(.parameters // [] |
