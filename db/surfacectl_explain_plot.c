@@ -39,7 +39,7 @@ static void picture_script(FILE *to, const void *arg)
     const struct explanation *x = ((const struct drawing *)arg)->x;
     const struct explain_map *map = ((const struct drawing *)arg)->map;
     const double wide = map->w * map->pixel_mm, high = map->h * map->pixel_mm;
-    const double width = fmin(1, wide / high) * 820 + 340;
+    const double width = fmax(300, fmin(1, wide / high) * 820) + 340; /* for the title */
     const double height = fmin(1, high / wide) * 820 + 220;
 
     (void)fprintf(to, "set terminal pngcairo size %.0f,%.0f font 'Sans,13'\n", width,
