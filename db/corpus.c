@@ -124,8 +124,11 @@ static enum status intern_subject(struct reading *r, const char *id, uint32_t *o
         c->subject = at;
         if ((copy = strdup(id)) == NULL)
             return no_memory(r->e);
-        c->subject[c->nnamed] =
-            (struct corpus_subject){copy, CORPUS_NONE, 0, CORPUS_NONE, CORPUS_NONE};
+        c->subject[c->nnamed].id = copy;
+        c->subject[c->nnamed].nscan = 0;
+        c->subject[c->nnamed].enrolled = CORPUS_NONE;
+        c->subject[c->nnamed].population = CORPUS_NONE;
+        c->subject[c->nnamed].relative_of = CORPUS_NONE;
         *slot = c->nnamed++;
         *out = *slot;
         return rehash(r) ? ST_OK : no_memory(r->e);

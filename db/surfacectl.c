@@ -14,7 +14,9 @@ enum { /* options that not every command takes */
        OPT_FORCE = 8,
        OPT_THRESHOLD = 16,
        OPT_YES = 32,
-       OPT_OUT = 64
+       OPT_OUT = 64,
+       OPT_IMPOSTORS = 128,
+       OPT_THREADS = 256
 };
 
 struct command {
@@ -52,6 +54,16 @@ static const struct command commands[] = {
      "data: readable by their owner alone.  Exit: 0 match, 1 no match, 2 inconclusive.",
      "surfacectl explain monday.ply tuesday.ply --out why", 2, 2,
      OPT_UNITS | OPT_THRESHOLD | OPT_OUT, surfacectl_explain},
+    {"evaluate", "DIR|MANIFEST", "how well a collection of scans is told apart",
+     "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table,\n"
+     "with columns file and subject.  Of each subject the scan of kind `enroll`, or else\n"
+     "the first, is enrolled in memory and compared with the others and with other\n"
+     "subjects'.  Writes into a directory: report.md, report.json, scores.csv (every\n"
+     "comparison), rates.csv, and by gnuplot det and scores as .svg and .png.  With --db\n"
+     "its calibration decides.  surfacectl(1) says more.",
+     "surfacectl evaluate scans --out evaluation", 1, 1,
+     OPT_UNITS | OPT_THRESHOLD | OPT_OUT | OPT_IMPOSTORS | OPT_THREADS,
+     surfacectl_evaluate},
     {"list", "", "list the subjects", "In order of their ids.",
      "surfacectl --db faces.db list", 0, 0, OPT_DB, surfacectl_admin_list},
     {"show", "ID", "describe a subject or a template",
@@ -103,7 +115,11 @@ static const struct {
      "  --force             enroll scans that do not fit the subject's others\n"},
     {OPT_THRESHOLD,
      "  --threshold-mm MM   decide by another threshold than the default\n"},
-    {OPT_OUT, "  --out DIR           where the files go (./explanation)\n"},
+    {OPT_OUT, "  --out DIR           where the files go (./explanation, ./evaluation)\n"},
+    {OPT_IMPOSTORS,
+     "  --impostors N       compare each probe with N other subjects (all, up to 200,000\n"
+     "                      comparisons)\n"},
+    {OPT_THREADS, "  --threads N         work on N threads (one a core)\n"},
     {OPT_YES, "  --yes               do not ask\n"},
 };
 
@@ -192,6 +208,15 @@ static bool threshold(const char *text, double *out)
     return end != text && *end == '\0' && isfinite(*out) && *out > 0 && *out < 1000;
 }
 
+static bool whole(const char *text, uint32_t *out)
+{
+    char *end;
+    const long n = strtol(text, &end, 10);
+
+    *out = (uint32_t)n;
+    return end != text && *end == '\0' && n >= 1 && n <= 1000000;
+}
+
 /* Options with a value.  Returns the option, 0 when it is none. */
 static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool *ok)
 {
@@ -202,6 +227,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                    {"--units", OPT_UNITS},
                    {"--label", OPT_LABEL},
                    {"--out", OPT_OUT},
+                   {"--impostors", OPT_IMPOSTORS},
+                   {"--threads", OPT_THREADS},
                    {"--threshold-mm", OPT_THRESHOLD}};
     const char *value, *name = argv[*i];
 
@@ -216,6 +243,12 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             l->c.label = value;
         } else if (options[k].option == OPT_OUT) {
             l->c.dir = value;
+        } else if (options[k].option == OPT_IMPOSTORS) {
+            if (!whole(value, &l->c.impostors))
+                *ok = usage(&l->c.e, "impostors are 1 to 1000000, not", value);
+        } else if (options[k].option == OPT_THREADS) {
+            if (!whole(value, &l->c.threads))
+                *ok = usage(&l->c.e, "threads are 1 to 1000000, not", value);
         } else if (options[k].option == OPT_UNITS) {
             l->c.units = value;
             if (strcmp(value, "mm") != 0 && strcmp(value, "cm") != 0 &&

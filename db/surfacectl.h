@@ -2,6 +2,9 @@
  *   surfacectl.c        options, help
  *   surfacectl_face.c   enroll, verify, compare
  *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
+ *   surfacectl_evaluate.c  evaluate: the rates; surfacectl_trials.h the comparisons,
+ *                       surfacectl_report.h what is written
+ *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_admin.c  init, list, show, delete, check, stats, token
  *   surfacectl_scan.c   a scan's file to a face model
  *   surfacectl_fail.c   a status to an exit code
@@ -9,6 +12,7 @@
 #ifndef DB_SURFACECTL_H
 #define DB_SURFACECTL_H
 #include <stdbool.h>
+#include <stdint.h>
 #include "errinfo.h"
 #include "face.h"
 #include "store.h"
@@ -40,6 +44,8 @@ struct surfacectl { /* what the command line said */
     const char *label;
     const char *dir;     /* --out; NULL: the command's own */
     double threshold_mm; /* 0: the default */
+    uint32_t impostors;  /* of each probe; 0: as many as are of use */
+    uint32_t threads;    /* 0: one a core */
     bool json, yes, force;
     int nargs;
     char **args; /* the command's own */
@@ -55,6 +61,7 @@ int surfacectl_face_enroll(struct surfacectl *c);
 int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
 int surfacectl_explain(struct surfacectl *c);
+int surfacectl_evaluate(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);

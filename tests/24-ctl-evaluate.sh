@@ -1,0 +1,191 @@
+#!/bin/sh
+# Goal: surfacectl evaluate compares what it should, says so in every file alike, the same on
+# any number of threads, claims no rate that the comparisons do not support, and lists what
+# it could not use.
+set -u
+BUILD=${BUILD:-build}
+case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
+ctl=$BUILD/surfacectl
+command -v jq >/dev/null 2>&1 || {
+    echo "SKIP $0: jq is not installed"
+    exit 0
+}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+unset SURFACED_DB
+passed=0 failed=0
+
+# expect CODE WHAT COMMAND...: run it, its output in the files out and err
+expect() {
+    want=$1 what=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    got=$?
+    that "$what: exit $got, wanted $want: $(cat err)" [ "$got" -eq "$want" ]
+}
+
+# that WHAT TEST...: a condition of the shell holds
+that() {
+    title=$1
+    shift
+    if "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $title"
+    fi
+}
+
+is() { that "$1: got '$2', wanted '$3'" [ "$2" = "$3" ]; }
+has() { that "$what: no '$2' in $1: $(head -n 20 "$1")" grep -q -e "$2" "$1"; }
+files() { find "$1" -mindepth 1 -printf '%f\n' | LC_ALL=C sort | paste -sd ' '; }
+get() { jq -r "$2" "$1/report.json"; }
+
+# lines DIR TYPE DECISION: how many comparisons scores.csv has of both (. is any)
+lines() { awk -F, -v t="$2" -v d="$3" '$6 ~ t && $7 ~ d' "$1/scores.csv" | wc -l; }
+
+scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4" || exit 1; }
+mkdir scans
+for s in 1 2 3 4 5; do
+    scan $s 0 0 "scans/p${s}_enroll.ply"
+    scan $s 1 6 "scans/p${s}_again.ply"
+    scan $s 2 6 "scans/p${s}_Third_time.xyz"
+done
+scan 6 0 0 scans/p6_a.ply # none is marked: the first one is enrolled
+scan 6 1 6 scans/p6_b.ply
+tables='rates.csv report.json report.md scores.csv'
+if command -v gnuplot >/dev/null 2>&1; then
+    all='det.png det.svg rates.csv report.json report.md scores.csv scores.png scores.svg'
+else
+    echo "SKIP the pictures: gnuplot is not installed"
+    all=$tables
+fi
+
+expect 0 "a folder" "$ctl" evaluate scans
+has out 'The report is in evaluation/'
+has out 'own template nearest'
+has out 'FMR 0.1 %: not supported by 55 impostor comparisons; it takes 3000'
+has out '| the same person, Third\\_time | 5 | 5 | 0 | 0 | FNMR below 60.0 % (0 of 5) |'
+is "the files" "$(files evaluation)" "$all"
+is "the folder is its owner's alone" "$(stat -c %a evaluation)" 700
+is "genuine" "$(get evaluation '.genuine[0].comparisons')" 11
+is "impostors" "$(get evaluation .impostor.comparisons)" 55
+is "of kind b" "$(get evaluation '.genuine[] | select(.probes == "b") | .comparisons')" 1
+is "all are accepted" "$(get evaluation '.genuine[0].match')" 11
+is "nobody else is" "$(get evaluation .impostor.match)" 0
+is "no rate is claimed" "$(get evaluation '[.impostor.fmr, .genuine[].eer, .genuine[].fnmr, .genuine[].tar[]]
+    | map(.value) | unique')" "$(printf '[\n  null\n]')"
+is "but a bound is" "$(get evaluation '.impostor.fmr.below * 55 | round')" 3
+for type in genuine impostor relative; do
+    for d in match no_match inconclusive; do
+        path=$([ $type != genuine ] && echo .$type.$d || echo ".genuine[0].$d")
+        is "$type $d" "$(lines evaluation "^$type" "^$d")" "$(get evaluation "$path")"
+    done
+done
+is "p6_a is enrolled" "$(grep -c '^p6_a.ply,p6_b.ply,p6,p6,b,genuine,match' evaluation/scores.csv)" 1
+is "no rank is lost" "$(get evaluation '.genuine[0].own_template_nearest')" 11
+# What rates.csv says at a threshold is what scores.csv says.
+is "rates and scores" "$(awk -F, 'FNR == 1 { next }
+    NR == FNR { type[NR] = $6; mm[NR] = $8; next }
+    FNR % 50 == 0 { g = i = ga = ia = 0
+        for (k in mm) if (type[k] == "genuine") { g++; ga += (mm[k] <= $1) } else { i++; ia += (mm[k] <= $1) }
+        a = $2 - ia / i; b = $3 - 1 + ga / g
+        bad += (a * a + b * b > 1e-12); n++ }
+    END { print (n > 9), bad + 0 }' evaluation/scores.csv evaluation/rates.csv)" "1 0"
+case $all in
+*png*)
+    is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
+    that "an SVG" grep -q '</svg>' evaluation/scores.svg
+    that "the axis has its unit" grep -q 'disparity, mm' evaluation/scores.svg
+    ;;
+esac
+
+for n in 1 3; do
+    expect 0 "$n threads" "$ctl" evaluate scans --threads $n --out "by-$n"
+    that "$n threads: the same scores" cmp evaluation/scores.csv "by-$n/scores.csv"
+    that "$n threads: the same rates" cmp evaluation/rates.csv "by-$n/rates.csv"
+done
+expect 0 "JSON" "$ctl" evaluate scans --json --impostors 2 --out drawn
+that "what is printed is report.json" cmp out drawn/report.json
+is "two impostors a probe" "$(lines drawn impostor .)" 22
+is "it says so" "$(get drawn .impostor.of_each_probe)" 2
+expect 0 "drawn again" "$ctl" evaluate scans --impostors 2 --threads 1 --out again
+that "the same are drawn" cmp drawn/scores.csv again/scores.csv
+expect 0 "another threshold" "$ctl" evaluate scans --threshold-mm 5 --out wide
+is "all are accepted there" "$(get wide '.impostor | .match == .comparisons and .fmr.value == 1')" true
+
+# Without gnuplot: everything else, and no picture of a former run.
+expect 0 "no gnuplot" env PATH=/nowhere "$ctl" evaluate scans
+has err 'no pictures: gnuplot is not installed'
+has evaluation/report.md 'There are no pictures'
+is "the other files" "$(files evaluation)" "$tables"
+
+# A manifest: populations, relatives, poses, and scans that cannot be used.
+printf 'ply\nnot a scan\n' >scans/p1_broken.ply
+printf '1 2 3\n' >scans/p9_enroll.xyz
+scan 9 1 0 scans/p9_again.ply
+{
+    printf '\357\273\277"subject",file,kind,yaw,pitch,roll,tx,ty,tz\r\n'
+    for s in 1 2 3 4 5; do
+        printf 'p%s,scans/p%s_enroll.ply,enroll,0,0,0,0,0,0\r\n' $s $s
+    done
+    scan 1 3 0 scans/p1_straight.ply
+    printf '%s\r\n' 'p1,scans/p1_straight.ply,"straight, neutral",0,0,0,0,0,0' \
+        'p1,scans/p1_broken.ply,broken,0,0,0,0,0,0' 'p2,scans/p2_again.ply,later,0,0,0,0,0,0' \
+        'p9,scans/p9_enroll.xyz,enroll,0,0,0,0,0,0' 'p9,scans/p9_again.ply,later,0,0,0,0,0,0'
+} >list.csv
+printf 'id,population,relative_of\np1,a,\np2,a,p1\np3,a,\np4,b,\np5,b,\np9,a,\n' >subjects.csv
+expect 0 "a manifest" "$ctl" evaluate list.csv --out listed
+is "failures to enroll" "$(get listed .failures_to_enroll)" 1
+is "failures to acquire" "$(get listed '.genuine[0].failures_to_acquire')" 1
+is "why" "$(get listed '[.refused[] | .file + .reason[0:0]] | sort | join(" ")')" \
+    'scans/p1_broken.ply scans/p9_enroll.xyz'
+has listed/report.md 'scans/p1\\_broken.ply .*a probe.*line'
+has listed/report.md 'false reject rate 25.0 %'
+is "genuine ones that were possible" "$(get listed '.genuine[0].comparisons')" 2
+is "impossible ones are listed" "$(grep -c ',refused,' listed/scores.csv)" 7
+# p1 and p2 are relatives; p3 and p9 are of their population, p4 and p5 are not
+is "relatives" "$(get listed .relative.comparisons)" 2
+is "impostors" "$(grep -c ',impostor,[mn]' listed/scores.csv)" 5
+is "none across populations" "$(grep -c 'p[45]_' listed/scores.csv)" 0
+is "a kind with a comma" "$(get listed '[.genuine[].probes] | contains(["straight, neutral"])')" true
+is "a quoted field" "$(grep -c '"straight, neutral",genuine,match' listed/scores.csv)" 1
+is "the pose was found" "$(get listed '.genuine[] | select(.probes == "straight, neutral")
+    | .rotation_error_deg.largest < 1')" true
+
+printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/nothing.ply,p1\n' >bad.csv
+expect 66 "a scan is missing" "$ctl" evaluate bad.csv --out none
+has err 'bad.csv, line 3, column file'
+printf 'file,subject\n"scans/p1_enroll.ply,p1\n' >bad.csv
+expect 65 "malformed" "$ctl" evaluate bad.csv --out none
+has err 'a quotation is not closed'
+printf 'scan,subject\nscans/p1_enroll.ply,p1\n' >bad.csv
+expect 65 "no column" "$ctl" --json evaluate bad.csv --out none
+has err 'no column is named file'
+is "an error in JSON" "$(jq .error.exit out)" 65
+printf 'file,subject\nscans/p1_enroll.ply,p1\n' >bad.csv
+expect 65 "nothing to compare" "$ctl" evaluate bad.csv --out none
+has err 'no subject has a second scan'
+expect 66 "no such folder" "$ctl" evaluate nowhere
+mkdir empty
+expect 65 "an empty folder" "$ctl" evaluate empty --out none
+has err 'no scans'
+expect 64 "no folder given" "$ctl" evaluate
+expect 64 "no impostors" "$ctl" evaluate scans --impostors 0
+expect 64 "no threads" "$ctl" evaluate scans --threads few
+that "nothing was written" [ ! -e none ]
+: >file
+rm scans/p1_broken.ply scans/p9_enroll.xyz
+expect 74 "the output is no folder" "$ctl" evaluate scans --out file
+
+# The calibration of a database.
+expect 0 init "$ctl" --db faces.db init
+expect 0 "by a database" "$ctl" --db faces.db evaluate scans --impostors 1 --out by-db
+has by-db/report.md 'calibration as shipped'
+expect 66 "no such database" "$ctl" --db nowhere.db evaluate scans
+expect 0 "help" "$ctl" evaluate --help
+has out '^Example:'
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
