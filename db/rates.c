@@ -267,6 +267,13 @@ static void interval(double *v, size_t n, double *low, double *high)
     *high = v[(size_t)(0.975 * (double)(m - 1) + 0.5)];
 }
 
+static void draw_subjects(const struct rates *r, uint64_t *seed, uint32_t *drawn)
+{
+    memset(drawn, 0, r->nsubject * sizeof *drawn);
+    for (uint32_t k = 0; k < r->nsubject; k++)
+        drawn[rates_below(seed, r->nsubject)]++;
+}
+
 /* The figures as an array of doubles, which they are. */
 #define FIGURES (sizeof(struct rates_figures) / sizeof(double))
 
@@ -287,9 +294,7 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
         struct rates_figures f;
         double value[FIGURES];
 
-        memset(drawn, 0, r->nsubject * sizeof *drawn);
-        for (uint32_t k = 0; k < r->nsubject; k++)
-            drawn[rates_below(&seed, r->nsubject)]++;
+        draw_subjects(r, &seed, drawn);
         figures(r, drawn, threshold_mm, &f);
         memcpy(value, &f, sizeof value);
         for (size_t k = 0; k < FIGURES; k++)
@@ -303,5 +308,54 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
     }
     free(drawn);
     free(all);
+    return st;
+}
+
+/* rates_at() of what was drawn; NaN where that are no impostors. */
+static double at_drawn(const struct rates *r, double fmr, const uint32_t *drawn)
+{
+    double all = 0, sum = 0, best = -1;
+
+    for (size_t i = 0; i < r->n; i++)
+        if (r->score[i].template != r->score[i].probe)
+            all += weight(&r->score[i], drawn);
+    if (!(all > 0))
+        return (double)NAN;
+    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY;) {
+        const double mm = r->score[i].mm;
+        double any = 0;
+
+        for (; i < r->n && r->score[i].mm == mm; i++) {
+            const double w = weight(&r->score[i], drawn);
+
+            any += w;
+            if (r->score[i].template != r->score[i].probe)
+                sum += w;
+        }
+        if (sum > fmr * all)
+            break;
+        if (any > 0)
+            best = mm;
+    }
+    return best;
+}
+
+enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
+                               uint64_t seed, double *low, double *high)
+{
+    uint32_t *drawn = malloc((r->nsubject + (size_t)1) * sizeof *drawn);
+    double *at = malloc(((size_t)replicates + 1) * sizeof *at);
+    enum status st = replicates > 0 ? ST_OK : ST_EINVAL;
+
+    if (drawn == NULL || at == NULL)
+        st = ST_ENOMEM;
+    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
+        draw_subjects(r, &seed, drawn);
+        at[i] = at_drawn(r, fmr, drawn);
+    }
+    if (st == ST_OK)
+        interval(at, replicates, low, high);
+    free(drawn);
+    free(at);
     return st;
 }

@@ -71,6 +71,11 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
                             unsigned replicates, uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high);
 
+/* rates_at_bootstrap(r, fmr, replicates, seed, low, high): the same interval of
+ * rates_at(r, fmr), with the same draws; a bound is -1 where no score keeps the rate. */
+enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
+                               uint64_t seed, double *low, double *high);
+
 /* rates_random(state): splitmix64, for sampling that is the same everywhere. */
 uint64_t rates_random(uint64_t *state);
 /* rates_below(state, n): a number 0..n-1, each as likely; n > 0. */

@@ -16,7 +16,12 @@ enum { /* options that not every command takes */
        OPT_YES = 32,
        OPT_OUT = 64,
        OPT_IMPOSTORS = 128,
-       OPT_THREADS = 256
+       OPT_THREADS = 256,
+       OPT_FMR = 512,
+       OPT_GENUINE = 1024,
+       OPT_DRY_RUN = 2048,
+       OPT_LIST = 4096,
+       OPT_RESET = 8192
 };
 
 struct command {
@@ -79,6 +84,16 @@ static const struct command commands[] = {
      "triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
      "Exit: 0 all is well, 1 problems were found.",
      "surfacectl --db faces.db check", 0, 0, OPT_DB, surfacectl_admin_check},
+    {"calibrate", "[--list | --reset]", "a threshold from the database's own faces",
+     "Templates of different subjects are compared with each other; the threshold is where\n"
+     "the wanted share of them would be accepted.  Subjects with several templates, and the\n"
+     "scans of --genuine (a folder or a CSV file: file, subject), tell how many of the right\n"
+     "people are refused.  A running daemon decides by it at once.  --list shows what was in\n"
+     "force when, --reset goes back to the table that comes with the program.",
+     "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run", 0, 0,
+     OPT_DB | OPT_UNITS | OPT_THREADS | OPT_FMR | OPT_GENUINE | OPT_DRY_RUN | OPT_LIST |
+         OPT_RESET,
+     surfacectl_calibrate},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
     {"token", "create [NAME] | list | revoke ID", "Bearer tokens for the daemon",
@@ -120,6 +135,11 @@ static const struct {
      "  --impostors N       compare each probe with N other subjects (all, up to 200,000\n"
      "                      comparisons)\n"},
     {OPT_THREADS, "  --threads N         work on N threads (one a core)\n"},
+    {OPT_FMR, "  --fmr RATE          the false match rate that is wanted (0.001)\n"},
+    {OPT_GENUINE, "  --genuine MANIFEST  further scans of the subjects\n"},
+    {OPT_DRY_RUN, "  --dry-run           show, store nothing\n"},
+    {OPT_LIST, "  --list              list the calibrations\n"},
+    {OPT_RESET, "  --reset             back to the shipped table\n"},
     {OPT_YES, "  --yes               do not ask\n"},
 };
 
@@ -140,7 +160,7 @@ static void print_help(const struct command *cmd)
         (void)printf("Usage: surfacectl [--db PATH] [--json] COMMAND [ARGUMENT...]\n\n"
                      "Commands (surfacectl COMMAND --help says more):\n");
         for (size_t i = 0; i < COMMANDS; i++)
-            (void)printf("  %-8s %-15s %s\n", commands[i].name,
+            (void)printf("  %-9s %-15s %s\n", commands[i].name,
                          strlen(commands[i].args) > 15 ? "..." : commands[i].args,
                          commands[i].summary);
         (void)printf("\n");
@@ -200,12 +220,12 @@ static bool valued(int argc, char **argv, int *i, const char *name, const char *
     return true;
 }
 
-static bool threshold(const char *text, double *out)
+static bool number(const char *text, double most, double *out)
 {
     char *end;
 
     *out = strtod(text, &end);
-    return end != text && *end == '\0' && isfinite(*out) && *out > 0 && *out < 1000;
+    return end != text && *end == '\0' && isfinite(*out) && *out > 0 && *out <= most;
 }
 
 static bool whole(const char *text, uint32_t *out)
@@ -229,6 +249,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                    {"--out", OPT_OUT},
                    {"--impostors", OPT_IMPOSTORS},
                    {"--threads", OPT_THREADS},
+                   {"--fmr", OPT_FMR},
+                   {"--genuine", OPT_GENUINE},
                    {"--threshold-mm", OPT_THRESHOLD}};
     const char *value, *name = argv[*i];
 
@@ -249,12 +271,17 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
         } else if (options[k].option == OPT_THREADS) {
             if (!whole(value, &l->c.threads))
                 *ok = usage(&l->c.e, "threads are 1 to 1000000, not", value);
+        } else if (options[k].option == OPT_GENUINE) {
+            l->c.genuine = value;
+        } else if (options[k].option == OPT_FMR) {
+            if (!number(value, 0.5, &l->c.fmr))
+                *ok = usage(&l->c.e, "a rate is above 0 and at most 0.5, not", value);
         } else if (options[k].option == OPT_UNITS) {
             l->c.units = value;
             if (strcmp(value, "mm") != 0 && strcmp(value, "cm") != 0 &&
                 strcmp(value, "m") != 0)
                 *ok = usage(&l->c.e, "units are mm, cm or m, not", value);
-        } else if (!threshold(value, &l->c.threshold_mm)) {
+        } else if (!number(value, 999, &l->c.threshold_mm)) {
             *ok = usage(&l->c.e, "a threshold is millimetres above 0, not", value);
         }
         return options[k].option;
@@ -264,6 +291,14 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
 
 static bool read_option(int argc, char **argv, int *i, struct line *l)
 {
+    const struct {
+        const char *name;
+        unsigned option; /* 0: every command takes it */
+        bool *flag;
+    } flags[] = {
+        {"--json", 0, &l->c.json},           {"--yes", OPT_YES, &l->c.yes},
+        {"--force", OPT_FORCE, &l->c.force}, {"--dry-run", OPT_DRY_RUN, &l->c.dry_run},
+        {"--list", OPT_LIST, &l->c.list},    {"--reset", OPT_RESET, &l->c.reset}};
     const char *name = argv[*i];
     bool ok = true, *flag = NULL;
     unsigned option = 0;
@@ -276,17 +311,13 @@ static bool read_option(int argc, char **argv, int *i, struct line *l)
         l->version = true;
         return true;
     }
-    if (strcmp(name, "--json") == 0) {
-        flag = &l->c.json;
-    } else if (strcmp(name, "--yes") == 0) {
-        flag = &l->c.yes;
-        option = OPT_YES;
-    } else if (strcmp(name, "--force") == 0) {
-        flag = &l->c.force;
-        option = OPT_FORCE;
-    } else if ((option = read_valued(argc, argv, i, l, &ok)) == 0) {
+    for (size_t k = 0; k < sizeof flags / sizeof *flags && flag == NULL; k++)
+        if (strcmp(name, flags[k].name) == 0) {
+            flag = flags[k].flag;
+            option = flags[k].option;
+        }
+    if (flag == NULL && (option = read_valued(argc, argv, i, l, &ok)) == 0)
         return usage(&l->c.e, "there is no option", name);
-    }
     if (ok && ((flag != NULL && *flag) || (l->given & option)))
         return usage(&l->c.e, "given twice:", name);
     if (flag != NULL)

@@ -6,6 +6,7 @@
  *                       surfacectl_report.h what is written
  *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_admin.c  init, list, show, delete, check, stats, token
+ *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
  *   surfacectl_scan.c   a scan's file to a face model
  *   surfacectl_fail.c   a status to an exit code
  *   surfacectl_out.c    JSON */
@@ -46,7 +47,9 @@ struct surfacectl { /* what the command line said */
     double threshold_mm; /* 0: the default */
     uint32_t impostors;  /* of each probe; 0: as many as are of use */
     uint32_t threads;    /* 0: one a core */
-    bool json, yes, force;
+    double fmr;          /* that is wanted; 0: the default */
+    const char *genuine; /* a manifest, or NULL */
+    bool json, yes, force, dry_run, list, reset;
     int nargs;
     char **args; /* the command's own */
     struct surfacectl_out *out;
@@ -62,6 +65,7 @@ int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
 int surfacectl_explain(struct surfacectl *c);
 int surfacectl_evaluate(struct surfacectl *c);
+int surfacectl_calibrate(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);

@@ -124,7 +124,8 @@ expect 0 "list revoked" "$ctl" token list --json
 has out '"revoked":.*true'
 expect 66 "revoke another" "$ctl" token revoke 00000000000000000000000000000000
 
-for c in init enroll verify compare explain evaluate list show delete check stats token; do
+for c in init enroll verify compare explain evaluate list show delete check calibrate stats \
+    token; do
     expect 0 "help of $c" "$ctl" "$c" --help
     has out '^Example:'
     has out '^Exit codes:'

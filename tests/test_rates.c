@@ -199,6 +199,7 @@ static void test_bootstrap(void **state)
 {
     struct rates *r = crowd(40);
     struct rates_figures low, high, again[2], f;
+    double mm[2];
 
     (void)state;
     rates_figures(r, 2.5, &f);
@@ -215,6 +216,15 @@ static void test_bootstrap(void **state)
     assert_true(low.tar[0] < f.tar[0] && high.tar[0] > f.tar[0]);
     assert_true(low.fmr == 0 && high.fmr == 0); /* the rule of 3 is the caller's */
     assert_int_equal(rates_bootstrap(r, 2.5, 0, 7, &low, &high), ST_EINVAL);
+    rates_free(r);
+    r = crowd(40); /* of one threshold alone: the same draws, the same interval */
+    assert_int_equal(rates_at_bootstrap(r, rates_target[0], 400, 7, &mm[0], &mm[1]),
+                     ST_OK);
+    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &low, &high), ST_OK);
+    assert_true(mm[0] == low.tar_mm[0] && mm[1] == high.tar_mm[0]);
+    assert_int_equal(rates_at_bootstrap(r, 0.5, 400, 7, &mm[0], &mm[1]), ST_OK);
+    assert_true(mm[0] <= rates_at(r, 0.5) && mm[1] >= rates_at(r, 0.5));
+    assert_int_equal(rates_at_bootstrap(r, 0.5, 0, 7, &mm[0], &mm[1]), ST_EINVAL);
     rates_free(r);
     r = crowd(1); /* one subject: the same every time */
     assert_int_equal(rates_bootstrap(r, 2.5, 50, 7, &low, &high), ST_OK);

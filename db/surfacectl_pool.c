@@ -1,0 +1,81 @@
+#include "surfacectl_pool.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "face.h"
+
+#define THREADS 64
+
+struct pool {
+    const char *what;
+    surfacectl_pool_item *item;
+    void *arg;
+    size_t n;
+    bool terminal;
+
+    pthread_mutex_t lock;
+    size_t next, done;
+    unsigned percent; /* shown last */
+    enum status st;
+    struct errinfo e;
+};
+
+static void show(struct pool *p)
+{
+    const unsigned percent = (unsigned)(100 * p->done / p->n);
+
+    if (!p->terminal || percent == p->percent)
+        return;
+    p->percent = percent;
+    (void)fprintf(stderr, "\r%s %u %%%s", p->what, percent, p->done == p->n ? "\n" : "");
+}
+
+static void *work(void *arg)
+{
+    struct pool *p = arg;
+    struct face_work *w = face_work_new(NULL);
+    struct errinfo e = {.code = ST_ENOMEM, .msg = "out of memory"};
+    enum status st = w != NULL ? ST_OK : ST_ENOMEM;
+
+    (void)pthread_mutex_lock(&p->lock);
+    while (st == ST_OK && p->st == ST_OK && p->next < p->n) {
+        const size_t i = p->next++;
+
+        (void)pthread_mutex_unlock(&p->lock);
+        st = p->item(p->arg, i, w, &e);
+        (void)pthread_mutex_lock(&p->lock);
+        p->done++;
+        show(p);
+    }
+    if (st != ST_OK && p->st == ST_OK) {
+        p->st = st;
+        p->e = e;
+    }
+    (void)pthread_mutex_unlock(&p->lock);
+    face_work_free(w);
+    return NULL;
+}
+
+enum status surfacectl_pool_run(const char *what, uint32_t threads, size_t n,
+                                surfacectl_pool_item *item, void *arg, struct errinfo *e)
+{
+    struct pool p = {.what = what, .item = item, .arg = arg, .n = n};
+    const long wanted = threads > 0 ? (long)threads : sysconf(_SC_NPROCESSORS_ONLN);
+    pthread_t thread[THREADS];
+    int started = 0;
+
+    p.terminal = isatty(STDERR_FILENO) == 1;
+    (void)pthread_mutex_init(&p.lock, NULL);
+    while (started + 1 < wanted && started < THREADS &&
+           pthread_create(&thread[started], NULL, work, &p) == 0)
+        started++; /* fewer do too */
+    (void)work(&p);
+    for (int i = 0; i < started; i++)
+        (void)pthread_join(thread[i], NULL);
+    (void)pthread_mutex_destroy(&p.lock);
+    return p.st == ST_OK ? ST_OK : errinfo_set(e, p.st, "%s", p.e.msg);
+}

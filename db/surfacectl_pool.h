@@ -1,0 +1,22 @@
+/* surfacectl_pool.h -- many pieces of work, on all cores, with progress on standard error
+ * where that is a terminal. */
+#ifndef DB_SURFACECTL_POOL_H
+#define DB_SURFACECTL_POOL_H
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+
+struct errinfo;
+struct face_work;
+
+/* One piece; on any thread, w is that thread's own.  Fills *e on failure. */
+typedef enum status surfacectl_pool_item(void *arg, size_t i, struct face_work *w,
+                                         struct errinfo *e);
+
+/* surfacectl_pool_run(what, threads, n, item, arg, e): items 0..n-1, in about that order, on
+ * so many threads (0: one a core); what: for the progress.  The first failure ends it, and
+ * is returned. */
+enum status surfacectl_pool_run(const char *what, uint32_t threads, size_t n,
+                                surfacectl_pool_item *item, void *arg, struct errinfo *e);
+
+#endif
