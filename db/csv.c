@@ -17,7 +17,7 @@ struct csv {
     char *head[CSV_MAX_COLUMNS], *field[CSV_MAX_COLUMNS];
 };
 
-static enum status read_text(struct csv *t, struct errinfo *e)
+static enum status read_file(struct csv *t, size_t *size, struct errinfo *e)
 {
     FILE *f = fopen(t->path, "rb");
     size_t room = 1 << 16, len = 0, n;
@@ -42,12 +42,7 @@ static enum status read_text(struct csv *t, struct errinfo *e)
     if (len > CSV_MAX_FILE)
         return errinfo_set(e, ST_ELIMIT, "%.160s: larger than %zu MB", t->path,
                            CSV_MAX_FILE >> 20);
-    t->text[len] = '\0';
-    t->at = t->text;
-    t->end = t->text + len;
-    t->line = 1;
-    if (len >= 3 && memcmp(t->text, "\xEF\xBB\xBF", 3) == 0)
-        t->at += 3;
+    *size = len;
     return ST_OK;
 }
 
@@ -146,33 +141,62 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
     return ST_OK;
 }
 
-enum status csv_open(const char *path, struct csv **out, struct errinfo *e)
+static enum status read_head(struct csv *t, size_t len, struct errinfo *e)
 {
-    struct csv *t = calloc(1, sizeof *t);
     bool more;
     enum status st;
 
-    *out = NULL;
-    if (t == NULL || (t->path = strdup(path)) == NULL) {
-        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-        goto out;
-    }
-    if ((st = read_text(t, e)) != ST_OK || (st = read_row(t, &more, e)) != ST_OK)
-        goto out;
-    if (!more)
-        st = errinfo_set(e, ST_EINVAL, "%.160s: empty, not even a heading", path);
+    t->text[len] = '\0';
+    t->at = t->text;
+    t->end = t->text + len;
+    t->line = 1;
+    if (len >= 3 && memcmp(t->text, "\xEF\xBB\xBF", 3) == 0)
+        t->at += 3;
+    if ((st = read_row(t, &more, e)) == ST_OK && !more)
+        st = errinfo_set(e, ST_EINVAL, "%.160s: empty, not even a heading", t->path);
+    if (st != ST_OK)
+        return st;
     memcpy(t->head, t->field, sizeof t->head);
     t->nhead = t->nfield;
-    for (int i = 0; st == ST_OK && i < t->nhead; i++)
+    for (int i = 0; i < t->nhead; i++)
         if (t->head[i][0] != '\0' && csv_column(t, t->head[i]) != i)
-            st = errinfo_set(e, ST_EINVAL, "%.120s, line %u: two columns are named %.40s",
-                             path, t->row_line, t->head[i]);
-out:
-    if (st == ST_OK)
+            return errinfo_set(e, ST_EINVAL,
+                               "%.120s, line %u: two columns are named %.40s", t->path,
+                               t->row_line, t->head[i]);
+    return ST_OK;
+}
+
+/* Of a file, where bytes is NULL. */
+static enum status open_table(const char *name, const void *bytes, size_t len,
+                              struct csv **out, struct errinfo *e)
+{
+    struct csv *t = calloc(1, sizeof *t);
+    enum status st = ST_OK;
+
+    *out = NULL;
+    if (t == NULL || (t->path = strdup(name)) == NULL ||
+        (bytes != NULL && (t->text = malloc(len + 1)) == NULL))
+        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", name);
+    else if (bytes != NULL)
+        memcpy(t->text, bytes, len);
+    else
+        st = read_file(t, &len, e);
+    if (st == ST_OK && (st = read_head(t, len, e)) == ST_OK)
         *out = t;
     else
         csv_close(t);
     return st;
+}
+
+enum status csv_open(const char *path, struct csv **out, struct errinfo *e)
+{
+    return open_table(path, NULL, 0, out, e);
+}
+
+enum status csv_read(const void *bytes, size_t len, const char *name, struct csv **out,
+                     struct errinfo *e)
+{
+    return open_table(name, bytes != NULL ? bytes : "", len, out, e);
 }
 
 void csv_close(struct csv *t)

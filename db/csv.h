@@ -4,6 +4,7 @@
 #ifndef DB_CSV_H
 #define DB_CSV_H
 #include <stdbool.h>
+#include <stddef.h>
 #include "errinfo.h"
 
 #define CSV_MAX_FILE    ((size_t)64 << 20) /* bytes */
@@ -18,6 +19,9 @@ struct csv;
  * text after a closing quotation mark), no heading, a column named twice; ST_ELIMIT;
  * ST_ENOMEM.  Messages name the file and the line. */
 enum status csv_open(const char *path, struct csv **out, struct errinfo *e);
+/* csv_read(bytes, len, name, out, e): the same of a table in memory (copied), called name. */
+enum status csv_read(const void *bytes, size_t len, const char *name, struct csv **out,
+                     struct errinfo *e);
 void csv_close(struct csv *t); /* NULL is allowed */
 
 /* csv_column(t, name): the column of that name, in any mixture of small and capital

@@ -23,7 +23,7 @@ static struct number percent(double share)
     (void)snprintf(c.s, sizeof c.s,
                    p == 0 || p == 100 ? "%.0f"
                    : p < 1            ? "%.2g"
-                   : p < 10 || p > 99 ? "%.2f"
+                   : p > 99           ? "%.2f"
                                       : "%.1f",
                    p);
     return c;

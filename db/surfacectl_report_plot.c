@@ -5,7 +5,7 @@
 #include "surfacectl_report.h"
 
 #define POINTS 4000
-#define BINS   120
+#define BINS   250 /* at most */
 
 /* A word of the user's in gnuplot's single quotes, in which only they mean anything. */
 static void quoted(FILE *to, const char *s)
@@ -53,10 +53,10 @@ static void ticks(FILE *to, const char *axis)
     (void)fprintf(to, ")\n");
 }
 
-/* The curve of each group, at its changes alone. */
-static void det_data(FILE *to, const struct surfacectl_report *r, double x0, double y0,
-                     double most)
+/* The curve of each group, at its changes alone.  What is 0 is drawn on the axis. */
+static void det_data(FILE *to, const struct surfacectl_report *r, double x0, double y0)
 {
+    const double most = 0.9999;
     size_t n;
     const double step = surfacectl_report_step(r, POINTS, &n);
 
@@ -96,11 +96,14 @@ static void det_script(FILE *to, const void *arg)
     const struct surfacectl_report_picture *p = arg;
     const struct surfacectl_report *r = p->r;
     const double x0 = floor_of(r->impostor.n), y0 = floor_of(r->group[0].genuine.n);
-    const double most = r->group[0].f.eer < 0.3 ? 0.5 : 0.999;
     const double least = rates_least(r->impostor.n);
+    double most = 0.6;
 
+    for (uint32_t k = 0; k < r->ngroup; k++) /* room for the threshold's points */
+        if (r->group[k].f.fnmr > 0.55 || r->group[k].f.fmr > 0.55)
+            most = 0.98;
     begin(to, p);
-    det_data(to, r, x0, y0, most);
+    det_data(to, r, x0, y0);
     (void)fprintf(to,
                   "set title 'Detection error trade-off: %zu genuine, %zu impostor "
                   "comparisons'\n"
@@ -160,6 +163,25 @@ static bool bins(FILE *to, const struct surfacectl_report *r, enum corpus_pair t
     return all > 0;
 }
 
+/* How many bins hold all but one in 500 of the scores: a few far ones would make the
+ * picture small.  They are counted in the last bin. */
+static size_t most_bins(const struct surfacectl_report *r, double width, size_t n)
+{
+    size_t left = (r->t->n - r->undone) / 500, beyond = 0;
+
+    while (n > 1 && (double)n * width > 1.5 * r->threshold_mm) {
+        beyond = 0;
+        for (size_t i = 0; i < r->t->n; i++)
+            beyond += r->t->trial[i].done &&
+                      r->t->trial[i].decision != FACE_INCONCLUSIVE &&
+                      r->t->trial[i].disparity_mm > (double)n * width;
+        if (beyond > left)
+            break;
+        n--;
+    }
+    return n;
+}
+
 static void histogram_script(FILE *to, const void *arg)
 {
     static const struct {
@@ -171,29 +193,30 @@ static void histogram_script(FILE *to, const void *arg)
     const struct surfacectl_report_picture *p = arg;
     const struct surfacectl_report *r = p->r;
     bool any[3];
-    size_t n;
-    const double width = surfacectl_report_step(r, BINS, &n);
+    size_t n, whole;
+    const double wanted = within(4 * cbrt((double)r->t->n), 40, BINS);
+    const double width = surfacectl_report_step(r, (size_t)wanted, &n);
 
     begin(to, p);
+    whole = n;
+    n = most_bins(r, width, n);
     for (int i = 0; i < 3; i++)
         any[i] = bins(to, r, series[i].type, series[i].name, width, n);
     (void)fprintf(to,
                   "set title 'Scores: %zu genuine, %zu impostor comparisons, %zu "
                   "inconclusive left out'\n"
-                  "set xlabel 'disparity, mm'\n"
+                  "set xlabel 'disparity, mm%s'\n"
                   "set ylabel 'share of the comparisons in each %g mm, %%'\n"
                   "set xrange [0:%g]\nset yrange [0:*]\n"
                   "set key top right box lc rgb '#cccccc' opaque\n"
                   "set boxwidth %g\n"
                   "set arrow 1 from %g, graph 0 to %g, graph 1 nohead lw 2 dt 2 lc rgb "
-                  "'black' front\n"
-                  "set label 1 'threshold %.3g mm' at %g, graph 0.97 right rotate by 90 "
-                  "offset character -1, 0 front\nplot ",
+                  "'black' front\nplot ",
                   r->group[0].genuine.n, r->impostor.n,
                   r->group[0].genuine.inconclusive + r->impostor.inconclusive +
                       r->relative.inconclusive,
-                  width, width * (double)(n + 1), width, r->threshold_mm, r->threshold_mm,
-                  r->threshold_mm, r->threshold_mm);
+                  n < whole ? " (the last bar: all beyond)" : "", width,
+                  width * (double)(n + 1), width, r->threshold_mm, r->threshold_mm);
     for (int i = 0; i < 2; i++)
         if (any[i])
             (void)fprintf(to,
@@ -203,7 +226,9 @@ static void histogram_script(FILE *to, const void *arg)
     if (any[2])
         (void)fprintf(to, "$%s with histeps lw 2 lc rgb '%s' title '%s', ",
                       series[2].name, series[2].color, series[2].title);
-    (void)fprintf(to, "NaN with lines lw 2 dt 2 lc rgb 'black' title 'threshold'\n");
+    (void)fprintf(to,
+                  "NaN with lines lw 2 dt 2 lc rgb 'black' title 'threshold %.3g mm'\n",
+                  r->threshold_mm);
 }
 
 enum status surfacectl_report_det(FILE *to, const void *p, struct errinfo *e)

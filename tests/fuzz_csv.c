@@ -1,0 +1,34 @@
+/* Tables: whatever the bytes, every row has the heading's fields and they are text. */
+#include "fuzz.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "csv.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct errinfo e = {ST_OK, ""};
+    struct csv *t;
+    bool more = true;
+    enum status st = csv_read(data, size, "t.csv", &t, &e);
+
+    if ((st == ST_OK) != (t != NULL))
+        abort();
+    if (st == ST_OK && csv_column(t, "file") >= CSV_MAX_COLUMNS)
+        abort();
+    while (st == ST_OK && (st = csv_next(t, &more, &e)) == ST_OK && more) {
+        const int column = csv_column(t, "yaw");
+        double x;
+
+        if (strlen(csv_field(t, csv_column(t, "file"))) > size)
+            abort();
+        if (csv_number(t, column, &x, &e) == ST_OK && !isfinite(x))
+            abort();
+    }
+    if (st != ST_OK && strncmp(e.msg, "t.csv", 5) != 0)
+        abort();
+    csv_close(t);
+    return 0;
+}
