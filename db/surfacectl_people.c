@@ -211,7 +211,7 @@ static enum status do_trials(struct surfacectl *c, struct surfacectl_people *p,
     enum status st = make_room(c, p, n, &t.score);
 
     if (st == ST_OK && n > 0)
-        st = surfacectl_pool_run(what, c->threads, n, do_trial, &t, &c->e);
+        st = surfacectl_pool_run(what, c->threads, NULL, n, do_trial, &t, &c->e);
     if (st == ST_OK)
         p->nscore += n;
     return st;
@@ -360,7 +360,8 @@ enum status surfacectl_people_manifest(struct surfacectl *c, struct surfacectl_p
     s.person = person;
     if ((st = make_room(c, p, corpus->nscan, &s.score)) != ST_OK)
         goto out;
-    st = surfacectl_pool_run("scans", c->threads, corpus->nscan, do_scan, &s, &c->e);
+    st =
+        surfacectl_pool_run("scans", c->threads, NULL, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
         keep_scores(p, s.score, corpus->nscan);
 out:

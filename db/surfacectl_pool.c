@@ -12,6 +12,7 @@
 
 struct pool {
     const char *what;
+    const struct model *model;
     surfacectl_pool_item *item;
     void *arg;
     size_t n;
@@ -26,18 +27,21 @@ struct pool {
 
 static void show(struct pool *p)
 {
+    static const char full[] = "##################################################";
     const unsigned percent = (unsigned)(100 * p->done / p->n);
+    const int bar = (int)percent / 2;
 
     if (!p->terminal || percent == p->percent)
         return;
     p->percent = percent;
-    (void)fprintf(stderr, "\r%s %u %%%s", p->what, percent, p->done == p->n ? "\n" : "");
+    (void)fprintf(stderr, "\r%-12s [%.*s%*s] %3u %%%s", p->what, bar, full, 50 - bar, "",
+                  percent, p->done == p->n ? "\n" : "");
 }
 
 static void *work(void *arg)
 {
     struct pool *p = arg;
-    struct face_work *w = face_work_new(NULL);
+    struct face_work *w = face_work_new(p->model);
     struct errinfo e = {.code = ST_ENOMEM, .msg = "out of memory"};
     enum status st = w != NULL ? ST_OK : ST_ENOMEM;
 
@@ -60,22 +64,33 @@ static void *work(void *arg)
     return NULL;
 }
 
-enum status surfacectl_pool_run(const char *what, uint32_t threads, size_t n,
-                                surfacectl_pool_item *item, void *arg, struct errinfo *e)
+uint32_t surfacectl_pool_threads(uint32_t wanted)
 {
-    struct pool p = {.what = what, .item = item, .arg = arg, .n = n};
-    const long wanted = threads > 0 ? (long)threads : sysconf(_SC_NPROCESSORS_ONLN);
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+
+    if (wanted == 0)
+        wanted = cores > 0 ? (uint32_t)cores : 1;
+    return wanted < THREADS ? wanted : THREADS;
+}
+
+enum status surfacectl_pool_run(const char *what, uint32_t threads, const struct model *m,
+                                size_t n, surfacectl_pool_item *item, void *arg,
+                                struct errinfo *e)
+{
+    struct pool p = {.what = what, .model = m, .item = item, .arg = arg, .n = n};
+    const uint32_t wanted = surfacectl_pool_threads(threads);
     pthread_t thread[THREADS];
-    int started = 0;
+    uint32_t started = 1; /* the caller works too */
 
     p.terminal = isatty(STDERR_FILENO) == 1;
     (void)pthread_mutex_init(&p.lock, NULL);
-    while (started + 1 < wanted && started < THREADS &&
-           pthread_create(&thread[started], NULL, work, &p) == 0)
+    while (started < wanted && pthread_create(&thread[started], NULL, work, &p) == 0)
         started++; /* fewer do too */
     (void)work(&p);
-    for (int i = 0; i < started; i++)
+    for (uint32_t i = 1; i < started; i++)
         (void)pthread_join(thread[i], NULL);
     (void)pthread_mutex_destroy(&p.lock);
+    if (p.st != ST_OK && p.terminal)
+        (void)fputc('\n', stderr);
     return p.st == ST_OK ? ST_OK : errinfo_set(e, p.st, "%s", p.e.msg);
 }

@@ -8,15 +8,22 @@
 
 struct errinfo;
 struct face_work;
+struct model; /* model.h */
 
 /* One piece; on any thread, w is that thread's own.  Fills *e on failure. */
 typedef enum status surfacectl_pool_item(void *arg, size_t i, struct face_work *w,
                                          struct errinfo *e);
 
-/* surfacectl_pool_run(what, threads, n, item, arg, e): items 0..n-1, in about that order, on
- * so many threads (0: one a core); what: for the progress.  The first failure ends it, and
- * is returned. */
-enum status surfacectl_pool_run(const char *what, uint32_t threads, size_t n,
-                                surfacectl_pool_item *item, void *arg, struct errinfo *e);
+/* surfacectl_pool_run(what, threads, m, n, item, arg, e): items 0..n-1, in about that order,
+ * on so many threads (0: one a core).
+ * what  for the progress
+ * m     that the threads' face_work is made for; NULL: model_default
+ * The first failure ends it, and is returned. */
+enum status surfacectl_pool_run(const char *what, uint32_t threads, const struct model *m,
+                                size_t n, surfacectl_pool_item *item, void *arg,
+                                struct errinfo *e);
+
+/* surfacectl_pool_threads(wanted): how many threads that are, at most. */
+uint32_t surfacectl_pool_threads(uint32_t wanted);
 
 #endif

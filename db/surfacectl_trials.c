@@ -1,15 +1,13 @@
 #include "surfacectl_trials.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
-#define SEED    UINT64_C(19795) /* the standard's number */
-#define THREADS 256
+#include "surfacectl_pool.h"
+
+#define SEED UINT64_C(19795) /* the standard's number */
 
 static const double pi = 3.14159265358979323846;
 
@@ -122,64 +120,34 @@ static enum status plan_all(struct surfacectl_trials *t)
 
 /* ---- doing it */
 
-struct run;
-
-/* What a thread works with. */
-struct worker {
-    struct run *run;
-    struct surfacectl c; /* units, threshold, and its own error */
-    struct face_work *w;
-    struct face probe;
-};
-
 struct run {
     struct surfacectl_trials *t;
-    struct surfacectl *c;
+    struct surfacectl c; /* units and threshold; an item has its own copy */
     const struct surfacectl_trials_options *o;
     struct face *template; /* [nsubject] */
-    /* An item is a subject to enroll or the comparisons of a probe. */
-    enum status (*item)(struct worker *w, size_t i, size_t *weight);
-    size_t *first; /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
-    pthread_mutex_t lock;
-    size_t nitem, next, done, total; /* under the lock, and what follows */
-    double shown_ms;
-    const char *what;
-    bool terminal;
-    enum status st;
+    size_t *first;         /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
 };
 
-static void show_progress(struct run *r, bool last)
-{
-    const double now = clock_ms();
-    const int width = 40;
-    const int bar =
-        r->total > 0 ? (int)(width * (double)r->done / (double)r->total) : width;
-
-    if (!r->terminal || (!last && now - r->shown_ms < 100))
-        return;
-    r->shown_ms = now;
-    (void)fprintf(stderr, "\r%-9s [%.*s%*s] %zu of %zu%s", r->what, bar,
-                  "########################################", width - bar, "", r->done,
-                  r->total, last ? "\n" : "");
-    (void)fflush(stderr);
-}
-
 /* A model of a scan; why there can be none is kept. */
-static enum status build(struct worker *w, uint32_t scan, struct face *out)
+static enum status build(const struct run *r, uint32_t scan, struct face_work *w,
+                         struct face *out, struct errinfo *e)
 {
-    struct surfacectl_trials *t = w->run->t;
-    enum status st = surfacectl_scan_read(&w->c, t->corpus->scan[scan].path, w->w, out);
+    struct surfacectl c = r->c; /* its error is this thread's */
+    enum status st = surfacectl_scan_read(&c, r->t->corpus->scan[scan].path, w, out);
 
-    if (st == ST_OK || st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
-        return st;
-    t->refused[scan] = strdup(w->c.e.msg);
-    return t->refused[scan] != NULL ? ST_OK : ST_ENOMEM;
+    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
+        return errinfo_set(e, st, "%s", c.e.msg);
+    if (st != ST_OK && (r->t->refused[scan] = strdup(c.e.msg)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    return ST_OK;
 }
 
-static enum status enroll_item(struct worker *w, size_t i, size_t *weight)
+static enum status enroll_item(void *arg, size_t i, struct face_work *w,
+                               struct errinfo *e)
 {
-    *weight = 1;
-    return build(w, w->run->t->corpus->subject[i].enrolled, &w->run->template[i]);
+    const struct run *r = arg;
+
+    return build(r, r->t->corpus->subject[i].enrolled, w, &r->template[i], e);
 }
 
 /* rotation(s, r): Rz Rx Ry. */
@@ -218,95 +186,49 @@ static double angle(const struct corpus_scan *template, const struct corpus_scan
     return acos(trace) * 180 / pi;
 }
 
-static enum status compare(struct worker *w, struct surfacectl_trial *x)
+static enum status compare(const struct run *r, const struct face *face,
+                           struct face_work *w, struct surfacectl_trial *x,
+                           struct errinfo *e)
 {
-    const struct corpus *c = w->run->t->corpus;
+    const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
                              *probe = &c->scan[x->probe];
-    struct face_result r;
-    const enum status st = face_compare(&w->run->template[template->subject], &w -> probe,
-                                        w -> c.threshold_mm, clock_ms, w->w, &r);
+    struct face_result f;
+    const enum status st = face_compare(&r->template[template->subject], face,
+                                        r -> c.threshold_mm, clock_ms, w, &f);
 
     if (st != ST_OK)
-        return errinfo_set(&w->c.e, st, "%.120s with %.80s: %s", probe->file,
-                           template->file, status_message(st));
+        return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
+                           status_message(st));
     x->done = true;
-    x->decision = r.decision;
-    x->disparity_mm = r.disparity_mm;
-    x->threshold_mm = r.threshold_mm;
-    x->fmr_at_score = r.fmr_at_score;
-    x->overlap = r.measure.overlap;
-    x->weight_overlap = r.weight_overlap;
-    x->align_ms = r.align_ms;
-    x->measure_ms = r.measure_ms;
+    x->decision = f.decision;
+    x->disparity_mm = f.disparity_mm;
+    x->threshold_mm = f.threshold_mm;
+    x->fmr_at_score = f.fmr_at_score;
+    x->overlap = f.measure.overlap;
+    x->weight_overlap = f.weight_overlap;
+    x->align_ms = f.align_ms;
+    x->measure_ms = f.measure_ms;
     if (c->posed && x->type == CORPUS_GENUINE)
-        x->rotation_deg = angle(template, probe, r.align.transform);
+        x->rotation_deg = angle(template, probe, f.align.transform);
     return ST_OK;
 }
 
-static enum status probe_item(struct worker *w, size_t i, size_t *weight)
+static enum status probe_item(void *arg, size_t i, struct face_work *w, struct errinfo *e)
 {
-    struct surfacectl_trials *t = w->run->t;
-    const size_t first = w->run->first[i], end = w->run->first[i + 1];
-    const uint32_t scan = t->trial[first].probe;
-    enum status st = build(w, scan, &w->probe);
+    const struct run *r = arg;
+    struct surfacectl_trials *t = r->t;
+    const uint32_t scan = t->trial[r->first[i]].probe;
+    struct face face = {0};
+    enum status st = build(r, scan, w, &face, e);
 
-    *weight = end - first;
-    for (size_t k = first; k < end && st == ST_OK && t->refused[scan] == NULL; k++)
-        if (t->refused[t->trial[k].template] == NULL)
-            st = compare(w, &t->trial[k]);
+    if (r->o->decision != NULL)
+        face_work_decide(w, r->o->decision);
+    for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++)
+        if (t->refused[scan] == NULL && t->refused[t->trial[k].template] == NULL)
+            st = compare(r, &face, w, &t->trial[k], e);
+    face_free(&face);
     return st;
-}
-
-static void *work(void *arg)
-{
-    struct worker *w = arg;
-    struct run *r = w->run;
-
-    (void)pthread_mutex_lock(&r->lock);
-    while (r->st == ST_OK && r->next < r->nitem) {
-        const size_t i = r->next++;
-        size_t weight = 0;
-        enum status st;
-
-        (void)pthread_mutex_unlock(&r->lock);
-        st = r->item(w, i, &weight);
-        (void)pthread_mutex_lock(&r->lock);
-        if (st != ST_OK && r->st == ST_OK) {
-            r->st = st;
-            r->c->e = w->c.e;
-            r->c->e.code = st;
-        }
-        r->done += weight;
-        show_progress(r, false);
-    }
-    (void)pthread_mutex_unlock(&r->lock);
-    return NULL;
-}
-
-/* All items by all workers; the caller is one of them. */
-static enum status run_items(struct run *r, struct worker *workers, const char *what,
-                             enum status (*item)(struct worker *, size_t, size_t *),
-                             size_t nitem, size_t total)
-{
-    pthread_t thread[THREADS];
-    uint32_t n = 1;
-
-    r->item = item;
-    r->nitem = nitem;
-    r->next = r->done = 0;
-    r->total = total;
-    r->what = what;
-    while (n < r->t->nthread && pthread_create(&thread[n], NULL, work, &workers[n]) == 0)
-        n++; /* fewer threads than wished for do too */
-    (void)work(&workers[0]);
-    for (uint32_t i = 1; i < n; i++)
-        (void)pthread_join(thread[i], NULL);
-    if (nitem > 0 && r->st == ST_OK)
-        show_progress(r, true);
-    else if (r->terminal && nitem > 0)
-        (void)fputc('\n', stderr);
-    return r->st;
 }
 
 /* Where each probe's comparisons begin; their number in *n. */
@@ -324,40 +246,23 @@ static enum status find_items(struct run *r, size_t *n)
     return ST_OK;
 }
 
-static enum status run_all(struct run *r, struct worker *workers)
+static enum status run_all(struct run *r, struct errinfo *e)
 {
     struct surfacectl_trials *t = r->t;
     const double start = clock_ms();
     size_t nprobe;
     enum status st = find_items(r, &nprobe);
 
-    for (uint32_t i = 0; i < t->nthread && st == ST_OK; i++) {
-        workers[i].run = r;
-        workers[i].c.units = r->c->units;
-        workers[i].c.threshold_mm = r->c->threshold_mm;
-        if ((workers[i].w = face_work_new(r->o->model)) == NULL)
-            st = ST_ENOMEM;
-        else if (r->o->decision != NULL)
-            face_work_decide(workers[i].w, r->o->decision);
-    }
     if (st != ST_OK)
-        return errinfo_set(&r->c->e, st, "the comparisons: %s", status_message(st));
-    st = run_items(r, workers, "enrolling", enroll_item, t->corpus->nsubject,
-                   t->corpus->nsubject);
+        return errinfo_set(e, st, "the comparisons: %s", status_message(st));
+    st = surfacectl_pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject,
+                             enroll_item, r, e);
     t->build_s = (clock_ms() - start) / 1e3;
     if (st == ST_OK)
-        st = run_items(r, workers, "comparing", probe_item, nprobe, t->n);
+        st = surfacectl_pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item,
+                                 r, e);
     t->compare_s = (clock_ms() - start) / 1e3 - t->build_s;
     return st;
-}
-
-static uint32_t thread_count(uint32_t wanted)
-{
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-
-    if (wanted == 0)
-        wanted = cores > 0 ? (uint32_t)cores : 1;
-    return wanted < THREADS ? wanted : THREADS;
 }
 
 enum status surfacectl_trials_run(struct surfacectl *c, const struct corpus *corpus,
@@ -365,36 +270,28 @@ enum status surfacectl_trials_run(struct surfacectl *c, const struct corpus *cor
                                   struct surfacectl_trials **out)
 {
     struct surfacectl_trials *t = calloc(1, sizeof *t);
-    struct run r = {.t = t, .c = c, .o = o, .terminal = isatty(STDERR_FILENO) == 1};
-    struct worker *workers = NULL;
+    struct run r = {.t = t, .o = o};
     enum status st = ST_ENOMEM;
 
     *out = NULL;
-    (void)pthread_mutex_init(&r.lock, NULL);
+    r.c.units = c->units;
+    r.c.threshold_mm = c->threshold_mm;
     if (t != NULL) {
         t->corpus = corpus;
         t->seed = SEED;
-        t->nthread = thread_count(o->threads);
+        t->nthread = surfacectl_pool_threads(o->threads);
         t->impostors = o->impostors > 0 ? o->impostors : share(corpus);
         t->refused = calloc(corpus->nscan, sizeof *t->refused);
-        workers = calloc(t->nthread, sizeof *workers);
         r.template = calloc(corpus->nsubject, sizeof *r.template);
     }
-    if (t == NULL || workers == NULL || t->refused == NULL || r.template == NULL ||
-        plan_all(t) != ST_OK)
+    if (t == NULL || t->refused == NULL || r.template == NULL || plan_all(t) != ST_OK)
         (void)errinfo_set(&c->e, st, "the comparisons: out of memory");
     else
-        st = run_all(&r, workers);
-    for (uint32_t i = 0; workers != NULL && i < t->nthread; i++) {
-        face_free(&workers[i].probe);
-        face_work_free(workers[i].w);
-    }
+        st = run_all(&r, &c->e);
     for (uint32_t i = 0; r.template != NULL && i < corpus->nsubject; i++)
         face_free(&r.template[i]);
-    free(workers);
     free(r.template);
     free(r.first);
-    (void)pthread_mutex_destroy(&r.lock);
     if (st == ST_OK)
         *out = t;
     else
