@@ -6,6 +6,7 @@
 
 #include "mem.h"
 #include "surfacectl.h"
+#include "surfacectl_dir.h"
 
 /* A from the database: of a subject the template that decides, or else the template; by the
  * database's calibration, which the attempt to find a subject sets in any case. */
@@ -58,6 +59,19 @@ static enum status compare(struct surfacectl *c, struct face_work *w,
     return st;
 }
 
+/* One file of an explanation, for surfacectl_dir_write(). */
+struct part {
+    explain_writer *write;
+    const struct explanation *x;
+};
+
+static enum status write_part(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct part *p = arg;
+
+    return p->write(to, p->x, e);
+}
+
 /* Every file, or as many as there can be: of the pictures none without gnuplot, which is
  * no failure.  *pictures: are they there? */
 static enum status write_all(struct surfacectl *c, const struct explanation *x,
@@ -73,14 +87,16 @@ static enum status write_all(struct surfacectl *c, const struct explanation *x,
                 {"gap.png", surfacectl_explain_picture, true},
                 {"histogram.png", surfacectl_explain_histogram, true}};
     int dir;
-    enum status st = surfacectl_explain_dir(path, &dir, &c->e);
+    enum status st = surfacectl_dir_open(path, &dir, &c->e);
 
     /* What an earlier comparison left must not stand beside this one's. */
     for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++)
-        st = surfacectl_explain_remove(dir, file[i].name, &c->e);
+        st = surfacectl_dir_remove(dir, file[i].name, &c->e);
     *pictures = true;
     for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++) {
-        st = surfacectl_explain_file(dir, file[i].name, file[i].write, x, &c->e);
+        const struct part p = {file[i].write, x};
+
+        st = surfacectl_dir_write(dir, file[i].name, write_part, &p, &c->e);
         if (st == ST_ENOTFOUND && file[i].picture) {
             *pictures = false;
             st = ST_OK;

@@ -4,8 +4,7 @@
  *   surfacectl_explain_map.c    the gap as a picture's pixels
  *   surfacectl_explain_plot.c   gap.png and histogram.png
  *   surfacectl_explain_cloud.c  gap.ply
- *   surfacectl_explain_text.c   explain.txt and JSON
- *   surfacectl_explain_dir.c    files that are there whole or not at all */
+ *   surfacectl_explain_text.c   explain.txt and JSON */
 #ifndef DB_SURFACECTL_EXPLAIN_H
 #define DB_SURFACECTL_EXPLAIN_H
 #include <stdbool.h>
@@ -84,18 +83,5 @@ void surfacectl_explain_out(struct surfacectl_out *o, const struct explanation *
 
 typedef enum status explain_writer(FILE *to, const struct explanation *x,
                                    struct errinfo *e);
-
-/* surfacectl_explain_dir(path, dir, e): open the directory, made for its owner alone where
- * it is missing.  *dir: a file descriptor, closed by close(). */
-enum status surfacectl_explain_dir(const char *path, int *dir, struct errinfo *e);
-
-/* surfacectl_explain_remove(dir, name, e): the file `name` of dir, if it is there. */
-enum status surfacectl_explain_remove(int dir, const char *name, struct errinfo *e);
-
-/* surfacectl_explain_file(dir, name, write, x, e): make the file `name` of dir, readable by
- * its owner alone; on failure it is not there.  Returns what write() does, or ST_EIO,
- * ST_EDENIED. */
-enum status surfacectl_explain_file(int dir, const char *name, explain_writer *write,
-                                    const struct explanation *x, struct errinfo *e);
 
 #endif
