@@ -17,6 +17,24 @@ static const char *reason(const struct face_result *r)
     return "the common area has too small a share of the weight";
 }
 
+/* What the comparison found; a table of it by region of the face belongs at the end. */
+static void print_result(FILE *to, const struct face_result *r)
+{
+    (void)fprintf(to, "decision     %s: %s\n", surfacectl_face_decision(r->decision),
+                  reason(r));
+    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+                  r->threshold_mm);
+    (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
+                  r->fmr_at_score);
+    (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
+                  r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
+    (void)fprintf(to,
+                  "common       %.1f %% of the template's area, %.1f %% of its weight "
+                  "(at least %.0f %% of each is needed)\n",
+                  100 * r->measure.overlap, 100 * r->weight_overlap,
+                  100 * decision_min_overlap);
+}
+
 static void print_quality(FILE *to, const char *who, const struct face *f)
 {
     (void)fprintf(to,
@@ -55,19 +73,7 @@ enum status surfacectl_explain_text(FILE *to, const struct explanation *x,
         (void)fprintf(to, "             %s, the nearest of %u\n", x->template_id,
                       x->compared);
     (void)fprintf(to, "probe        %s\n", x->b);
-    (void)fprintf(to, "decision     %s: %s\n", surfacectl_face_decision(r->decision),
-                  reason(r));
-    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
-                  r->threshold_mm);
-    (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
-                  r->fmr_at_score);
-    (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
-                  r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
-    (void)fprintf(to,
-                  "common       %.1f %% of the template's area, %.1f %% of its weight "
-                  "(at least %.0f %% of each is needed)\n",
-                  100 * r->measure.overlap, 100 * r->weight_overlap,
-                  100 * decision_min_overlap);
+    print_result(to, r);
     print_quality(to, "template", &x->tmpl);
     print_quality(to, "probe", &x->probe);
     print_gap(to, x);
