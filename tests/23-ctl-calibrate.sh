@@ -148,4 +148,20 @@ ctl calibrate --reset
 is "a new one" $CODE 0
 send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
 is "is the way out" "$STATUS" 200
+stop_daemon
+
+# ---- a database of version 1, which has no calibrations
+old='DROP TABLE calibrations; PRAGMA user_version = 1'
+sqlite3 "$DB" "$old"
+ctl list
+is "version 1 is not read as it is" $CODE 65
+ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*init'
+ctl init
+is "it is upgraded" "$CODE $(said '[.created, .upgraded] | @csv')" "0 false,true"
+ctl check
+is "to what a new one is" $CODE 0
+sqlite3 "$DB" "$old"
+start_daemon --no-auth
+send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
+is "the daemon upgrades too" "$STATUS $(get .decision)" "200 match"
 finish
