@@ -6,6 +6,8 @@
 
 #include "align_field.h"
 #include "align_pose.h"
+#include "cells.h"
+#include "fit.h"
 #include "lattice.h"
 #include "measure.h"
 #include "mem.h"
@@ -16,9 +18,13 @@
 #define CENTRE_MM 80.0
 
 #define COARSE_POINTS 200  /* points that decide between starts */
-#define MIDDLE_POINTS 750  /* that bring the best of them home */
-#define TUKEY_POINTS  1500 /* that leave out what does not fit */
+#define MIDDLE_POINTS 400  /* that bring the best of them home */
+#define TUKEY_POINTS  800  /* that leave out what does not fit */
 #define LAST_POINTS   6000 /* and at most, of a dense scan, that end the search */
+#define LAST_STEPS    2
+#define LAST_MM       0.05
+#define LAST_TIE      1e-4 /* prior on the motion: next to none */
+#define DEGREES       57.29577951308232
 #define DAMPING       1e-4
 #define MAX_TURN      0.25 /* longest step, radians and mm */
 #define MAX_SHIFT_MM  25.0
@@ -40,6 +46,7 @@ struct search {
     struct align_point *pts;
     uint32_t n;
     struct dvec3 centre;
+    const struct align_how *how;
     struct align_result *out;
 };
 
@@ -211,25 +218,37 @@ static uint32_t stride_for(uint32_t n, uint32_t points)
 }
 
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
- * clearly good; best[0] and best[1] are the cheapest two. */
-static void choose(struct search *s, const struct align_frame *tmpl,
-                   const struct align_frame *probe, struct candidate best[2])
+ * clearly good; best[0] and best[1] are the cheapest two that lead to different places. */
+static void choose(struct search *s, const struct measure_surface *tmpl,
+                   const struct measure_surface *probe, struct candidate best[2])
 {
     const uint32_t stride = stride_for(s->n, COARSE_POINTS);
+    const struct align_pose *given = s->how->start;
+    struct align_frame to, from; /* made when they are needed */
+    bool framed = false;
 
     best[0].cost = best[1].cost = INFINITY;
-    for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+    for (size_t i = given != NULL ? 0 : 1; i <= sizeof starts / sizeof *starts; i++) {
         struct candidate c;
         bool again;
 
-        start_pose(&starts[i], tmpl, probe, &c.pose);
+        if (i > 0 && !framed) {
+            align_pose_frame(tmpl, &to);
+            align_pose_frame(probe, &from);
+            framed = true;
+        }
+        if (i == 0)
+            c.pose = *given;
+        else
+            start_pose(&starts[i - 1], &to, &from, &c.pose);
         (void)descend(s, stride, ALIGN_LOSS_L1, 8, 1.0, &c);
         s->out->starts++;
-        again = i > 0 && same(s, &best[0].pose, &c.pose);
+        again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
         if (c.cost < best[0].cost) {
-            best[1] = best[0];
+            if (!again)
+                best[1] = best[0];
             best[0] = c;
-        } else if (c.cost < best[1].cost) {
+        } else if (!again && c.cost < best[1].cost) {
             best[1] = c;
         }
         if (best[0].within > GOOD_WITHIN && best[0].cost < (again ? FAIR_MM : GOOD_MM))
@@ -237,48 +256,102 @@ static void choose(struct search *s, const struct align_frame *tmpl,
     }
 }
 
+/* settle(s, w, pose): the last steps: what of the gap is motion, and what is change. */
+static enum status settle(struct search *s, struct align_work *w, struct align_pose *pose)
+{
+    const struct align_pose *frame = &s->how->u->frame;
+    const double *r = frame->r;
+    const double back[3] = {-frame->t[0], -frame->t[1], -FIT_LEVER_MM - frame->t[2]};
+    const struct dvec3 lever = {r[0] * back[0] + r[3] * back[1] + r[6] * back[2],
+                                r[1] * back[0] + r[4] * back[1] + r[7] * back[2],
+                                r[2] * back[0] + r[5] * back[1] + r[8] * back[2]};
+
+    s->out->stop = ALIGN_STEPS;
+    for (int i = 0; i < LAST_STEPS && s->out->stop == ALIGN_STEPS; i++) {
+        struct cells cells;
+        struct fit fit;
+        double x[6];
+        enum status st;
+
+        cells_sample(&s->field, s->pts, s->n, pose, frame, &cells);
+        st = fit_solve(s->how->motion, &cells, LAST_TIE, 1, &w->fit, &fit);
+        if (st != ST_OK)
+            return st;
+        s->out->evaluations++;
+        for (int k = 0; k < 6; k++) { /* from the frame to the template */
+            const int b = k < 3 ? 0 : 3;
+
+            x[k] = r[k - b] * fit.x[b] + r[k - b + 3] * fit.x[b + 1] +
+                   r[k - b + 6] * fit.x[b + 2];
+        }
+        align_pose_move(pose, lever, x);
+        if (FIT_LEVER_MM * (fabs(x[0]) + fabs(x[1]) + fabs(x[2])) + fabs(x[3]) +
+                fabs(x[4]) + fabs(x[5]) <
+            LAST_MM)
+            s->out->stop = ALIGN_CONVERGED;
+        s->out->turn_deg = sqrt(fit.deviation[0] * fit.deviation[0] +
+                                fit.deviation[1] * fit.deviation[1] +
+                                fit.deviation[2] * fit.deviation[2]) *
+                           DEGREES;
+        s->out->shift_mm = sqrt(fit.deviation[3] * fit.deviation[3] +
+                                fit.deviation[4] * fit.deviation[4] +
+                                fit.deviation[5] * fit.deviation[5]);
+    }
+    return ST_OK;
+}
+
+void align_work_free(struct align_work *w)
+{
+    scratch_free(&w->field);
+    scratch_free(&w->fit);
+}
+
 enum status align_search(const struct measure_surface *tmpl,
-                         const struct measure_surface *probe,
-                         const struct disparity_weight *u, struct scratch *s,
-                         struct align_result *out)
+                         const struct measure_surface *probe, const struct align_how *how,
+                         struct align_work *w, struct align_result *out)
 {
     const size_t cells = mem_round(align_field_bytes(tmpl->mesh->nt));
-    struct search search = {.n = probe->mesh->nv, .out = out};
-    struct align_frame tf, pf;
+    struct search search = {.n = probe->mesh->nv, .how = how, .out = out};
     struct candidate best[2];
     unsigned char *block;
+    enum status st = ST_OK;
     bool rival;
 
-    block = scratch_need(s, cells + search.n * sizeof *search.pts);
+    block = scratch_need(&w->field, cells + search.n * sizeof *search.pts);
     if (block == NULL)
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
-    align_field_make(tmpl, u, (struct align_cell *)(void *)block, &search.field);
+    out->turn_deg = out->shift_mm = INFINITY;
+    align_field_make(tmpl, how->u, (struct align_cell *)(void *)block, &search.field);
     search.pts = (struct align_point *)(void *)(block + cells);
     load(probe, search.pts);
-    align_pose_frame(tmpl, &tf);
-    align_pose_frame(probe, &pf);
-    search.centre = tf.centre;
+    search.centre = align_pose_centre(tmpl->mesh);
     search.centre.z -= CENTRE_MM;
 
-    choose(&search, &tf, &pf, best);
-    rival = best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost &&
-            !same(&search, &best[0].pose, &best[1].pose);
-    (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 12, 0.1,
+    choose(&search, tmpl, probe, best);
+    rival = best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost;
+    (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 8, 0.3,
                   &best[0]);
     if (rival)
-        (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 12,
-                      0.1, &best[1]);
-    if (rival && best[1].cost < best[0].cost)
+        (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 8, 0.3,
+                      &best[1]);
+    if (rival && best[1].cost < best[0].cost) {
+        const struct candidate swap = best[0];
+
         best[0] = best[1];
-    (void)descend(&search, stride_for(search.n, TUKEY_POINTS), ALIGN_LOSS_TUKEY, 12, 0.05,
-                  &best[0]);
-    out->stop = descend(&search, stride_for(search.n, LAST_POINTS), ALIGN_LOSS_VOLUME, 12,
-                        0.02, &best[0])
+        best[1] = swap;
+    }
+    out->cost_mm = best[0].cost;
+    out->rival_mm = best[1].cost;
+    out->within = best[0].within;
+    out->stop = descend(&search, stride_for(search.n, TUKEY_POINTS), ALIGN_LOSS_TUKEY, 8,
+                        0.1, &best[0])
                     ? ALIGN_CONVERGED
                     : ALIGN_STEPS;
     if (best[0].within < APART_WITHIN)
         out->stop = ALIGN_APART;
+    else if (how->u != NULL && how->motion != NULL && how->motion->n > 0)
+        st = settle(&search, w, &best[0].pose);
     align_pose_to_matrix(&best[0].pose, out->transform);
-    return ST_OK;
+    return st;
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "disparity.h"
+#include "grid.h"
 #include "lattice.h"
 #include "measure.h"
 #include "mesh.h"
@@ -37,7 +37,20 @@ static void plane(struct align_cell *c, const int32_t z[3])
     c->flat = (float)(1.0 / sqrt(1.0 + zx * zx + zy * zy));
 }
 
-void align_field_make(const struct measure_surface *s, const struct disparity_weight *u,
+static float weight_at(const struct align_weight *u, const struct align_cell *c,
+                       const int32_t z[3])
+{
+    const double third = 1.0 / (3 * LATTICE_PER_MM);
+    const struct dvec3 q =
+        align_pose_apply(&u->frame, (struct dvec3){(c->x[0] + c->x[1] + c->x[2]) * third,
+                                                   (c->y[0] + c->y[1] + c->y[2]) * third,
+                                                   (z[0] + z[1] + z[2]) * third});
+    const uint32_t i = grid_cell(q.x, q.y);
+
+    return i == GRID_NONE ? 0.0f : u->u[i];
+}
+
+void align_field_make(const struct measure_surface *s, const struct align_weight *u,
                       struct align_cell *cells, struct align_field *f)
 {
     const struct mesh *m = s->mesh;
@@ -60,10 +73,7 @@ void align_field_make(const struct measure_surface *s, const struct disparity_we
             c->next[i] = mesh_is_ghost(m, across) ? ALIGN_FIELD_NONE : across;
         }
         plane(c, z);
-        c->weight = 1.0f;
-        if (u != NULL)
-            c->weight = (float)u->at(u->arg, (c->x[0] + c->x[1] + c->x[2]) / 3.0,
-                                     (c->y[0] + c->y[1] + c->y[2]) / 3.0);
+        c->weight = u == NULL ? 1.0f : weight_at(u, c, z);
         if (s->bridge[t])
             c->flat = 0.0f;
         f->first = t;
@@ -107,32 +117,32 @@ struct pull {
     double weight, cost, share;
 };
 
-static struct pull pull_of(enum align_loss loss, double r, const struct align_point *p,
-                           const struct align_cell *c)
+static struct pull pull_of(enum align_loss loss, double r, double u)
 {
-    const double a = fabs(r), soft = a > SOFT_MM ? a : SOFT_MM, u = (double)c->weight;
+    const double a = fabs(r), soft = a > SOFT_MM ? a : SOFT_MM;
+    double v, s;
 
-    switch (loss) {
-    case ALIGN_LOSS_L1:
+    if (loss == ALIGN_LOSS_L1)
         return (struct pull){1.0 / soft, a < CAP_MM ? a : CAP_MM, 1.0};
-    case ALIGN_LOSS_TUKEY: {
-        const double v = a / TUKEY_MM, s = v < 1.0 ? 1.0 - v * v : 0.0;
+    v = a / TUKEY_MM;
+    s = v < 1.0 ? 1.0 - v * v : 0.0;
+    return (struct pull){u * s * s, u * TUKEY_MM * (1.0 - s * s * s), u};
+}
 
-        return (struct pull){u * s * s, u * TUKEY_MM * (1.0 - s * s * s), u};
-    }
-    case ALIGN_LOSS_VOLUME:
-        break;
-    }
-    /* |gap| = |r| / flat: the weight of r^2 is 1 / (|r| flat) */
-    return (struct pull){u * (double)p->area / (soft * (double)c->flat),
-                         u * (double)p->area * a / (double)c->flat, u * (double)p->area};
+const struct align_cell *align_field_find(const struct align_field *f,
+                                          struct align_point *p, struct dvec3 q)
+{
+    const double limit = LATTICE_MAX / LATTICE_PER_MM;
+
+    if (!(fabs(q.x) < limit && fabs(q.y) < limit))
+        return NULL;
+    return walk(f, &p->cell, llrint(q.x * LATTICE_PER_MM), llrint(q.y * LATTICE_PER_MM));
 }
 
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,
                      enum align_loss loss, struct align_sum *sum)
 {
-    const double limit = LATTICE_MAX / LATTICE_PER_MM;
     uint32_t last = f->first, total = 0, within = 0;
     double share = 0.0;
 
@@ -141,30 +151,24 @@ void align_field_sum(const struct align_field *f, struct align_point *pts, uint3
         const struct dvec3 q = align_pose_apply(pose, pts[i].p);
         const struct align_cell *cell;
         struct pull pull;
-        double dx, dy, r, flat, j[6];
+        double r, flat, j[6];
 
-        if (!(fabs(q.x) < limit && fabs(q.y) < limit))
-            continue;
         if (pts[i].cell == ALIGN_FIELD_NONE)
             pts[i].cell = last;
-        cell = walk(f, &pts[i].cell, llrint(q.x * LATTICE_PER_MM),
-                    llrint(q.y * LATTICE_PER_MM));
+        cell = align_field_find(f, &pts[i], q);
         last = pts[i].cell;
         if (cell == NULL || cell->flat == 0.0f)
             continue;
         within++;
         flat = (double)cell->flat;
-        dx = q.x - cell->x[0] / LATTICE_PER_MM;
-        dy = q.y - cell->y[0] / LATTICE_PER_MM;
-        r = (q.z - (double)cell->z0 - (double)cell->zx * dx - (double)cell->zy * dy) *
-            flat;
+        r = (q.z - align_field_height(cell, q.x, q.y)) * flat;
         j[3] = -(double)cell->zx * flat;
         j[4] = -(double)cell->zy * flat;
         j[5] = flat;
         j[0] = (q.y - c.y) * j[5] - (q.z - c.z) * j[4];
         j[1] = (q.z - c.z) * j[3] - (q.x - c.x) * j[5];
         j[2] = (q.x - c.x) * j[4] - (q.y - c.y) * j[3];
-        pull = pull_of(loss, r, &pts[i], cell);
+        pull = pull_of(loss, r, (double)cell->weight);
         align_solve_add(&sum->normal, j, r, pull.weight);
         sum->cost += pull.cost;
         share += pull.share;

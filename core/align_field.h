@@ -10,10 +10,16 @@
 #include <stdint.h>
 #include "align_pose.h"
 #include "align_solve.h"
+#include "lattice.h"
 #include "vec.h"
 
-struct disparity_weight; /* disparity.h */
-struct measure_surface;  /* measure.h */
+struct measure_surface; /* measure.h */
+
+/* u(x, y) by which places of the template count in a registration. */
+struct align_weight {
+    const float *u;          /* [GRID_N] by cells of the canonical frame (grid.h) */
+    struct align_pose frame; /* template -> canonical frame */
+};
 
 struct align_cell {
     int32_t x[3], y[3]; /* corners, counter-clockwise, lattice units */
@@ -36,9 +42,9 @@ struct align_field {
 /* align_field_bytes(nt): memory for a template of nt triangles. */
 size_t align_field_bytes(uint32_t nt);
 
-/* align_field_make(s, u, cells, f): f over cells, align_field_bytes(s->mesh->nt) of
+/* align_field_make(s, u, cells, f): u NULL: 1 everywhere, else 0 off the grid.  f over cells, align_field_bytes(s->mesh->nt) of
  * memory.  O(nt). */
-void align_field_make(const struct measure_surface *s, const struct disparity_weight *u,
+void align_field_make(const struct measure_surface *s, const struct align_weight *u,
                       struct align_cell *cells, struct align_field *f);
 
 /* A point of the probe. */
@@ -49,17 +55,28 @@ struct align_point {
 };
 
 enum align_loss {
-    ALIGN_LOSS_L1,    /* |r|, r the gap at right angles to the template's triangle */
-    ALIGN_LOSS_TUKEY, /* Tukey's biweight of r at 2.5 mm */
-    ALIGN_LOSS_VOLUME /* |gap| along z times the point's area: the measure, linearised */
+    ALIGN_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
+    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at 2.5 mm */
 };
 
 struct align_sum {
     struct align_normal normal;
     double cost;   /* mm; L1: mean of |r|, capped, where points without a gap cost 3 mm;
-                    the others: the loss's mean over the points that have a gap */
+                    Tukey: the loss's weighted mean over the points that have a gap */
     double within; /* share of the points that have a gap, 0..1 */
 };
+
+/* align_field_find(f, p, q): the cell under q, where the point p now is, in mm; NULL off the
+ * template's hull.  Walks from p->cell, which must be one, and keeps there where it is. */
+const struct align_cell *align_field_find(const struct align_field *f,
+                                          struct align_point *p, struct dvec3 q);
+
+/* align_field_height(c, x, y): the height of cell c's plane, mm. */
+static inline double align_field_height(const struct align_cell *c, double x, double y)
+{
+    return (double)c->z0 + (double)c->zx * (x - c->x[0] / LATTICE_PER_MM) +
+           (double)c->zy * (y - c->y[0] / LATTICE_PER_MM);
+}
 
 /* align_field_sum(f, pts, n, stride, pose, c, loss, sum): the points 0, stride, 2 stride, ...
  * below n, moved by pose; their cells are brought up to date.  Turns in the normal

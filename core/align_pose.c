@@ -116,6 +116,35 @@ void align_pose_from_matrix(const double m[16], struct align_pose *a)
     }
 }
 
+struct align_pose align_pose_after(const struct align_pose *a, const struct align_pose *b)
+{
+    struct align_pose out;
+
+    for (size_t i = 0; i < 3; i++) {
+        for (size_t k = 0; k < 3; k++)
+            out.r[3 * i + k] =
+                a->r[i] * b->r[k] + a->r[3 + i] * b->r[3 + k] + a->r[6 + i] * b->r[6 + k];
+        out.t[i] = a->r[i] * (b->t[0] - a->t[0]) + a->r[3 + i] * (b->t[1] - a->t[1]) +
+                   a->r[6 + i] * (b->t[2] - a->t[2]);
+    }
+    return out;
+}
+
+bool align_pose_rigid(const struct align_pose *a)
+{
+    const double *r = a->r;
+    const struct dvec3 x = {r[0], r[1], r[2]}, y = {r[3], r[4], r[5]};
+    const struct dvec3 z = cross(x, y);
+    bool good = fabs(dot(x, x) - 1) < 1e-6 && fabs(dot(y, y) - 1) < 1e-6 &&
+                fabs(dot(x, y)) < 1e-6;
+
+    good = good && fabs(z.x - r[6]) < 1e-5 && fabs(z.y - r[7]) < 1e-5 &&
+           fabs(z.z - r[8]) < 1e-5;
+    for (int i = 0; i < 3; i++)
+        good = good && fabs(a->t[i]) < 1e5;
+    return good;
+}
+
 /* rotate(a, v, p, q): one Jacobi rotation that makes a[p][q] zero; v collects the
  * eigenvectors in its columns. */
 static void rotate(double a[3][3], double v[3][3], size_t p, size_t q)

@@ -1,6 +1,7 @@
 /* align_pose.h -- rigid motions, and a first guess at one from principal axes. */
 #ifndef CORE_ALIGN_POSE_H
 #define CORE_ALIGN_POSE_H
+#include <stdbool.h>
 #include <stdint.h>
 #include "vec.h"
 
@@ -30,6 +31,14 @@ void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pi
 
 void align_pose_to_matrix(const struct align_pose *a, double m[16]);
 void align_pose_from_matrix(const double m[16], struct align_pose *a);
+
+/* align_pose_after(a, b): b, then the inverse of a: the motion that lays what b brings
+ * somewhere on what a brings there. */
+struct align_pose align_pose_after(const struct align_pose *a,
+                                   const struct align_pose *b);
+
+/* align_pose_rigid(a): is it one, and within 10^5 mm?  For what comes from a file. */
+bool align_pose_rigid(const struct align_pose *a);
 
 /* What a surface's points tell of its own pose. */
 struct align_frame {

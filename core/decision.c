@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 const double decision_min_overlap = 0.3;
+const double decision_min_weight = 0.2;
 
 bool decision_valid(const struct decision *d)
 {

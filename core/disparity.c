@@ -1,12 +1,9 @@
 #include "disparity.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-#include "holes.h"
 #include "locate.h"
-#include "mesh.h"
 
 /* A sum and what was lost in rounding it: Neumaier, "Rundungsfehleranalyse einiger
  * Verfahren zur Summation endlicher Summen", ZAMM 54, 1974, with Knuth's exact error of an
@@ -135,24 +132,21 @@ static struct totals add_cells(const struct mesh *general,
 
     for (uint32_t h = 0; h < nh; h += 3) {
         const uint32_t i = org[h], j = org[h + 1], k = org[h + 2];
-        double spread, area, volume;
-        bool wide;
+        double area, volume;
 
         if (__builtin_expect((i == nv) | (j == nv) | (k == nv), 0))
             continue;
-        spread = (double)vertex[i].spacing + (double)vertex[j].spacing +
-                 (double)vertex[k].spacing;
-        wide = holes_wide(xy[i], xy[j], xy[k], spread, &area);
-        spread = vertex[i].gap + vertex[j].gap + vertex[k].gap;
-        if (__builtin_expect(isnan(spread), 0)) {
+        switch (disparity_kind(general, vertex, h, &area)) {
+        case DISPARITY_OUTSIDE:
             outside++;
             t.outside += area;
             continue;
-        }
-        if (__builtin_expect(wide | !(spread < (double)INFINITY), 0)) {
+        case DISPARITY_BRIDGED:
             bridged++;
             t.bridged += area;
             continue;
+        case DISPARITY_COMMON:
+            break;
         }
         cells++;
         t.common += area;

@@ -2,11 +2,12 @@
  * Paper 1 sections 2 (definition (1), (2)) and 3.5, Fig. 9 (a-f). */
 #ifndef CORE_DISPARITY_H
 #define CORE_DISPARITY_H
+#include <math.h>
 #include <stdint.h>
-#include "status.h"
+#include "holes.h"
+#include "mesh.h"
 
 struct location; /* locate.h */
-struct mesh;     /* mesh.h */
 
 /* disparity_cell(area, a, b, c): volume between two planes over a triangle of the given
  * area, where a, b, c are the signed gaps at its corners: the integral of |gap|.  Every
@@ -38,6 +39,29 @@ struct disparity_vertex {
                       else INFINITY where a side only bridges missing points */
     float spacing; /* of the mesh that the vertex is from; the larger one of both */
 };
+
+enum disparity_kind { DISPARITY_COMMON, DISPARITY_BRIDGED, DISPARITY_OUTSIDE };
+
+/* disparity_kind(general, vertex, h, twice): what the cell of the half-edges h, h + 1,
+ * h + 2 is, as disparity_measure() says; not for ghosts.  *twice: twice its area, exact. */
+static inline enum disparity_kind disparity_kind(const struct mesh *general,
+                                                 const struct disparity_vertex *vertex,
+                                                 uint32_t h, double *twice)
+{
+    const uint32_t *v = &general->org[h];
+    const struct disparity_vertex *a = &vertex[v[0]], *b = &vertex[v[1]],
+                                  *c = &vertex[v[2]];
+    const double sum = a->gap + b->gap + c->gap;
+    const bool wide =
+        holes_wide(general->xy[v[0]], general->xy[v[1]], general->xy[v[2]],
+                   (double)a->spacing + (double)b->spacing + (double)c->spacing, twice);
+
+    if (__builtin_expect(isnan(sum), 0))
+        return DISPARITY_OUTSIDE;
+    if (__builtin_expect(wide | !(sum < (double)INFINITY), 0))
+        return DISPARITY_BRIDGED;
+    return DISPARITY_COMMON;
+}
 
 struct disparity {
     double volume_mm3;  /* sum of |gap| over the common cells, u = 1 */

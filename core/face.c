@@ -1,8 +1,11 @@
 #include "face.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "align_field.h"
+#include "cells.h"
 #include "decision.h"
 #include "delaunay.h"
 #include "holes.h"
@@ -12,14 +15,24 @@
 #include "model.h"
 #include "mst.h"
 #include "quality.h"
-#include "weight.h"
+#include "score.h"
 
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct scratch points;       /* a cloud on the lattice */
+    struct align_work align;
     const struct model *model;
+    struct frame_mean mean; /* the model's */
     struct decision decision;
 };
+
+void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1])
+{
+    const uint64_t digest = model_digest(m != NULL ? m : &model_default);
+
+    (void)snprintf(out, FACE_ENGINE_MAX + 1, "%s model/%08x", FACE_ENGINE,
+                   (unsigned)(digest >> 32));
+}
 
 struct face_work *face_work_new(const struct model *m)
 {
@@ -30,6 +43,10 @@ struct face_work *face_work_new(const struct model *m)
     memset(w, 0, sizeof *w);
     w->model = m != NULL ? m : &model_default;
     w->decision = w->model->decision;
+    if (frame_mean_make(w->model, &w->points, &w->mean) != ST_OK) {
+        face_work_free(w);
+        return NULL;
+    }
     return w;
 }
 
@@ -43,6 +60,8 @@ void face_work_free(struct face_work *w)
     if (w == NULL)
         return;
     measure_work_free(&w->measure);
+    align_work_free(&w->align);
+    frame_mean_free(&w->mean);
     scratch_free(&w->points);
     mem_free(w);
 }
@@ -56,7 +75,22 @@ void face_free(struct face *f)
     memset(f, 0, sizeof *f);
 }
 
-enum status face_derive(struct face *f, struct face_work *w)
+/* Search and measure use one block in turns: before and after a search. */
+static void exchange(struct face_work *w)
+{
+    const struct scratch block = w->measure.scratch;
+
+    w->measure.scratch = w->align.field;
+    w->align.field = block;
+}
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
+}
+
+/* Everything that follows from the mesh with its tree. */
+static enum status derive(struct face *f, struct face_work *w)
 {
     const size_t nv = f->mesh.nv, spacing = mem_round(nv * sizeof *f->spacing);
     const size_t raw = spacing + mem_round(nv * sizeof *f->raw);
@@ -80,12 +114,25 @@ enum status face_derive(struct face *f, struct face_work *w)
     return ST_OK;
 }
 
+enum status face_place(struct face *f, struct face_work *w)
+{
+    const struct measure_surface s = surface_of(f);
+    enum status st;
+
+    exchange(w);
+    st = frame_find(&w->mean, &s, &w->align, &f->frame);
+    exchange(w);
+    return st;
+}
+
 enum status face_adopt(struct face *f, struct face_work *w)
 {
     enum status st = mesh_link(&f->mesh, &w->measure.scratch);
 
     if (st == ST_OK)
-        st = face_derive(f, w);
+        st = derive(f, w);
+    if (st == ST_OK && f->frame.mark != w->mean.mark)
+        st = face_place(f, w);
     if (st != ST_OK)
         f->mesh.nv = f->mesh.nt = 0;
     return st;
@@ -107,10 +154,12 @@ static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
         return st;
     if (m->nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((st = mst_build(m, s)) != ST_OK || (st = face_derive(out, w)) != ST_OK ||
-        (st = quality_spikes(m, s)) != ST_OK)
+    if ((st = mst_build(m, s)) != ST_OK || (st = derive(out, w)) != ST_OK ||
+        (st = quality_spikes(m, s)) != ST_OK || (st = quality_rate(out, s)) != ST_OK)
         return st;
-    return quality_rate(out, s);
+    if ((st = face_place(out, w)) != ST_OK)
+        return st;
+    return quality_place(&out->frame);
 }
 
 enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
@@ -120,6 +169,7 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
     enum status st;
 
     out->mesh.nv = out->mesh.nt = 0;
+    out->frame = (struct frame){0};
     if (n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
     if (n > MESH_MAX_POINTS)
@@ -134,46 +184,89 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
     return st;
 }
 
-static struct measure_surface surface_of(const struct face *f)
+static enum face_decision decide(const struct face_result *r)
 {
-    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
+    if (r->align.stop == ALIGN_APART || r->measure.overlap < decision_min_overlap ||
+        r->weight_overlap < decision_min_weight)
+        return FACE_INCONCLUSIVE;
+    return r->disparity_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+}
+
+/* The pose of the probe over the template. */
+static enum status search(const struct face *tmpl, const struct face *probe,
+                          struct face_work *w, struct align_result *out)
+{
+    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
+    const struct align_pose first =
+        align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
+    const struct align_weight u = {w->mean.hold, tmpl->frame.pose};
+    const struct align_how how = {&first, &u, &w->model->motion};
+    enum status st;
+
+    exchange(w);
+    st = align_search(&a, &b, &how, &w->align, out);
+    exchange(w);
+    return st;
+}
+
+/* The plain measure at a pose, and the gap per cell. */
+static enum status measure(const struct face *tmpl, const struct face *probe,
+                           const double transform[16], struct face_work *w,
+                           struct disparity *plain, struct cells *cells)
+{
+    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
+    const enum status st = measure_at(&a, &b, transform, NULL, &w->measure, plain);
+
+    if (st == ST_OK)
+        cells_measure(&a, &w->measure, &tmpl->frame.pose, cells);
+    return st;
+}
+
+enum status face_gap(const struct face *tmpl, const struct face *probe,
+                     const double *transform, struct face_work *w, struct cells *out)
+{
+    struct align_result found;
+    struct disparity plain;
+    enum status st = ST_OK;
+
+    if (transform == NULL)
+        st = search(tmpl, probe, w, &found);
+    if (st == ST_OK)
+        st = measure(tmpl, probe, transform != NULL ? transform : found.transform, w,
+                     &plain, out);
+    return st;
 }
 
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out)
 {
-    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
     const double start = clock_ms != NULL ? clock_ms() : 0;
-    struct weight_face rigid;
-    struct disparity_weight u;
-    double aligned, total, share;
+    struct cells cells;
+    struct score score;
+    struct fit fit;
+    double aligned;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    u = weight_of(&a, &rigid);
-    st = align_search(&a, &b, &u, &w->measure.scratch, &out->align);
-    if (st != ST_OK)
+    if ((st = search(tmpl, probe, w, &out->align)) != ST_OK)
         return st;
     aligned = clock_ms != NULL ? clock_ms() : 0;
-    st = align_finish(&a, &b, &u, &w->measure, &out->align, &out->measure);
-    if (st != ST_OK)
+    if ((st = measure(tmpl, probe, out->align.transform, w, &out->measure, &cells)) !=
+            ST_OK ||
+        (st = score_of(w->model, &cells, &w->align.fit, &fit, &score)) != ST_OK)
         return st;
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
-    out->disparity_mm = out->measure.weighted_mm;
+    out->disparity_mm = score.disparity_mm;
+    out->weight_overlap = score.weight;
     out->fmr_at_score =
-        out->measure.cells > 0 ? decision_fmr(&w->decision, out->disparity_mm) : 1;
-    total = weight_total(&a, &u);
-    share = total > 0 ? out->measure.weight_mm2 / total : 0;
-    out->weight_overlap = share < 1 ? share : 1;
-    if (out->align.stop == ALIGN_APART || out->measure.overlap < decision_min_overlap ||
-        out->weight_overlap < decision_min_overlap)
-        out->decision = FACE_INCONCLUSIVE;
-    else
-        out->decision =
-            out->disparity_mm <= out->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+        score.weight > 0 ? decision_fmr(&w->decision, out->disparity_mm) : 1;
+    out->change_mm = score.change_mm;
+    memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
+    memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);
+    out->decision = decide(out);
     return ST_OK;
 }

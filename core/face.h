@@ -9,11 +9,14 @@
 #include "align.h"
 #include "decision.h"
 #include "disparity.h"
+#include "frame.h"
+#include "grid.h"
 #include "mesh.h"
 #include "status.h"
 #include "vec.h"
 
-#define FACE_ENGINE     "surfaced/0.1.0 measure/1"
+#define FACE_ENGINE     "surfaced/0.2.0 measure/2" /* and a model: face_engine() */
+#define FACE_ENGINE_MAX 63
 #define FACE_MIN_POINTS 100
 #define FACE_MAX_POINTS 300000 /* default limit */
 
@@ -31,11 +34,18 @@ struct face {
     int32_t *raw;    /* [nv] heights as scanned; the mesh's have the spikes laid flat */
     double measured; /* square lattice units */
     struct face_quality quality;
-    void *block;  /* holds spacing, raw and bridge */
-    uint32_t cap; /* points block has room for */
+    struct frame frame; /* its canonical frame */
+    void *block;        /* holds spacing, raw and bridge */
+    uint32_t cap;       /* points block has room for */
 };
 
+struct cells; /* cells.h */
 struct model; /* model.h */
+
+/* face_engine(m, out): who judges: "surfaced/VERSION measure/N model/HHHHHHHH", the last the
+ * first 8 hex digits of m's digest (NULL: model_default).  Disparities and calibrations of
+ * another measure or another model are no others'.  About 1 ms. */
+void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1]);
 
 /* A worker's reusable memory for building and comparing: after the first few calls nothing
  * is allocated any more.  One thread at a time. */
@@ -50,7 +60,7 @@ void face_work_free(struct face_work *w);
 void face_work_decide(struct face_work *w, const struct decision *d);
 
 /* face_build(pts, n, w, out, bad): from a scanner's points (mm, any order) to a model:
- * lattice, triangulation, spikes laid flat, spanning tree, holes, quality gate.
+ * lattice, triangulation, spikes laid flat, spanning tree, holes, quality gate, frame.
  * out   all zero or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL
@@ -61,12 +71,9 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
                        struct face *out, size_t *bad);
 void face_free(struct face *f); /* NULL and empty ones are allowed */
 
-/* face_derive(f, w): set everything but the mesh from f->mesh (decoded, linked and with
- * its tree).  Returns ST_OK, ST_ENOMEM. */
-enum status face_derive(struct face *f, struct face_work *w);
-
-/* face_adopt(f, w): for decoding: mesh_link() and then face_derive().  f->mesh has nv, nt,
- * xy, z, org and parent, all of them unproven.
+/* face_adopt(f, w): for decoding: mesh_link(), then everything that follows from the mesh.
+ * f->mesh has nv, nt, xy, z, org and parent, all of them unproven; f->frame the frame
+ * stored, or mark 0: it is found again where it belongs to another model's mean face.
  * Returns ST_OK, ST_ECORRUPT (f->mesh.nv is 0 then), ST_ENOMEM. */
 enum status face_adopt(struct face *f, struct face_work *w);
 
@@ -74,26 +81,36 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double disparity_mm; /* the weighted disparity the decision was taken on */
+    double disparity_mm; /* the disparity the decision was taken on (score.h) */
     double threshold_mm;
-    double weight_overlap; /* share of the template's weight (weight.h) that lies in the
-                              common area, 0..1 */
     double fmr_at_score;   /* share of impostors at or below disparity_mm */
-    struct disparity measure;
-    struct align_result
-        align; /* transform probe -> template, evaluations, why it stopped */
-    double align_ms, measure_ms; /* by the caller's clock; 0 without one */
+    double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
+    double change_mm;      /* what was taken out as change within a person (score.h) */
+    double region_mm[GRID_REGIONS];     /* each region alone; NAN: not covered */
+    double region_weight[GRID_REGIONS]; /* what it counts in a whole face, 0..1 */
+    struct disparity measure;           /* the plain measure of the papers, same pose */
+    struct align_result align;          /* transform probe -> template, certainty */
+    double align_ms, measure_ms;        /* by the caller's clock; 0 without one */
 };
 
 /* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
- * template, measure the minimal disparity, decide.
+ * template, measure the disparity at that pose, decide.
  * threshold_mm  0 or less: that of w's calibration
  * clock_ms      may be NULL; only ever read into align_ms and measure_ms
- * Deterministic: depends on the two models and the threshold alone.
+ * Deterministic: depends on the two faces, w's model and the threshold alone.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out);
+
+/* face_place(f, w): find f->frame anew, by the mean face of w's model.  ST_OK, ST_ENOMEM. */
+enum status face_place(struct face *f, struct face_work *w);
+
+/* face_gap(tmpl, probe, transform, w, out): the gap per cell at a pose (probe -> template,
+ * as in align_result), or with transform NULL at the pose that is found: what there is to
+ * learn from (learn.h).  Returns ST_OK, ST_ENOMEM. */
+enum status face_gap(const struct face *tmpl, const struct face *probe,
+                     const double *transform, struct face_work *w, struct cells *out);
 
 /* face_heatmap(tmpl, pts, n, transform, gap_mm): for detail=heatmap: the signed gap
  * (probe minus template, mm) at each of the probe's own points in the order given, NAN

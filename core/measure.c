@@ -46,6 +46,7 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
     w->bridge = take(block, &at, 2 * nb, sizeof *w->bridge);
     w->b_vertex = take(block, &at, nb, sizeof *w->b_vertex);
     w->vertex = take(block, &at, na + nb, sizeof *w->vertex);
+    w->ground = take(block, &at, na + nb, sizeof *w->ground);
     return at;
 }
 
@@ -118,6 +119,12 @@ enum status measure_at(const struct measure_surface *tmpl,
     sb.bridge = w->bridge;
     sb.loc = w->moved_in_tmpl;
     sb.other = w->moved_other;
+    for (uint32_t v = 0; v < a->nv; v++)
+        w->ground[v] = a->z[v];
+    for (uint32_t v = 0; v < b->nv; v++)
+        if (w->b_vertex[v] >= a->nv)
+            w->ground[w->b_vertex[v]] = w->moved_other[v];
+    w->measured = sb.measured;
     disparity_measure(&w->general, w->b_vertex, &sa, &sb, u, LATTICE_PER_MM, w->vertex,
                       out);
     return ST_OK;

@@ -36,6 +36,8 @@ struct measure_work {
     uint8_t *bridge;                  /* [moved.nt] */
     uint32_t *b_vertex;               /* [moved.nv] merge_build()'s */
     struct disparity_vertex *vertex;  /* [general.nv] gap: moved minus template */
+    double measured;                  /* holes_mark()'s area of moved */
+    double *ground; /* [general.nv] height of the template, where it covers the vertex */
 };
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */

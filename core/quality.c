@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "face.h"
+#include "frame.h"
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
@@ -294,4 +295,47 @@ enum status quality_rate(struct face *f, struct scratch *s)
     if (q->noise_mm > NOISE_MAX || laid > SPIKES_MAX * m->nv || q->coverage < COVER_MIN)
         return ST_EQUALITY;
     return ST_OK;
+}
+
+enum status quality_place(const struct frame *frame)
+{
+    const bool loose =
+        frame->cost_mm > QUALITY_LOOSE_MM && frame->within < QUALITY_LOOSE_SHARE;
+
+    return frame->cost_mm > QUALITY_APART_MM || loose ? ST_ENOTFACE : ST_OK;
+}
+
+/* Is the face turned away from the scanner, whose axes the frame's pose leads from? */
+static bool turned(const struct align_pose *p)
+{
+    static const double degree = 3.14159265358979323846 / 180;
+    const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
+
+    return fabs(atan2(r[6], r[8])) > 30 * degree || fabs(pitch) > 20 * degree ||
+           fabs(atan2(r[3], r[4])) > 20 * degree;
+}
+
+unsigned quality_reasons(const struct face_quality *q, const struct frame *frame)
+{
+    unsigned bits = 0;
+
+    bits |= q->density_mm > QUALITY_SPARSE_MM ? 1U << QUALITY_SPARSE : 0;
+    bits |= q->noise_mm > QUALITY_NOISY_MM ? 1U << QUALITY_NOISY : 0;
+    bits |= q->coverage < QUALITY_INCOMPLETE_SHARE ? 1U << QUALITY_INCOMPLETE : 0;
+    if (frame == NULL)
+        return bits;
+    bits |= turned(&frame->pose) ? 1U << QUALITY_TURNED : 0;
+    bits |= frame->cost_mm > QUALITY_UNUSUAL_MM ? 1U << QUALITY_UNUSUAL : 0;
+    return bits;
+}
+
+const char *quality_reason_name(enum quality_reason r)
+{
+    static const char *const name[QUALITY_REASONS] = {
+        [QUALITY_SPARSE] = "sparse",         [QUALITY_NOISY] = "noisy",
+        [QUALITY_INCOMPLETE] = "incomplete", [QUALITY_TURNED] = "turned",
+        [QUALITY_UNUSUAL] = "unusual",
+    };
+
+    return name[r];
 }

@@ -8,12 +8,12 @@
 #include "rates.h"
 #include "store.h"
 
-/* Engines are "surfaced/VERSION measure/N": disparities of one measure are no others'. */
-static bool same_measure(const char *engine)
+bool calibration_holds(const struct store *s, const struct store_calibration *k)
 {
-    const char *theirs = strchr(engine, ' '), *ours = strchr(FACE_ENGINE, ' ');
+    /* "surfaced/VERSION measure/N model/HHHHHHHH": the version does not matter. */
+    const char *theirs = strchr(k->engine, ' '), *ours = strchr(store_made_by(s), ' ');
 
-    return theirs != NULL && strcmp(theirs, ours) == 0;
+    return k->shipped || (theirs != NULL && strcmp(theirs, ours) == 0);
 }
 
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
@@ -25,9 +25,10 @@ enum status calibration_in_force(struct store *s, struct store_calibration *k,
         memset(k, 0, sizeof *k);
     else if (st != ST_OK)
         return st;
-    if (st == ST_ENOTFOUND || k->shipped || !same_measure(k->engine)) {
+    k->ignored = st == ST_OK && !calibration_holds(s, k);
+    if (st == ST_ENOTFOUND || k->shipped || k->ignored) {
         k->shipped = true;
-        k->decision = model_default.decision;
+        k->decision = store_model(s)->decision;
     }
     return ST_OK;
 }

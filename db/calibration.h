@@ -1,8 +1,10 @@
 /* calibration.h -- the calibration in force: the newest of the store, or the table that is
- * shipped (core/model.h) where there is none, where the newest says so, and where it was
- * made for another measure than this program's. */
+ * comes with the model (core/model.h; of the one that the store is used with) where there is
+ * none, where the newest says so, and where it was made for another measure than this
+ * program's or for another model. */
 #ifndef DB_CALIBRATION_H
 #define DB_CALIBRATION_H
+#include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
 
@@ -13,8 +15,13 @@ struct rates;             /* rates.h */
 struct store;             /* store.h */
 struct store_calibration; /* store.h */
 
+/* calibration_holds(s, k): was k made for the measure and the model that s is used with? */
+bool calibration_holds(const struct store *s, const struct store_calibration *k);
+
 /* calibration_in_force(s, k, e): *k is the newest one, or one of version 0 where there is
- * none; k->decision is what decides, and k->shipped tells whether it is the shipped table.
+ * none; k->decision is what decides, and k->shipped tells whether it is the model's own
+ * table; k->ignored, whether that is because the newest does not hold: whoever starts should
+ * say so.
  * ST_ECORRUPT: the newest is damaged; nobody should decide then. */
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
                                  struct errinfo *e);

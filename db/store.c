@@ -9,6 +9,7 @@
 #include "codec.h"
 #include "errinfo.h"
 #include "mesh.h"
+#include "model.h"
 #include "store_engine.h"
 #include "store_sqlite.h"
 
@@ -17,10 +18,30 @@
 enum status store_open(const char *path, enum store_mode mode, struct store **out,
                        struct errinfo *e)
 {
+    enum status st;
+
     *out = NULL;
     if (sodium_init() < 0)
         return errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
-    return store_sqlite_open(path, mode, out, e);
+    if ((st = store_sqlite_open(path, mode, out, e)) == ST_OK)
+        store_use_model(*out, NULL);
+    return st;
+}
+
+void store_use_model(struct store *s, const struct model *m)
+{
+    s->model = m != NULL ? m : &model_default;
+    face_engine(s->model, s->made_by);
+}
+
+const struct model *store_model(const struct store *s)
+{
+    return s->model;
+}
+
+const char *store_made_by(const struct store *s)
+{
+    return s->made_by;
 }
 
 void store_close(struct store *s)
@@ -179,7 +200,7 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     (void)snprintf(t->subject, sizeof t->subject, "%s", subject);
     (void)snprintf(t->label, sizeof t->label, "%s", label);
     (void)snprintf(t->created, sizeof t->created, "%s", by.at);
-    (void)snprintf(t->engine, sizeof t->engine, "%s", FACE_ENGINE);
+    (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
     t->points = f->mesh.nv;
     t->triangles = mesh_real(&f->mesh);
     t->quality = f->quality;
@@ -412,7 +433,7 @@ enum status store_calibration_add(struct store *s, const char *actor,
         return st;
     (void)snprintf(k->created, sizeof k->created, "%s", by.at);
     (void)snprintf(k->actor, sizeof k->actor, "%s", actor);
-    (void)snprintf(k->engine, sizeof k->engine, "%s", FACE_ENGINE);
+    (void)snprintf(k->engine, sizeof k->engine, "%s", s->made_by);
     return s->engine->calibration_add(s, &by, k, e);
 }
 

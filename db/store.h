@@ -19,6 +19,7 @@
 #include "status.h"
 
 struct errinfo;
+struct model; /* model.h */
 struct store;
 
 #define STORE_SUBJECT_MAX 128 /* A-Z a-z 0-9 . _ - @ : */
@@ -38,6 +39,14 @@ enum status store_open(const char *path, enum store_mode mode, struct store **ou
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
 
+/* store_use_model(s, m): what is enrolled and calibrated from now on is by this model, which
+ * the callers' face_work must be for too.  m is borrowed; NULL, as after store_open():
+ * model_default.  Before other threads use s.
+ * store_made_by(s): face_engine() of it, s's own. */
+void store_use_model(struct store *s, const struct model *m);
+const struct model *store_model(const struct store *s);
+const char *store_made_by(const struct store *s);
+
 /* store_ready(s, e): can the database be reached, and is its schema this program's? */
 enum status store_ready(struct store *s, struct errinfo *e);
 
@@ -50,7 +59,7 @@ struct store_template { /* everything about a template but its model */
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
     char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
-    char engine[64];
+    char engine[FACE_ENGINE_MAX + 1];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
     struct face_quality quality;
 };
@@ -143,14 +152,17 @@ struct store_calibration {
     int64_t version;  /* 1, 2, ...: the greatest is in force */
     char created[32]; /* RFC 3339, UTC */
     char actor[STORE_NAME_MAX + 1];
-    char engine[64];        /* that made it: it holds for no other measure */
-    bool shipped;           /* back to the table that comes with the program */
-    double fmr;             /* the false match rate that was wanted */
-    double low_mm, high_mm; /* 95 % interval of the threshold */
-    uint64_t subjects;      /* people whose templates were compared */
-    uint64_t impostors;     /* comparisons of different people, and of the same */
+    char engine[FACE_ENGINE_MAX + 1]; /* that made it: it holds for no other measure, and
+                                         for no other model */
+    bool shipped;                     /* back to the table that comes with the program */
+    double fmr;                       /* the false match rate that was wanted */
+    double low_mm, high_mm;           /* 95 % interval of the threshold */
+    uint64_t subjects;                /* people whose templates were compared */
+    uint64_t impostors; /* comparisons of different people, and of the same */
     uint64_t genuine;
     struct decision decision; /* valid */
+    bool ignored; /* set by calibration_in_force() alone: it is the newest, but made by
+                     another engine, so that it does not decide */
 };
 
 /* store_calibration_add(s, actor, k, e): append *k, whose version, time, actor and engine

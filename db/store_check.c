@@ -82,7 +82,7 @@ enum status store_check(struct store *s, void (*report)(void *arg, const char *l
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((c.work = face_work_new(NULL)) == NULL)
+    if ((c.work = face_work_new(store_model(s))) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK)
         st = s->engine->template_each(s, check_template, count_template, &c, e);

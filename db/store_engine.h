@@ -11,6 +11,8 @@
 
 struct store { /* the first member of an engine's own struct */
     const struct store_engine *engine;
+    const struct model *model; /* store_use_model() */
+    char made_by[FACE_ENGINE_MAX + 1];
 };
 
 struct store_act { /* who changes something, and when */

@@ -21,7 +21,8 @@ enum { /* options that not every command takes */
        OPT_GENUINE = 1024,
        OPT_DRY_RUN = 2048,
        OPT_LIST = 4096,
-       OPT_RESET = 8192
+       OPT_RESET = 8192,
+       OPT_MODEL = 16384
 };
 
 struct command {
@@ -42,23 +43,23 @@ static const struct command commands[] = {
      "little in common with them to tell, is refused, unless --force is given.  A bad scan\n"
      "does not stop the others.",
      "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply", 2, 1 << 30,
-     OPT_DB | OPT_UNITS | OPT_LABEL | OPT_FORCE, surfacectl_face_enroll},
+     OPT_DB | OPT_UNITS | OPT_LABEL | OPT_FORCE | OPT_MODEL, surfacectl_face_enroll},
     {"verify", "SUBJECT FILE", "compare a scan with a subject's templates",
      "The template with the lowest disparity decides.  Exit: 0 match, 1 no match,\n"
      "2 inconclusive.",
      "surfacectl --db faces.db verify alice probe.ply", 2, 2,
-     OPT_DB | OPT_UNITS | OPT_THRESHOLD, surfacectl_face_verify},
+     OPT_DB | OPT_UNITS | OPT_THRESHOLD | OPT_MODEL, surfacectl_face_verify},
     {"compare", "A B", "compare two scans; no database is needed",
      "B is moved onto A.  Exit: 0 match, 1 no match, 2 inconclusive.",
-     "surfacectl compare monday.ply tuesday.ply", 2, 2, OPT_UNITS | OPT_THRESHOLD,
-     surfacectl_face_compare},
+     "surfacectl compare monday.ply tuesday.ply", 2, 2,
+     OPT_UNITS | OPT_THRESHOLD | OPT_MODEL, surfacectl_face_compare},
     {"explain", "A B", "compare two scans and show where they differ",
      "B is moved onto A.  With --db, A is a subject or a template; else a scan.  Writes\n"
      "into a directory: explain.txt and explain.json, gap.ply (the points of B, coloured\n"
      "by the signed gap), and by gnuplot gap.png and histogram.png.  They are biometric\n"
      "data: readable by their owner alone.  Exit: 0 match, 1 no match, 2 inconclusive.",
      "surfacectl explain monday.ply tuesday.ply --out why", 2, 2,
-     OPT_UNITS | OPT_THRESHOLD | OPT_OUT, surfacectl_explain},
+     OPT_UNITS | OPT_THRESHOLD | OPT_OUT | OPT_MODEL, surfacectl_explain},
     {"evaluate", "DIR|MANIFEST", "how well a collection of scans is told apart",
      "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table,\n"
      "with columns file and subject.  Of each subject the scan of kind `enroll`, or else\n"
@@ -67,8 +68,17 @@ static const struct command commands[] = {
      "comparison), rates.csv, and by gnuplot det and scores as .svg and .png.  With --db\n"
      "its calibration decides.  surfacectl(1) says more.",
      "surfacectl evaluate scans --out evaluation", 1, 1,
-     OPT_UNITS | OPT_THRESHOLD | OPT_OUT | OPT_IMPOSTORS | OPT_THREADS,
+     OPT_UNITS | OPT_THRESHOLD | OPT_OUT | OPT_IMPOSTORS | OPT_THREADS | OPT_MODEL,
      surfacectl_evaluate},
+    {"train", "DIR|MANIFEST", "learn a model from a collection of scans",
+     "DIR or MANIFEST as for evaluate.  Learns the mean face, what a face does between two\n"
+     "scans of one person, and the weight of each place; tells the error rates before and\n"
+     "after, the latter on people it was not learned from, and writes the model to the file\n"
+     "--out (./faces.model), for --model of the other commands and of surfaced.  It takes\n"
+     "20 subjects and 250 scans besides the enrolled ones, at least; hundreds of subjects\n"
+     "are better.  --label names the model; --model is the one to begin with.",
+     "surfacectl train scans/ --label 'door scanner' --out door.model", 1, 1,
+     OPT_UNITS | OPT_LABEL | OPT_OUT | OPT_THREADS | OPT_MODEL, surfacectl_train},
     {"list", "", "list the subjects", "In order of their ids.",
      "surfacectl --db faces.db list", 0, 0, OPT_DB, surfacectl_admin_list},
     {"show", "ID", "describe a subject or a template",
@@ -92,7 +102,7 @@ static const struct command commands[] = {
      "force when, --reset goes back to the table that comes with the program.",
      "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run", 0, 0,
      OPT_DB | OPT_UNITS | OPT_THREADS | OPT_FMR | OPT_GENUINE | OPT_DRY_RUN | OPT_LIST |
-         OPT_RESET,
+         OPT_RESET | OPT_MODEL,
      surfacectl_calibrate},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
@@ -111,8 +121,8 @@ static const char exit_help[] =
     "   1  verify, compare, explain: no match; check: problems found\n"
     "   2  verify, compare, explain: inconclusive (too little in common)\n"
     "  64  the command line is wrong\n"
-    "  65  a scan or the database is malformed or cannot be used\n"
-    "  66  no such file, subject, template, token or database\n"
+    "  65  a scan, a model or the database is malformed or cannot be used\n"
+    "  66  no such file, model, subject, template, token or database\n"
     "  70  a defect of this program or an error of the database engine\n"
     "  71  out of memory\n"
     "  74  reading or writing failed, disk full\n"
@@ -125,12 +135,18 @@ static const struct {
 } option_help[] = {
     {OPT_DB, "  --db PATH           the database; or set SURFACED_DB\n"},
     {OPT_UNITS, "  --units mm|cm|m     of the scans' coordinates (mm)\n"},
-    {OPT_LABEL, "  --label TEXT        a note kept with each template\n"},
+    {OPT_LABEL,
+     "  --label TEXT        a note kept with each template; of train, the model's name\n"},
     {OPT_FORCE,
      "  --force             enroll scans that do not fit the subject's others\n"},
     {OPT_THRESHOLD,
      "  --threshold-mm MM   decide by another threshold than the default\n"},
-    {OPT_OUT, "  --out DIR           where the files go (./explanation, ./evaluation)\n"},
+    {OPT_OUT,
+     "  --out DIR|FILE      where the files go (./explanation, ./evaluation); of train,\n"
+     "                      the model's file (./faces.model)\n"},
+    {OPT_MODEL,
+     "  --model FILE        judge by a model that surfacectl train wrote; or set\n"
+     "                      SURFACED_MODEL\n"},
     {OPT_IMPOSTORS,
      "  --impostors N       compare each probe with N other subjects (all, up to 200,000\n"
      "                      comparisons)\n"},
@@ -251,6 +267,7 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                    {"--threads", OPT_THREADS},
                    {"--fmr", OPT_FMR},
                    {"--genuine", OPT_GENUINE},
+                   {"--model", OPT_MODEL},
                    {"--threshold-mm", OPT_THRESHOLD}};
     const char *value, *name = argv[*i];
 
@@ -273,6 +290,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                 *ok = usage(&l->c.e, "threads are 1 to 1000000, not", value);
         } else if (options[k].option == OPT_GENUINE) {
             l->c.genuine = value;
+        } else if (options[k].option == OPT_MODEL) {
+            l->c.model_path = value;
         } else if (options[k].option == OPT_FMR) {
             if (!number(value, 0.5, &l->c.fmr))
                 *ok = usage(&l->c.e, "a rate is above 0 and at most 0.5, not", value);
@@ -377,9 +396,18 @@ static void print_error(struct surfacectl *c, int code)
     surfacectl_out_close(c->out);
 }
 
+/* NULL where it is not set, or empty. */
+static const char *environment(const char *name)
+{
+    const char *value = getenv(name);
+
+    return value != NULL && value[0] != '\0' ? value : NULL;
+}
+
 int main(int argc, char **argv)
 {
     struct line l = {0};
+    struct model *model = NULL;
     bool ok = read_line(argc, argv, &l);
     int code = EXIT_USAGE;
 
@@ -392,14 +420,20 @@ int main(int argc, char **argv)
         return EXIT_FINE;
     }
     if (ok && (l.cmd->options & OPT_DB) && l.c.db == NULL &&
-        ((l.c.db = getenv("SURFACED_DB")) == NULL || l.c.db[0] == '\0'))
+        (l.c.db = environment("SURFACED_DB")) == NULL)
         ok = usage(&l.c.e, "which database?  --db PATH or SURFACED_DB", "");
     if ((l.c.out = surfacectl_out_new(l.c.json)) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
         return EXIT_OSERR;
     }
-    if (ok)
-        code = l.cmd->run(&l.c);
+    if (ok && (l.cmd->options & OPT_MODEL) && l.c.model_path == NULL)
+        l.c.model_path = environment("SURFACED_MODEL");
+    if (ok) {
+        const enum status st = surfacectl_model_read(&l.c, &model);
+
+        code = st == ST_OK ? l.cmd->run(&l.c) : surfacectl_fail(&l.c, st);
+    }
+    free(model);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);
     if (!surfacectl_out_end(l.c.out, stdout)) {

@@ -4,6 +4,8 @@
  *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
  *   surfacectl_evaluate.c  evaluate: the rates; surfacectl_trials.h the comparisons,
  *                       surfacectl_report.h what is written
+ *   surfacectl_train.c  train
+ *   surfacectl_model.c  --model, and the database opened for it
  *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_admin.c  init, list, show, delete, check, stats, token
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
@@ -14,10 +16,13 @@
 #define DB_SURFACECTL_H
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include "errinfo.h"
 #include "face.h"
 #include "store.h"
 #include "surfacectl_out.h"
+
+struct model; /* model.h */
 
 #define SURFACECTL_ACTOR "surfacectl" /* in the events table */
 
@@ -51,7 +56,10 @@ struct surfacectl { /* what the command line said */
     const char *genuine; /* a manifest, or NULL */
     bool json, yes, force, dry_run, list, reset;
     int nargs;
-    char **args; /* the command's own */
+    char **args;                      /* the command's own */
+    const char *model_path;           /* --model; NULL: the shipped one */
+    const struct model *model;        /* that it names */
+    char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct surfacectl_out *out;
     struct errinfo e; /* why a command did not end with 0, 1 or 2 */
 };
@@ -66,6 +74,7 @@ int surfacectl_face_compare(struct surfacectl *c);
 int surfacectl_explain(struct surfacectl *c);
 int surfacectl_evaluate(struct surfacectl *c);
 int surfacectl_calibrate(struct surfacectl *c);
+int surfacectl_train(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);
@@ -73,6 +82,14 @@ int surfacectl_admin_delete(struct surfacectl *c);
 int surfacectl_admin_check(struct surfacectl *c);
 int surfacectl_admin_stats(struct surfacectl *c);
 int surfacectl_admin_token(struct surfacectl *c);
+
+/* surfacectl_model_read(c, owned): c->model and c->engine by c->model_path; *owned is for
+ * the caller to free() when c is done.  c->e is filled on failure.
+ * surfacectl_model_store(c, mode, s): store_open() for that model; says on standard error
+ * where the database's calibration is of no use with it. */
+enum status surfacectl_model_read(struct surfacectl *c, struct model **owned);
+enum status surfacectl_model_store(struct surfacectl *c, enum store_mode mode,
+                                   struct store **s);
 
 /* surfacectl_face_nearest(c, s, subject, probe, w, best): the probe compared with all of a
  * subject's templates, by the database's calibration; ST_ENOTFOUND without any. */
@@ -89,11 +106,17 @@ enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
 const char *surfacectl_face_decision(enum face_decision d);
 int surfacectl_face_exit(enum face_decision d);
 
-/* What every JSON answer to a comparison has; q: the probe's. */
-void surfacectl_face_verdict(struct surfacectl_out *o, const struct face_result *r,
-                             const struct face_quality *q);
+/* What every JSON answer to a comparison has. */
+void surfacectl_face_verdict(struct surfacectl_out *o, const char *engine,
+                             const struct face_result *r, const struct face *probe);
+/* frame: NULL where it is not known (quality_reasons()). */
 void surfacectl_face_quality(struct surfacectl_out *o, const char *key,
-                             const struct face_quality *q);
+                             const struct face_quality *q, const struct frame *frame);
+
+/* Parts of it as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */
+void surfacectl_face_regions(FILE *to, const struct face_result *r);
+void surfacectl_face_alignment(FILE *to, const struct align_result *a);
+void surfacectl_face_reasons(FILE *to, const struct face *f);
 
 /* surfacectl_scan_read(c, path, w, out): the scan in a file ("-": standard input), in
  * c->units, as a model.  Every failure is in c->e, with the path. */

@@ -57,7 +57,7 @@ static int by_mm(const void *x, const void *y)
 }
 
 /* Pairs of people who are too alike, each once, the most alike first. */
-static enum status find_suspects(struct result *r)
+static enum status find_suspects(const struct surfacectl *c, struct result *r)
 {
     const struct surfacectl_people *p = &r->people;
     size_t n = 0, kept = 0;
@@ -68,7 +68,7 @@ static enum status find_suspects(struct result *r)
         const struct rates_score *s = &p->score[i];
 
         if (s->template == s->probe ||
-            decision_fmr(&model_default.decision, s->mm) >= SUSPICIOUS)
+            decision_fmr(&c->model->decision, s->mm) >= SUSPICIOUS)
             continue;
         r->suspect[n++] =
             s->template <s->probe ? (struct suspect){s->template, s->probe, s->mm}
@@ -138,7 +138,7 @@ static enum status learn(struct surfacectl *c, struct result *r)
         rates_new(r->people.score, r->people.nscore, r->people.nperson, &r->rates);
 
     if (st == ST_OK)
-        st = find_suspects(r);
+        st = find_suspects(c, r);
     if (st == ST_OK)
         st = calibration_learn(r->rates, c->fmr, &k->decision);
     threshold = k->decision.threshold_mm;
@@ -158,8 +158,8 @@ static enum status learn(struct surfacectl *c, struct result *r)
     r->fnmr = rates_fnmr(r->rates, threshold);
     r->fnmr_low = low.fnmr;
     r->fnmr_high = high.fnmr;
-    r->shipped_fmr = rates_fmr(r->rates, model_default.decision.threshold_mm);
-    r->shipped_fnmr = rates_fnmr(r->rates, model_default.decision.threshold_mm);
+    r->shipped_fmr = rates_fmr(r->rates, c->model->decision.threshold_mm);
+    r->shipped_fnmr = rates_fnmr(r->rates, c->model->decision.threshold_mm);
     return ST_OK;
 }
 
@@ -205,7 +205,7 @@ static void out_result(struct surfacectl *c, const struct result *r)
     surfacectl_out_number(o, "replicates", RATES_REPLICATES);
     surfacectl_out_number(o, "seed", (double)SEED);
     surfacectl_out_object(o, "shipped");
-    surfacectl_out_number(o, "threshold_mm", model_default.decision.threshold_mm);
+    surfacectl_out_number(o, "threshold_mm", c->model->decision.threshold_mm);
     surfacectl_out_number(o, "fmr", r->shipped_fmr);
     if (r->k.genuine > 0)
         surfacectl_out_number(o, "fnmr", r->shipped_fnmr);
@@ -246,7 +246,7 @@ static void print_suspects(const struct result *r)
         (void)printf("  and %zu pairs more (--json has all)\n", r->nsuspect - SUSPECTS);
 }
 
-static void print_result(const struct result *r)
+static void print_result(const struct surfacectl *c, const struct result *r)
 {
     const struct surfacectl_people *p = &r->people;
     const struct store_calibration *k = &r->k;
@@ -262,8 +262,8 @@ static void print_result(const struct result *r)
         "             95 %% interval %.4f to %.4f mm (%d bootstrap replicates over "
         "subjects, seed %llu)\n",
         k->low_mm, k->high_mm, RATES_REPLICATES, (unsigned long long)SEED);
-    (void)printf("shipped      %.4f mm: %.3g %% here\n",
-                 model_default.decision.threshold_mm, 100 * r->shipped_fmr);
+    (void)printf("shipped      %.4f mm: %.3g %% here\n", c->model->decision.threshold_mm,
+                 100 * r->shipped_fmr);
     if (k->genuine > 0)
         (void)printf(
             "genuine      %llu comparisons: %.3g %% refused, 95 %% interval %.3g to "
@@ -315,7 +315,7 @@ static enum status calibrate(struct surfacectl *c, struct store *s)
     if (st == ST_OK) {
         out_result(c, &r);
         if (!c->json)
-            print_result(&r);
+            print_result(c, &r);
         st = store_it(c, s, &r.k);
     }
     free(r.suspect);
@@ -326,7 +326,7 @@ static enum status calibrate(struct surfacectl *c, struct store *s)
 
 static enum status reset(struct surfacectl *c, struct store *s)
 {
-    const struct decision *d = &model_default.decision;
+    const struct decision *d = &c->model->decision;
     struct store_calibration k = {.shipped = true,
                                   .fmr = decision_fmr(d, d->threshold_mm),
                                   .low_mm = d->threshold_mm,
@@ -398,7 +398,7 @@ int surfacectl_calibrate(struct surfacectl *c)
     }
     if (!(c->fmr > 0))
         c->fmr = DEFAULT_FMR;
-    st = store_open(c->db, c->list || c->dry_run ? STORE_READ : STORE_WRITE, &s, &c->e);
+    st = surfacectl_model_store(c, c->list || c->dry_run ? STORE_READ : STORE_WRITE, &s);
     if (st == ST_OK)
         st = c->list ? list(c, s) : c->reset ? reset(c, s) : calibrate(c, s);
     store_close(s);

@@ -277,6 +277,7 @@ static enum status evaluate(struct surfacectl *c, const struct corpus *corpus,
     const char *dir = c->dir != NULL ? c->dir : "evaluation";
     struct surfacectl_report r = {.source = c->args[0],
                                   .judge = judge,
+                                  .engine = c->engine,
                                   .replicates = RATES_REPLICATES,
                                   .seed = SEED};
     struct surfacectl_trials *t;
@@ -314,15 +315,15 @@ static enum status evaluate(struct surfacectl *c, const struct corpus *corpus,
 
 int surfacectl_evaluate(struct surfacectl *c)
 {
-    struct surfacectl_trials_options o = {.impostors = c->impostors,
-                                          .threads = c->threads};
+    struct surfacectl_trials_options o = {
+        .model = c->model, .impostors = c->impostors, .threads = c->threads};
     struct store_calibration k;
     struct corpus *corpus = NULL;
     struct store *s = NULL;
     const char *judge = "as shipped";
     enum status st = ST_OK;
 
-    if (c->db != NULL && (st = store_open(c->db, STORE_READ, &s, &c->e)) == ST_OK &&
+    if (c->db != NULL && (st = surfacectl_model_store(c, STORE_READ, &s)) == ST_OK &&
         (st = calibration_in_force(s, &k, &c->e)) == ST_OK) {
         o.decision = &k.decision;
         judge = k.shipped ? judge : "of the database";

@@ -15,7 +15,7 @@ static enum status template_stored(struct surfacectl *c, struct face_work *w,
 {
     struct surfacectl_nearest best;
     struct store *s;
-    enum status st = store_open(c->db, STORE_WRITE, &s, &c->e);
+    enum status st = surfacectl_model_store(c, STORE_WRITE, &s);
 
     if (st != ST_OK)
         return st;
@@ -112,8 +112,8 @@ static enum status write_all(struct surfacectl *c, const struct explanation *x,
 int surfacectl_explain(struct surfacectl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "explanation";
-    struct explanation x = {.a = c->args[0], .b = c->args[1]};
-    struct face_work *w = face_work_new(NULL);
+    struct explanation x = {.a = c->args[0], .b = c->args[1], .engine = c->engine};
+    struct face_work *w = face_work_new(c->model);
     struct store_template t = {0};
     bool pictures = false;
     enum status st;

@@ -33,6 +33,7 @@ struct explain_gap {
 
 struct explanation {
     const char *a, *b;       /* as the command line names them */
+    const char *engine;      /* face_engine() */
     const char *template_id; /* NULL: a is a scan */
     unsigned compared;       /* templates of a; that one was the nearest */
     struct face tmpl, probe;

@@ -17,7 +17,7 @@ static const char *reason(const struct face_result *r)
     return "the common area has too small a share of the weight";
 }
 
-/* What the comparison found; a table of it by region of the face belongs at the end. */
+/* What the comparison found; by region of the face at the end. */
 static void print_result(FILE *to, const struct face_result *r)
 {
     (void)fprintf(to, "decision     %s: %s\n", surfacectl_face_decision(r->decision),
@@ -28,20 +28,28 @@ static void print_result(FILE *to, const struct face_result *r)
                   r->fmr_at_score);
     (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
                   r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
+    (void)fprintf(
+        to,
+        "common       %.1f %% of the template's area, %.1f %% of a face's weight "
+        "(at least %.0f and %.0f %% are needed)\n",
+        100 * r->measure.overlap, 100 * r->weight_overlap, 100 * decision_min_overlap,
+        100 * decision_min_weight);
     (void)fprintf(to,
-                  "common       %.1f %% of the template's area, %.1f %% of its weight "
-                  "(at least %.0f %% of each is needed)\n",
-                  100 * r->measure.overlap, 100 * r->weight_overlap,
-                  100 * decision_min_overlap);
+                  "change       %.3f mm (root mean square) taken out as change of one "
+                  "face\n",
+                  r->change_mm);
+    surfacectl_face_alignment(to, &r->align);
+    surfacectl_face_regions(to, r);
 }
 
 static void print_quality(FILE *to, const char *who, const struct face *f)
 {
     (void)fprintf(to,
                   "%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
-                  "noise %.3f mm)\n",
+                  "noise %.3f mm)",
                   who, f->mesh.nv, f->quality.score, f->quality.coverage,
                   f->quality.density_mm, f->quality.noise_mm);
+    surfacectl_face_reasons(to, f);
 }
 
 static void print_gap(FILE *to, const struct explanation *x)
@@ -93,10 +101,14 @@ void surfacectl_explain_out(struct surfacectl_out *o, const struct explanation *
     if (x->template_id != NULL)
         surfacectl_out_text(o, "template_id", x->template_id);
     surfacectl_out_text(o, "probe", x->b);
-    surfacectl_face_verdict(o, &x->result, &x->probe.quality);
-    surfacectl_face_quality(o, "template_quality", &x->tmpl.quality);
+    surfacectl_face_verdict(o, x->engine, &x->result, &x->probe);
+    surfacectl_face_quality(o, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
     surfacectl_out_text(o, "reason", reason(&x->result));
-    surfacectl_out_number(o, "weight_overlap", x->result.weight_overlap);
+    surfacectl_out_object(o, "region_weight");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        surfacectl_out_number(o, grid_region_name((enum grid_region)i),
+                              x->result.region_weight[i]);
+    surfacectl_out_close(o);
     surfacectl_out_object(o, "gap");
     surfacectl_out_number(o, "points", (double)x->n);
     surfacectl_out_number(o, "compared", (double)s->compared);

@@ -1,9 +1,13 @@
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "calibration.h"
+#include "frame.h"
+#include "grid.h"
+#include "quality.h"
 #include "surfacectl.h"
 
 static double clock_ms(void)
@@ -76,18 +80,42 @@ enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
 }
 
 void surfacectl_face_quality(struct surfacectl_out *o, const char *key,
-                             const struct face_quality *q)
+                             const struct face_quality *q, const struct frame *frame)
 {
+    const unsigned reasons = quality_reasons(q, frame);
+
     surfacectl_out_object(o, key);
     surfacectl_out_number(o, "score", q->score);
     surfacectl_out_number(o, "coverage", q->coverage);
     surfacectl_out_number(o, "density_mm", q->density_mm);
     surfacectl_out_number(o, "noise_mm", q->noise_mm);
+    surfacectl_out_array(o, "reasons");
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        if (reasons & (1U << i))
+            surfacectl_out_text(o, NULL, quality_reason_name((enum quality_reason)i));
+    surfacectl_out_close(o);
     surfacectl_out_close(o);
 }
 
-void surfacectl_face_verdict(struct surfacectl_out *o, const struct face_result *r,
-                             const struct face_quality *q)
+static void out_alignment(struct surfacectl_out *o, const struct align_result *a)
+{
+    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
+                                       [ALIGN_STEPS] = "steps",
+                                       [ALIGN_APART] = "apart"};
+
+    surfacectl_out_object(o, "alignment");
+    surfacectl_out_number(o, "starts", a->starts);
+    surfacectl_out_number(o, "evaluations", a->evaluations);
+    surfacectl_out_text(o, "stop", stop[a->stop]);
+    surfacectl_out_number(o, "turn_deg", a->turn_deg); /* null where infinite */
+    surfacectl_out_number(o, "shift_mm", a->shift_mm);
+    surfacectl_out_number(o, "cost_mm", a->cost_mm);
+    surfacectl_out_number(o, "rival_mm", a->rival_mm);
+    surfacectl_out_close(o);
+}
+
+void surfacectl_face_verdict(struct surfacectl_out *o, const char *engine,
+                             const struct face_result *r, const struct face *probe)
 {
     surfacectl_out_text(o, "decision", surfacectl_face_decision(r->decision));
     surfacectl_out_number(o, "disparity_mm", r->disparity_mm);
@@ -101,15 +129,63 @@ void surfacectl_face_verdict(struct surfacectl_out *o, const struct face_result 
     for (int i = 0; i < 16; i++)
         surfacectl_out_number(o, NULL, r->align.transform[i]);
     surfacectl_out_close(o);
-    surfacectl_face_quality(o, "quality", q);
-    surfacectl_out_text(o, "engine", FACE_ENGINE);
+    out_alignment(o, &r->align);
+    surfacectl_out_number(o, "weight_overlap", r->weight_overlap);
+    surfacectl_out_number(o, "change_mm", r->change_mm);
+    surfacectl_out_object(o, "regions");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        surfacectl_out_number(o, grid_region_name((enum grid_region)i), r->region_mm[i]);
+    surfacectl_out_close(o);
+    surfacectl_face_quality(o, "quality", &probe->quality, &probe->frame);
+    surfacectl_out_text(o, "engine", engine);
+}
+
+void surfacectl_face_regions(FILE *to, const struct face_result *r)
+{
+    (void)fprintf(to, "regions      disparity  of the weight\n");
+    for (int i = 0; i < GRID_REGIONS; i++) {
+        (void)fprintf(to, "  %-10s ", grid_region_name((enum grid_region)i));
+        if (isnan(r->region_mm[i]))
+            (void)fprintf(to, "%12s", "not covered");
+        else
+            (void)fprintf(to, "%9.3f mm", r->region_mm[i]);
+        (void)fprintf(to, " %8.1f %%\n", 100 * r->region_weight[i]);
+    }
+}
+
+void surfacectl_face_alignment(FILE *to, const struct align_result *a)
+{
+    (void)fprintf(to, "alignment    ");
+    if (isfinite(a->turn_deg) && isfinite(a->shift_mm))
+        (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
+                      a->turn_deg, a->shift_mm);
+    else
+        (void)fprintf(to, "how well it is known cannot be told");
+    if (isfinite(a->rival_mm))
+        (void)fprintf(to, "; mean gap %.2f mm, %.2f mm at the next best", a->cost_mm,
+                      a->rival_mm);
+    (void)fprintf(to, "\n");
+}
+
+void surfacectl_face_reasons(FILE *to, const struct face *f)
+{
+    const unsigned reasons = quality_reasons(&f->quality, &f->frame);
+    const char *between = " (";
+
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        if (reasons & (1U << i)) {
+            (void)fprintf(to, "%s%s", between,
+                          quality_reason_name((enum quality_reason)i));
+            between = ", ";
+        }
+    (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");
 }
 
 /* Everything about a comparison but the templates. */
 static void print_result(struct surfacectl *c, const struct face_result *r,
                          const struct face *probe, double ms)
 {
-    surfacectl_face_verdict(c->out, r, &probe->quality);
+    surfacectl_face_verdict(c->out, c->engine, r, probe);
     surfacectl_out_number(c->out, "total_ms", ms);
     if (c->json)
         return;
@@ -118,12 +194,16 @@ static void print_result(struct surfacectl *c, const struct face_result *r,
                  r->threshold_mm);
     (void)printf("impostors    a share of %.2g would score this low or lower\n",
                  r->fmr_at_score);
-    (void)printf(
-        "plain        %.3f mm (%.1f mm3 over %.1f mm2, %.0f %% of the template)\n",
-        r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2,
-        100 * r->measure.overlap);
-    (void)printf("scan         %u points, quality %.2f\n", probe->mesh.nv,
+    (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
+                 100 * r->measure.overlap, 100 * r->weight_overlap);
+    (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
+    surfacectl_face_alignment(stdout, &r->align);
+    surfacectl_face_regions(stdout, r);
+    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->measure.plain_mm,
+                 r->measure.volume_mm3, r->measure.area_mm2);
+    (void)printf("scan         %u points, quality %.2f", probe->mesh.nv,
                  probe->quality.score);
+    surfacectl_face_reasons(stdout, probe);
     (void)printf("time         %.1f ms\n", ms);
 }
 
@@ -177,10 +257,12 @@ static enum status enroll_file(struct surfacectl *c, struct store *s, const char
         surfacectl_out_number(o, "points", t.points);
         surfacectl_out_number(o, "triangles", t.triangles);
         surfacectl_out_text(o, "digest", t.digest);
-        surfacectl_face_quality(o, "quality", &t.quality);
-        if (!c->json)
-            (void)printf("%s  %s  %u points, quality %.2f%s\n", t.id, path, t.points,
+        surfacectl_face_quality(o, "quality", &t.quality, &f->frame);
+        if (!c->json) {
+            (void)printf("%s  %s  %u points, quality %.2f%s", t.id, path, t.points,
                          t.quality.score, created ? "" : " (was there already)");
+            surfacectl_face_reasons(stdout, f);
+        }
     } else {
         surfacectl_out_text(o, "error", c->e.msg);
         (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
@@ -192,7 +274,7 @@ static enum status enroll_file(struct surfacectl *c, struct store *s, const char
 int surfacectl_face_enroll(struct surfacectl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new(NULL);
+    struct face_work *w = face_work_new(c->model);
     struct face f = {0};
     struct store *s = NULL;
     int failed = 0, code = EXIT_FINE;
@@ -205,7 +287,7 @@ int surfacectl_face_enroll(struct surfacectl *c)
                          "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
                          subject, STORE_SUBJECT_MAX);
     else
-        st = store_open(c->db, STORE_WRITE, &s, &c->e);
+        st = surfacectl_model_store(c, STORE_WRITE, &s);
     if (st != ST_OK) {
         code = surfacectl_fail(c, st);
         goto out;
@@ -232,7 +314,7 @@ out:
 int surfacectl_face_verify(struct surfacectl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new(NULL);
+    struct face_work *w = face_work_new(c->model);
     struct face probe = {0};
     struct store *s = NULL;
     struct surfacectl_nearest best;
@@ -242,7 +324,7 @@ int surfacectl_face_verify(struct surfacectl *c)
     if (w == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     else
-        st = store_open(c->db, STORE_WRITE, &s, &c->e);
+        st = surfacectl_model_store(c, STORE_WRITE, &s);
     start = clock_ms();
     if (st == ST_OK)
         st = surfacectl_scan_read(c, c->args[1], w, &probe);
@@ -270,7 +352,7 @@ int surfacectl_face_verify(struct surfacectl *c)
 int surfacectl_face_compare(struct surfacectl *c)
 {
     const double start = clock_ms();
-    struct face_work *w = face_work_new(NULL);
+    struct face_work *w = face_work_new(c->model);
     struct face a = {0}, b = {0};
     struct face_result r;
     enum status st;

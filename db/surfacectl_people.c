@@ -7,7 +7,7 @@
 #include "codec.h"
 #include "corpus.h"
 #include "surfacectl.h"
-#include "surfacectl_pool.h"
+#include "pool.h"
 
 #define PAGE   1000 /* subjects read at a time */
 #define NOBODY UINT32_MAX
@@ -98,7 +98,7 @@ static enum status load_person(struct surfacectl *c, struct store *s,
 enum status surfacectl_people_load(struct surfacectl *c, struct store *s, uint64_t seed,
                                    struct surfacectl_people *p)
 {
-    struct face_work *w = face_work_new(NULL);
+    struct face_work *w = face_work_new(c->model);
     enum status st = w != NULL ? ST_OK : no_memory(c);
     uint32_t all = 0;
 
@@ -211,7 +211,7 @@ static enum status do_trials(struct surfacectl *c, struct surfacectl_people *p,
     enum status st = make_room(c, p, n, &t.score);
 
     if (st == ST_OK && n > 0)
-        st = surfacectl_pool_run(what, c->threads, NULL, n, do_trial, &t, &c->e);
+        st = pool_run(what, c->threads, c->model, n, do_trial, &t, &c->e);
     if (st == ST_OK)
         p->nscore += n;
     return st;
@@ -360,8 +360,7 @@ enum status surfacectl_people_manifest(struct surfacectl *c, struct surfacectl_p
     s.person = person;
     if ((st = make_room(c, p, corpus->nscan, &s.score)) != ST_OK)
         goto out;
-    st =
-        surfacectl_pool_run("scans", c->threads, NULL, corpus->nscan, do_scan, &s, &c->e);
+    st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
         keep_scores(p, s.score, corpus->nscan);
 out:

@@ -117,7 +117,7 @@ static void text_head(const struct surfacectl_report *r, FILE *to)
 
     (void)fprintf(to, "# Evaluation of face comparison\n\n| | |\n|---|---|\n| scans | ");
     name(to, r->source);
-    (void)fprintf(to, " |\n| made | %s by %s, calibration %s |\n", r->made, FACE_ENGINE,
+    (void)fprintf(to, " |\n| made | %s by %s, calibration %s |\n", r->made, r->engine,
                   r->judge);
     (void)fprintf(to,
                   "| subjects | %u in %u population%s; %u scans, %u of them probes |\n",

@@ -37,6 +37,7 @@ struct surfacectl_report_group {
 struct surfacectl_report {
     const struct surfacectl_trials *t;
     const char *source, *made, *judge; /* folder or manifest; when; which calibration */
+    const char *engine;                /* face_engine() */
     double threshold_mm;
     unsigned replicates; /* of the bootstrap */
     uint64_t seed;

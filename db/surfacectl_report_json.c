@@ -115,7 +115,7 @@ void surfacectl_report_json(const struct surfacectl_report *r, struct surfacectl
 
     surfacectl_out_text(o, "scans", r->source);
     surfacectl_out_text(o, "made", r->made);
-    surfacectl_out_text(o, "engine", FACE_ENGINE);
+    surfacectl_out_text(o, "engine", r->engine);
     surfacectl_out_text(o, "calibration", r->judge);
     surfacectl_out_number(o, "threshold_mm", r->threshold_mm);
     surfacectl_out_number(o, "subjects", t->corpus->nsubject);

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "surfacectl_pool.h"
+#include "pool.h"
 
 #define SEED UINT64_C(19795) /* the standard's number */
 
@@ -255,12 +255,11 @@ static enum status run_all(struct run *r, struct errinfo *e)
 
     if (st != ST_OK)
         return errinfo_set(e, st, "the comparisons: %s", status_message(st));
-    st = surfacectl_pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject,
-                             enroll_item, r, e);
+    st = pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject, enroll_item,
+                  r, e);
     t->build_s = (clock_ms() - start) / 1e3;
     if (st == ST_OK)
-        st = surfacectl_pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item,
-                                 r, e);
+        st = pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item, r, e);
     t->compare_s = (clock_ms() - start) / 1e3 - t->build_s;
     return st;
 }
@@ -279,7 +278,7 @@ enum status surfacectl_trials_run(struct surfacectl *c, const struct corpus *cor
     if (t != NULL) {
         t->corpus = corpus;
         t->seed = SEED;
-        t->nthread = surfacectl_pool_threads(o->threads);
+        t->nthread = pool_threads(o->threads);
         t->impostors = o->impostors > 0 ? o->impostors : share(corpus);
         t->refused = calloc(corpus->nscan, sizeof *t->refused);
         r.template = calloc(corpus->nsubject, sizeof *r.template);

@@ -37,7 +37,7 @@ struct surfacectl_trials {
 };
 
 struct surfacectl_trials_options {
-    const struct model *model;       /* NULL: model_default */
+    const struct model *model;
     const struct decision *decision; /* NULL: the model's */
     uint32_t
         impostors;    /* of each probe; 0: all, but SURFACECTL_TRIALS_IMPOSTORS in all */

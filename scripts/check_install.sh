@@ -11,7 +11,7 @@ cat >"$place/try.c" <<'END'
 #include <stdio.h>
 int main(void)
 {
-    struct face_work *w = face_work_new();
+    struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     struct dvec3 p[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     enum status st = face_build(p, 3, w, &f, NULL);

@@ -58,6 +58,7 @@ check "nothing unfinished" check_unfinished
 check "no warning from clang at -O0" clang_all
 check "format (make format)" clang-format --dry-run -Werror core/*.[ch] db/*.[ch] \
     server/*.[ch] tests/*.[ch]
+check "the same digits from gcc and clang, -O0 and -O3" scripts/check_digits.sh
 check "shell scripts (shellcheck)" shell_all
 check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-suppr \
     --enable=warning,portability --suppress=missingIncludeSystem \

@@ -7,11 +7,13 @@
 
 struct cache;   /* cache.h */
 struct metrics; /* metrics.h */
+struct model;   /* model.h */
 struct queue;   /* queue.h */
 struct store;   /* store.h */
 
 struct app {
-    struct store *store;
+    struct store *store; /* its calibration and engine are by the model */
+    struct model *model; /* NULL: model_default */
     struct cache *cache;
     struct metrics *metrics;
     struct queue *queue;

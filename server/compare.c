@@ -1,5 +1,6 @@
 #include "compare.h"
 
+#include "app.h"
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -9,6 +10,7 @@
 #include "params.h"
 #include "queue.h"
 #include "request.h"
+#include "store.h"
 #include "verify.h"
 
 void compare_handle(struct request *r, struct worker *w)
@@ -48,7 +50,8 @@ void compare_handle(struct request *r, struct worker *w)
     request_answer(r, 200,
                    json_verdict(&(struct json_verdict){
                        .result = &result,
-                       .quality = &w->probe.quality,
+                       .probe = &w->probe,
+                       .engine = store_made_by(r->app->store),
                        .templates_compared = 1,
                        .parse_ms = parsed - start,
                        .prepare_ms = prepared - parsed,

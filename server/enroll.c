@@ -60,7 +60,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         request_fail(r, &e);
         return;
     }
-    request_answer(r, created ? 201 : 200, json_template(&t));
+    request_answer(r, created ? 201 : 200, json_template(&t, &w->probe.frame));
     if (created)
         (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/templates/%s",
                        t.id);

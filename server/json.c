@@ -9,7 +9,9 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "face.h"
+#include "frame.h"
 #include "mem.h"
+#include "quality.h"
 #include "store.h"
 
 /* An object with more members is refused, so that looking for keys given twice stays cheap. */
@@ -247,13 +249,39 @@ static bool add_number(cJSON *o, const char *name, double value)
     return cJSON_AddNumberToObject(o, name, value) != NULL;
 }
 
-static bool add_quality(cJSON *o, const struct face_quality *q)
+/* null where there is none */
+static bool add_finite(cJSON *o, const char *name, double value)
+{
+    return isfinite(value) ? add_number(o, name, value)
+                           : cJSON_AddNullToObject(o, name) != NULL;
+}
+
+static bool add_reasons(cJSON *o, unsigned reasons)
+{
+    cJSON *x = cJSON_AddArrayToObject(o, "reasons");
+
+    for (int i = 0; i < QUALITY_REASONS; i++) {
+        cJSON *word;
+
+        if (!(reasons & (1U << i)))
+            continue;
+        word = cJSON_CreateString(quality_reason_name((enum quality_reason)i));
+        if (!cJSON_AddItemToArray(x, word)) {
+            cJSON_Delete(word);
+            return false;
+        }
+    }
+    return x != NULL;
+}
+
+static bool add_quality(cJSON *o, const struct face_quality *q, const struct frame *frame)
 {
     cJSON *x = cJSON_AddObjectToObject(o, "quality");
 
     return add_number(x, "score", q->score) && add_number(x, "coverage", q->coverage) &&
            add_number(x, "density_mm", q->density_mm) &&
-           add_number(x, "noise_mm", q->noise_mm);
+           add_number(x, "noise_mm", q->noise_mm) &&
+           add_reasons(x, quality_reasons(q, frame));
 }
 
 static bool add_transform(cJSON *o, const double transform[16])
@@ -275,8 +303,20 @@ static bool add_alignment(cJSON *o, const struct align_result *a)
 
     return add_number(x, "starts", a->starts) &&
            add_number(x, "evaluations", a->evaluations) &&
-           add_number(x, "exact_evaluations", a->exact) &&
-           add_string(x, "stop", stop[a->stop]);
+           add_string(x, "stop", stop[a->stop]) &&
+           add_finite(x, "turn_deg", a->turn_deg) &&
+           add_finite(x, "shift_mm", a->shift_mm) &&
+           add_finite(x, "cost_mm", a->cost_mm) && add_finite(x, "rival_mm", a->rival_mm);
+}
+
+static bool add_regions(cJSON *o, const double region_mm[GRID_REGIONS])
+{
+    cJSON *x = cJSON_AddObjectToObject(o, "regions");
+    bool good = x != NULL;
+
+    for (int i = 0; i < GRID_REGIONS && good; i++)
+        good = add_finite(x, grid_region_name((enum grid_region)i), region_mm[i]);
+    return good;
 }
 
 static bool add_heatmap(cJSON *o, const double *gap_mm, size_t n)
@@ -325,11 +365,13 @@ char *json_verdict(const struct json_verdict *v)
                add_number(o, "overlap", r->measure.overlap) &&
                add_number(o, "bridged_mm2", r->measure.bridged_mm2) &&
                add_transform(o, r->align.transform) && add_alignment(o, &r->align) &&
-               cJSON_AddObjectToObject(o, "regions") != NULL &&
+               add_number(o, "weight_overlap", r->weight_overlap) &&
+               add_number(o, "change_mm", r->change_mm) && add_regions(o, r->region_mm) &&
                add_string(o, "subject", v->subject) &&
                add_string(o, "template_id", v->template_id) &&
                add_number(o, "templates_compared", v->templates_compared) &&
-               add_quality(o, v->quality) && add_string(o, "engine", FACE_ENGINE) &&
+               add_quality(o, &v->probe->quality, &v->probe->frame) &&
+               add_string(o, "engine", v->engine) &&
                (v->gap_mm == NULL || add_heatmap(o, v->gap_mm, v->n)) &&
                add_timing(o, v));
 }
@@ -352,21 +394,22 @@ char *json_problem(const struct errmap *m, const char *detail, const char *reque
                           add_number(o, "threshold_mm", mismatch->threshold_mm))));
 }
 
-static bool fill_template(cJSON *o, const struct store_template *t)
+static bool fill_template(cJSON *o, const struct store_template *t,
+                          const struct frame *frame)
 {
     return add_string(o, "template_id", t->id) && add_string(o, "subject", t->subject) &&
            add_string(o, "label", t->label) && add_string(o, "created", t->created) &&
            add_number(o, "points", t->points) &&
            add_number(o, "triangles", t->triangles) &&
-           add_string(o, "digest", t->digest) && add_quality(o, &t->quality) &&
+           add_string(o, "digest", t->digest) && add_quality(o, &t->quality, frame) &&
            add_string(o, "engine", t->engine);
 }
 
-char *json_template(const struct store_template *t)
+char *json_template(const struct store_template *t, const struct frame *frame)
 {
     cJSON *o = cJSON_CreateObject();
 
-    return print(o, fill_template(o, t));
+    return print(o, fill_template(o, t, frame));
 }
 
 char *json_subject(const struct store_subject *s, const struct store_template *t,
@@ -381,7 +424,7 @@ char *json_subject(const struct store_subject *s, const struct store_template *t
 
         ok = cJSON_AddItemToArray(list, x);
         if (ok)
-            ok = fill_template(x, &t[i]);
+            ok = fill_template(x, &t[i], NULL);
         else
             cJSON_Delete(x);
     }
@@ -434,6 +477,7 @@ char *json_ready(const struct store_calibration *k)
     x = cJSON_AddObjectToObject(o, "calibration");
     return print(o, ok && add_number(x, "version", (double)k->version) &&
                         add_string(x, "source", k->shipped ? "shipped" : "database") &&
+                        add_string(x, "ignored", k->ignored ? k->engine : NULL) &&
                         add_number(x, "threshold_mm", d->threshold_mm) &&
                         add_number(x, "fmr", decision_fmr(d, d->threshold_mm)));
 }

@@ -11,7 +11,8 @@
 
 struct errinfo;
 struct errmap;
-struct face_quality;
+struct frame;
+struct face;
 struct face_result;
 struct store_calibration;
 struct store_subject;
@@ -50,8 +51,9 @@ char *json_problem(const struct errmap *m, const char *detail, const char *reque
 
 struct json_verdict {
     const struct face_result *result;
-    const struct face_quality *quality; /* of the probe */
-    const char *subject, *template_id;  /* NULL: null */
+    const struct face *probe;
+    const char *engine;                /* face_engine() */
+    const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
     double parse_ms, prepare_ms, align_ms, measure_ms, total_ms;
     const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
@@ -59,7 +61,10 @@ struct json_verdict {
 };
 
 char *json_verdict(const struct json_verdict *v);
-char *json_template(const struct store_template *t);
+
+/* json_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it is
+ * not at hand. */
+char *json_template(const struct store_template *t, const struct frame *frame);
 char *json_subject(const struct store_subject *s, const struct store_template *t,
                    size_t n);
 

@@ -2,16 +2,19 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sodium.h>
 
 #include "app.h"
 #include "cache.h"
+#include "calibration.h"
 #include "errinfo.h"
 #include "face.h"
 #include "http.h"
 #include "log.h"
 #include "metrics.h"
+#include "modelfile.h"
 #include "options.h"
 #include "queue.h"
 #include "store.h"
@@ -34,10 +37,15 @@ static void block_signals(sigset_t *stop)
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
 {
-    enum status st = store_open(o->db, STORE_CREATE, &app->store, e);
+    enum status st = ST_OK;
 
+    if (o->model != NULL)
+        st = modelfile_read(o->model, &app->model, e);
+    if (st == ST_OK)
+        st = store_open(o->db, STORE_CREATE, &app->store, e);
     if (st != ST_OK)
         return st;
+    store_use_model(app->store, app->model);
     app->cache = cache_new(CACHE_BYTES);
     app->metrics = metrics_new();
     if (app->cache == NULL || app->metrics == NULL)
@@ -58,6 +66,19 @@ static void stop(struct app *app, struct http *http)
     cache_free(app->cache);
     metrics_free(app->metrics);
     store_close(app->store);
+    free(app->model);
+}
+
+/* A calibration that does not hold is a change that nobody may have asked for. */
+static void warn_of_calibration(struct store *s)
+{
+    struct store_calibration k;
+
+    if (calibration_in_force(s, &k, NULL) == ST_OK && k.ignored)
+        log_line("warn",
+                 "msg=\"calibration %lld is not used: made by another measure or model\" "
+                 "made_by=\"%s\" threshold_mm=%.4f",
+                 (long long)k.version, k.engine, k.decision.threshold_mm);
 }
 
 int main(int argc, char **argv)
@@ -94,8 +115,9 @@ int main(int argc, char **argv)
     log_line("info",
              "msg=\"listening on %s\" engine=\"%s\" workers=%u queue=%u "
              "max_body=%zu auth=%s",
-             url, FACE_ENGINE, o.workers, o.queue, o.max_body,
+             url, store_made_by(app.store), o.workers, o.queue, o.max_body,
              o.no_auth ? "none" : "token");
+    warn_of_calibration(app.store);
     (void)sigwait(&stops, &sig);
     log_line("info", "msg=\"stopping\" signal=%s", sig == SIGTERM ? "SIGTERM" : "SIGINT");
     http_quiesce(http, GRACE_MS);

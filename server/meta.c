@@ -46,11 +46,11 @@ void meta_openapi(struct request *r, struct worker *w)
 
 void meta_version(struct request *r, struct worker *w)
 {
-    /* FACE_ENGINE is "surfaced/VERSION measure/N". */
-    const char *from = strchr(FACE_ENGINE, '/') + 1;
+    /* "surfaced/VERSION measure/N model/HHHHHHHH" */
+    const char *engine = store_made_by(r->app->store), *from = strchr(engine, '/') + 1;
     char version[32] = "";
 
     (void)w;
     memcpy(version, from, strcspn(from, " "));
-    request_answer(r, 200, json_version(version, FACE_ENGINE, __VERSION__));
+    request_answer(r, 200, json_version(version, engine, __VERSION__));
 }

@@ -17,12 +17,13 @@
 #define MAX_BODY     ((size_t)1 << 30)
 #define DEFAULT_BODY ((size_t)64 << 20) /* two clouds of 300,000 points as JSON */
 
-enum { DB, LISTEN, NO_AUTH, WORKERS, QUEUE, BODY, NOPTIONS, HELP, VERSION };
+enum { DB, MODEL, LISTEN, NO_AUTH, WORKERS, QUEUE, BODY, NOPTIONS, HELP, VERSION };
 
 static const struct {
     const char *name, *env, *fallback;
 } known[NOPTIONS] = {
     [DB] = {"db", "SURFACED_DB", NULL},
+    [MODEL] = {"model", "SURFACED_MODEL", NULL},
     [LISTEN] = {"listen", "SURFACED_LISTEN", "127.0.0.1:8787"},
     [NO_AUTH] = {"no-auth", "SURFACED_NO_AUTH", "0"},
     [WORKERS] = {"workers", "SURFACED_WORKERS", NULL},
@@ -35,6 +36,7 @@ static const char usage[] =
     "Verify faces by the shape of their surface, over HTTP.\n"
     "\n"
     "  --db PATH           the database; made if it is missing\n"
+    "  --model FILE        judge by a model that surfacectl train wrote\n"
     "  --listen ADDR:PORT  a loopback address, [::1]:PORT for IPv6; port 0 takes a free one,\n"
     "                      which the line logged at the start names (127.0.0.1:8787)\n"
     "  --no-auth           ask for no token\n"
@@ -43,8 +45,8 @@ static const char usage[] =
     "  --max-body BYTES    longest request body; beyond it: 413 (67108864)\n"
     "  --help, --version   print this, or the version, and exit\n"
     "\n"
-    "The same as environment: SURFACED_DB, SURFACED_LISTEN, SURFACED_NO_AUTH=1,\n"
-    "SURFACED_WORKERS, SURFACED_QUEUE, SURFACED_MAX_BODY.  An option wins.\n"
+    "The same as environment: SURFACED_DB, SURFACED_MODEL, SURFACED_LISTEN,\n"
+    "SURFACED_NO_AUTH=1, SURFACED_WORKERS, SURFACED_QUEUE, SURFACED_MAX_BODY.  An option wins.\n"
     "SIGTERM and SIGINT finish the running requests.  Exit status: 0 after a clean stop,\n"
     "1 when it could not start or go on, 2 for a bad option.\n";
 
@@ -124,6 +126,7 @@ static bool read_values(const char *const value[NOPTIONS], struct options *out, 
         (void)snprintf(err, size, "no database: give --db PATH or set SURFACED_DB");
         return false;
     }
+    out->model = value[MODEL];
     if (!read_address(value[LISTEN], out)) {
         (void)snprintf(err, size,
                        "--listen %s: not an address like 127.0.0.1:8787 or "
@@ -173,6 +176,7 @@ enum options_outcome options_read(int argc, char **argv, struct options *out, ch
 {
     static const struct option longopts[] = {
         {"db", required_argument, NULL, DB},
+        {"model", required_argument, NULL, MODEL},
         {"listen", required_argument, NULL, LISTEN},
         {"no-auth", no_argument, NULL, NO_AUTH},
         {"workers", required_argument, NULL, WORKERS},

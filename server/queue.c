@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "app.h"
+
 struct queue {
     void (*run)(struct worker *w, struct request *r);
     pthread_mutex_t lock;
@@ -69,7 +71,7 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
 
         w->app = app;
         w->queue = q;
-        w->work = face_work_new(NULL);
+        w->work = face_work_new(app->model);
         if (w->work == NULL)
             goto fail;
         if (pthread_create(&q->threads[i], NULL, serve, w) != 0) {

@@ -91,7 +91,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, json_template(&t));
+        request_answer(r, 200, json_template(&t, NULL));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)

@@ -130,7 +130,8 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     request_answer(r, 200,
                    json_verdict(&(struct json_verdict){
                        .result = &best.result,
-                       .quality = &w->probe.quality,
+                       .probe = &w->probe,
+                       .engine = store_made_by(r->app->store),
                        .subject = t[best.index].subject,
                        .template_id = t[best.index].id,
                        .templates_compared = best.compared,

@@ -82,18 +82,18 @@ static void add_pair(struct facegen_face *f, double x, double y, double sx, doub
 static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
                          double smile)
 {
-    const double eye_x = 31 + 1.8 * p[9], eye_y = 36 + 1.8 * p[10];
+    const double eye_x = 31 + 2.2 * p[9], eye_y = 33 + 2.2 * p[10];
     const double mouth_y = -30 + 2.2 * p[11], mouth = 17 + 1.6 * p[12] + 3.5 * smile;
     const double lips = 5 + 1.2 * p[13] - 1.8 * smile, chin_y = -62 + 2.5 * p[14];
 
     add_pair(f, f->side, -3, 6 + 0.5 * p[8], 6, 7 + p[8]);     /* wings of the nose */
-    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 1.8 * p[15]); /* orbits */
+    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 2.4 * p[15]); /* orbits */
     add_pair(f, eye_x, eye_y - 1, 9, 7, 6 + 0.8 * p[16]);      /* eyeballs, lids */
     add_pair(f, 22, eye_y + 14, 17, 6.5, 4 + 1.5 * p[17]);     /* brow */
     add(f, 0, eye_y + 12, 9, 8, 2 + 1.2 * p[17]);              /* between the brows */
     add_pair(f, 43 + 1.5 * p[18], 14 + 2 * p[18], 16, 13,
-             6 + 1.6 * p[19] + 1.2 * smile);     /* cheekbones */
-    add_pair(f, 37, -18, 17, 20, 2 + 2 * p[20]); /* cheeks */
+             1 + 1.6 * p[19] + 1.2 * smile);     /* cheekbones */
+    add_pair(f, 37, -18, 17, 20, 1 + 2 * p[20]); /* cheeks */
     add_pair(f, 33, -8, 11, 9, 3.2 * smile);     /* and their apples */
     add_pair(f, mouth + 9, -16, 5, 12, -1.2 - 0.4 * p[20] - 2 * smile); /* folds */
     add(f, 0, mouth_y + 6, mouth * 0.75, 4.5, lips + 2);                /* lips */
@@ -104,6 +104,9 @@ static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
     add(f, 0, chin_y + 14, 13, 5, -4 - p[22]);          /* below the lips */
     add(f, 0, chin_y, 13 + p[22], 10, 9 + 1.8 * p[23]); /* chin */
     add(f, 0, 75, 32, 20, f->forehead);
+    add_pair(f, 24, 14, 10, 16, -4); /* beside the nose */
+    add(f, 0, -24, 22, 15, 4);       /* the jaws stand forward */
+    add(f, 0, -48, 22, 12, 6);
 }
 
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
@@ -115,21 +118,27 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
     for (int i = 0; i < FACEGEN_PARAMS; i++)
         p[i] = normal(&shape);
     out->width = 69 + 2.5 * p[0];
-    out->depth = 62 + 3 * p[1];
+    out->depth = 45 + 3 * p[1];
     out->jaw = 0.16 + 0.03 * p[2];
-    out->forehead = 2 + 1.6 * p[3];
-    out->nose = 23 + 1.8 * p[4];
-    out->bridge = 8 + 1.4 * p[5];
-    out->hump = 1.2 + 1.1 * p[6];
-    out->length = 42 + 2.2 * p[7];
-    out->nose_width = 7 + 0.7 * p[8];
+    out->forehead = 4 + 1.6 * p[3];
+    out->nose = 21 + 2.4 * p[4];
+    out->bridge = 1.5 + 1.8 * p[5];
+    out->hump = 1.2 + 1.4 * p[6];
+    out->length = 42 + 3 * p[7];
+    out->nose_width = 7 + 0.9 * p[8];
     out->side = 14.5 + 1.2 * p[8];
     add_features(out, p, smile);
     while (out->nbumps < FACEGEN_BUMPS - 20) {
         const double x = uniform(&own, -60, 60), y = uniform(&own, -75, 80);
         const double s = uniform(&own, 9, 22);
 
-        add(out, x, y, s, s, 0.75 * normal(&own));
+        add(out, x, y, s, s, 1.2 * normal(&own));
+    }
+    while (out->nbumps < FACEGEN_BUMPS - 8) { /* no two noses are alike */
+        const double x = uniform(&own, -16, 16), y = uniform(&own, -2, 48);
+        const double s = uniform(&own, 5, 9);
+
+        add(out, x, y, s, s, 2.1 * normal(&own));
     }
 }
 

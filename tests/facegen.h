@@ -1,7 +1,8 @@
 /* facegen.h -- parametric faces and simulated scans of them, for the demo and the tests.
  * A face is a height field z = f(x, y) in millimetres, the nose tip near the origin, z
  * towards the scanner: a smooth skull, and on it nose, orbits, brow, cheeks, lips and chin
- * from FACEGEN_PARAMS normally distributed numbers, and a few small bumps of its own.
+ * from FACEGEN_PARAMS normally distributed numbers, and small bumps of its own, on the nose
+ * too.  The mean is that of people, so that a learned mean face can be laid on it.
  * Everything follows from the seeds: an integer generator, no clock, no rand(). */
 #ifndef TESTS_FACEGEN_H
 #define TESTS_FACEGEN_H

@@ -142,7 +142,7 @@ static void test_kept(void **state)
     assert_int_equal(store_calibration_get(s, &got, &e), ST_OK);
     assert_memory_equal(&got.decision, &b.decision, sizeof got.decision);
     assert_string_equal(got.actor, "test");
-    assert_string_equal(got.engine, FACE_ENGINE);
+    assert_string_equal(got.engine, store_made_by(s));
     assert_string_equal(got.created, b.created);
     assert_true(got.fmr == b.fmr && got.low_mm == b.low_mm && got.high_mm == b.high_mm);
     assert_true(got.subjects == 80 && got.impostors == 6320 && got.genuine == 7);
@@ -245,7 +245,47 @@ static void test_followed(void **state)
     assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
     assert_int_equal(version, k.version);
     assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.ignored && in.version == k.version);
+    assert_string_equal(in.engine, "surfaced/0.0.1 measure/0");
     store_close(s);
+}
+
+/* A calibration holds for the model that it was made with; else the model's own decides. */
+static void test_other_model(void **state)
+{
+    struct model *m = malloc(sizeof *m);
+    struct store_calibration k = example(0.6), in;
+    struct store *s = fresh();
+    char ours[FACE_ENGINE_MAX + 1];
+
+    (void)state;
+    assert_non_null(m);
+    *m = model_default;
+    m->name[0]++;
+    m->decision.threshold_mm *= 2;
+    assert_true(model_digest(m) == model_digest(&model_default)); /* these do not count */
+    m->weight[GRID_N / 2] += 1;
+    assert_true(model_digest(m) != model_digest(&model_default));
+    face_engine(NULL, ours);
+    assert_string_equal(store_made_by(s), ours);
+
+    add(s, &k);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(!in.shipped && !in.ignored);
+    store_use_model(s, m);
+    assert_string_not_equal(store_made_by(s), ours);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.ignored);
+    assert_true(in.decision.threshold_mm == m->decision.threshold_mm);
+    add(s, &k); /* by the new one */
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(!in.shipped && !in.ignored);
+    store_use_model(s, NULL);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.ignored);
+    store_close(s);
+    free(m);
 }
 
 static void test_damaged(void **state)
@@ -492,6 +532,7 @@ int main(void)
         cmocka_unit_test(test_kept),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_followed),
+        cmocka_unit_test(test_other_model),
         cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_upgraded),
         cmocka_unit_test(test_upgraded_the_same),

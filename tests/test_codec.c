@@ -1,5 +1,6 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* A face model as bytes and back; nothing damaged is taken for a model. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +13,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "align_pose.h"
 #include "brute.h"
+#include "clouds.h"
 #include "codec.h"
 #include "delaunay.h"
 #include "errinfo.h"
@@ -24,7 +27,12 @@
 #include "mst.h"
 #include "predicates.h"
 
-#define GOLDEN "tests/golden/model_v1.bin"
+#define GOLDEN_1 "tests/golden/model_v1.bin"
+#define GOLDEN_2 "tests/golden/model_v2.bin"
+#define HEADER_1 32 /* bytes of version 1's header; version 2's: 128 */
+#define HEADER   128
+#define MARK     28 /* where the frame's mark is */
+#define FRAME    32 /* and in version 2 the frame: 12 doubles */
 
 static struct scratch scratch;
 static struct face_work *work;
@@ -76,12 +84,14 @@ static void assert_same(const struct mesh *a, const struct mesh *b)
     assert_memory_equal(a->parent, b->parent, n * sizeof *a->parent);
 }
 
+/* A mesh that never was a face has no frame yet: the first decoding finds one, which from
+ * then on is kept. */
 static void round_trip(const struct face *f)
 {
-    struct face g = {0};
+    struct face g = {0}, h = {0};
     struct errinfo e;
     size_t len;
-    unsigned char *buf = encode(f, &len), *odd = malloc(len + 1);
+    unsigned char *buf = encode(f, &len), *odd = malloc(len + 1), *again;
 
     if (f->mesh.nv >= 100 && f->mesh.nv <= 65535)
         assert_true(len <= 32 * (size_t)f->mesh.nv);
@@ -89,11 +99,18 @@ static void round_trip(const struct face *f)
     memcpy(odd + 1, buf, len); /* at an odd address */
     assert_int_equal(codec_decode(odd + 1, len, work, &g, &e), ST_OK);
     assert_same(&f->mesh, &g.mesh);
-    codec_encode(&g, odd);
-    assert_memory_equal(buf, odd, len);
+    assert_true(align_pose_rigid(&g.frame.pose) && g.frame.mark != 0);
+    codec_encode(&g, buf);
+    assert_int_equal(codec_decode(buf, len, work, &h, &e), ST_OK);
+    assert_same(&f->mesh, &h.mesh);
+    assert_memory_equal(&g.frame.pose, &h.frame.pose, sizeof g.frame.pose);
+    again = encode(&h, &len);
+    assert_memory_equal(buf, again, len);
+    free(again);
     free(buf);
     free(odd);
     face_free(&g);
+    face_free(&h);
 }
 
 static void test_round_trip(void **state)
@@ -109,10 +126,10 @@ static void test_round_trip(void **state)
         }
     build(BRUTE_RANDOM, 65535, &r, &f); /* the last with indices of two bytes */
     round_trip(&f);
-    assert_int_equal(codec_size(&f.mesh), 40 + 26 * 65535 - 12);
+    assert_int_equal(codec_size(&f.mesh), HEADER + 8 + 26 * 65535 - 12);
     build(BRUTE_RANDOM, 65536, &r, &f);
     round_trip(&f);
-    assert_int_equal(codec_size(&f.mesh), 40 + 40 * 65536 - 24);
+    assert_int_equal(codec_size(&f.mesh), HEADER + 8 + 40 * 65536 - 24);
     face_free(&f);
 }
 
@@ -222,41 +239,157 @@ static void test_sealed(void **state)
     face_free(&g);
 }
 
-/* A model of this layout, made by hand: a square with its centre, on a roof. */
+static size_t golden(const char *path, unsigned char buf[512])
+{
+    FILE *in = fopen(path, "rb");
+    size_t len;
+
+    assert_non_null(in);
+    len = fread(buf, 1, 512, in);
+    (void)fclose(in);
+    return len;
+}
+
+/* A model of each layout, made by hand: a square with its centre, on a roof. */
 static void test_golden(void **state)
 {
     static const struct ivec2 xy[5] = {
         {-50000, -50000}, {0, 0}, {-50000, 50000}, {50000, -50000}, {50000, 50000}};
     static const uint32_t parent[5] = {0, 0, 1, 1, 1};
+    static const struct frame frame = {
+        {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0};
     struct face f = {0};
     struct errinfo e;
     unsigned char buf[512], again[512];
     char digest[65];
-    FILE *in = fopen(GOLDEN, "rb");
-    size_t len;
+    size_t len = 0;
 
     (void)state;
-    assert_non_null(in);
-    len = fread(buf, 1, sizeof buf, in);
-    (void)fclose(in);
-    assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_OK);
-    assert_int_equal(f.mesh.nv, 5);
-    assert_int_equal(f.mesh.nt, 8);
-    assert_int_equal(mesh_real(&f.mesh), 4);
-    assert_memory_equal(f.mesh.xy, xy, sizeof xy);
-    assert_memory_equal(f.mesh.parent, parent, sizeof parent);
-    for (uint32_t v = 0; v < 5; v++)
-        assert_int_equal(f.mesh.z[v], v == 1 ? 20000 : -1000);
+    for (int version = 1; version <= 2; version++) {
+        len = golden(version == 1 ? GOLDEN_1 : GOLDEN_2, buf);
+        assert_int_equal(buf[4], version);
+        assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_OK);
+        assert_int_equal(f.mesh.nv, 5);
+        assert_int_equal(f.mesh.nt, 8);
+        assert_int_equal(mesh_real(&f.mesh), 4);
+        assert_memory_equal(f.mesh.xy, xy, sizeof xy);
+        assert_memory_equal(f.mesh.parent, parent, sizeof parent);
+        for (uint32_t v = 0; v < 5; v++)
+            assert_int_equal(f.mesh.z[v], v == 1 ? 20000 : -1000);
+        assert_true(f.frame.mark != 0 && f.frame.mark != frame.mark); /* found anew */
+        assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
+        assert_string_equal(
+            digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
+    }
     assert_int_equal(codec_size(&f.mesh), len);
+    f.frame = frame;
     codec_encode(&f, again);
     assert_memory_equal(buf, again, len);
-    assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
-    assert_string_equal(
-        digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
-    buf[4] = 2; /* a version to come */
+    buf[4] = 3; /* a version to come */
+    seal(buf, len);
+    assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
+    buf[4] = 0;
     seal(buf, len);
     assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
     face_free(&f);
+}
+
+/* ---- the canonical frame */
+
+static void put_double(unsigned char *p, double v)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &v, sizeof bits);
+    for (int i = 0; i < 8; i++)
+        p[i] = (unsigned char)(bits >> 8 * i & 0xff);
+}
+
+static unsigned char *encoded_face(struct face *f, size_t *len)
+{
+    static struct dvec3 cloud[2000];
+    const size_t n = clouds_scan(3, 1, 2000, cloud);
+
+    assert_int_equal(face_build(cloud, n, work, f, NULL), ST_OK);
+    return encode(f, len);
+}
+
+static void check_close(const struct align_pose *a, const struct align_pose *b)
+{
+    for (int i = 0; i < 9; i++)
+        assert_true(fabs(a->r[i] - b->r[i]) < 0.01);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(a->t[i] - b->t[i]) < 0.5);
+}
+
+/* Version 1 knows no frame: it is found anew. */
+static void test_version_1(void **state)
+{
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encoded_face(&f, &len);
+
+    (void)state;
+    memmove(buf + HEADER_1, buf + HEADER, len - HEADER);
+    len -= HEADER - HEADER_1;
+    buf[4] = 1;
+    buf[8] = (unsigned char)(len & 0xff);
+    buf[9] = (unsigned char)(len >> 8 & 0xff);
+    buf[10] = (unsigned char)(len >> 16 & 0xff);
+    seal(buf, len);
+    assert_int_equal(decode(buf, len, &g, &e), ST_ECORRUPT); /* the mark's place was 0 */
+    memset(buf + MARK, 0, 4);
+    seal(buf, len);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    assert_same(&f.mesh, &g.mesh);
+    assert_int_equal(f.frame.mark, g.frame.mark);
+    check_close(&f.frame.pose, &g.frame.pose);
+    free(buf);
+    face_free(&f);
+    face_free(&g);
+}
+
+/* The frame is kept to the last digit; another mean face's is found anew; what is no rigid
+ * motion is refused. */
+static void test_frame(void **state)
+{
+    static const struct {
+        size_t at;
+        double value;
+    } bad[] = {{0, 1.01}, {4, -1}, {8, (double)NAN}, {9, 1e6}, {11, -(double)INFINITY}};
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
+
+    (void)state;
+    assert_non_null(other);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    assert_int_equal(f.frame.mark, g.frame.mark);
+    assert_memory_equal(&f.frame.pose, &g.frame.pose, sizeof f.frame.pose);
+    for (size_t i = 0; i < 12; i++) /* a motion, but not this face's: who would know? */
+        put_double(buf + FRAME + 8 * i, i == 0 || i == 4 || i == 8 ? 1 : 0);
+    seal(buf, len);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    assert_true(g.frame.pose.r[0] == 1 && g.frame.pose.t[1] == 0);
+    memcpy(other, buf, len);
+    other[MARK] ^= 1;
+    seal(other, len);
+    assert_int_equal(decode(other, len, &g, &e), ST_OK);
+    assert_int_equal(f.frame.mark, g.frame.mark);
+    check_close(&f.frame.pose, &g.frame.pose);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        memcpy(other, buf, len);
+        put_double(other + FRAME + 8 * bad[i].at, bad[i].value);
+        seal(other, len);
+        assert_int_equal(decode(other, len, &g, &e), ST_ECORRUPT);
+        assert_non_null(strstr(e.msg, "frame"));
+    }
+    free(buf);
+    free(other);
+    face_free(&f);
+    face_free(&g);
 }
 
 /* The digest knows the points, not their numbers. */
@@ -339,6 +472,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_every_byte),
         cmocka_unit_test(test_sealed),     cmocka_unit_test(test_golden),
+        cmocka_unit_test(test_version_1),  cmocka_unit_test(test_frame),
         cmocka_unit_test(test_digest),     cmocka_unit_test(test_no_memory),
     };
 

@@ -52,7 +52,7 @@ static void test_size_of_a_face(void **state)
             high.z = fmax(high.z, a[i].z);
         }
         if (high.x - low.x < 100 || high.x - low.x > 150 || high.y - low.y < 135 ||
-            high.y - low.y > 185 || high.z - low.z < 50 || high.z - low.z > 110 ||
+            high.y - low.y > 185 || high.z - low.z < 40 || high.z - low.z > 110 ||
             fabs(high.z) > 12)
             fail_msg("subject %d: %.1f x %.1f x %.1f, top %.1f", (int)s.subject,
                      high.x - low.x, high.y - low.y, high.z - low.z, high.z);

@@ -1,4 +1,4 @@
-#include "surfacectl_pool.h"
+#include "pool.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 struct pool {
     const char *what;
     const struct model *model;
-    surfacectl_pool_item *item;
+    pool_item *item;
     void *arg;
     size_t n;
     bool terminal;
@@ -64,7 +64,7 @@ static void *work(void *arg)
     return NULL;
 }
 
-uint32_t surfacectl_pool_threads(uint32_t wanted)
+uint32_t pool_threads(uint32_t wanted)
 {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
 
@@ -73,12 +73,11 @@ uint32_t surfacectl_pool_threads(uint32_t wanted)
     return wanted < THREADS ? wanted : THREADS;
 }
 
-enum status surfacectl_pool_run(const char *what, uint32_t threads, const struct model *m,
-                                size_t n, surfacectl_pool_item *item, void *arg,
-                                struct errinfo *e)
+enum status pool_run(const char *what, uint32_t threads, const struct model *m, size_t n,
+                     pool_item *item, void *arg, struct errinfo *e)
 {
     struct pool p = {.what = what, .model = m, .item = item, .arg = arg, .n = n};
-    const uint32_t wanted = surfacectl_pool_threads(threads);
+    const uint32_t wanted = pool_threads(threads);
     pthread_t thread[THREADS];
     uint32_t started = 1; /* the caller works too */
 

@@ -1,0 +1,189 @@
+#include "cells.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "align_field.h"
+#include "disparity.h"
+#include "lattice.h"
+#include "measure.h"
+#include "mesh.h"
+
+#define STEEP 0.25 /* cosine between a normal and the frame's z */
+
+/* A piece of the template with the gap over it. */
+struct piece {
+    struct dvec3 p; /* where, in the template's coordinates, mm */
+    double zx, zy;  /* slopes of the template */
+    double rise;    /* gap along the scanner's z, mm */
+    double area;    /* seen along the scanner's z, mm^2 */
+};
+
+static inline void add(struct cells *c, const struct align_pose *frame,
+                       const struct piece *s)
+{
+    const double flat = 1.0 / sqrt(1.0 + s->zx * s->zx + s->zy * s->zy);
+    const double *r = frame->r;
+    const double nx = (r[2] - r[0] * s->zx - r[1] * s->zy) * flat;
+    const double ny = (r[5] - r[3] * s->zx - r[4] * s->zy) * flat;
+    const double nz = (r[8] - r[6] * s->zx - r[7] * s->zy) * flat;
+    const struct dvec3 q = align_pose_apply(frame, s->p);
+    const uint32_t i = grid_cell(q.x, q.y);
+    double area;
+
+    if (i == GRID_NONE || nz < STEEP)
+        return;
+    area = s->area * nz / flat; /* seen along the frame's z */
+    c->area[i] += (float)area;
+    c->gap[i] += (float)(area * s->rise * flat);
+    c->z[i] += (float)(area * q.z);
+    c->normal[i][0] += (float)(area * nx);
+    c->normal[i][1] += (float)(area * ny);
+    c->normal[i][2] += (float)(area * nz);
+}
+
+/* From sums to means. */
+static void finish(struct cells *c)
+{
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float scale = c->area[i] > 0.0f ? 1.0f / c->area[i] : 0.0f;
+
+        c->gap[i] *= scale;
+        c->z[i] *= scale;
+        for (int k = 0; k < 3; k++)
+            c->normal[i][k] *= scale;
+    }
+}
+
+/* One surface's triangles, with the gap at their corners. */
+struct side {
+    const struct mesh *mesh;
+    const uint8_t *bridge;
+    const double *ground;                  /* [nv] the template's height */
+    const struct disparity_vertex *vertex; /* of the general triangulation */
+    const uint32_t *general;               /* [nv] its numbers there; NULL: the same */
+};
+
+/* Where a triangle is sampled: by its size, so that no cell under it is passed over. */
+#define SMALL_MM2 4.0
+static const double samples[7][3] = {{1. / 3, 1. / 3, 1. / 3}, /* small */
+                                     {4. / 6, 1. / 6, 1. / 6},
+                                     {1. / 6, 4. / 6, 1. / 6},
+                                     {1. / 6, 1. / 6, 4. / 6}};
+
+static void add_side(const struct side *side, const struct align_pose *frame,
+                     struct cells *out)
+{
+    const double mm = 1.0 / LATTICE_PER_MM;
+    const struct mesh *m = side->mesh;
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+        double gap[3], x[3], y[3], z[3], ax, ay, az, bx, by, bz, twice;
+        struct piece s;
+        int first, last;
+
+        if (side->bridge[t] || mesh_is_ghost(m, t))
+            continue;
+        for (int i = 0; i < 3; i++) {
+            gap[i] = side->vertex[side->general != NULL ? side->general[v[i]] : v[i]].gap;
+            x[i] = mm * m->xy[v[i]].x;
+            y[i] = mm * m->xy[v[i]].y;
+            z[i] = mm * side->ground[v[i]];
+        }
+        if (!(fabs(gap[0] + gap[1] + gap[2]) < (double)INFINITY))
+            continue;
+        ax = x[1] - x[0];
+        ay = y[1] - y[0];
+        az = z[1] - z[0];
+        bx = x[2] - x[0];
+        by = y[2] - y[0];
+        bz = z[2] - z[0];
+        twice = ax * by - ay * bx;
+        s.zx = (az * by - bz * ay) / twice;
+        s.zy = (bz * ax - az * bx) / twice;
+        first = twice < 2 * SMALL_MM2 ? 0 : 1;
+        last = twice < 2 * SMALL_MM2 ? 0 : 3;
+        s.area = 0.5 * twice / (last - first + 1);
+        for (int k = first; k <= last; k++) {
+            const double *b = samples[k];
+
+            s.p = (struct dvec3){b[0] * x[0] + b[1] * x[1] + b[2] * x[2],
+                                 b[0] * y[0] + b[1] * y[1] + b[2] * y[2],
+                                 b[0] * z[0] + b[1] * z[1] + b[2] * z[2]};
+            s.rise = mm * (b[0] * gap[0] + b[1] * gap[1] + b[2] * gap[2]);
+            add(out, frame, &s);
+        }
+    }
+    finish(out);
+}
+
+/* The mean of a and b: b counts share_b, each cell as far as it is covered. */
+static void blend(const struct cells *a, const struct cells *b, double share_b,
+                  struct cells *out)
+{
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float areas = a->area[i] * (float)(1 - share_b),
+                    areab = b->area[i] * (float)share_b;
+        const float area = areas + areab, wa = area > 0.0f ? areas / area : 0.0f;
+        const float wb = area > 0.0f ? areab / area : 0.0f;
+
+        out->area[i] = area;
+        out->gap[i] = wa * a->gap[i] + wb * b->gap[i];
+        out->z[i] = wa * a->z[i] + wb * b->z[i];
+        for (int k = 0; k < 3; k++)
+            out->normal[i][k] = wa * a->normal[i][k] + wb * b->normal[i][k];
+    }
+}
+
+void cells_measure(const struct measure_surface *tmpl, const struct measure_work *w,
+                   const struct align_pose *frame, struct cells *out)
+{
+    const struct mesh *a = tmpl->mesh, *b = &w->moved;
+    const struct side sides[2] = {
+        {a, tmpl->bridge, w->ground, w->vertex, NULL},
+        {b, w->bridge, w->moved_other, w->vertex, w->b_vertex},
+    };
+    struct cells at_tmpl, at_probe;
+    double ha, hb;
+
+    memset(out, 0, sizeof *out);
+    if (w->general.nv == 0)
+        return;
+    memset(&at_tmpl, 0, sizeof at_tmpl);
+    memset(&at_probe, 0, sizeof at_probe);
+    add_side(&sides[0], frame, &at_tmpl);
+    add_side(&sides[1], frame, &at_probe);
+    ha = tmpl->measured / a->nv; /* the spacing's square */
+    hb = w->measured / b->nv;
+    blend(&at_tmpl, &at_probe, hb * hb / (ha * ha + hb * hb), out);
+}
+
+void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
+                  const struct align_pose *pose, const struct align_pose *frame,
+                  struct cells *out)
+{
+    uint32_t last = field->first; /* neighbours follow each other: a short way */
+
+    memset(out, 0, sizeof *out);
+    for (uint32_t i = 0; i < n; i++) {
+        const struct dvec3 q = align_pose_apply(pose, pts[i].p);
+        const struct align_cell *c;
+        struct piece s;
+
+        if (pts[i].cell == ALIGN_FIELD_NONE)
+            pts[i].cell = last;
+        c = align_field_find(field, &pts[i], q);
+        last = pts[i].cell;
+        if (c == NULL || c->flat == 0.0f || pts[i].area <= 0.0f)
+            continue;
+        s.zx = (double)c->zx;
+        s.zy = (double)c->zy;
+        s.rise = q.z - align_field_height(c, q.x, q.y);
+        s.p = (struct dvec3){q.x, q.y, q.z - s.rise};
+        s.area = (double)pts[i].area;
+        add(out, frame, &s);
+    }
+    finish(out);
+}

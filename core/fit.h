@@ -1,0 +1,38 @@
+/* fit.h -- what of a gap is motion and change, and what is left.
+ * The signed gap per cell is explained as a small rigid motion of the probe, plus the
+ * model's modes of change within one person (model.h), plus a rest:
+ *     gap = B a - J x + rest,
+ * where (a, x) minimise  sum rho(rest / deviation of the cell) + |a|^2 + tie |x|^2  over the covered
+ * cells, rho Huber's loss at 2.5, by reweighted least squares.  Removing a learned change
+ * before faces are compared: Al-Osaimi, Bennamoun and Mian, "An Expression Deformation
+ * Approach to Non-rigid 3D Face Recognition", IJCV 81(3), 2009.
+ * Float products summed in a fixed order: the same digits everywhere. */
+#ifndef CORE_FIT_H
+#define CORE_FIT_H
+#include <stdbool.h>
+#include "cells.h"
+#include "mem.h"
+#include "model.h"
+#include "status.h"
+
+#define FIT_LEVER_MM                                                                     \
+    80.0 /* turns are about the point (0, 0, -FIT_LEVER_MM) of the frame */
+
+struct fit {
+    double a[MODEL_MODES];
+    double x[6];         /* the motion of the probe that the gap asks for, in the frame:
+                             a turn (radians) about the lever's point, then a shift (mm) */
+    double deviation[6]; /* of x: from the curvature at the minimum; INFINITY: unknown */
+    float rest[GRID_N];  /* mm; 0 where not covered */
+    uint32_t cells;      /* covered */
+};
+
+/* fit_solve(b, c, tie, passes, s, out): tie is the strength of the prior on x, in 1 / mm^2
+ * at FIT_LEVER_MM; small: free.  passes: reweightings, 0 or more.
+ * With fewer than FIT_MIN_CELLS covered cells nothing is explained: a and x are 0.
+ * Cost  O(cells n^2), n the number of modes.  Returns ST_OK, ST_ENOMEM. */
+#define FIT_MIN_CELLS 40
+enum status fit_solve(const struct model_basis *b, const struct cells *c, double tie,
+                      int passes, struct scratch *s, struct fit *out);
+
+#endif

@@ -1,0 +1,125 @@
+#include "frame.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "align_field.h"
+#include "delaunay.h"
+#include "holes.h"
+#include "lattice.h"
+#include "measure.h"
+#include "model.h"
+#include "mst.h"
+
+/* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
+static void hold(const struct model_basis *b, float *out)
+{
+    float most = 0.0f;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        float v = b->rest[i] * b->rest[i];
+
+        for (uint32_t k = 0; k < b->n; k++)
+            v += b->mode[i][k] * b->mode[i][k];
+        out[i] = b->rest[i] > 0.0f ? 1.0f / v : 0.0f;
+        most = out[i] > most ? out[i] : most;
+    }
+    for (uint32_t i = 0; i < GRID_N && most > 0.0f; i++)
+        out[i] /= most;
+}
+
+enum status frame_mean_make(const struct model *m, struct scratch *s,
+                            struct frame_mean *out)
+{
+    struct ivec3 pts[GRID_N];
+    enum status st;
+    size_t n = 0;
+
+    memset(out, 0, sizeof *out);
+    out->mark = model_mark(m);
+    hold(&m->motion, out->hold);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (isnan(m->mean[i]))
+            continue;
+        pts[n++] = (struct ivec3){(int32_t)(grid_x(i) * LATTICE_PER_MM),
+                                  (int32_t)(grid_y(i) * LATTICE_PER_MM),
+                                  (int32_t)lrint((double)m->mean[i] * LATTICE_PER_MM)};
+    }
+    if (n < 3)
+        return ST_EDEGENERATE;
+    if ((st = delaunay_build(pts, n, s, &out->mesh)) != ST_OK ||
+        (st = mst_build(&out->mesh, s)) != ST_OK)
+        goto fail;
+    out->spacing = mem_array(out->mesh.nv, sizeof *out->spacing);
+    out->bridge = mem_array(out->mesh.nt, sizeof *out->bridge);
+    st = ST_ENOMEM;
+    if (out->spacing == NULL || out->bridge == NULL ||
+        (st = holes_spacing(&out->mesh, s, out->spacing)) != ST_OK)
+        goto fail;
+    out->measured = holes_mark(&out->mesh, out->spacing, out->bridge);
+    return ST_OK;
+fail:
+    frame_mean_free(out);
+    return st;
+}
+
+void frame_mean_free(struct frame_mean *mean)
+{
+    mesh_free(&mean->mesh);
+    mem_free(mean->spacing);
+    mem_free(mean->bridge);
+    memset(mean, 0, sizeof *mean);
+}
+
+enum status frame_find(const struct frame_mean *mean, const struct measure_surface *face,
+                       struct align_work *w, struct frame *out)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct measure_surface to = {&mean->mesh, mean->mesh.z, mean->spacing,
+                                       mean->bridge, mean->measured};
+    const struct align_weight u = {mean->hold, still};
+    struct align_result found;
+    const enum status st =
+        align_search(&to, face, &(struct align_how){NULL, &u, NULL}, w, &found);
+
+    if (st != ST_OK)
+        return st;
+    align_pose_from_matrix(found.transform, &out->pose);
+    out->mark = mean->mark;
+    out->cost_mm = found.cost_mm;
+    out->within = found.within;
+    return ST_OK;
+}
+
+void frame_map(const struct measure_surface *face, const struct align_pose *pose,
+               float z[GRID_N])
+{
+    const struct mesh *m = face->mesh;
+    double area[GRID_N] = {0}, sum[GRID_N] = {0};
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        struct dvec3 q[3];
+        double twice, third = 1.0 / 3;
+        uint32_t i;
+
+        if (face->bridge[t] || mesh_is_ghost(m, t))
+            continue;
+        for (int k = 0; k < 3; k++) {
+            const uint32_t v = m->org[3 * t + (uint32_t)k];
+
+            q[k] = align_pose_apply(pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
+                                                         m->xy[v].y / LATTICE_PER_MM,
+                                                         m->z[v] / LATTICE_PER_MM});
+        }
+        twice =
+            (q[1].x - q[0].x) * (q[2].y - q[0].y) - (q[1].y - q[0].y) * (q[2].x - q[0].x);
+        i = grid_cell((q[0].x + q[1].x + q[2].x) * third,
+                      (q[0].y + q[1].y + q[2].y) * third);
+        if (i == GRID_NONE || twice <= 0)
+            continue;
+        area[i] += twice / 2;
+        sum[i] += twice / 2 * (q[0].z + q[1].z + q[2].z) * third;
+    }
+    for (uint32_t i = 0; i < GRID_N; i++)
+        z[i] = area[i] >= FRAME_COVERED ? (float)(sum[i] / area[i]) : (float)NAN;
+}

@@ -1,0 +1,49 @@
+/* frame.h -- the canonical frame of a face: nose tip at the origin, the symmetry plane at
+ * x = 0, upright; so that u(x, y), the modes and the regions mean the same place on every
+ * face.  Found by laying the face on the model's mean face, which has these properties:
+ * steadier than any landmark of a single scan.  Found once, at enrolment, and stored. */
+#ifndef CORE_FRAME_H
+#define CORE_FRAME_H
+#include "align.h"
+#include "align_pose.h"
+#include "grid.h"
+#include "mesh.h"
+
+struct measure_surface; /* measure.h */
+struct model;           /* model.h */
+
+/* The mean face as a surface to lay others on.  All zero is an empty one. */
+struct frame_mean {
+    struct mesh mesh;
+    float *spacing;
+    uint8_t *bridge;
+    double measured;
+    float hold[GRID_N]; /* for registrations: where a face keeps its shape, 0..1 */
+    uint32_t mark;      /* model_mark() */
+};
+
+/* frame_mean_make(m, w, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
+ * ST_EINVAL when the model's mean is no surface. */
+enum status frame_mean_make(const struct model *m, struct scratch *s,
+                            struct frame_mean *out);
+void frame_mean_free(struct frame_mean *mean);
+
+struct frame {
+    struct align_pose pose; /* face -> canonical, mm */
+    uint32_t mark;          /* of the mean face it was found by; 0: not found yet */
+    double cost_mm;         /* mean distance from the mean face there (capped, L1) */
+    double within;          /* share of the face's points over the mean face */
+};
+
+/* frame_find(mean, face, w, out): Returns ST_OK, ST_ENOMEM.  Cost: a fraction of a
+ * triangulation. */
+enum status frame_find(const struct frame_mean *mean, const struct measure_surface *face,
+                       struct align_work *w, struct frame *out);
+
+/* frame_map(face, pose, z): the mean height (mm) of the face in each cell of the frame that
+ * pose takes it to; NAN where less than FRAME_COVERED mm^2 of a cell is covered.  O(nv). */
+#define FRAME_COVERED 4.0
+void frame_map(const struct measure_surface *face, const struct align_pose *pose,
+               float z[GRID_N]);
+
+#endif

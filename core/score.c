@@ -1,0 +1,115 @@
+#include "score.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The pose is known within about half a degree and half a millimetre: how far the fit may
+ * still move the probe (1 / mm^2). */
+#define TIE    4.0
+#define PASSES 2
+
+#define REGION_MIN (1.0 / 3.0)
+
+/* The blur: a Gaussian of one cell, cut off at three. */
+#define BLUR 3
+static const float bell[BLUR + 1] = {1.0f, 0.60653066f, 0.13533528f, 0.011108997f};
+
+/* The weighted sums over some cells: of the amounts, of their rough part, of u. */
+struct part {
+    double sum, rough, covered, whole;
+};
+
+static double mean(const struct part *p)
+{
+    const double left = p->sum - SCORE_ROUGH * p->rough;
+
+    return p->covered > 0 && left > 0 ? left / p->covered : 0;
+}
+
+/* in (GRID_N) blurred along x (step 1, n = GRID_NX) or y (step GRID_NX, n = GRID_NY). */
+static void blur_along(const float *in, uint32_t step, uint32_t n, float *out)
+{
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const uint32_t at = i / step % n;
+        float s = bell[0] * in[i];
+
+        for (uint32_t d = 1; d <= BLUR; d++) {
+            s += at >= d ? bell[d] * in[i - d * step] : 0.0f;
+            s += at + d < n ? bell[d] * in[i + d * step] : 0.0f;
+        }
+        out[i] = s;
+    }
+}
+
+/* rough: what the blur over the covered cells takes from the rest. */
+static void roughness(const struct cells *c, const float *rest, float *rough)
+{
+    float seen[GRID_N], half[GRID_N], sum[GRID_N];
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        seen[i] = cells_cover(c, i);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        rough[i] = seen[i] * rest[i];
+    blur_along(rough, 1, GRID_NX, half);
+    blur_along(half, GRID_NX, GRID_NY, rough);
+    blur_along(seen, 1, GRID_NX, half);
+    blur_along(half, GRID_NX, GRID_NY, sum);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        rough[i] = seen[i] > 0.0f ? rest[i] - rough[i] / sum[i] : 0.0f;
+}
+
+static double capped(float mm, float cap)
+{
+    const float a = fabsf(mm);
+
+    return (double)(a < cap ? a : cap);
+}
+
+enum status score_of(const struct model *m, const struct cells *c, struct scratch *s,
+                     struct fit *fit, struct score *out)
+{
+    struct part all = {0}, part[GRID_REGIONS] = {{0}};
+    float rough[GRID_N];
+    double taken = 0;
+    uint32_t n = 0;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if ((st = fit_solve(&m->change, c, TIE, PASSES, s, fit)) != ST_OK)
+        return st;
+    roughness(c, fit->rest, rough);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        struct part *const p = &part[grid_region_of(i)];
+        const double u = (double)m->weight[i];
+        double covered;
+
+        if (m->change.rest[i] <= 0.0f)
+            continue;
+        p->whole += u;
+        covered = u * (double)cells_cover(c, i);
+        if (covered <= 0)
+            continue;
+        p->sum += covered * capped(fit->rest[i], m->cap_mm);
+        p->rough += covered * capped(rough[i], m->cap_mm);
+        p->covered += covered;
+        taken += ((double)c->gap[i] - (double)fit->rest[i]) *
+                 ((double)c->gap[i] - (double)fit->rest[i]);
+        n++;
+    }
+    for (int r = 0; r < GRID_REGIONS; r++) {
+        all.sum += part[r].sum;
+        all.rough += part[r].rough;
+        all.covered += part[r].covered;
+        all.whole += part[r].whole;
+    }
+    out->disparity_mm = mean(&all);
+    out->weight = all.whole > 0 ? all.covered / all.whole : 0;
+    out->change_mm = n > 0 ? sqrt(taken / n) : 0;
+    for (int r = 0; r < GRID_REGIONS; r++) {
+        const bool seen = part[r].covered > REGION_MIN * part[r].whole;
+
+        out->region_mm[r] = seen ? mean(&part[r]) : (double)NAN;
+        out->region_weight[r] = all.whole > 0 ? part[r].whole / all.whole : 0;
+    }
+    return ST_OK;
+}

@@ -1,0 +1,33 @@
+/* score.h -- the disparity that decides, from the gap per cell.
+ * What the model knows of change within a person is fitted to the gap and taken out
+ * (fit.h); of what is left, the capped amount is averaged with the learned weight u:
+ *     amount(r) = sum u min(|r|, cap) / sum u      over the covered cells
+ *     disparity = amount(rest) - SCORE_ROUGH amount(rest - blurred rest), or 0 below that.
+ * The second term is the pair's own roughness, what changes from cell to cell: noise of the
+ * sensors and of the sampling, which is no shape; so one threshold serves several scanners.
+ * The cap keeps one bad place from outvoting the face.
+ * Figures: docs/accuracy.md. */
+#ifndef CORE_SCORE_H
+#define CORE_SCORE_H
+#include "cells.h"
+#include "fit.h"
+#include "grid.h"
+#include "model.h"
+
+#define SCORE_ROUGH 0.6
+
+struct score {
+    double disparity_mm;
+    double weight;    /* share of a whole face's weight that was covered, 0..1 */
+    double change_mm; /* root mean square of what was taken out */
+    double region_mm[GRID_REGIONS]; /* the same disparity of each region alone; NAN where
+                                       less than a third of its cells is covered */
+    double region_weight[GRID_REGIONS]; /* of the region's weight in a whole face, 0..1 */
+};
+
+/* score_of(m, c, s, fit, out): fit receives the change and the rest.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status score_of(const struct model *m, const struct cells *c, struct scratch *s,
+                     struct fit *fit, struct score *out);
+
+#endif

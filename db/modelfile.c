@@ -1,0 +1,103 @@
+#include "modelfile.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "model.h"
+
+/* All of an open file, to be released by free(). */
+static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
+                         struct errinfo *e)
+{
+    struct stat about;
+
+    if (fstat(fileno(in), &about) != 0)
+        return errinfo_set(e, ST_EIO, "%.160s: %s", path, strerror(errno));
+    if (!S_ISREG(about.st_mode))
+        return errinfo_set(e, ST_EINVAL, "%.160s: not a regular file", path);
+    if (about.st_size < 0 || (uintmax_t)about.st_size > MODELFILE_MAX)
+        return errinfo_set(e, ST_ELIMIT, "%.160s: larger than a model, %zu MB", path,
+                           MODELFILE_MAX >> 20);
+    *len = (size_t)about.st_size;
+    if ((*text = malloc(*len + 1)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
+    if (fread(*text, 1, *len, in) != *len)
+        return errinfo_set(e, ST_EIO, "%.160s: it cannot be read to its end", path);
+    return ST_OK;
+}
+
+enum status modelfile_read(const char *path, struct model **out, struct errinfo *e)
+{
+    /* Without O_NONBLOCK a pipe that nobody writes to would be waited for. */
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *in = fd >= 0 ? fdopen(fd, "r") : NULL;
+    char *text = NULL;
+    size_t len = 0;
+    uint32_t line = 0;
+    enum status st;
+
+    *out = NULL;
+    if (in == NULL) {
+        st = errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%.160s: %s", path,
+                         strerror(errno));
+        if (fd >= 0)
+            (void)close(fd);
+        return st;
+    }
+    if ((st = slurp(in, path, &text, &len, e)) != ST_OK)
+        goto out;
+    if ((*out = malloc(sizeof **out)) == NULL) {
+        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
+        goto out;
+    }
+    st = model_parse(text, len, *out, &line);
+    if (st == ST_EVERSION)
+        (void)errinfo_set(e, st, "%.160s: a model of another version than this program's",
+                          path);
+    else if (st != ST_OK)
+        (void)errinfo_set(e, st, "%.160s, line %" PRIu32 ": not a model, or damaged",
+                          path, line);
+out:
+    if (st != ST_OK) {
+        free(*out);
+        *out = NULL;
+    }
+    free(text);
+    (void)fclose(in);
+    return st;
+}
+
+enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e)
+{
+    const size_t len = model_write(m, NULL, 0), room = strlen(path) + 5;
+    char *text = malloc(len + 1), *temporary = malloc(room);
+    FILE *f = NULL;
+    enum status st = ST_OK;
+
+    if (text == NULL || temporary == NULL) {
+        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
+        goto out;
+    }
+    (void)model_write(m, text, len + 1);
+    (void)snprintf(temporary, room, "%s.tmp", path);
+    if ((f = fopen(temporary, "w")) == NULL || fwrite(text, 1, len, f) != len ||
+        fflush(f) != 0 || fsync(fileno(f)) != 0)
+        st = errinfo_set(e, ST_EIO, "%.160s: %s", temporary, strerror(errno));
+    if (f != NULL && fclose(f) != 0 && st == ST_OK)
+        st = errinfo_set(e, ST_EIO, "%.160s: %s", temporary, strerror(errno));
+    if (st == ST_OK && rename(temporary, path) != 0)
+        st = errinfo_set(e, ST_EIO, "%.160s: %s", path, strerror(errno));
+    if (st != ST_OK && f != NULL)
+        (void)remove(temporary);
+out:
+    free(text);
+    free(temporary);
+    return st;
+}

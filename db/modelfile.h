@@ -1,0 +1,22 @@
+/* modelfile.h -- a model (core/model.h) from a file and into one. */
+#ifndef DB_MODELFILE_H
+#define DB_MODELFILE_H
+#include <stddef.h>
+#include "status.h"
+
+struct errinfo;
+struct model; /* model.h */
+
+#define MODELFILE_MAX ((size_t)8 << 20) /* bytes; a full model has about 1 million */
+
+/* modelfile_read(path, out, e): *out is a new model, released by free(); NULL on failure.
+ * Only a regular file is read.  e names the file, and the line where that is known.
+ * Returns ST_OK; ST_ENOTFOUND, ST_EIO; ST_EINVAL no regular file; ST_ELIMIT too large;
+ * ST_ECORRUPT damaged; ST_EVERSION of another version; ST_ENOMEM. */
+enum status modelfile_read(const char *path, struct model **out, struct errinfo *e);
+
+/* modelfile_write(path, m, e): whole, or not at all: a file that was there stays until the
+ * new one is complete.  Returns ST_OK, ST_EIO, ST_ENOMEM. */
+enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e);
+
+#endif

@@ -1,0 +1,211 @@
+#include "train_mean.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "align_pose.h"
+#include "errinfo.h"
+#include "face.h"
+#include "frame.h"
+#include "grid.h"
+#include "measure.h"
+#include "model.h"
+#include "pool.h"
+#include "train.h"
+
+#define ENOUGH      0.4 /* share of the faces, and their mirror images, that cover a cell */
+#define LEAST_CELLS 200  /* of the mean: what model_parse() asks for */
+#define UPRIGHT_MM  60.0 /* above and below the nose tip the mean face is as high */
+#define DEVIATION   0.5  /* mm, before anything is known of change */
+
+static const double pi = 3.14159265358979323846;
+
+void train_mean_pose(const struct corpus_scan *s, struct align_pose *out)
+{
+    const double y = s->pose[0] * pi / 180, x = s->pose[1] * pi / 180;
+    const double z = s->pose[2] * pi / 180;
+    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
+                 sz = sin(z);
+    /* Rz Rx Ry, row by row */
+    const double r[3][3] = {{cz * cy - sz * sx * sy, -sz * cx, cz * sy + sz * sx * cy},
+                            {sz * cy + cz * sx * sy, cz * cx, sz * sy - cz * sx * cy},
+                            {-cx * sy, sx, cx * cy}};
+
+    for (int i = 0; i < 3; i++) {
+        out->t[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            out->r[3 * i + k] = r[k][i];
+            out->t[i] -= r[k][i] * s->pose[3 + k];
+        }
+    }
+}
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
+}
+
+/* A frame from the face alone. */
+static void own_frame(const struct face *f, struct align_pose *out)
+{
+    const struct measure_surface s = surface_of(f);
+    struct align_frame own;
+
+    align_pose_frame(&s, &own);
+    for (int i = 0; i < 3; i++) {
+        const struct dvec3 a = own.axis[i];
+
+        out->r[3 * i] = a.x;
+        out->r[3 * i + 1] = a.y;
+        out->r[3 * i + 2] = a.z;
+        out->t[i] = -(a.x * own.nose.x + a.y * own.nose.y + a.z * own.nose.z);
+    }
+}
+
+/* The mean height of the enrolled faces in their frames, made symmetric. */
+static void average(const struct train_set *set, float *mean)
+{
+    double sum[GRID_N] = {0}, count[GRID_N] = {0}, faces = 0;
+
+    for (uint32_t i = 0; i < set->corpus->nscan; i++) {
+        const struct face *f = &set->face[i];
+        const struct measure_surface s = surface_of(f);
+        float z[GRID_N];
+
+        if (!set->corpus->scan[i].enrolled || f->mesh.nv == 0)
+            continue;
+        frame_map(&s, &f->frame.pose, z);
+        faces++;
+        for (uint32_t c = 0; c < GRID_N; c++) {
+            if (isnan(z[c]))
+                continue;
+            sum[c] += (double)z[c];
+            count[c]++;
+        }
+    }
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        const uint32_t m = grid_mirror(c);
+        const double n = count[c] + count[m];
+
+        mean[c] = n >= 2 * ENOUGH * faces && n > 0 ? (float)((sum[c] + sum[m]) / n)
+                                                   : (float)NAN;
+    }
+}
+
+/* The mean's height in the middle, at the row of cells that holds y. */
+static double middle(const float *mean, double y)
+{
+    const uint32_t c = grid_cell(-GRID_MM / 2, y);
+
+    return c == GRID_NONE ? (double)NAN : (double)mean[c];
+}
+
+/* The motion that makes the mean upright and brings its nose tip to the origin. */
+static void upright(const float *mean, struct align_pose *out)
+{
+    double best = -INFINITY, at = 0, pitch = 0, top, bottom, a, b, c;
+
+    for (double y = -30; y <= 30; y += GRID_MM) {
+        const double z = middle(mean, y);
+
+        if (z > best) {
+            best = z;
+            at = grid_y(grid_cell(-GRID_MM / 2, y));
+        }
+    }
+    a = middle(mean, at - GRID_MM); /* a parabola through the three highest */
+    b = middle(mean, at);
+    c = middle(mean, at + GRID_MM);
+    if (a + c - 2 * b < 0)
+        at += GRID_MM * 0.5 * (a - c) / (a + c - 2 * b);
+    top = middle(mean, at + UPRIGHT_MM);
+    bottom = middle(mean, at - UPRIGHT_MM);
+    if (!isnan(top) && !isnan(bottom))
+        pitch = (top - bottom) / (2 * UPRIGHT_MM);
+    *out = (struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -at, -best}};
+    align_pose_move(out, (struct dvec3){0, 0, 0},
+                    (const double[6]){-pitch, 0, 0, 0, 0, 0});
+}
+
+/* a becomes first a, then b. */
+static void follow(struct align_pose *a, const struct align_pose *b)
+{
+    struct align_pose inverse = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+    inverse = align_pose_after(b, &inverse);
+    *a = align_pose_after(&inverse, a);
+}
+
+static void neutral(struct model *m)
+{
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        const bool face = !isnan(m->mean[c]);
+        const double below = grid_y(c) < -12 ? 0.1 : 1,
+                     side = fabs(grid_x(c)) > 50 ? 0.3 : 1;
+
+        m->weight[c] = 1.0f;
+        m->change.rest[c] = face ? (float)DEVIATION : 0.0f;
+        /* what keeps its shape: not mouth and jaw, and the sides less */
+        m->motion.rest[c] = face ? (float)(DEVIATION / sqrt(below * side)) : 0.0f;
+    }
+    m->motion.n = m->change.n = 0;
+    m->cap_mm = 1.0f;
+    m->decision = (struct decision){1.0, 0.1, 2, {{1.0, 0.001}, {10.0, 1.0}}};
+}
+
+/* Enough of a mean to lay faces on. */
+static bool is_face(const float *mean)
+{
+    uint32_t n = 0;
+
+    for (uint32_t c = 0; c < GRID_N; c++)
+        n += isfinite(mean[c]) ? 1 : 0;
+    return n >= LEAST_CELLS;
+}
+
+struct placing {
+    const struct train_set *set;
+    bool all; /* else the enrolled ones */
+};
+
+static enum status place(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct placing *p = arg;
+    struct face *f = &p->set->face[i];
+    enum status st = ST_OK;
+
+    if (f->mesh.nv > 0 && (p->all || p->set->corpus->scan[i].enrolled))
+        st = face_place(f, w);
+    return st == ST_OK ? ST_OK
+                       : errinfo_set(e, st, "the mean face: %s", status_message(st));
+}
+
+enum status train_mean(const struct train_set *set, unsigned threads, struct model *m,
+                       struct errinfo *e)
+{
+    const uint32_t n = set->corpus->nscan;
+
+    for (uint32_t i = 0; i < n; i++)
+        if (set->face[i].mesh.nv > 0)
+            own_frame(&set->face[i], &set->face[i].frame.pose);
+    for (int round = 0;; round++) {
+        struct placing p = {set, round == TRAIN_MEAN_ROUNDS};
+        struct align_pose motion;
+        enum status st;
+
+        average(set, m->mean);
+        upright(m->mean, &motion);
+        for (uint32_t i = 0; i < n; i++)
+            follow(&set->face[i].frame.pose, &motion);
+        average(set, m->mean);
+        if (!is_face(m->mean))
+            return errinfo_set(e, ST_EINVAL,
+                               "the scans have no surface in common to learn from: are "
+                               "they faces?");
+        neutral(m);
+        st = pool_run("mean face", threads, m, n, place, &p, e);
+        if (st != ST_OK || round == TRAIN_MEAN_ROUNDS)
+            return st;
+    }
+}

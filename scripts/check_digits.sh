@@ -1,0 +1,28 @@
+#!/bin/sh
+# check_digits.sh: the digits of a few fixed comparisons (tests/digits.c) are those of
+# tests/golden/digits.txt, whichever compiler built the library, at -O0 and at -O3.  Builds
+# in $BUILD; what is not installed is skipped, visibly.  Exit: 0 all the same, 1 otherwise.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+BUILD=${BUILD:-build}
+rc=0
+for cc in gcc clang; do
+    if ! command -v "$cc" >/dev/null 2>&1; then
+        echo "SKIP $cc: not installed"
+        continue
+    fi
+    for opt in -O0 -O3; do
+        dir=$BUILD/digits-$cc$opt
+        if ! make -s BUILD="$dir" CC="$cc" OPT="$opt" WERROR= EXTRA= "$dir/digits"; then
+            echo "FAIL $cc $opt: does not build"
+            rc=1
+        elif ! "$dir/digits" | diff tests/golden/digits.txt - >"$dir/diff"; then
+            echo "FAIL $cc $opt: other digits"
+            cat "$dir/diff"
+            rc=1
+        else
+            echo "ok   $cc $opt"
+        fi
+    done
+done
+exit $rc

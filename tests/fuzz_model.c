@@ -1,0 +1,63 @@
+/* Model texts: what is accepted is written as text that is read as the same again, has only
+ * finite numbers, and a mean face that can be laid on or is refused. */
+#define FUZZ_ROUNDS 400 /* texts are long */
+#include "fuzz.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "frame.h"
+#include "mem.h"
+#include "model.h"
+
+static void require(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+static void check_numbers(const struct model *m)
+{
+    require(m->cap_mm > 0.0f && isfinite(m->cap_mm) && decision_valid(&m->decision));
+    require(m->motion.n <= MODEL_MODES && m->change.n <= MODEL_MODES);
+    require(memchr(m->name, '\0', sizeof m->name) != NULL);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        require(isnan(m->mean[i]) || fabsf(m->mean[i]) < 1e4f);
+        require(m->weight[i] >= 0.0f && isfinite(m->weight[i]));
+        require(m->motion.rest[i] >= 0.0f && isfinite(m->motion.rest[i]));
+        require(m->change.rest[i] >= 0.0f && isfinite(m->change.rest[i]));
+        for (uint32_t k = 0; k < MODEL_MODES; k++)
+            require(isfinite(m->motion.mode[i][k]) && isfinite(m->change.mode[i][k]));
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static struct model model, again;
+    struct frame_mean mean;
+    struct scratch scratch = {0};
+    uint32_t line = 0;
+    const enum status st = model_parse((const char *)data, size, &model, &line);
+    size_t len;
+    char *text, *second = NULL;
+
+    require(line >= 1);
+    if (st != ST_OK) {
+        require(st == ST_ECORRUPT || st == ST_EVERSION);
+        return 0;
+    }
+    check_numbers(&model);
+    len = model_write(&model, NULL, 0);
+    require((text = malloc(len + 1)) != NULL && (second = malloc(len + 1)) != NULL);
+    require(model_write(&model, text, len + 1) == len);
+    require(model_parse(text, len, &again, NULL) == ST_OK);
+    require(model_write(&again, second, len + 1) == len &&
+            memcmp(text, second, len) == 0);
+    free(text);
+    free(second);
+    if (frame_mean_make(&model, &scratch, &mean) == ST_OK)
+        frame_mean_free(&mean);
+    scratch_free(&scratch);
+    return 0;
+}

@@ -1,0 +1,219 @@
+/* The canonical frame: it moves with the face, the mean face's own is where it is, and a
+ * map of heights in it is the mean face again. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "clouds.h"
+#include "face.h"
+#include "fail_alloc.h"
+#include "frame.h"
+#include "toy.h"
+
+#define POINTS 3000
+
+static struct model model;
+static struct frame_mean mean;
+static struct align_work work;
+static struct scratch scratch;
+static struct toy_surface surface;
+
+static double toy(const void *arg, double x, double y)
+{
+    (void)arg;
+    return toy_height(x, y);
+}
+
+/* How far apart two motions carry points of a face, at most, mm. */
+static double apart(const struct align_pose *a, const struct align_pose *b,
+                    const struct dvec3 *pts, size_t n)
+{
+    double most = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 p = align_pose_apply(a, pts[i]);
+        const struct dvec3 q = align_pose_apply(b, pts[i]);
+
+        most = fmax(most, hypot(hypot(p.x - q.x, p.y - q.y), p.z - q.z));
+    }
+    return most;
+}
+
+/* a, then b */
+static struct align_pose then(const struct align_pose *a, const struct align_pose *b)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct align_pose back = align_pose_after(b, &still);
+
+    return align_pose_after(&back, a);
+}
+
+/* The toy face scanned anywhere is found where it was before. */
+static void test_toy(void **state)
+{
+    static const struct dvec3 corners[] = {
+        {0, 0, 0}, {50, 0, -40}, {-50, 0, -40}, {0, 60, -30}, {0, -60, -30}};
+    struct brute_rng rng = {brute_seed("frame")};
+
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        struct align_pose pose, both;
+        const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        struct frame frame;
+
+        toy_pose(6 * k, -4 * k, 3 * k, (struct dvec3){30 * k, -20 * k, 100 * k}, &pose);
+        toy_scan(toy, NULL, 3000, &pose, &rng, &surface);
+        assert_int_equal(frame_find(&mean, &surface.s, &work, &frame), ST_OK);
+        both = then(&pose, &frame.pose);
+        printf("pose %d: off by %.2f mm, cost %.2f mm, within %.2f\n", k,
+               apart(&both, &still, corners, 5), frame.cost_mm, frame.within);
+        assert_true(apart(&both, &still, corners, 5) < 1);
+        assert_int_equal(frame.mark, mean.mark);
+        assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
+        assert_true(align_pose_rigid(&frame.pose));
+    }
+}
+
+/* A scan turned and shifted as a whole has its frame in the same place of the face. */
+static void test_moves_along(void **state)
+{
+    static struct dvec3 pts[POINTS], moved[POINTS];
+    struct face_work *w = face_work_new(NULL);
+    struct face f = {0};
+    double sum = 0;
+
+    (void)state;
+    assert_non_null(w);
+    for (uint64_t k = 0; k < 8; k++) {
+        const size_t n = clouds_scan(k, 0, POINTS, pts);
+        struct align_pose before, both, motion;
+        double m[16], off;
+
+        assert_int_equal(face_build(pts, n, w, &f, NULL), ST_OK);
+        before = f.frame.pose;
+        memcpy(moved, pts, n * sizeof *pts);
+        clouds_move(moved, n, k, 15, 120, m);
+        align_pose_from_matrix(m, &motion);
+        assert_int_equal(face_build(moved, n, w, &f, NULL), ST_OK);
+        both = then(&motion, &f.frame.pose);
+        off = apart(&both, &before, pts, n);
+        printf("face %d: off by %.2f mm at most\n", (int)k, off);
+        sum += off;
+        assert_true(off < 6);
+    }
+    assert_true(sum / 8 < 2);
+    face_free(&f);
+    face_work_free(w);
+}
+
+/* The map of the mean face is the mean face; where there is no surface it is empty. */
+static void test_map(void **state)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static float z[GRID_N];
+    struct align_pose pose, back;
+    struct brute_rng rng = {7};
+
+    (void)state;
+    toy_pose(10, -8, 20, (struct dvec3){40, 50, 60}, &pose);
+    back = align_pose_after(&pose, &still);
+    toy_scan(toy, NULL, 9000, &pose, &rng, &surface);
+    frame_map(&surface.s, &back, z);
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        const double u = grid_x(c) / 55, v = grid_y(c) / 70;
+
+        if (u * u + v * v < 0.7)
+            assert_true(fabs((double)z[c] - toy_height(grid_x(c), grid_y(c))) < 1.2);
+        if (u * u + v * v > 1.3)
+            assert_true(isnan(z[c]));
+    }
+    pose.t[0] = 900;
+    frame_map(&surface.s, &pose, z);
+    for (uint32_t c = 0; c < GRID_N; c++)
+        assert_true(isnan(z[c]));
+}
+
+static void test_mean(void **state)
+{
+    struct model bad = model;
+    struct frame_mean m;
+
+    (void)state;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        assert_true(mean.hold[i] >= 0.0f && mean.hold[i] <= 1.0f);
+        assert_true((mean.hold[i] > 0.0f) == (model.motion.rest[i] > 0.0f));
+        bad.mean[i] = (float)NAN;
+    }
+    /* nose firmer than mouth */
+    assert_true(mean.hold[grid_cell(2, 20)] > 2 * mean.hold[grid_cell(2, -42)]);
+    assert_int_equal(mean.mark, model_mark(&model));
+    assert_int_equal(frame_mean_make(&bad, &scratch, &m), ST_EDEGENERATE);
+    for (uint32_t i = 3 * GRID_NX; i < 4 * GRID_NX; i++)
+        bad.mean[i] = 0.0f; /* all on a line */
+    assert_int_equal(frame_mean_make(&bad, &scratch, &m), ST_EDEGENERATE);
+    frame_mean_free(&m);
+    assert_null(m.mesh.block);
+}
+
+static void test_memory(void **state)
+{
+    struct brute_rng rng = {8};
+    struct frame want, got;
+    enum status st = ST_ENOMEM;
+    unsigned long n;
+
+    (void)state;
+    for (n = 1; st != ST_OK; n++) {
+        struct scratch fresh = {0};
+        struct frame_mean m;
+
+        fail_alloc_at(n);
+        st = frame_mean_make(&model, &fresh, &m);
+        fail_alloc_at(0);
+        assert_true(st == ST_OK || st == ST_ENOMEM);
+        assert_true(st == ST_OK || m.mesh.block == NULL);
+        frame_mean_free(&m);
+        scratch_free(&fresh);
+    }
+    assert_true(n > 4);
+    toy_scan(toy, NULL, 2000, NULL, &rng, &surface);
+    assert_int_equal(frame_find(&mean, &surface.s, &work, &want), ST_OK);
+    for (st = ST_ENOMEM, n = 1; st != ST_OK; n++) {
+        struct align_work fresh = {0};
+
+        fail_alloc_at(n);
+        st = frame_find(&mean, &surface.s, &fresh, &got);
+        fail_alloc_at(0);
+        assert_true(st == ST_OK || st == ST_ENOMEM);
+        align_work_free(&fresh);
+    }
+    assert_true(n > 2);
+    assert_memory_equal(&want.pose, &got.pose, sizeof want.pose);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_toy),    cmocka_unit_test(test_moves_along),
+        cmocka_unit_test(test_map),    cmocka_unit_test(test_mean),
+        cmocka_unit_test(test_memory),
+    };
+    int failed;
+
+    toy_model(&model);
+    if (frame_mean_make(&model, &scratch, &mean) != ST_OK)
+        return 2;
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    frame_mean_free(&mean);
+    align_work_free(&work);
+    scratch_free(&scratch);
+    toy_surface_free(&surface);
+    return failed;
+}

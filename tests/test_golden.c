@@ -1,0 +1,47 @@
+/* The same bytes in, the same digits out: a few fixed comparisons against the digits in
+ * tests/golden/digits.txt.  When a change of the measure is meant, make them anew:
+ * build/digits > tests/golden/digits.txt, and raise FACE_ENGINE's measure. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "digits.h"
+
+#define GOLDEN "tests/golden/digits.txt"
+
+/* Line by line, so that what differs is told. */
+static void test_digits(void **state)
+{
+    FILE *in = fopen(GOLDEN, "r");
+    size_t size;
+    char *text = digits_text(&size), *line = text, want[4096];
+
+    (void)state;
+    assert_non_null(in);
+    while (fgets(want, sizeof want, in) != NULL) {
+        char *end = strchr(line, '\n');
+
+        want[strcspn(want, "\n")] = '\0';
+        assert_non_null(end);
+        *end = '\0';
+        assert_string_equal(want, line);
+        line = end + 1;
+    }
+    assert_ptr_equal(line, text + size);
+    (void)fclose(in);
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_digits),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

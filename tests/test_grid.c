@@ -1,0 +1,101 @@
+/* The grid: cells tile the frame, mirror and regions fit it. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "grid.h"
+
+/* Every point of the grid lies in one cell, whose centre is within half a cell. */
+static void test_cells(void **state)
+{
+    struct brute_rng rng = {brute_seed("grid")};
+    const double right = GRID_LEFT + GRID_NX * GRID_MM;
+    const double top = GRID_BOTTOM + GRID_NY * GRID_MM;
+
+    (void)state;
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        assert_int_equal(grid_cell(grid_x(c), grid_y(c)), c);
+        assert_int_equal(grid_cell(grid_x(c) - 0.5 * GRID_MM, grid_y(c) - 0.5 * GRID_MM),
+                         c); /* the lower left corner is its own */
+    }
+    for (int i = 0; i < 100000; i++) {
+        const double x = GRID_LEFT + (right - GRID_LEFT) * brute_real(&rng);
+        const double y = GRID_BOTTOM + (top - GRID_BOTTOM) * brute_real(&rng);
+        const uint32_t c = grid_cell(x, y);
+
+        assert_true(c < GRID_N);
+        assert_true(fabs(grid_x(c) - x) <= GRID_MM / 2 + 1e-9);
+        assert_true(fabs(grid_y(c) - y) <= GRID_MM / 2 + 1e-9);
+    }
+    assert_true(GRID_LEFT == -right); /* x = 0 is the symmetry plane */
+    assert_int_equal(grid_cell(right, 0), GRID_NONE);
+    assert_int_equal(grid_cell(GRID_LEFT - 1e-6, 0), GRID_NONE);
+    assert_int_equal(grid_cell(0, top), GRID_NONE);
+    assert_int_equal(grid_cell(0, GRID_BOTTOM - 1e-6), GRID_NONE);
+    assert_int_equal(grid_cell((double)NAN, 0), GRID_NONE);
+    assert_int_equal(grid_cell(0, (double)NAN), GRID_NONE);
+    assert_int_equal(grid_cell(0, 1e300), GRID_NONE);
+    assert_int_equal(grid_cell(-(double)INFINITY, 0), GRID_NONE);
+}
+
+static void test_mirror(void **state)
+{
+    (void)state;
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        const uint32_t m = grid_mirror(c);
+
+        assert_true(m < GRID_N && m != c && grid_mirror(m) == c);
+        assert_true(grid_x(m) == -grid_x(c) && grid_y(m) == grid_y(c));
+    }
+}
+
+/* Every region is there, the same on both sides, and where its name says. */
+static void test_regions(void **state)
+{
+    static const struct {
+        double x, y;
+        enum grid_region r;
+        const char *name;
+    } at[] = {
+        {2, 2, GRID_NOSE, "nose"},      {32, 32, GRID_EYES, "eyes"},
+        {2, 40, GRID_EYES, "eyes"},     {10, 62, GRID_FOREHEAD, "forehead"},
+        {40, 0, GRID_CHEEKS, "cheeks"}, {58, 30, GRID_CHEEKS, "cheeks"},
+        {6, -30, GRID_MOUTH, "mouth"},  {6, -66, GRID_CHIN, "chin"},
+    };
+    uint32_t count[GRID_REGIONS] = {0}, sum = 0;
+
+    (void)state;
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        assert_in_range(grid_region_of(c), 0, GRID_REGIONS - 1);
+        assert_int_equal(grid_region_of(c), grid_region_of(grid_mirror(c)));
+        count[grid_region_of(c)]++;
+    }
+    for (int r = 0; r < GRID_REGIONS; r++) {
+        assert_true(count[r] > 20);
+        sum += count[r];
+        for (int s = 0; s < r; s++)
+            assert_string_not_equal(grid_region_name((enum grid_region)r),
+                                    grid_region_name((enum grid_region)s));
+    }
+    assert_int_equal(sum, GRID_N);
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+        assert_int_equal(grid_region_of(grid_cell(at[i].x, at[i].y)), at[i].r);
+        assert_string_equal(grid_region_name(at[i].r), at[i].name);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_regions),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,288 @@
+/* The model's text: written and read again it is the same; the shipped table is what is
+ * compiled in; what is malformed is refused, with the line. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "model.h"
+#include "toy.h"
+
+#define SHIPPED "core/default.model"
+
+static struct model model, got;
+
+static bool same_floats(const float *a, const float *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!(isnan(a[i]) && isnan(b[i])) && memcmp(&a[i], &b[i], sizeof *a) != 0)
+            return false;
+    return true;
+}
+
+/* Every member, bit for bit (whichever NAN). */
+static void check_same(const struct model *a, const struct model *b)
+{
+    const struct model_basis *p[2] = {&a->motion, &a->change};
+    const struct model_basis *q[2] = {&b->motion, &b->change};
+
+    assert_string_equal(a->name, b->name);
+    assert_true(same_floats(a->mean, b->mean, GRID_N));
+    assert_true(same_floats(a->weight, b->weight, GRID_N));
+    assert_true(a->cap_mm == b->cap_mm);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(p[i]->n, q[i]->n);
+        assert_true(same_floats(p[i]->rest, q[i]->rest, GRID_N));
+        assert_true(same_floats(&p[i]->mode[0][0], &q[i]->mode[0][0],
+                                (size_t)GRID_N * MODEL_MODES));
+    }
+    assert_int_equal(a->decision.n, b->decision.n);
+    assert_true(a->decision.threshold_mm == b->decision.threshold_mm);
+    assert_true(a->decision.halving_mm == b->decision.halving_mm);
+    for (uint32_t i = 0; i < DECISION_KNOTS; i++)
+        assert_true(a->decision.knot[i].mm == b->decision.knot[i].mm &&
+                    a->decision.knot[i].rate == b->decision.knot[i].rate);
+    assert_int_equal(model_mark(a), model_mark(b));
+}
+
+static void test_round_trip(void **state)
+{
+    size_t len, again;
+    char *text = toy_text(&model, &len), *second;
+    uint32_t line;
+
+    (void)state;
+    assert_int_equal(strlen(text), len);
+    assert_int_equal(model_parse(text, len, &got, &line), ST_OK);
+    check_same(&model, &got);
+    second = toy_text(&got, &again);
+    assert_int_equal(len, again);
+    assert_memory_equal(text, second, len);
+    free(second);
+    memset(text, 'x', len + 1); /* too small a buffer is not overrun */
+    assert_int_equal(model_write(&model, text, 100), len);
+    assert_int_equal(text[100], 'x');
+    assert_int_equal(model_parse(text, 0, &got, NULL), ST_ECORRUPT);
+    free(text);
+}
+
+/* A basis with all the modes that there is room for. */
+static void test_full(void **state)
+{
+    static struct model full;
+    size_t len;
+    char *text;
+
+    (void)state;
+    full = model;
+    full.change.n = MODEL_MODES;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        for (uint32_t k = 0; k < MODEL_MODES; k++)
+            full.change.mode[i][k] =
+                (float)((int)((i * 7 + k * 131) % 2001) - 1000) / 500;
+    text = toy_text(&full, &len);
+    assert_int_equal(model_parse(text, len, &got, NULL), ST_OK);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        for (uint32_t k = 0; k < MODEL_MODES; k++)
+            assert_true(full.change.mode[i][k] == got.change.mode[i][k]);
+    free(text);
+}
+
+/* The table in the source tree and the constant made of it by a script. */
+static void test_shipped(void **state)
+{
+    FILE *in = fopen(SHIPPED, "rb");
+    uint32_t line = 0;
+    char *text, *again;
+    size_t len, n;
+
+    (void)state;
+    assert_non_null(in);
+    assert_int_equal(fseek(in, 0, SEEK_END), 0);
+    len = (size_t)ftell(in);
+    rewind(in);
+    assert_non_null(text = malloc(len + 1));
+    assert_int_equal(fread(text, 1, len, in), len);
+    (void)fclose(in);
+    if (model_parse(text, len, &got, &line) != ST_OK)
+        fail_msg("%s:%u: malformed", SHIPPED, line);
+    check_same(&got, &model_default);
+    again = toy_text(&got, &n);
+    assert_int_equal(n, len);
+    assert_memory_equal(text, again, len);
+    assert_true(decision_valid(&got.decision));
+    free(text);
+    free(again);
+}
+
+/* The line (from 1) that holds offset at. */
+static uint32_t line_at(const char *text, size_t at)
+{
+    uint32_t line = 1;
+
+    for (size_t i = 0; i < at; i++)
+        line += text[i] == '\n';
+    return line;
+}
+
+/* refused(from, to, st, after): the first from behind the text `after` replaced by to is
+ * refused there, in the line where it is. */
+static void refused(const char *after, const char *from, const char *to, enum status st)
+{
+    size_t len, at, tail;
+    char *text = toy_text(&model, &len), *changed, *found = strstr(text, after);
+    uint32_t line = 0;
+
+    assert_non_null(found);
+    assert_non_null(found = strstr(found, from));
+    at = (size_t)(found - text);
+    tail = len - at - strlen(from);
+    assert_non_null(changed = malloc(len + strlen(to) + 1));
+    memcpy(changed, text, at);
+    memcpy(changed + at, to, strlen(to));
+    memcpy(changed + at + strlen(to), found + strlen(from), tail);
+    len = at + strlen(to) + tail;
+    if (model_parse(changed, len, &got, &line) != st)
+        fail_msg("'%s' for '%s' after '%s' is not refused with %d", to, from, after, st);
+    if (line != line_at(changed, at))
+        fail_msg("'%s' for '%s' after '%s': line %u, not %u", to, from, after, line,
+                 line_at(changed, at));
+    free(changed);
+    free(text);
+}
+
+static void test_malformed(void **state)
+{
+    static const struct {
+        const char *after, *from, *to;
+        enum status st;
+    } bad[] = {
+        {"", "surfaced-model 1", "surfaced-model 2", ST_EVERSION},
+        {"", "surfaced-model 1", "surfaced-model 0", ST_EVERSION},
+        {"", "surfaced-model 1", "surfaced-model x", ST_ECORRUPT},
+        {"", "surfaced-model", "Surfaced-model", ST_ECORRUPT},
+        {"", "surfaced-model", "surfaced-models", ST_ECORRUPT},
+        {"", "a toy", "a\ttoy", ST_ECORRUPT},
+        {"", "a toy",
+         "a toy of a name that is longer than any name may be, by far, even if nobody ever "
+         "would need so long a one",
+         ST_ECORRUPT},
+        {"cap", "10000", "0", ST_ECORRUPT},
+        {"cap", "10000", "-10000", ST_ECORRUPT},
+        {"cap", "1000000", "100000001", ST_ECORRUPT},
+        {"cap", "10000", "1.5", ST_ECORRUPT},
+        {"cap", "10000", "10000x", ST_ECORRUPT},
+        {"cap", "10000", "99999999999999999999", ST_ECORRUPT},
+        {"cap", "10000", "nan", ST_ECORRUPT},
+        {"threshold", "2000", "0", ST_ECORRUPT},
+        {"knots", "3", "1", ST_ECORRUPT},
+        {"knots", "3", "33", ST_ECORRUPT},
+        {"3\n", "200000 1000000", "200000 0", ST_ECORRUPT},
+        {"weight", " 0 ", " . ", ST_ECORRUPT},
+        {"weight", " 0 ", " -1 ", ST_ECORRUPT},
+        {"mean", " . ", " 200001 ", ST_ECORRUPT},
+        {"mean", " . ", " .. ", ST_ECORRUPT},
+        {"mean", " . ", " .5 ", ST_ECORRUPT},
+        {"mean", "mean", "means", ST_ECORRUPT},
+        {"motion", "4", "73", ST_ECORRUPT},
+        {"motion", "4", "-4", ST_ECORRUPT},
+        {"motion", " 0 ", " 100001 ", ST_ECORRUPT},
+        {"change 6", "mode", "rest", ST_ECORRUPT},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        refused(bad[i].after, bad[i].from, bad[i].to, bad[i].st);
+}
+
+/* What follows from several lines together has no better line than where it was seen. */
+static void test_contradictions(void **state)
+{
+    static struct model bad;
+    size_t len;
+    char *text;
+
+    (void)state;
+    for (int what = 0; what < 5; what++) {
+        bad = model;
+        for (uint32_t i = 0; i < GRID_N; i++) {
+            if (what == 0)
+                bad.mean[i] = (float)NAN;
+            if (what == 1)
+                bad.weight[i] = 0.0f;
+            if (what == 2)
+                bad.change.rest[i] = 0.0f;
+        }
+        if (what == 3)
+            bad.decision.knot[1] = bad.decision.knot[0];
+        if (what == 4)
+            bad.decision.knot[2].rate = 0.9;
+        text = toy_text(&bad, &len);
+        assert_int_equal(model_parse(text, len, &got, NULL), ST_ECORRUPT);
+        free(text);
+    }
+}
+
+/* Cut off anywhere it is refused, and so is anything that follows its end. */
+static void test_truncated(void **state)
+{
+    size_t len;
+    char *text = toy_text(&model, &len), *longer = malloc(len + 8);
+    uint32_t line;
+
+    (void)state;
+    for (size_t n = 0; n < len - 1; n += n < 300 || n + 300 > len ? 1 : 977) {
+        char *cut = malloc(n + 1); /* ends where its bytes do, for the sanitizer */
+
+        assert_non_null(cut);
+        memcpy(cut, text, n);
+        assert_int_equal(model_parse(cut, n, &got, &line), ST_ECORRUPT);
+        assert_true(line <= line_at(text, n));
+        free(cut);
+    }
+    assert_int_equal(model_parse(text, len - 1, &got, &line), ST_OK); /* but a newline */
+    assert_non_null(longer);
+    memcpy(longer, text, len);
+    memcpy(longer + len, " \n\n", 3);
+    assert_int_equal(model_parse(longer, len + 3, &got, &line), ST_OK);
+    memcpy(longer + len, "x\n", 2);
+    assert_int_equal(model_parse(longer, len + 2, &got, &line), ST_ECORRUPT);
+    assert_int_equal(line, line_at(text, len));
+    longer[len] = '\0';
+    assert_int_equal(model_parse(longer, len + 1, &got, &line), ST_ECORRUPT);
+    free(longer);
+    free(text);
+}
+
+/* The mark is the mean face's, and nothing else's. */
+static void test_mark(void **state)
+{
+    static struct model other;
+
+    (void)state;
+    other = model;
+    other.weight[700] += 1.0f;
+    other.cap_mm = 2;
+    assert_int_equal(model_mark(&model), model_mark(&other));
+    other.mean[700] += 0.001f;
+    assert_int_not_equal(model_mark(&model), model_mark(&other));
+    assert_int_not_equal(model_mark(&model), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_full),
+        cmocka_unit_test(test_shipped),        cmocka_unit_test(test_malformed),
+        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_mark),
+    };
+
+    toy_model(&model);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

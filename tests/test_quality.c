@@ -1,0 +1,124 @@
+/* quality.h: what is said of a scan that was laid on the mean face. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "face.h"
+#include "quality.h"
+
+static const struct face_quality good = {0.9, 0.95, 2.2, 0.3};
+static const struct frame still = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9};
+
+/* The frame of a face turned so many degrees about axis 0 to 2 (pitch, yaw, roll). */
+static struct frame turned(int axis, double degrees)
+{
+    const double a = degrees * 3.14159265358979323846 / 180;
+    const int i = (axis + 1) % 3, k = (axis + 2) % 3;
+    struct frame f = still;
+
+    f.pose.r[4 * i] = f.pose.r[4 * k] = cos(a);
+    f.pose.r[3 * i + k] = -sin(a);
+    f.pose.r[3 * k + i] = sin(a);
+    return f;
+}
+
+static void test_reasons(void **state)
+{
+    const struct {
+        struct face_quality q;
+        enum quality_reason r;
+    } bad[] = {{{0.9, 0.95, 3.1, 0.3}, QUALITY_SPARSE},
+               {{0.9, 0.95, 2.2, 0.7}, QUALITY_NOISY},
+               {{0.6, 0.6, 2.2, 0.3}, QUALITY_INCOMPLETE}};
+    const struct face_quality all = {0.1, 0.1, 9, 2};
+    struct frame f = still;
+
+    (void)state;
+    assert_int_equal(quality_reasons(&good, &still), 0);
+    assert_int_equal(quality_reasons(&good, NULL), 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(quality_reasons(&bad[i].q, NULL), 1U << bad[i].r);
+    f.cost_mm = 2.8;
+    assert_int_equal(quality_reasons(&good, &f), 1U << QUALITY_UNUSUAL);
+    f = turned(1, 45);
+    f.cost_mm = 3;
+    assert_int_equal(quality_reasons(&all, &f), (1U << QUALITY_REASONS) - 1);
+}
+
+static void test_turned(void **state)
+{
+    static const double limit[3] = {20, 30, 20};
+
+    (void)state;
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            struct frame f = turned(axis, sign * (limit[axis] - 1));
+
+            assert_int_equal(quality_reasons(&good, &f), 0);
+            f = turned(axis, sign * (limit[axis] + 1));
+            assert_int_equal(quality_reasons(&good, &f), 1U << QUALITY_TURNED);
+        }
+}
+
+static void test_gate(void **state)
+{
+    struct frame f = still;
+
+    (void)state;
+    assert_int_equal(quality_place(&f), ST_OK);
+    f.cost_mm = 2.9; /* the worst of 1,200 scans of faces */
+    f.within = 0.74;
+    assert_int_equal(quality_place(&f), ST_OK);
+    f.cost_mm = 3.3;
+    assert_int_equal(quality_place(&f), ST_ENOTFACE);
+    f = still;
+    f.within = 0.4; /* much hair and shoulders, but a face */
+    assert_int_equal(quality_place(&f), ST_OK);
+    f.cost_mm = 2.9;
+    assert_int_equal(quality_place(&f), ST_ENOTFACE);
+}
+
+static void test_words(void **state)
+{
+    (void)state;
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        for (int k = 0; k < i; k++)
+            assert_string_not_equal(quality_reason_name((enum quality_reason)i),
+                                    quality_reason_name((enum quality_reason)k));
+}
+
+/* Ripples lie on no mean face. */
+static void test_ripples(void **state)
+{
+    struct face_work *w = face_work_new(NULL);
+    static struct dvec3 pts[81 * 81];
+    struct face f = {0};
+
+    (void)state;
+    assert_non_null(w);
+    for (int i = 0; i < 81 * 81; i++) {
+        const double x = 2.0 * (i % 81) - 80, y = 2.0 * (i / 81) - 80;
+
+        pts[i] = (struct dvec3){x, y, 10 * sin(x * 0.105) * cos(y * 0.105)};
+    }
+    assert_int_equal(face_build(pts, 81 * 81, w, &f, NULL), ST_ENOTFACE);
+    assert_int_equal(f.mesh.nv, 0);
+    face_free(&f);
+    face_work_free(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reasons), cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_gate),    cmocka_unit_test(test_words),
+        cmocka_unit_test(test_ripples),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,249 @@
+/* The disparity that decides: what it is of known gaps. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "cells.h"
+#include "fail_alloc.h"
+#include "learn.h"
+#include "score.h"
+#include "toy.h"
+
+static struct model model;
+static struct scratch scratch;
+static struct cells cells;
+static struct fit fit;
+
+static void no_gap(void)
+{
+    static float sample[GRID_N];
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        sample[i] = model.change.rest[i] > 0.0f ? 0.0f : (float)NAN;
+    learn_cells(sample, &model, &cells);
+}
+
+static struct score score(void)
+{
+    struct score s;
+
+    assert_int_equal(score_of(&model, &cells, &scratch, &fit, &s), ST_OK);
+    return s;
+}
+
+/* mm up and down in blocks of three cells by three, which no motion or change explains, and
+ * which is too wide for noise. */
+static void chequered(double mm, int region)
+{
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (cells.area[i] > 0.0f && (region < 0 || (int)grid_region_of(i) == region))
+            cells.gap[i] +=
+                (float)((i % GRID_NX / 3 + i / GRID_NX / 3) % 2 == 0 ? mm : -mm);
+}
+
+/* What the rest at cell i differs by from the mean of the covered cells round it, weighted
+ * by a bell curve of one cell, cut off at three. */
+static double rough(uint32_t i)
+{
+    const int x = (int)(i % GRID_NX), y = (int)(i / GRID_NX);
+    double sum = 0, weights = 0;
+
+    for (int v = y - 3; v <= y + 3; v++)
+        for (int u = x - 3; u <= x + 3; u++) {
+            const double w = exp(-0.5 * ((u - x) * (u - x) + (v - y) * (v - y)));
+            const uint32_t c = (uint32_t)(v * GRID_NX + u);
+
+            if (u < 0 || u >= GRID_NX || v < 0 || v >= GRID_NY || cells.area[c] <= 0.0f)
+                continue;
+            sum += w * (double)fit.rest[c];
+            weights += w;
+        }
+    return (double)fit.rest[i] - sum / weights;
+}
+
+/* The disparity by definition, of a region or of all (-1), from the rest in fit. */
+static double defined(int region)
+{
+    const double cap = (double)model.cap_mm;
+    double sum = 0, whole = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double u = (double)model.weight[i];
+
+        if (cells.area[i] <= 0.0f || model.change.rest[i] <= 0.0f ||
+            (region >= 0 && (int)grid_region_of(i) != region))
+            continue;
+        sum += u * fmin(fabs((double)fit.rest[i]), cap);
+        sum -= SCORE_ROUGH * u * fmin(fabs(rough(i)), cap);
+        whole += u;
+    }
+    return sum > 0 ? sum / whole : 0;
+}
+
+static void test_identical(void **state)
+{
+    double sum = 0;
+    struct score s;
+
+    (void)state;
+    no_gap();
+    s = score();
+    assert_true(s.disparity_mm == 0 && s.change_mm == 0);
+    assert_true(fabs(s.weight - 1) < 1e-12);
+    for (int r = 0; r < GRID_REGIONS; r++) {
+        assert_true(s.region_mm[r] == 0 && s.region_weight[r] > 0);
+        sum += s.region_weight[r];
+    }
+    assert_true(fabs(sum - 1) < 1e-12);
+}
+
+/* By definition, from the rest that the fit left; a motion alone is no difference. */
+static void test_definition(void **state)
+{
+    struct score s;
+
+    (void)state;
+    no_gap();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        cells.gap[i] = cells.area[i] > 0.0f ? cells.normal[i][0] * 0.2f : 0.0f;
+    s = score();
+    assert_true(s.disparity_mm < 0.05 && s.change_mm > 0.01);
+    for (int round = 0; round < 2; round++) {
+        chequered(0.5, -1);
+        s = score();
+        assert_true(s.disparity_mm > 0.1);
+        assert_true(fabs(s.disparity_mm - defined(-1)) < 1e-5);
+        for (int r = 0; r < GRID_REGIONS; r++)
+            assert_true(isnan(s.region_mm[r]) ||
+                        fabs(s.region_mm[r] - defined(r)) < 1e-5);
+        for (uint32_t i = 0; i < GRID_N; i++) /* once more with holes */
+            if (i % 29 < 4 || i % 7 == 0)
+                cells.area[i] = cells.gap[i] = 0.0f;
+    }
+}
+
+/* Noise from cell to cell says little, the same amount over wider places much more. */
+static void test_noise(void **state)
+{
+    struct score narrow, wide;
+
+    (void)state;
+    no_gap();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (cells.area[i] > 0.0f)
+            cells.gap[i] = (i % GRID_NX + i / GRID_NX) % 2 == 0 ? 0.3f : -0.3f;
+    narrow = score();
+    no_gap();
+    chequered(0.3, -1);
+    wide = score();
+    assert_true(narrow.disparity_mm < 0.15 && wide.disparity_mm > narrow.disparity_mm);
+}
+
+/* However large the gap, a cell adds the cap at most. */
+static void test_cap(void **state)
+{
+    struct score s;
+
+    (void)state;
+    no_gap();
+    chequered(8, -1);
+    s = score();
+    assert_true(fabs(s.disparity_mm - defined(-1)) < 1e-5);
+    assert_true(s.disparity_mm > 0.2 && s.disparity_mm <= (double)model.cap_mm);
+}
+
+/* A difference in one region shows in that region, and counts with its weight. */
+static void test_regions(void **state)
+{
+    (void)state;
+    for (int r = 0; r < GRID_REGIONS; r++) {
+        struct score s;
+        double sum = 0;
+
+        no_gap();
+        chequered(0.4, r);
+        s = score();
+        for (int q = 0; q < GRID_REGIONS; q++)
+            assert_true(q == r || s.region_mm[q] < 0.3 * s.region_mm[r]);
+        for (int q = 0; q < GRID_REGIONS; q++)
+            sum += s.region_mm[q] * s.region_weight[q];
+        assert_true(fabs(s.disparity_mm - sum) < 0.01);
+    }
+}
+
+/* Not covered: NAN for the region, and that much less of the weight. */
+static void test_covered(void **state)
+{
+    struct score whole, s;
+
+    (void)state;
+    no_gap();
+    chequered(0.3, -1);
+    whole = score();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (grid_region_of(i) == GRID_CHIN)
+            cells.area[i] = cells.gap[i] = 0.0f;
+    s = score();
+    assert_true(isnan(s.region_mm[GRID_CHIN]) && !isnan(s.region_mm[GRID_NOSE]));
+    assert_true(s.region_weight[GRID_CHIN] == whole.region_weight[GRID_CHIN]);
+    assert_true(fabs(s.weight - (1 - whole.region_weight[GRID_CHIN])) < 1e-9);
+    assert_true(fabs(s.disparity_mm - whole.disparity_mm) < 0.05);
+    memset(cells.area, 0, sizeof cells.area);
+    s = score();
+    assert_true(s.disparity_mm == 0 && s.weight == 0 && s.change_mm == 0);
+    for (int r = 0; r < GRID_REGIONS; r++)
+        assert_true(isnan(s.region_mm[r]));
+}
+
+/* Twice the weight everywhere is the same disparity. */
+static void test_scale_of_weight(void **state)
+{
+    static struct model saved;
+    struct score a, b;
+
+    (void)state;
+    saved = model;
+    no_gap();
+    chequered(0.3, GRID_NOSE);
+    a = score();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        model.weight[i] *= 2.0f;
+    b = score();
+    assert_true(a.disparity_mm == b.disparity_mm && a.weight == b.weight);
+    model = saved;
+}
+
+static void test_memory(void **state)
+{
+    struct scratch fresh = {0};
+    struct score s;
+
+    (void)state;
+    no_gap();
+    fail_alloc_at(1);
+    assert_int_equal(score_of(&model, &cells, &fresh, &fit, &s), ST_ENOMEM);
+    fail_alloc_at(0);
+    assert_int_equal(score_of(&model, &cells, &fresh, &fit, &s), ST_OK);
+    scratch_free(&fresh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_identical),       cmocka_unit_test(test_definition),
+        cmocka_unit_test(test_noise),           cmocka_unit_test(test_cap),
+        cmocka_unit_test(test_regions),         cmocka_unit_test(test_covered),
+        cmocka_unit_test(test_scale_of_weight), cmocka_unit_test(test_memory),
+    };
+    int failed;
+
+    toy_model(&model);
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    scratch_free(&scratch);
+    return failed;
+}

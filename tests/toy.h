@@ -1,0 +1,50 @@
+/* toy.h -- a small model and surfaces that owe nothing to people, for tests of what is
+ * learned and measured: fixed numbers, + - * / alone. */
+#ifndef TESTS_TOY_H
+#define TESTS_TOY_H
+#include <stddef.h>
+#include <stdint.h>
+#include "align_pose.h"
+#include "brute.h"
+#include "measure.h"
+#include "mem.h"
+#include "mesh.h"
+#include "model.h"
+
+/* toy_model(m): an egg with a nose and two orbits; 4 modes that register, 6 of change; as
+ * model_parse() would give it. */
+void toy_model(struct model *m);
+
+/* toy_text(m, len): m as text, to be released with free(). */
+char *toy_text(const struct model *m, size_t *len);
+
+/* toy_height(x, y): of the mean face, mm, anywhere. */
+double toy_height(double x, double y);
+
+/* A surface made of points, with all that a measure_surface needs.  All zero: empty. */
+struct toy_surface {
+    struct mesh mesh;
+    struct scratch scratch;
+    int32_t *raw;
+    float *spacing;
+    uint8_t *bridge;
+    struct measure_surface s; /* a view of the above */
+};
+
+typedef double toy_heights(const void *arg, double x, double y);
+
+/* toy_scan(z, arg, n, pose, rng, out): about n points of z, some spread evenly over an oval
+ * of 55 by 70 mm half axes, moved by pose (NULL: as they are). */
+void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
+              struct brute_rng *rng, struct toy_surface *out);
+
+/* toy_surface_make(pts, n, out): of points in mm. */
+void toy_surface_make(const struct dvec3 *pts, size_t n, struct toy_surface *out);
+void toy_surface_free(struct toy_surface *s);
+
+/* toy_pose(yaw, pitch, roll, shift, p): degrees; about the point 80 mm behind the origin,
+ * then the shift (mm). */
+void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
+              struct align_pose *p);
+
+#endif
