@@ -377,7 +377,8 @@ double learn_rigid(uint32_t cell)
         whole += w;
     }
     a /= whole * RIGID_MM;
-    return 1 / (1 + a * a);
+    a = 1 / (1 + a * a);
+    return a * sqrt(a); /* between its first and second power: docs/accuracy.md */
 }
 
 /* The regression: features are the capped rest of each cell, a missing one the mean of the
