@@ -29,13 +29,13 @@
 #define MAX_TURN      0.25 /* longest step, radians and mm */
 #define MAX_SHIFT_MM  25.0
 
-/* A coarse pose needs no rival when it covers GOOD_WITHIN of the points, and its cost is
- * below GOOD_MM, or another start has led to the same place (SAME_MM apart) and its cost is
- * below FAIR_MM. */
+/* A coarse pose needs no rival when it covers GOOD_WITHIN of the points and its cost is low
+ * enough for the number of starts that led there (SAME_MM apart). */
 #define GOOD_WITHIN 0.75
 #define GOOD_MM     1.0
-#define FAIR_MM     2.0
-#define SAME_MM     3.0
+#define SAME_MM     5.0
+static const double good_mm[] = {0, GOOD_MM, 2.0, 3.0};
+#define AGREED 3 /* more starts than that say no more */
 
 /* Less than this share of the probe's points over the template: apart. */
 #define APART_WITHIN 0.2
@@ -225,6 +225,7 @@ static void choose(struct search *s, const struct measure_surface *tmpl,
     const uint32_t stride = stride_for(s->n, COARSE_POINTS);
     const struct align_pose *given = s->how->start;
     struct align_frame to, from; /* made when they are needed */
+    uint32_t agreed = 0;         /* starts that led to best[0] */
     bool framed = false;
 
     best[0].cost = best[1].cost = INFINITY;
@@ -244,6 +245,7 @@ static void choose(struct search *s, const struct measure_surface *tmpl,
         (void)descend(s, stride, ALIGN_LOSS_L1, 8, 1.0, &c);
         s->out->starts++;
         again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
+        agreed = again ? agreed + (agreed < AGREED) : c.cost < best[0].cost ? 1 : agreed;
         if (c.cost < best[0].cost) {
             if (!again)
                 best[1] = best[0];
@@ -251,7 +253,7 @@ static void choose(struct search *s, const struct measure_surface *tmpl,
         } else if (!again && c.cost < best[1].cost) {
             best[1] = c;
         }
-        if (best[0].within > GOOD_WITHIN && best[0].cost < (again ? FAIR_MM : GOOD_MM))
+        if (best[0].within > GOOD_WITHIN && best[0].cost < good_mm[agreed])
             break;
     }
 }
@@ -350,7 +352,7 @@ enum status align_search(const struct measure_surface *tmpl,
                     : ALIGN_STEPS;
     if (best[0].within < APART_WITHIN)
         out->stop = ALIGN_APART;
-    else if (how->u != NULL && how->motion != NULL && how->motion->n > 0)
+    else if (how->u != NULL && how->motion != NULL && how->motion->b->n > 0)
         st = settle(&search, w, &best[0].pose);
     align_pose_to_matrix(&best[0].pose, out->transform);
     return st;

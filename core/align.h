@@ -17,8 +17,8 @@
 
 struct align_pose;      /* align_pose.h */
 struct align_weight;    /* align_field.h */
+struct fit_basis;       /* fit.h */
 struct measure_surface; /* measure.h */
-struct model_basis;     /* model.h */
 
 enum align_stop {
     ALIGN_CONVERGED, /* the last step was below the resolution */
@@ -43,8 +43,7 @@ struct align_result {
 struct align_how {
     const struct align_pose *start; /* tried first: probe -> template */
     const struct align_weight *u;   /* where the template keeps its shape */
-    const struct model_basis
-        *motion; /* for step (3), which is left out without it or u */
+    const struct fit_basis *motion; /* for step (3), which is left out without it or u */
 };
 
 /* One worker's memory; all zero is an empty one. */

@@ -22,13 +22,14 @@ struct cells {
     float normal[GRID_N][3]; /* its mean normal, in the frame, not normalised */
 };
 
-/* cells_cover(c, i): how far cell i is covered, 0..1: what it counts.  Without a jump, so
- * that a rim that moves a little changes little. */
+/* cells_cover(c, i): what cell i counts, 0..1: nothing at CELLS_COVERED, all when half of
+ * it is covered.  Without a jump, so that a rim that moves a little changes little. */
 static inline float cells_cover(const struct cells *c, uint32_t i)
 {
-    const float share = c->area[i] * (float)(1.0 / (GRID_MM * GRID_MM));
+    const float full = (float)(GRID_MM * GRID_MM / 2);
+    const float share = (c->area[i] - CELLS_COVERED) / (full - CELLS_COVERED);
 
-    return c->area[i] < CELLS_COVERED ? 0.0f : share < 1.0f ? share : 1.0f;
+    return share < 0.0f ? 0.0f : share < 1.0f ? share : 1.0f;
 }
 
 /* cells_measure(tmpl, w, frame, out): the exact integrals, at the pose of the last

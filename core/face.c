@@ -8,6 +8,7 @@
 #include "cells.h"
 #include "decision.h"
 #include "delaunay.h"
+#include "fit.h"
 #include "holes.h"
 #include "lattice.h"
 #include "measure.h"
@@ -22,7 +23,8 @@ struct face_work {
     struct scratch points;       /* a cloud on the lattice */
     struct align_work align;
     const struct model *model;
-    struct frame_mean mean; /* the model's */
+    struct frame_mean mean;          /* the model's */
+    struct fit_basis motion, change; /* the model's */
     struct decision decision;
 };
 
@@ -43,6 +45,8 @@ struct face_work *face_work_new(const struct model *m)
     memset(w, 0, sizeof *w);
     w->model = m != NULL ? m : &model_default;
     w->decision = w->model->decision;
+    fit_prepare(&w->model->motion, &w->motion);
+    fit_prepare(&w->model->change, &w->change);
     if (frame_mean_make(w->model, &w->points, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -200,7 +204,7 @@ static enum status search(const struct face *tmpl, const struct face *probe,
     const struct align_pose first =
         align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
     const struct align_weight u = {w->mean.hold, tmpl->frame.pose};
-    const struct align_how how = {&first, &u, &w->model->motion};
+    const struct align_how how = {&first, &u, &w->motion};
     enum status st;
 
     exchange(w);
@@ -254,7 +258,8 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     aligned = clock_ms != NULL ? clock_ms() : 0;
     if ((st = measure(tmpl, probe, out->align.transform, w, &out->measure, &cells)) !=
             ST_OK ||
-        (st = score_of(w->model, &cells, &w->align.fit, &fit, &score)) != ST_OK)
+        (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
+            ST_OK)
         return st;
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;

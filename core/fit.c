@@ -5,41 +5,121 @@
 
 #define HUBER 2.5
 
-/* A covered cell is a row: the modes, the six motions, its gap; padded to a multiple of
- * LANES.  The normal equations are the upper triangle of the sum of w row row^T: nearly all
- * of the work.  It is done in tiles of TILE x LANES that stay in registers while a block of
- * rows, which stays in the first-level cache, passes by; and when rows are weighted anew,
- * only those whose weight changed are added again, by the difference. */
+/* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
+ * motions, its gap, a zero.  The normal equations are the upper triangle of the sum of
+ * w row row^T: nearly all of the work.  Three things keep it small:
+ * - of the modes' part, which is most of it, the sum over all cells at full weight is known
+ *   beforehand: only the cells that weigh something else are added, by the difference;
+ * - the same when rows are weighted anew after a pass;
+ * - it is done in tiles of TILE x LANES that stay in registers while a block of rows, which
+ *   stays in the first-level cache, passes by. */
 #define LANES 8
 #define TILE  4
 #define ROWS  32
-#define WIDTH ((MODEL_MODES + 6 + 1 + LANES - 1) / LANES * LANES)
+#define GAP   6 /* its place in the tail */
+#define WIDTH (MODEL_MODES + LANES)
+
+_Static_assert(MODEL_MODES % LANES == 0, "modes fill whole tiles");
 
 typedef float lane4 __attribute__((vector_size(16)));
 
-struct work {
-    float row[GRID_N][WIDTH];
-    float block[2][ROWS][WIDTH]; /* rows, and rows times what their weights rose by */
-    float over[GRID_N];          /* 1 / deviation of each row */
-    float full[GRID_N];   /* its weight: over^2 times how far the cell is covered */
-    float weight[GRID_N]; /* that times Huber's */
-    float rise[GRID_N];   /* of the weights since the sum was last made */
-    float sum[WIDTH][WIDTH];
-    double h[WIDTH][WIDTH], g[WIDTH];
-    uint32_t cell[GRID_N]; /* of each row */
-    uint32_t n, modes, unknowns, width;
+/* Rows to be added: themselves, and times what their weights rose by. */
+struct block {
+    float row[ROWS][WIDTH], times[ROWS][WIDTH];
+    uint32_t n;
 };
 
-/* The rows of the covered cells. */
+struct work {
+    float tail[GRID_N][LANES];
+    float over[GRID_N];    /* 1 / deviation of each row */
+    float full[GRID_N];    /* its weight: over^2 times how far the cell is covered */
+    float weight[GRID_N];  /* that times Huber's */
+    uint32_t cell[GRID_N]; /* of each row */
+    struct block block;
+    float sum[WIDTH][WIDTH];
+    double h[WIDTH][WIDTH], g[WIDTH];
+    uint32_t n, modes, unknowns; /* modes: padded */
+};
+
+static uint32_t padded(uint32_t n)
+{
+    return (n + LANES - 1) / LANES * LANES;
+}
+
+/* sum[k..k+3][l..l+7] += the products of a block of rows; sum is stride wide. */
+static inline void add_tile(const struct block *b, uint32_t k, uint32_t l, float *sum,
+                            uint32_t stride)
+{
+    lane4 t[TILE][2];
+
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(t[i], &sum[(k + i) * stride + l], sizeof t[i]);
+    for (uint32_t r = 0; r < b->n; r++) {
+        const float *a = &b->times[r][k];
+        lane4 v[2];
+
+        memcpy(v, &b->row[r][l], sizeof v);
+        for (uint32_t i = 0; i < TILE; i++) {
+            t[i][0] += a[i] * v[0];
+            t[i][1] += a[i] * v[1];
+        }
+    }
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(&sum[(k + i) * stride + l], t[i], sizeof t[i]);
+}
+
+/* Columns from..to-1 of the upper triangle; from and to are multiples of LANES. */
+static void add_block(struct block *b, uint32_t from, uint32_t to, float *sum,
+                      uint32_t stride)
+{
+    for (uint32_t l = from; l < to; l += LANES)
+        for (uint32_t k = 0; k < l + LANES; k += TILE)
+            add_tile(b, k, l, sum, stride);
+    b->n = 0;
+}
+
+/* One row more in the block, its modes and its tail (NULL: no tail). */
+static void put_row(struct block *b, const float *modes, uint32_t n, const float *tail,
+                    float rise)
+{
+    float *row = b->row[b->n], *times = b->times[b->n];
+
+    memcpy(row, modes, n * sizeof *row);
+    if (tail != NULL)
+        memcpy(row + n, tail, LANES * sizeof *row);
+    n += tail != NULL ? LANES : 0;
+    for (uint32_t k = 0; k < n; k++)
+        times[k] = row[k] * rise;
+    b->n++;
+}
+
+void fit_prepare(const struct model_basis *b, struct fit_basis *out)
+{
+    const uint32_t n = padded(b->n);
+    struct block block;
+
+    block.n = 0;
+    out->b = b;
+    memset(out->gram, 0, sizeof out->gram);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
+
+        if (over > 0.0f)
+            put_row(&block, b->mode[i], n, NULL, over * over);
+        if (block.n == ROWS || i == GRID_N - 1)
+            add_block(&block, 0, n, out->gram[0], MODEL_MODES);
+    }
+}
+
+/* The rows of the covered cells: all but their modes, which stay where they are. */
 static void load(struct work *w, const struct model_basis *b, const struct cells *c)
 {
     w->n = 0;
-    w->modes = b->n;
-    w->unknowns = b->n + 6;
-    w->width = (w->unknowns + 1 + LANES - 1) / LANES * LANES;
+    w->modes = padded(b->n);
+    w->unknowns = w->modes + 6;
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *m = c->normal[i];
-        float *row = w->row[w->n];
+        float *tail = w->tail[w->n];
         double nx, ny, nz, x, y, z, flat;
 
         if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
@@ -54,69 +134,87 @@ static void load(struct work *w, const struct model_basis *b, const struct cells
         x = grid_x(i);
         y = grid_y(i);
         z = (double)c->z[i] + FIT_LEVER_MM;
-        memcpy(row, b->mode[i], b->n * sizeof *row);
-        row += b->n;
         /* Turns in units of 1 mm at the lever's length, so that all unknowns are alike. */
-        row[0] = (float)((z * ny - y * nz) / FIT_LEVER_MM);
-        row[1] = (float)((x * nz - z * nx) / FIT_LEVER_MM);
-        row[2] = (float)((y * nx - x * ny) / FIT_LEVER_MM);
-        row[3] = (float)-nx;
-        row[4] = (float)-ny;
-        row[5] = (float)-nz;
-        row[6] = c->gap[i];
-        for (uint32_t k = b->n + 7; k < w->width; k++)
-            w->row[w->n][k] = 0.0f;
+        tail[0] = (float)((z * ny - y * nz) / FIT_LEVER_MM);
+        tail[1] = (float)((x * nz - z * nx) / FIT_LEVER_MM);
+        tail[2] = (float)((y * nx - x * ny) / FIT_LEVER_MM);
+        tail[3] = (float)-nx;
+        tail[4] = (float)-ny;
+        tail[5] = (float)-nz;
+        tail[GAP] = c->gap[i];
+        tail[GAP + 1] = 0.0f;
         w->over[w->n] = 1.0f / b->rest[i];
         w->full[w->n] = w->over[w->n] * w->over[w->n] * cells_cover(c, i);
+        w->weight[w->n] = w->full[w->n];
         w->cell[w->n++] = i;
     }
 }
 
-/* sum[k..k+3][l..l+7] += the products of a block of rows. */
-static void add_tile(struct work *w, uint32_t rows, uint32_t k, uint32_t l)
+/* The sum at the rows' first weights: the modes' part from what is known of all cells, less
+ * what those weigh less or nothing; the tails' part from the rows. */
+static void add_first(struct work *w, const struct fit_basis *p)
 {
-    lane4 t[TILE][2];
+    const struct model_basis *b = p->b;
+    struct block *const k = &w->block;
+    uint32_t r = 0;
 
-    for (uint32_t i = 0; i < TILE; i++)
-        memcpy(t[i], &w->sum[k + i][l], sizeof t[i]);
-    for (uint32_t r = 0; r < rows; r++) {
-        const float *a = &w->block[1][r][k];
-        lane4 b[2];
+    for (uint32_t i = 0; i < w->modes; i++)
+        memcpy(w->sum[i], p->gram[i], w->modes * sizeof(float));
+    for (uint32_t i = 0; i < w->modes + LANES; i++)
+        memset(&w->sum[i][w->modes], 0, LANES * sizeof(float));
+    k->n = 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
+        const bool covered = r < w->n && w->cell[r] == i;
+        const float rise = (covered ? w->weight[r] : 0.0f) - over * over;
 
-        memcpy(b, &w->block[0][r][l], sizeof b);
-        for (uint32_t i = 0; i < TILE; i++) {
-            t[i][0] += a[i] * b[0];
-            t[i][1] += a[i] * b[1];
-        }
+        r += covered;
+        if (rise != 0.0f)
+            put_row(k, b->mode[i], w->modes, NULL, rise);
+        if (k->n == ROWS || i == GRID_N - 1)
+            add_block(k, 0, w->modes, w->sum[0], WIDTH);
     }
-    for (uint32_t i = 0; i < TILE; i++)
-        memcpy(&w->sum[k + i][l], t[i], sizeof t[i]);
+    for (r = 0; r < w->n; r++) {
+        put_row(k, b->mode[w->cell[r]], w->modes, w->tail[r], w->weight[r]);
+        if (k->n == ROWS || r == w->n - 1)
+            add_block(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
+    }
 }
 
-static void add_block(struct work *w, uint32_t rows)
+/* What row r has left once y is taken out. */
+static float left(const float *modes, const float *tail, uint32_t n, const float *y)
 {
-    for (uint32_t k = 0; k < w->width; k += TILE)
-        for (uint32_t l = k / LANES * LANES; l < w->width; l += LANES)
-            add_tile(w, rows, k, l);
+    lane4 s[2], a[2], b[2];
+
+    memcpy(a, tail, sizeof a);
+    memcpy(b, y + n, sizeof b);
+    s[0] = a[0] * b[0];
+    s[1] = a[1] * b[1];
+    for (uint32_t k = 0; k < n; k += LANES) {
+        memcpy(a, modes + k, sizeof a);
+        memcpy(b, y + k, sizeof b);
+        s[0] += a[0] * b[0];
+        s[1] += a[1] * b[1];
+    }
+    s[0] += s[1];
+    return (s[0][0] + s[0][2]) + (s[0][1] + s[0][3]);
 }
 
-/* Bring the sum up to date with the weights. */
-static void add_rows(struct work *w)
+/* Weigh the rows by what y leaves of them, and bring the sum up to date. */
+static void reweight(struct work *w, const struct model_basis *b, const float *y)
 {
-    uint32_t rows = 0;
-
     for (uint32_t r = 0; r < w->n; r++) {
-        if (w->rise[r] == 0.0f)
-            continue;
-        memcpy(w->block[0][rows], w->row[r], w->width * sizeof(float));
-        for (uint32_t k = 0; k < w->width; k++)
-            w->block[1][rows][k] = w->row[r][k] * w->rise[r];
-        if (++rows == ROWS) {
-            add_block(w, rows);
-            rows = 0;
-        }
+        const float *modes = b->mode[w->cell[r]];
+        const float z = fabsf(left(modes, w->tail[r], w->modes, y)) * w->over[r];
+        const float now = w->full[r] * (z > (float)HUBER ? (float)HUBER / z : 1.0f);
+        const float rise = now - w->weight[r];
+
+        w->weight[r] = now;
+        if (rise != 0.0f)
+            put_row(&w->block, modes, w->modes, w->tail[r], rise);
+        if (w->block.n == ROWS || r == w->n - 1)
+            add_block(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
     }
-    add_block(w, rows);
 }
 
 /* The lower Cholesky factor of the sum plus the priors, in h; column by column, so that
@@ -129,7 +227,7 @@ static bool factor(struct work *w, double tie)
         for (uint32_t k = 0; k <= i; k++)
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
         w->h[i][i] += i < w->modes ? 1.0 : tie;
-        w->g[i] = (double)w->sum[i][n];
+        w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
     for (uint32_t k = 0; k < n; k++) {
         double *col = w->h[k], over;
@@ -166,30 +264,27 @@ static void substitute(const struct work *w, double *v)
     }
 }
 
-/* What row r has left once y is taken out. */
-static float left(const struct work *w, uint32_t r, const float *y)
-{
-    const float *row = w->row[r];
-    float s[LANES] = {0.0f};
-
-    for (uint32_t k = 0; k < w->width; k += LANES)
-        for (uint32_t i = 0; i < LANES; i++)
-            s[i] += row[k + i] * y[k + i];
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
-
-static void deviations(struct work *w, struct fit *out)
+/* The deviation of an unknown is the length of its column of the inverse factor; those of
+ * the motions, which come last, need only the factor's last corner. */
+static void deviations(const struct work *w, struct fit *out)
 {
     for (uint32_t i = 0; i < 6; i++) {
-        double v[WIDTH] = {0.0};
+        double v[6] = {0.0}, sum = 0.0;
 
-        v[w->modes + i] = 1.0;
-        substitute(w, v);
-        out->deviation[i] = sqrt(v[w->modes + i]) / (i < 3 ? FIT_LEVER_MM : 1.0);
+        v[i] = 1.0;
+        for (uint32_t k = i; k < 6; k++) {
+            const double *col = &w->h[w->modes + k][w->modes];
+
+            v[k] /= col[k];
+            sum += v[k] * v[k];
+            for (uint32_t j = k + 1; j < 6; j++)
+                v[j] -= v[k] * col[j];
+        }
+        out->deviation[i] = sqrt(sum) / (i < 3 ? FIT_LEVER_MM : 1.0);
     }
 }
 
-enum status fit_solve(const struct model_basis *b, const struct cells *c, double tie,
+enum status fit_solve(const struct fit_basis *p, const struct cells *c, double tie,
                       int passes, struct scratch *s, struct fit *out)
 {
     struct work *w = scratch_need(s, sizeof *w);
@@ -198,35 +293,28 @@ enum status fit_solve(const struct model_basis *b, const struct cells *c, double
     memset(out, 0, sizeof *out);
     if (w == NULL)
         return ST_ENOMEM;
-    load(w, b, c);
+    load(w, p->b, c);
     out->cells = w->n;
     for (int i = 0; i < 6; i++)
         out->deviation[i] = INFINITY;
-    memset(w->sum, 0, sizeof w->sum);
-    for (uint32_t r = 0; r < w->n; r++)
-        w->weight[r] = w->rise[r] = w->full[r];
-    y[w->unknowns] = 1.0f; /* the gap's own column */
+    y[w->modes + GAP] = 1.0f; /* the gap itself */
     for (int pass = 0; w->n >= FIT_MIN_CELLS && pass <= passes; pass++) {
-        add_rows(w);
+        if (pass == 0)
+            add_first(w, p);
+        else
+            reweight(w, p->b, y);
         if (!factor(w, tie))
             break;
         substitute(w, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)
             y[k] = (float)-w->g[k];
-        for (uint32_t r = 0; r < w->n && pass < passes; r++) {
-            const float z = fabsf(left(w, r, y)) * w->over[r];
-            const float now = w->full[r] * (z > (float)HUBER ? (float)HUBER / z : 1.0f);
-
-            w->rise[r] = now - w->weight[r];
-            w->weight[r] = now;
-        }
-        memcpy(out->a, w->g, w->modes * sizeof *out->a);
+        memcpy(out->a, w->g, p->b->n * sizeof *out->a);
         for (uint32_t i = 0; i < 6; i++)
             out->x[i] = w->g[w->modes + i] / (i < 3 ? FIT_LEVER_MM : 1.0);
         if (pass == passes)
             deviations(w, out);
     }
     for (uint32_t r = 0; r < w->n; r++)
-        out->rest[w->cell[r]] = left(w, r, y);
+        out->rest[w->cell[r]] = left(p->b->mode[w->cell[r]], w->tail[r], w->modes, y);
     return ST_OK;
 }

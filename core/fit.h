@@ -27,12 +27,24 @@ struct fit {
     uint32_t cells;      /* covered */
 };
 
-/* fit_solve(b, c, tie, passes, s, out): tie is the strength of the prior on x, in 1 / mm^2
+/* Modes ready to be fitted: borrowed, with the sum of their products over all their cells,
+ * each cell weighted by 1 / variance: what a face that is covered everywhere needs. */
+struct fit_basis {
+    const struct model_basis *b;
+    float gram[MODEL_MODES][MODEL_MODES]; /* upper triangle, in tiles */
+};
+
+/* fit_prepare(b, out): once for many fits, and again when *b has changed.
+ * Cost  O(GRID_N n^2), n the number of modes. */
+void fit_prepare(const struct model_basis *b, struct fit_basis *out);
+
+/* fit_solve(p, c, tie, passes, s, out): tie is the strength of the prior on x, in 1 / mm^2
  * at FIT_LEVER_MM; small: free.  passes: reweightings, 0 or more.
  * With fewer than FIT_MIN_CELLS covered cells nothing is explained: a and x are 0.
- * Cost  O(cells n^2), n the number of modes.  Returns ST_OK, ST_ENOMEM. */
+ * Cost  O(cells n + n^3 + changed n^2), changed the number of p's cells that are not fully
+ * covered or, pass after pass, fit badly.  Returns ST_OK, ST_ENOMEM. */
 #define FIT_MIN_CELLS 40
-enum status fit_solve(const struct model_basis *b, const struct cells *c, double tie,
+enum status fit_solve(const struct fit_basis *p, const struct cells *c, double tie,
                       int passes, struct scratch *s, struct fit *out);
 
 #endif

@@ -138,9 +138,9 @@ static void clip(const float *gap, bool mirror, const bool *used, float *out)
     }
 }
 
-/* Fill the missing cells of a sample by what b makes of the others; add the squares of
- * what b leaves of those to square, their number to count. */
-static enum status fill(float *x, const struct model_basis *b, struct scratch *s,
+/* Fill the missing cells of a sample by what p makes of the others; add the squares of
+ * what p leaves of those to square, their number to count. */
+static enum status fill(float *x, const struct fit_basis *p, struct scratch *s,
                         double *square, double *count)
 {
     struct cells cells;
@@ -155,7 +155,7 @@ static enum status fill(float *x, const struct model_basis *b, struct scratch *s
             cells.gap[c] = x[c];
         }
     }
-    if ((st = fit_solve(b, &cells, LEAST_TIE, 0, s, &fit)) != ST_OK)
+    if ((st = fit_solve(p, &cells, LEAST_TIE, 0, s, &fit)) != ST_OK)
         return st;
     for (uint32_t c = 0; c < GRID_N; c++) {
         if (!isnan(x[c])) {
@@ -164,14 +164,15 @@ static enum status fill(float *x, const struct model_basis *b, struct scratch *s
             continue;
         }
         x[c] = 0.0f;
-        for (uint32_t k = 0; k < b->n; k++)
-            x[c] += (float)fit.a[k] * b->mode[c][k];
+        for (uint32_t k = 0; k < p->b->n; k++)
+            x[c] += (float)fit.a[k] * p->b->mode[c][k];
     }
     return ST_OK;
 }
 
 struct modes_work {
     struct samples s;
+    struct fit_basis basis;
     struct scratch fit;
     double *v, *l, square[GRID_N], count[GRID_N];
     bool used[GRID_N];
@@ -181,6 +182,7 @@ struct modes_work {
 static enum status fill_all(struct modes_work *w, const float *gap, size_t n,
                             struct model_basis *b)
 {
+    fit_prepare(b, &w->basis);
     memset(w->square, 0, sizeof w->square);
     memset(w->count, 0, sizeof w->count);
     for (size_t i = 0; i < 2 * n; i++) {
@@ -188,7 +190,7 @@ static enum status fill_all(struct modes_work *w, const float *gap, size_t n,
         enum status st;
 
         clip(gap + i / 2 * GRID_N, i % 2 == 1, w->used, x);
-        if ((st = fill(x, b, &w->fit, w->square, w->count)) != ST_OK)
+        if ((st = fill(x, &w->basis, &w->fit, w->square, w->count)) != ST_OK)
             return st;
     }
     for (uint32_t c = 0; c < GRID_N; c++)

@@ -65,8 +65,9 @@ static double capped(float mm, float cap)
     return (double)(a < cap ? a : cap);
 }
 
-enum status score_of(const struct model *m, const struct cells *c, struct scratch *s,
-                     struct fit *fit, struct score *out)
+enum status score_of(const struct model *m, const struct fit_basis *change,
+                     const struct cells *c, struct scratch *s, struct fit *fit,
+                     struct score *out)
 {
     struct part all = {0}, part[GRID_REGIONS] = {{0}};
     float rough[GRID_N];
@@ -75,7 +76,7 @@ enum status score_of(const struct model *m, const struct cells *c, struct scratc
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = fit_solve(&m->change, c, TIE, PASSES, s, fit)) != ST_OK)
+    if ((st = fit_solve(change, c, TIE, PASSES, s, fit)) != ST_OK)
         return st;
     roughness(c, fit->rest, rough);
     for (uint32_t i = 0; i < GRID_N; i++) {

@@ -25,9 +25,10 @@ struct score {
     double region_weight[GRID_REGIONS]; /* of the region's weight in a whole face, 0..1 */
 };
 
-/* score_of(m, c, s, fit, out): fit receives the change and the rest.
- * Returns ST_OK, ST_ENOMEM. */
-enum status score_of(const struct model *m, const struct cells *c, struct scratch *s,
-                     struct fit *fit, struct score *out);
+/* score_of(m, change, c, s, fit, out): change is fit_prepare() of m->change; fit receives
+ * the change and the rest.  Returns ST_OK, ST_ENOMEM. */
+enum status score_of(const struct model *m, const struct fit_basis *change,
+                     const struct cells *c, struct scratch *s, struct fit *fit,
+                     struct score *out);
 
 #endif

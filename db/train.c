@@ -39,9 +39,10 @@ struct pair {
 /* A model learned from some of the pairs. */
 struct learner {
     struct model *m;
-    unsigned half;          /* of the subjects; BOTH */
-    float *rest;            /* [n][GRID_N] what its change leaves, of its own pairs */
-    const uint8_t *genuine; /* [n] */
+    struct fit_basis change; /* m's, prepared */
+    unsigned half;           /* of the subjects; BOTH */
+    float *rest;             /* [n][GRID_N] what its change leaves, of its own pairs */
+    const uint8_t *genuine;  /* [n] */
     size_t n;
 };
 
@@ -50,7 +51,8 @@ struct learner {
 struct train {
     const struct train_set *set;
     const struct model *base;
-    struct model *m; /* that is learned */
+    struct model *m;         /* that is learned */
+    struct fit_basis change; /* its, prepared, once it is known */
     unsigned threads;
     void (*say)(void *arg, const char *line);
     void *arg;
@@ -166,7 +168,7 @@ static enum status judge_after(void *arg, size_t i, struct face_work *w,
         face_gap(face_at(t, p->template), face_at(t, p->probe), p->transform, w, &cells);
 
     if (st == ST_OK)
-        st = score_of(t->m, &cells, &s, &fit, &score);
+        st = score_of(t->m, &t->change, &cells, &s, &fit, &score);
     scratch_free(&s);
     if (st != ST_OK)
         return errinfo_set(e, st, "calibrating: %s", status_message(st));
@@ -314,21 +316,23 @@ static enum status learn_change(void *arg, size_t i, struct face_work *w,
     }
     if (st == ST_OK)
         st = learn_smooth(&l->m->change, SMOOTH_MM, SMOOTH_SHARE, SMOOTH_MODES);
+    if (st == ST_OK)
+        fit_prepare(&l->m->change, &l->change);
     free(samples);
     return st == ST_OK
                ? ST_OK
                : errinfo_set(e, st, "learning what changes: %s", status_message(st));
 }
 
-static enum status fit_pair(const struct train *t, size_t i, const struct model *m,
+static enum status fit_pair(const struct train *t, size_t i, const struct learner *l,
                             struct score *score, struct fit *fit)
 {
     struct scratch s = {0};
     struct cells cells;
     enum status st;
 
-    learn_cells(t->gap + i * GRID_N, m, &cells);
-    st = score_of(m, &cells, &s, fit, score);
+    learn_cells(t->gap + i * GRID_N, l->m, &cells);
+    st = score_of(l->m, &l->change, &cells, &s, fit, score);
     scratch_free(&s);
     return st;
 }
@@ -345,7 +349,7 @@ static enum status fit_own(void *arg, size_t i, struct face_work *w, struct erri
         i < t->n ? t->rest_all + p * GRID_N : t->rest_halves + t->pair[p].place * GRID_N;
     struct score score;
     struct fit fit;
-    const enum status st = fit_pair(t, p, l->m, &score, &fit);
+    const enum status st = fit_pair(t, p, l, &score, &fit);
 
     (void)w;
     if (st != ST_OK)
@@ -380,7 +384,7 @@ static enum status judge_other(void *arg, size_t i, struct face_work *w,
     (void)w;
     if (!t->pair[i].judged)
         return ST_OK;
-    st = fit_pair(t, i, t->by[2 - half_of(t, i)].m, &score, &fit);
+    st = fit_pair(t, i, &t->by[2 - half_of(t, i)], &score, &fit);
     if (st != ST_OK)
         return errinfo_set(e, st, "judging the other half: %s", status_message(st));
     t->mm[i] = disparity(&score, t->pair[i].overlap);
@@ -462,7 +466,10 @@ static enum status learn_motion(struct train *t, struct errinfo *e)
 static enum status calibrate(struct train *t, struct errinfo *e)
 {
     struct rates *r = NULL;
-    enum status st = each(t, "calibrating", t->m, t->n - t->ngenuine, judge_after, e);
+    enum status st;
+
+    fit_prepare(&t->m->change, &t->change);
+    st = each(t, "calibrating", t->m, t->n - t->ngenuine, judge_after, e);
 
     if (st == ST_OK)
         st = rates(t, true, &r, e);

@@ -11,6 +11,7 @@
 #include "codec.h"
 #include "face.h"
 #include "facegen.h"
+#include "fit.h"
 #include "frame.h"
 #include "lattice.h"
 #include "measure.h"
@@ -48,6 +49,7 @@ static struct timing row[ROWS], search_error, final_error;
 static struct scratch scratch;
 static struct align_work search;
 static struct frame_mean mean;
+static struct fit_basis motion;
 static struct face_work *work;
 static struct face stored, fresh, fresh2;
 static unsigned matches;
@@ -125,7 +127,7 @@ static void pass(struct pair *p)
     const struct align_pose first =
         align_pose_after(&p->tmpl.frame.pose, &p->probe.frame.pose);
     const struct align_weight u = {mean.hold, p->tmpl.frame.pose};
-    const struct align_how how = {&first, &u, &model_default.motion};
+    const struct align_how how = {&first, &u, &motion};
     struct align_result found;
     struct face_result r;
     double t = timing_now_ms();
@@ -257,6 +259,7 @@ int main(void)
     if ((work = face_work_new(NULL)) == NULL)
         must(ST_ENOMEM);
     must(frame_mean_make(&model_default, &scratch, &mean));
+    fit_prepare(&model_default.motion, &motion);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k);
     for (size_t k = 0; k < PAIRS; k++) /* all memory at its size */

@@ -20,6 +20,7 @@
 #define MOST (MODEL_MODES + 6)
 
 static struct model model;
+static struct fit_basis moved, changed; /* its bases, prepared */
 static struct scratch scratch;
 static struct cells cells;
 static struct fit fit, again;
@@ -157,6 +158,7 @@ static void test_against_naive(void **state)
     (void)state;
     for (int round = 0; round < 24; round++) {
         static struct model_basis b;
+        static struct fit_basis p;
         static double rest[GRID_N];
         const double tie = round % 2 == 0 ? 4 : 0.01;
         const int passes = round % 3;
@@ -165,14 +167,15 @@ static void test_against_naive(void **state)
         b = model.change;
         b.n = (uint32_t)brute_int(&rng, 0, round < 12 ? 8 : MODEL_MODES);
         for (uint32_t i = 0; i < GRID_N; i++)
-            for (uint32_t k = 0; k < b.n; k++)
-                b.mode[i][k] = (float)(brute_real(&rng) - 0.5);
+            for (uint32_t k = 0; k < MODEL_MODES; k++)
+                b.mode[i][k] = k < b.n ? (float)(brute_real(&rng) - 0.5) : 0.0f;
         no_gap(&cells);
         noisy(&rng, 2);
         for (uint32_t i = 0; i < GRID_N; i++)
             if (brute_real(&rng) < 0.1 * (round % 5))
                 cells.area[i] = (float)(8 * brute_real(&rng)); /* some too little */
-        assert_int_equal(fit_solve(&b, &cells, tie, passes, &scratch, &fit), ST_OK);
+        fit_prepare(&b, &p);
+        assert_int_equal(fit_solve(&p, &cells, tie, passes, &scratch, &fit), ST_OK);
         naive(&b, &cells, tie, passes, y, rest);
         for (uint32_t k = 0; k < b.n + 6; k++)
             scale = fmax(scale, fabs(y[k]));
@@ -199,8 +202,7 @@ static void test_known(void **state)
 
         no_gap(&cells);
         add_known(&cells, a, x);
-        assert_int_equal(fit_solve(&model.change, &cells, 1e-6, 2, &scratch, &fit),
-                         ST_OK);
+        assert_int_equal(fit_solve(&changed, &cells, 1e-6, 2, &scratch, &fit), ST_OK);
         assert_true(fit.cells > 700);
         for (int k = 0; k < 6; k++) {
             assert_true(fabs(fit.x[k] - x[k]) < (k < 3 ? 1e-3 : 0.1));
@@ -219,7 +221,7 @@ static void test_tie(void **state)
     (void)state;
     no_gap(&cells);
     add_known(&cells, nothing, motion);
-    assert_int_equal(fit_solve(&model.change, &cells, 1e9, 0, &scratch, &fit), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 1e9, 0, &scratch, &fit), ST_OK);
     for (int k = 0; k < 6; k++)
         assert_true(fabs(fit.x[k]) < 1e-3);
 }
@@ -236,8 +238,7 @@ static void test_outliers(void **state)
         for (uint32_t i = 0; i < GRID_N; i++)
             if (cells.area[i] > 0.0f && grid_x(i) > 25 && grid_y(i) < -30)
                 cells.gap[i] += 3.0f;
-        assert_int_equal(fit_solve(&model.motion, &cells, 1e-6, passes, &scratch, &fit),
-                         ST_OK);
+        assert_int_equal(fit_solve(&moved, &cells, 1e-6, passes, &scratch, &fit), ST_OK);
         for (int k = 0; k < 6; k++)
             off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? FIT_LEVER_MM : 1);
     }
@@ -255,7 +256,7 @@ static void test_noise_stays(void **state)
     (void)state;
     no_gap(&cells);
     noisy(&rng, 0.3);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &scratch, &fit), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         before += (double)cells.gap[i] * (double)cells.gap[i];
         after += (double)fit.rest[i] * (double)fit.rest[i];
@@ -274,7 +275,7 @@ static void test_few(void **state)
         for (uint32_t i = 0; i < GRID_N; i++)
             if (cells.area[i] > 0.0f && n++ >= keep)
                 cells.area[i] = 0.0f;
-        assert_int_equal(fit_solve(&model.change, &cells, 1, 2, &scratch, &fit), ST_OK);
+        assert_int_equal(fit_solve(&changed, &cells, 1, 2, &scratch, &fit), ST_OK);
         assert_int_equal(fit.cells, keep);
         for (int k = 0; k < 6; k++) {
             assert_true((fit.x[k] != 0) == (keep >= FIT_MIN_CELLS));
@@ -285,7 +286,7 @@ static void test_few(void **state)
                         fit.rest[i] == cells.gap[i]);
     }
     memset(&cells, 0, sizeof cells);
-    assert_int_equal(fit_solve(&model.change, &cells, 1, 2, &scratch, &fit), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 1, 2, &scratch, &fit), ST_OK);
     assert_int_equal(fit.cells, 0);
 }
 
@@ -300,19 +301,19 @@ static void test_determinism_and_memory(void **state)
     no_gap(&cells);
     add_known(&cells, change, motion);
     noisy(&rng, 0.5);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &scratch, &fit), ST_OK);
-    assert_int_equal(fit_solve(&model.motion, &cells, 1, 1, &scratch, &again), ST_OK);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &scratch, &again), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
+    assert_int_equal(fit_solve(&moved, &cells, 1, 1, &scratch, &again), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &again), ST_OK);
     assert_memory_equal(fit.a, again.a, sizeof fit.a);
     assert_memory_equal(fit.x, again.x, sizeof fit.x);
     assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
     fail_alloc_at(1);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &fresh, &again), ST_ENOMEM);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_ENOMEM);
     fail_alloc_at(0);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &fresh, &again), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
     assert_int_equal(fail_alloc_count(), 1);
     assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
-    assert_int_equal(fit_solve(&model.change, &cells, 4, 2, &fresh, &again), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
     assert_int_equal(fail_alloc_count(), 1); /* used again */
     scratch_free(&fresh);
 }
@@ -332,6 +333,8 @@ int main(void)
 
     seed = brute_seed("fit");
     toy_model(&model);
+    fit_prepare(&model.motion, &moved);
+    fit_prepare(&model.change, &changed);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     scratch_free(&scratch);
     return failed;

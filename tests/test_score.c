@@ -15,6 +15,7 @@
 #include "toy.h"
 
 static struct model model;
+static struct fit_basis changed; /* its change, prepared */
 static struct scratch scratch;
 static struct cells cells;
 static struct fit fit;
@@ -32,7 +33,7 @@ static struct score score(void)
 {
     struct score s;
 
-    assert_int_equal(score_of(&model, &cells, &scratch, &fit, &s), ST_OK);
+    assert_int_equal(score_of(&model, &changed, &cells, &scratch, &fit, &s), ST_OK);
     return s;
 }
 
@@ -226,9 +227,9 @@ static void test_memory(void **state)
     (void)state;
     no_gap();
     fail_alloc_at(1);
-    assert_int_equal(score_of(&model, &cells, &fresh, &fit, &s), ST_ENOMEM);
+    assert_int_equal(score_of(&model, &changed, &cells, &fresh, &fit, &s), ST_ENOMEM);
     fail_alloc_at(0);
-    assert_int_equal(score_of(&model, &cells, &fresh, &fit, &s), ST_OK);
+    assert_int_equal(score_of(&model, &changed, &cells, &fresh, &fit, &s), ST_OK);
     scratch_free(&fresh);
 }
 
@@ -243,6 +244,7 @@ int main(void)
     int failed;
 
     toy_model(&model);
+    fit_prepare(&model.change, &changed);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     scratch_free(&scratch);
     return failed;
