@@ -17,10 +17,9 @@
  * that radius, so that turns and shifts disturb each other least. */
 #define CENTRE_MM 80.0
 
-#define COARSE_POINTS 200  /* points that decide between starts */
-#define MIDDLE_POINTS 400  /* that bring the best of them home */
-#define TUKEY_POINTS  800  /* that leave out what does not fit */
-#define LAST_POINTS   6000 /* and at most, of a dense scan, that end the search */
+#define COARSE_POINTS 200 /* points that decide between starts */
+#define MIDDLE_POINTS 400 /* that bring the best of them home */
+#define TUKEY_POINTS  800 /* that leave out what does not fit */
 #define LAST_STEPS    2
 #define LAST_MM       0.05
 #define LAST_TIE      1e-4 /* prior on the motion: next to none */
@@ -101,11 +100,14 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
     return ended;
 }
 
-/* load(probe, pts): the probe's vertices as points; a vertex stands for a third of the
- * triangles round it that were measured. */
+/* load(probe, pts): the probe's vertices as points.  Those of a triangle that was measured
+ * stand for equal shares of the surface: by the triangles round each it would depend on the
+ * side from which the probe was scanned, and the pose that is found with it. */
 static void load(const struct measure_surface *probe, struct align_point *pts)
 {
     const struct mesh *m = probe->mesh;
+    uint32_t seen = 0;
+    double area = 0;
 
     for (uint32_t v = 0; v < m->nv; v++)
         pts[v] = (struct align_point){{m->xy[v].x / LATTICE_PER_MM,
@@ -115,17 +117,27 @@ static void load(const struct measure_surface *probe, struct align_point *pts)
                                       ALIGN_FIELD_NONE};
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
-        double ax, ay, bx, by;
+        double ax, ay, az, bx, by, bz, x, y, z;
 
-        if (probe->bridge[t])
+        if (probe->bridge[t] || mesh_is_ghost(m, t))
             continue;
         ax = pts[v[1]].p.x - pts[v[0]].p.x;
         ay = pts[v[1]].p.y - pts[v[0]].p.y;
+        az = pts[v[1]].p.z - pts[v[0]].p.z;
         bx = pts[v[2]].p.x - pts[v[0]].p.x;
         by = pts[v[2]].p.y - pts[v[0]].p.y;
-        for (int i = 0; i < 3; i++)
-            pts[v[i]].area += (float)((ax * by - ay * bx) / 6.0);
+        bz = pts[v[2]].p.z - pts[v[0]].p.z;
+        x = ay * bz - az * by;
+        y = az * bx - ax * bz;
+        z = ax * by - ay * bx;
+        area += 0.5 * sqrt(x * x + y * y + z * z);
+        for (int i = 0; i < 3; i++) {
+            seen += pts[v[i]].area == 0.0f;
+            pts[v[i]].area = 1.0f;
+        }
     }
+    for (uint32_t v = 0; v < m->nv && seen > 0; v++)
+        pts[v].area *= (float)(area / seen);
 }
 
 /* between(to, from, by_nose, pose): the pose that lays the frame `from` on `to`, centre on

@@ -50,7 +50,7 @@ void align_field_make(const struct measure_surface *s, const struct align_weight
 /* A point of the probe. */
 struct align_point {
     struct dvec3 p; /* mm */
-    float area;     /* of the probe's surface that it stands for, seen along z, mm^2 */
+    float area;     /* of the probe's surface that it stands for, mm^2 */
     uint32_t cell;  /* where it was last time */
 };
 

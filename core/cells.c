@@ -12,35 +12,41 @@
 
 #define STEEP 0.25 /* cosine between a normal and the frame's z */
 
-/* A piece of the template with the gap over it. */
+/* A piece of the template's surface, in its frame, with the gap over it. */
 struct piece {
-    struct dvec3 p; /* where, in the template's coordinates, mm */
-    double zx, zy;  /* slopes of the template */
-    double rise;    /* gap along the scanner's z, mm */
-    double area;    /* seen along the scanner's z, mm^2 */
+    struct dvec3 normal;
+    double gap;  /* along the normal, mm */
+    double area; /* mm^2, of the surface itself: whichever side it was scanned from */
 };
 
-static inline void add(struct cells *c, const struct align_pose *frame,
+/* flat: the normal's share of the scanner's z; zx, zy: slopes of the template there. */
+static inline struct dvec3 normal_of(const struct align_pose *frame, double zx, double zy,
+                                     double flat)
+{
+    const double *r = frame->r;
+
+    return (struct dvec3){(r[2] - r[0] * zx - r[1] * zy) * flat,
+                          (r[5] - r[3] * zx - r[4] * zy) * flat,
+                          (r[8] - r[6] * zx - r[7] * zy) * flat};
+}
+
+/* p: where the piece is, in the template's coordinates, mm. */
+static inline void add(struct cells *c, const struct align_pose *frame, struct dvec3 p,
                        const struct piece *s)
 {
-    const double flat = 1.0 / sqrt(1.0 + s->zx * s->zx + s->zy * s->zy);
-    const double *r = frame->r;
-    const double nx = (r[2] - r[0] * s->zx - r[1] * s->zy) * flat;
-    const double ny = (r[5] - r[3] * s->zx - r[4] * s->zy) * flat;
-    const double nz = (r[8] - r[6] * s->zx - r[7] * s->zy) * flat;
-    const struct dvec3 q = align_pose_apply(frame, s->p);
+    const struct dvec3 q = align_pose_apply(frame, p);
     const uint32_t i = grid_cell(q.x, q.y);
     double area;
 
-    if (i == GRID_NONE || nz < STEEP)
+    if (i == GRID_NONE || s->normal.z < STEEP)
         return;
-    area = s->area * nz / flat; /* seen along the frame's z */
+    area = s->area * s->normal.z; /* seen along the frame's z */
     c->area[i] += (float)area;
-    c->gap[i] += (float)(area * s->rise * flat);
+    c->gap[i] += (float)(area * s->gap);
     c->z[i] += (float)(area * q.z);
-    c->normal[i][0] += (float)(area * nx);
-    c->normal[i][1] += (float)(area * ny);
-    c->normal[i][2] += (float)(area * nz);
+    c->normal[i][0] += (float)(area * s->normal.x);
+    c->normal[i][1] += (float)(area * s->normal.y);
+    c->normal[i][2] += (float)(area * s->normal.z);
 }
 
 /* From sums to means. */
@@ -80,7 +86,8 @@ static void add_side(const struct side *side, const struct align_pose *frame,
 
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
-        double gap[3], x[3], y[3], z[3], ax, ay, az, bx, by, bz, twice;
+        double gap[3], x[3], y[3], z[3], ax, ay, az, bx, by, bz, twice, over, zx, zy,
+            flat;
         struct piece s;
         int first, last;
 
@@ -101,19 +108,23 @@ static void add_side(const struct side *side, const struct align_pose *frame,
         by = y[2] - y[0];
         bz = z[2] - z[0];
         twice = ax * by - ay * bx;
-        s.zx = (az * by - bz * ay) / twice;
-        s.zy = (bz * ax - az * bx) / twice;
+        over = 1.0 / twice;
+        zx = (az * by - bz * ay) * over;
+        zy = (bz * ax - az * bx) * over;
+        flat = 1.0 / sqrt(1.0 + zx * zx + zy * zy);
+        s.normal = normal_of(frame, zx, zy, flat);
         first = twice < 2 * SMALL_MM2 ? 0 : 1;
         last = twice < 2 * SMALL_MM2 ? 0 : 3;
-        s.area = 0.5 * twice / (last - first + 1);
+        s.area = 0.5 * twice / (flat * (last - first + 1));
         for (int k = first; k <= last; k++) {
             const double *b = samples[k];
 
-            s.p = (struct dvec3){b[0] * x[0] + b[1] * x[1] + b[2] * x[2],
-                                 b[0] * y[0] + b[1] * y[1] + b[2] * y[2],
-                                 b[0] * z[0] + b[1] * z[1] + b[2] * z[2]};
-            s.rise = mm * (b[0] * gap[0] + b[1] * gap[1] + b[2] * gap[2]);
-            add(out, frame, &s);
+            s.gap = mm * flat * (b[0] * gap[0] + b[1] * gap[1] + b[2] * gap[2]);
+            add(out, frame,
+                (struct dvec3){b[0] * x[0] + b[1] * x[1] + b[2] * x[2],
+                               b[0] * y[0] + b[1] * y[1] + b[2] * y[2],
+                               b[0] * z[0] + b[1] * z[1] + b[2] * z[2]},
+                &s);
         }
     }
     finish(out);
@@ -171,6 +182,7 @@ void cells_sample(const struct align_field *field, struct align_point *pts, uint
         const struct dvec3 q = align_pose_apply(pose, pts[i].p);
         const struct align_cell *c;
         struct piece s;
+        double rise;
 
         if (pts[i].cell == ALIGN_FIELD_NONE)
             pts[i].cell = last;
@@ -178,12 +190,11 @@ void cells_sample(const struct align_field *field, struct align_point *pts, uint
         last = pts[i].cell;
         if (c == NULL || c->flat == 0.0f || pts[i].area <= 0.0f)
             continue;
-        s.zx = (double)c->zx;
-        s.zy = (double)c->zy;
-        s.rise = q.z - align_field_height(c, q.x, q.y);
-        s.p = (struct dvec3){q.x, q.y, q.z - s.rise};
+        rise = q.z - align_field_height(c, q.x, q.y);
+        s.normal = normal_of(frame, (double)c->zx, (double)c->zy, (double)c->flat);
+        s.gap = rise * (double)c->flat;
         s.area = (double)pts[i].area;
-        add(out, frame, &s);
+        add(out, frame, (struct dvec3){q.x, q.y, q.z - rise}, &s);
     }
     finish(out);
 }
