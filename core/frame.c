@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "align_field.h"
+#include "align_solve.h"
 #include "delaunay.h"
 #include "holes.h"
 #include "lattice.h"
@@ -38,6 +39,7 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
     memset(out, 0, sizeof *out);
     out->mark = model_mark(m);
     hold(&m->motion, out->hold);
+    memcpy(out->height, m->mean, sizeof out->height);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(m->mean[i]))
             continue;
@@ -88,6 +90,7 @@ enum status frame_find(const struct frame_mean *mean, const struct measure_surfa
     out->mark = mean->mark;
     out->cost_mm = found.cost_mm;
     out->within = found.within;
+    out->likeness = frame_likeness(mean, face, &out->pose);
     return ST_OK;
 }
 
@@ -122,4 +125,81 @@ void frame_map(const struct measure_surface *face, const struct align_pose *pose
     }
     for (uint32_t i = 0; i < GRID_N; i++)
         z[i] = area[i] >= FRAME_COVERED ? (float)(sum[i] / area[i]) : (float)NAN;
+}
+
+/* Less relief than this is rounding, mm^2 of mean square: a quadric itself. */
+#define RELIEF_LEAST 1e-6
+
+/* The terms of a quadric at a cell, of order 1 wherever the grid is. */
+static void quadric(uint32_t cell, double j[6])
+{
+    const double x = grid_x(cell) / (GRID_NX * GRID_MM / 2);
+    const double y = (grid_y(cell) - GRID_BOTTOM) / (GRID_NY * GRID_MM / 2) - 1;
+
+    j[0] = 1;
+    j[1] = x;
+    j[2] = y;
+    j[3] = x * x;
+    j[4] = x * y;
+    j[5] = y * y;
+}
+
+/* The mean height of the face's points in each cell; 0 and n[i] = 0 where there are none.
+ * Cheaper than frame_map(), and as good for what is only to be like a face. */
+static void mean_heights(const struct measure_surface *face,
+                         const struct align_pose *pose, double z[GRID_N],
+                         uint32_t n[GRID_N])
+{
+    const struct mesh *m = face->mesh;
+
+    memset(z, 0, GRID_N * sizeof *z);
+    memset(n, 0, GRID_N * sizeof *n);
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 q = align_pose_apply(
+            pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
+                                 m->z[v] / LATTICE_PER_MM});
+        const uint32_t i = grid_cell(q.x, q.y);
+
+        if (i == GRID_NONE)
+            continue;
+        z[i] += q.z;
+        n[i]++;
+    }
+    for (uint32_t i = 0; i < GRID_N; i++)
+        z[i] /= n[i] != 0 ? n[i] : 1;
+}
+
+double frame_likeness(const struct frame_mean *mean, const struct measure_surface *face,
+                      const struct align_pose *pose)
+{
+    struct align_normal a = {0}, b = {0}; /* of the face, and of the mean face */
+    double z[GRID_N], x[6], y[6], j[6], aa = 0, ab = 0, bb = 0;
+    uint32_t n[GRID_N], common = 0;
+
+    mean_heights(face, pose, z, n);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double h = (double)mean->height[i];
+
+        if (n[i] == 0 || isnan(h))
+            continue;
+        quadric(i, j);
+        align_solve_add(&a, j, z[i], 1);
+        for (int k = 0; k < 6; k++)
+            b.g[k] += j[k] * h;
+        aa += z[i] * z[i];
+        ab += z[i] * h;
+        bb += h * h;
+        common++;
+    }
+    memcpy(b.h, a.h, sizeof b.h);
+    if (common < FRAME_LIKENESS_CELLS || !align_solve(&a, 0, x) || !align_solve(&b, 0, y))
+        return (double)NAN;
+    /* x = -H^-1 g: what the quadrics leave of the products, without another pass. */
+    for (int k = 0; k < 6; k++) {
+        aa += a.g[k] * x[k];
+        ab += a.g[k] * y[k];
+        bb += b.g[k] * y[k];
+    }
+    return aa > RELIEF_LEAST * common && bb > RELIEF_LEAST * common ? ab / sqrt(aa * bb)
+                                                                    : 0;
 }

@@ -18,8 +18,9 @@ struct frame_mean {
     float *spacing;
     uint8_t *bridge;
     double measured;
-    float hold[GRID_N]; /* for registrations: where a face keeps its shape, 0..1 */
-    uint32_t mark;      /* model_mark() */
+    float hold[GRID_N];   /* for registrations: where a face keeps its shape, 0..1 */
+    float height[GRID_N]; /* mm; NAN off the face */
+    uint32_t mark;        /* model_mark() */
 };
 
 /* frame_mean_make(m, w, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
@@ -33,10 +34,11 @@ struct frame {
     uint32_t mark;          /* of the mean face it was found by; 0: not found yet */
     double cost_mm;         /* mean distance from the mean face there (capped, L1) */
     double within;          /* share of the face's points over the mean face */
+    double likeness;        /* frame_likeness() there */
 };
 
 /* frame_find(mean, face, w, out): Returns ST_OK, ST_ENOMEM.  Cost: a fraction of a
- * triangulation. */
+ * triangulation.  (A decoded template has pose and mark alone; the rest is 0.) */
 enum status frame_find(const struct frame_mean *mean, const struct measure_surface *face,
                        struct align_work *w, struct frame *out);
 
@@ -45,5 +47,16 @@ enum status frame_find(const struct frame_mean *mean, const struct measure_surfa
 #define FRAME_COVERED 4.0
 void frame_map(const struct measure_surface *face, const struct align_pose *pose,
                float z[GRID_N]);
+
+/* frame_likeness(mean, face, pose): is it shaped like a face, -1..1: the correlation, over
+ * the cells that both cover, of its relief with the mean face's.  The relief is what the
+ * best-fitting quadric z(x, y) leaves of the heights (least squares, each on its own): nose,
+ * orbits and lips.  Without that any egg, cylinder or cone would be like a face, because
+ * most of a face's depth is that of an egg.  0: there is no relief.
+ * NAN where fewer than FRAME_LIKENESS_CELLS, a third of a face, are common: a part may be
+ * laid on another part, and tells nothing.  O(nv); nothing is allocated. */
+#define FRAME_LIKENESS_CELLS 350
+double frame_likeness(const struct frame_mean *mean, const struct measure_surface *face,
+                      const struct align_pose *pose);
 
 #endif

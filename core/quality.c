@@ -302,7 +302,10 @@ enum status quality_place(const struct frame *frame)
     const bool loose =
         frame->cost_mm > QUALITY_LOOSE_MM && frame->within < QUALITY_LOOSE_SHARE;
 
-    return frame->cost_mm > QUALITY_APART_MM || loose ? ST_ENOTFACE : ST_OK;
+    /* A likeness that is not known is a NAN, and below nothing. */
+    if (frame->cost_mm > QUALITY_APART_MM || loose || frame->likeness < QUALITY_LIKENESS)
+        return ST_ENOTFACE;
+    return ST_OK;
 }
 
 /* Is the face turned away from the scanner, whose axes the frame's pose leads from? */
@@ -325,7 +328,8 @@ unsigned quality_reasons(const struct face_quality *q, const struct frame *frame
     if (frame == NULL)
         return bits;
     bits |= turned(&frame->pose) ? 1U << QUALITY_TURNED : 0;
-    bits |= frame->cost_mm > QUALITY_UNUSUAL_MM ? 1U << QUALITY_UNUSUAL : 0;
+    if (frame->cost_mm > QUALITY_UNUSUAL_MM || frame->likeness < QUALITY_UNUSUAL_LIKENESS)
+        bits |= 1U << QUALITY_UNUSUAL;
     return bits;
 }
 

@@ -37,13 +37,17 @@ enum status quality_rate(struct face *f, struct scratch *s);
 /* quality_place(frame): the gate once more, when the face has been laid on the mean face:
  * ST_ENOTFACE where it lies on it nowhere: the mean distance above QUALITY_APART_MM, or
  * above QUALITY_LOOSE_MM with less than QUALITY_LOOSE_SHARE of the points over the mean
- * face; else ST_OK.  Of 1,200 scans of faces the worst had 2.90 mm, another 0.74.  Distances
- * are capped, so that nothing comes to more than about 3.3 mm: ripples, corners, terrain,
- * spheres, ellipsoids and faces seen from behind are refused; a cylinder, a cone and a face
- * upside down (2.4 to 2.8 mm) are not, and then match nobody. */
+ * face; and where its relief is not a face's: likeness below QUALITY_LIKENESS; else ST_OK.
+ * The limits refuse none of 1,200 scans of faces, whose worst had 2.90 mm, another 0.74, and
+ * a likeness of 0.47 (half a face: 0.49 where nose and mouth are what is left).  A wrong
+ * refusal is worse than a wrong pass, which then matches nobody: cylinders, cones that lie,
+ * spheres, boxes and ellipsoids are refused, and about 19 in 20 faces upside down or seen
+ * from behind; of what has a hump in its middle, as a nose, a part is not
+ * (docs/accuracy.md). */
 #define QUALITY_APART_MM    3.2
 #define QUALITY_LOOSE_MM    2.8
 #define QUALITY_LOOSE_SHARE 0.6
+#define QUALITY_LIKENESS    0.35
 enum status quality_place(const struct frame *frame);
 
 /* What is wrong with a scan that may still be used: bits. */
@@ -53,19 +57,21 @@ enum quality_reason {
     QUALITY_INCOMPLETE, /* coverage below QUALITY_INCOMPLETE_SHARE */
     QUALITY_TURNED,     /* away from the scanner: by more than 30 degrees of yaw, or 20 of
                            pitch or roll */
-    QUALITY_UNUSUAL,    /* farther from the mean face than QUALITY_UNUSUAL_MM */
+    QUALITY_UNUSUAL, /* farther from the mean face than QUALITY_UNUSUAL_MM, or less like
+                           it than QUALITY_UNUSUAL_LIKENESS */
     QUALITY_REASONS
 };
 
 /* quality_reasons(q, frame): the bits 1 << reason, 0: all is well.  frame: NULL where it is
  * not known; then nothing is said of the last two.
  * The limits: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm, mean
- * distance 2.68 mm); where the score begins to fall (density); a third of the outline
- * missing; turns beyond what align_search() is made for. */
+ * distance 2.68 mm, likeness 0.72); where the score begins to fall (density); a third of
+ * the outline missing; turns beyond what align_search() is made for. */
 #define QUALITY_SPARSE_MM        3.0
 #define QUALITY_NOISY_MM         0.6
 #define QUALITY_INCOMPLETE_SHARE 0.7
 #define QUALITY_UNUSUAL_MM       2.75
+#define QUALITY_UNUSUAL_LIKENESS 0.55
 unsigned quality_reasons(const struct face_quality *q, const struct frame *frame);
 
 const char *

@@ -116,6 +116,12 @@ send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
 shape "a plane" not_a_face \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 2.5 * i, 2.5 * j, 5'
+shape "a cylinder" not_a_face \
+    'for (i = -30; i <= 30; i++) for (j = -40; j <= 40; j++) print 2 * i, 2 * j, sqrt(5625 - 4 * i * i)'
+scan 1 1 "$T/a.xyz"
+awk '{ print -$1, -$2, $3 }' "$T/a.xyz" >"$T/x"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
+problem "a face upside down" 422 not_a_face
 scan 1 1 "$T/noisy.ply" --noise 6
 send POST /v1/subjects/alice/verify "$PLY" "$T/noisy.ply"
 problem "a noisy scan" 422 low_quality

@@ -257,7 +257,7 @@ static void test_golden(void **state)
         {-50000, -50000}, {0, 0}, {-50000, 50000}, {50000, -50000}, {50000, 50000}};
     static const uint32_t parent[5] = {0, 0, 1, 1, 1};
     static const struct frame frame = {
-        {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0};
+        {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0, 0};
     struct face f = {0};
     struct errinfo e;
     unsigned char buf[512], again[512];

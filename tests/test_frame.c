@@ -77,6 +77,7 @@ static void test_toy(void **state)
         assert_true(apart(&both, &still, corners, 5) < 1);
         assert_int_equal(frame.mark, mean.mark);
         assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
+        assert_true(frame.likeness > 0.95);
         assert_true(align_pose_rigid(&frame.pose));
     }
 }
@@ -140,6 +141,41 @@ static void test_map(void **state)
         assert_true(isnan(z[c]));
 }
 
+/* Heights that are a multiple of the mean face's relief and any quadric. */
+static double scaled(const void *arg, double x, double y)
+{
+    return *(const double *)arg * toy_height(x, y) + 4 + 0.1 * x - 0.2 * y +
+           x * (0.004 * x + 0.003 * y) - 0.006 * y * y;
+}
+
+/* The likeness sees neither a quadric nor a scale, and its sign tells a hollow face. */
+static void test_likeness(void **state)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const double scale[] = {1, 0.3, 2, -1, 0};
+    struct align_pose pose, back;
+    struct brute_rng rng = {9};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof scale / sizeof *scale; k++) {
+        double l;
+
+        toy_scan(scaled, &scale[k], 4000, NULL, &rng, &surface);
+        l = frame_likeness(&mean, &surface.s, &still);
+        printf("relief times %.1f: likeness %.3f\n", scale[k], l);
+        if (scale[k] != 0)
+            assert_true(scale[k] > 0 ? l > 0.95 && l <= 1 : l < -0.95 && l >= -1);
+        else
+            assert_true(fabs(l) < 0.3);
+    }
+    toy_pose(10, -8, 20, (struct dvec3){40, 50, 60}, &pose);
+    back = align_pose_after(&pose, &still);
+    toy_scan(toy, NULL, 3000, &pose, &rng, &surface);
+    assert_true(frame_likeness(&mean, &surface.s, &back) > 0.95);
+    pose.t[0] = 900; /* nothing in common */
+    assert_true(isnan(frame_likeness(&mean, &surface.s, &pose)));
+}
+
 static void test_mean(void **state)
 {
     struct model bad = model;
@@ -201,9 +237,9 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_toy),    cmocka_unit_test(test_moves_along),
-        cmocka_unit_test(test_map),    cmocka_unit_test(test_mean),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_toy),  cmocka_unit_test(test_moves_along),
+        cmocka_unit_test(test_map),  cmocka_unit_test(test_likeness),
+        cmocka_unit_test(test_mean), cmocka_unit_test(test_memory),
     };
     int failed;
 

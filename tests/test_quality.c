@@ -8,11 +8,13 @@
 
 #include <cmocka.h>
 
+#include "clouds.h"
 #include "face.h"
 #include "quality.h"
 
 static const struct face_quality good = {0.9, 0.95, 2.2, 0.3};
-static const struct frame still = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9};
+static const struct frame still = {
+    {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9, 0.9};
 
 /* The frame of a face turned so many degrees about axis 0 to 2 (pitch, yaw, roll). */
 static struct frame turned(int axis, double degrees)
@@ -45,6 +47,11 @@ static void test_reasons(void **state)
         assert_int_equal(quality_reasons(&bad[i].q, NULL), 1U << bad[i].r);
     f.cost_mm = 2.8;
     assert_int_equal(quality_reasons(&good, &f), 1U << QUALITY_UNUSUAL);
+    f = still;
+    f.likeness = 0.5;
+    assert_int_equal(quality_reasons(&good, &f), 1U << QUALITY_UNUSUAL);
+    f.likeness = NAN; /* not known */
+    assert_int_equal(quality_reasons(&good, &f), 0);
     f = turned(1, 45);
     f.cost_mm = 3;
     assert_int_equal(quality_reasons(&all, &f), (1U << QUALITY_REASONS) - 1);
@@ -81,6 +88,13 @@ static void test_gate(void **state)
     assert_int_equal(quality_place(&f), ST_OK);
     f.cost_mm = 2.9;
     assert_int_equal(quality_place(&f), ST_ENOTFACE);
+    f = still;
+    f.likeness = 0.46; /* the least of 1,200 scans of faces */
+    assert_int_equal(quality_place(&f), ST_OK);
+    f.likeness = 0.3;
+    assert_int_equal(quality_place(&f), ST_ENOTFACE);
+    f.likeness = NAN;
+    assert_int_equal(quality_place(&f), ST_OK);
 }
 
 static void test_words(void **state)
@@ -92,22 +106,98 @@ static void test_words(void **state)
                                     quality_reason_name((enum quality_reason)k));
 }
 
-/* Ripples lie on no mean face. */
-static void test_ripples(void **state)
+/* Surfaces of a face's size that are none: ripples lie on no mean face, the others do, and
+ * have no face's relief. */
+static double ripples(double x, double y)
 {
+    return 10 * sin(x * 0.105) * cos(y * 0.105);
+}
+
+static double cylinder(double x, double y)
+{
+    (void)y;
+    return sqrt(75 * 75 - x * x);
+}
+
+static double cone(double x, double y)
+{
+    const double r = 60 + 0.3 * y;
+
+    return sqrt(fmax(r * r - x * x, 0));
+}
+
+static double egg(double x, double y)
+{
+    const double u = x / 75, v = y / 100;
+
+    return 70 * sqrt(1 - u * u - v * v);
+}
+
+static void test_no_faces(void **state)
+{
+    static double (*const height[])(double, double) = {ripples, cylinder, cone, egg};
     struct face_work *w = face_work_new(NULL);
     static struct dvec3 pts[81 * 81];
     struct face f = {0};
 
     (void)state;
     assert_non_null(w);
-    for (int i = 0; i < 81 * 81; i++) {
-        const double x = 2.0 * (i % 81) - 80, y = 2.0 * (i / 81) - 80;
+    for (size_t k = 0; k < sizeof height / sizeof *height; k++) {
+        size_t n = 0;
 
-        pts[i] = (struct dvec3){x, y, 10 * sin(x * 0.105) * cos(y * 0.105)};
+        for (int i = 0; i < 81 * 81; i++) {
+            const double x = 2.0 * (i % 81) - 80, y = 2.0 * (i / 81) - 80;
+
+            if (k == 0 || x * x / 3000 + y * y / 5000 < 1)
+                pts[n++] = (struct dvec3){x, y, height[k](x, y)};
+        }
+        assert_int_equal(face_build(pts, n, w, &f, NULL), ST_ENOTFACE);
+        assert_int_equal(f.mesh.nv, 0);
     }
-    assert_int_equal(face_build(pts, 81 * 81, w, &f, NULL), ST_ENOTFACE);
-    assert_int_equal(f.mesh.nv, 0);
+    face_free(&f);
+    face_work_free(w);
+}
+
+enum part { UPSIDE_DOWN, WHOLE, LEFT, RIGHT, UPPER, LOWER, PARTS };
+
+/* part_of(pts, n, part): the points of a part of a frontal scan, or all turned over. */
+static size_t part_of(struct dvec3 *pts, size_t n, enum part part)
+{
+    size_t left = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 p = pts[i];
+
+        if (part == UPSIDE_DOWN)
+            pts[left++] = (struct dvec3){-p.x, -p.y, p.z};
+        else if (part == WHOLE || (part == LEFT && p.x < 0) ||
+                 (part == RIGHT && p.x > 0) || (part == UPPER && p.y > 0) ||
+                 (part == LOWER && p.y < 0))
+            pts[left++] = p;
+    }
+    return left;
+}
+
+/* A face passes, sparse or dense, and each half of it, but not upside down. */
+static void test_halves(void **state)
+{
+    static const size_t points[] = {1000, 3000, 10000};
+    struct face_work *w = face_work_new(NULL);
+    static struct dvec3 pts[10000];
+    struct face f = {0};
+
+    (void)state;
+    assert_non_null(w);
+    for (uint64_t who = 0; who < 8; who++)
+        for (int part = 0; part < PARTS; part++)
+            for (size_t k = 0; k < 3; k++) {
+                const size_t n =
+                    part_of(pts, clouds_scan(who, 0, points[k], pts), (enum part)part);
+
+                assert_int_equal(face_build(pts, n, w, &f, NULL),
+                                 part == UPSIDE_DOWN ? ST_ENOTFACE : ST_OK);
+                assert_false(part != UPSIDE_DOWN && f.frame.likeness < QUALITY_LIKENESS);
+            }
     face_free(&f);
     face_work_free(w);
 }
@@ -115,9 +205,9 @@ static void test_ripples(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reasons), cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_gate),    cmocka_unit_test(test_words),
-        cmocka_unit_test(test_ripples),
+        cmocka_unit_test(test_reasons),  cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_gate),     cmocka_unit_test(test_words),
+        cmocka_unit_test(test_no_faces), cmocka_unit_test(test_halves),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
