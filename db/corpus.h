@@ -33,7 +33,8 @@ struct corpus_scan {
     bool enrolled;
     double
         pose[6]; /* yaw, pitch, roll (degrees), tx, ty, tz (mm), if corpus.posed: a point
-                       p of the head was put to Rz Rx Ry p plus a shift */
+                       p of the head was put to Rz Rx Ry p plus a shift; p from any
+                       point that is the same in all scans (train_motion_centre()) */
 };
 
 struct corpus_subject {

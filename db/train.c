@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "align_pose.h"
 #include "calibration.h"
 #include "cells.h"
 #include "errinfo.h"
@@ -17,8 +16,8 @@
 #include "pool.h"
 #include "score.h"
 #include "train_mean.h"
+#include "train_motion.h"
 
-#define MOTION_MODES 64
 #define CHANGE_MODES 24
 #define SMOOTH_MODES 40
 #define SMOOTH_MM    20.0
@@ -104,26 +103,6 @@ static enum status gap_found(void *arg, size_t i, struct face_work *w, struct er
         return errinfo_set(e, st, "aligning the pairs: %s", status_message(st));
     memcpy(p->transform, r.align.transform, sizeof p->transform);
     p->overlap = r.align.stop == ALIGN_APART ? 0 : r.measure.overlap;
-    learn_sample(&cells, t->gap + i * GRID_N);
-    return ST_OK;
-}
-
-static enum status gap_true(void *arg, size_t i, struct face_work *w, struct errinfo *e)
-{
-    struct train *t = arg;
-    const struct pair *p = &t->pair[i];
-    struct align_pose to, from, motion;
-    double transform[16];
-    struct cells cells;
-    enum status st;
-
-    train_mean_pose(&t->set->corpus->scan[p->template], &to);
-    train_mean_pose(&t->set->corpus->scan[p->probe], &from);
-    motion = align_pose_after(&to, &from);
-    align_pose_to_matrix(&motion, transform);
-    st = face_gap(face_at(t, p->template), face_at(t, p->probe), transform, w, &cells);
-    if (st != ST_OK)
-        return errinfo_set(e, st, "the basis of motion: %s", status_message(st));
     learn_sample(&cells, t->gap + i * GRID_N);
     return ST_OK;
 }
@@ -447,22 +426,6 @@ static enum status each(struct train *t, const char *what, const struct model *m
     return pool_run(what, t->threads, m, n, item, t, e);
 }
 
-static enum status learn_motion(struct train *t, struct errinfo *e)
-{
-    struct model_basis *motion = malloc(sizeof *motion);
-    enum status st = motion != NULL
-                         ? each(t, "true poses", t->m, t->ngenuine, gap_true, e)
-                         : errinfo_set(e, ST_ENOMEM, "out of memory");
-
-    if (st == ST_OK &&
-        (st = learn_modes(t->gap, t->ngenuine, MOTION_MODES, motion)) != ST_OK)
-        (void)errinfo_set(e, st, "the basis of motion: %s", status_message(st));
-    if (st == ST_OK)
-        t->m->motion = *motion;
-    free(motion);
-    return st;
-}
-
 static enum status calibrate(struct train *t, struct errinfo *e)
 {
     struct rates *r = NULL;
@@ -503,7 +466,7 @@ static enum status place(struct train *t, struct errinfo *e)
     t->m->motion = t->base->motion;
     t->m->cap_mm = (float)CAP_MM;
     if (t->set->corpus->posed) {
-        if ((st = learn_motion(t, e)) != ST_OK)
+        if ((st = train_motion(t->set, t->threads, t->m, e)) != ST_OK)
             return st;
         tell(t, "motion learned from the poses that are known");
     }

@@ -1,8 +1,8 @@
 /* train.h -- a model (core/model.h) learned from a collection of scans.
  *   1. The mean face and every face's frame: from the principal axes and noses of the
  *      enrolled scans, then laid on their mean again and again.
- *   2. The basis of motion: from genuine pairs at their true poses, where the collection
- *      knows them; else the base model's.
+ *   2. The basis of motion: from all pairs of scans of one subject at their true poses, where
+ *      the collection knows them (train_motion.h); else the base model's.
  *   3. The gaps per cell of all genuine pairs and of impostor pairs, each at the pose found.
  *   4. The basis of change from the genuine ones, smooth changes added; u(x, y) from what
  *      it leaves of both; the calibration from the impostors' disparities.

@@ -19,28 +19,6 @@
 #define UPRIGHT_MM  60.0 /* above and below the nose tip the mean face is as high */
 #define DEVIATION   0.5  /* mm, before anything is known of change */
 
-static const double pi = 3.14159265358979323846;
-
-void train_mean_pose(const struct corpus_scan *s, struct align_pose *out)
-{
-    const double y = s->pose[0] * pi / 180, x = s->pose[1] * pi / 180;
-    const double z = s->pose[2] * pi / 180;
-    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
-                 sz = sin(z);
-    /* Rz Rx Ry, row by row */
-    const double r[3][3] = {{cz * cy - sz * sx * sy, -sz * cx, cz * sy + sz * sx * cy},
-                            {sz * cy + cz * sx * sy, cz * cx, sz * sy - cz * sx * cy},
-                            {-cx * sy, sx, cx * cy}};
-
-    for (int i = 0; i < 3; i++) {
-        out->t[i] = 0;
-        for (int k = 0; k < 3; k++) {
-            out->r[3 * i + k] = r[k][i];
-            out->t[i] -= r[k][i] * s->pose[3 + k];
-        }
-    }
-}
-
 static struct measure_surface surface_of(const struct face *f)
 {
     return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};

@@ -1,16 +1,11 @@
-/* train_mean.h -- the mean face of a collection, and the true poses of its scans. */
+/* train_mean.h -- the mean face of a collection. */
 #ifndef DB_TRAIN_MEAN_H
 #define DB_TRAIN_MEAN_H
 #include "status.h"
 
-struct align_pose;  /* align_pose.h */
-struct corpus_scan; /* corpus.h */
 struct errinfo;
 struct model;     /* model.h */
 struct train_set; /* train.h */
-
-/* train_mean_pose(s, scan_to_head): the inverse of the pose that the scan was given. */
-void train_mean_pose(const struct corpus_scan *s, struct align_pose *scan_to_head);
 
 /* train_mean(set, threads, m, e): m->mean, and the frames of all of the set's faces by it: from each
  * enrolled face's principal axes and nose at first, then by laying all on their mean,
