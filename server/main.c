@@ -87,22 +87,23 @@ int main(int argc, char **argv)
     struct http *http = NULL;
     struct options o = {0};
     struct errinfo e = {0};
-    char url[HTTP_URL_MAX], why[400];
+    char url[HTTP_URL_MAX];
     sigset_t stops;
-    int sig = 0;
+    int sig = 0, status = 1;
 
-    switch (options_read(argc, argv, &o, why, sizeof why)) {
+    switch (options_read(argc, argv, stderr, &o)) {
     case OPTIONS_DONE:
-        return 0;
+        status = 0;
+        goto out;
     case OPTIONS_BAD:
-        (void)fprintf(stderr, "surfaced: %s\n", why);
-        return 2;
+        status = 2;
+        goto out;
     case OPTIONS_RUN:
         break;
     }
     if (sodium_init() < 0) {
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
-        return 1;
+        goto out;
     }
     block_signals(&stops);
     app.no_auth = o.no_auth;
@@ -110,7 +111,7 @@ int main(int argc, char **argv)
     if (start(&o, &app, &http, url, &e) != ST_OK) {
         (void)fprintf(stderr, "surfaced: %s\n", e.msg);
         stop(&app, http);
-        return 1;
+        goto out;
     }
     log_line("info",
              "msg=\"listening on %s\" engine=\"%s\" workers=%u queue=%u "
@@ -125,5 +126,8 @@ int main(int argc, char **argv)
     http_quiesce(http, FLUSH_MS);
     stop(&app, http);
     log_line("info", "msg=\"stopped\"");
-    return 0;
+    status = 0;
+out:
+    options_free(&o);
+    return status;
 }

@@ -1,227 +1,184 @@
 #include "options.h"
 
-#include <arpa/inet.h>
-#include <errno.h>
+#include <assert.h>
 #include <getopt.h>
-#include <netinet/in.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "address.h"
 #include "face.h"
+#include "settings.h"
 
-#define MAX_WORKERS  256
-#define MAX_QUEUE    65536
-#define MAX_BODY     ((size_t)1 << 30)
-#define DEFAULT_BODY ((size_t)64 << 20) /* two clouds of 300,000 points as JSON */
+#define CONFIG_FILE "/etc/surfaced.conf"
+#define MAX_WORKERS 256
 
-enum { DB, MODEL, LISTEN, NO_AUTH, WORKERS, QUEUE, BODY, NOPTIONS, HELP, VERSION };
-
-static const struct {
-    const char *name, *env, *fallback;
-} known[NOPTIONS] = {
-    [DB] = {"db", "SURFACED_DB", NULL},
-    [MODEL] = {"model", "SURFACED_MODEL", NULL},
-    [LISTEN] = {"listen", "SURFACED_LISTEN", "127.0.0.1:8787"},
-    [NO_AUTH] = {"no-auth", "SURFACED_NO_AUTH", "0"},
-    [WORKERS] = {"workers", "SURFACED_WORKERS", NULL},
-    [QUEUE] = {"queue", "SURFACED_QUEUE", "256"},
-    [BODY] = {"max-body", "SURFACED_MAX_BODY", NULL},
+/* One row a setting; man/surfaced.conf.5 and packaging/surfaced.conf tell each of them. */
+static const struct setting table[] = {
+    {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
+     "the database; made if it is missing"},
+    {"model", SETTING_FILE, NULL, offsetof(struct options, model), 0, 0, "FILE",
+     "judge by a model that surfacectl train wrote"},
+    {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),
+     0, 0, "ADDR:PORT",
+     "a loopback address, [::1]:PORT for IPv6; port 0 takes a free one,\n"
+     "which the line logged at the start names"},
+    {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
+     "ask for no token"},
+    {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
+     "N", "threads that compute (one per core)"},
+    {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",
+     "requests that may wait for a worker; beyond it: 503"},
+    /* two clouds of 300,000 points as JSON */
+    {"max-body", SETTING_BYTES, "64M", offsetof(struct options, max_body), 1, 1UL << 30,
+     "BYTES", "longest request body; beyond it: 413"},
 };
 
-static const char usage[] =
-    "Usage: surfaced --db PATH [OPTION]...\n"
-    "Verify faces by the shape of their surface, over HTTP.\n"
-    "\n"
-    "  --db PATH           the database; made if it is missing\n"
-    "  --model FILE        judge by a model that surfacectl train wrote\n"
-    "  --listen ADDR:PORT  a loopback address, [::1]:PORT for IPv6; port 0 takes a free one,\n"
-    "                      which the line logged at the start names (127.0.0.1:8787)\n"
-    "  --no-auth           ask for no token\n"
-    "  --workers N         threads that compute (one per core)\n"
-    "  --queue N           requests that may wait for a worker; beyond it: 503 (256)\n"
-    "  --max-body BYTES    longest request body; beyond it: 413 (67108864)\n"
-    "  --help, --version   print this, or the version, and exit\n"
-    "\n"
-    "The same as environment: SURFACED_DB, SURFACED_MODEL, SURFACED_LISTEN,\n"
-    "SURFACED_NO_AUTH=1, SURFACED_WORKERS, SURFACED_QUEUE, SURFACED_MAX_BODY.  An option wins.\n"
-    "SIGTERM and SIGINT finish the running requests.  Exit status: 0 after a clean stop,\n"
-    "1 when it could not start or go on, 2 for a bad option.\n";
+enum { ROWS = sizeof table / sizeof table[0] };
+enum { HELP = ROWS, VERSION, CONFIG, CHECK, PRINT, FLAGS };
 
-/* Digits only, within lo..hi. */
-static bool read_number(const char *s, unsigned long lo, unsigned long hi,
-                        unsigned long *out)
+static const char *const command[FLAGS - ROWS] = {"help", "version", "config",
+                                                  "check-config", "print-config"};
+
+static void usage(void)
 {
-    char *end;
-
-    if (*s < '0' || *s > '9')
-        return false;
-    errno = 0;
-    *out = strtoul(s, &end, 10);
-    return errno == 0 && *end == '\0' && *out >= lo && *out <= hi;
+    (void)fputs("Usage: surfaced --db PATH [OPTION]...\n"
+                "Verify faces by the shape of their surface, over HTTP.\n"
+                "\n",
+                stdout);
+    settings_help(table, ROWS, stdout);
+    (void)fputs(
+        "  --config FILE       read the settings from there (" CONFIG_FILE ")\n"
+        "  --check-config      say what is wrong with the settings, and exit\n"
+        "  --print-config      print the settings as a file, and exit\n"
+        "  --help, --version   print this, or the version, and exit\n"
+        "\n"
+        "The same in the file as NAME = VALUE, and as environment: SURFACED_DB,\n"
+        "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1, and so on.  An option wins over the\n"
+        "environment, and that over the file.  SIGTERM and SIGINT finish the running\n"
+        "requests.  Exit status: 0 after a clean stop, 1 when it could not start or go on,\n"
+        "2 for a bad option.\n",
+        stdout);
 }
 
-static bool loopback(const struct sockaddr_storage *ss)
+/* The command line: value[i] of each flag that is there. */
+static void read_flags(int argc, char **argv, struct settings *s,
+                       const char *value[FLAGS])
 {
-    if (ss->ss_family == AF_INET) {
-        struct sockaddr_in in;
+    struct option longopts[FLAGS + 1] = {{0}};
+    int flag;
 
-        memcpy(&in, ss, sizeof in);
-        return (ntohl(in.sin_addr.s_addr) >> 24) == 127;
-    } else {
-        struct sockaddr_in6 in6;
+    for (int i = 0; i < FLAGS; i++) {
+        const bool wants = i < ROWS ? table[i].arg != NULL : i == CONFIG;
 
-        memcpy(&in6, ss, sizeof in6);
-        return IN6_IS_ADDR_LOOPBACK(&in6.sin6_addr) != 0;
-    }
-}
-
-/* "127.0.0.1:8787", "localhost:8787", "[::1]:8787".  No name is looked up. */
-static bool read_address(const char *s, struct options *out)
-{
-    const char *colon = strrchr(s, ':');
-    struct sockaddr_in in = {.sin_family = AF_INET};
-    struct sockaddr_in6 in6 = {.sin6_family = AF_INET6};
-    char host[64];
-    unsigned long port;
-    size_t len;
-
-    if (colon == NULL || !read_number(colon + 1, 0, 65535, &port))
-        return false;
-    len = (size_t)(colon - s);
-    if (len == 0 || len >= sizeof host)
-        return false;
-    memcpy(host, s, len);
-    host[len] = '\0';
-    memset(&out->listen, 0, sizeof out->listen);
-    if (host[0] == '[' && host[len - 1] == ']') {
-        host[len - 1] = '\0';
-        in6.sin6_port = htons((uint16_t)port);
-        memcpy(&out->listen, &in6, sizeof in6);
-        out->listen_len = sizeof in6;
-        if (inet_pton(AF_INET6, host + 1, &in6.sin6_addr) != 1)
-            return false;
-        memcpy(&out->listen, &in6, sizeof in6);
-        return true;
-    }
-    in.sin_port = htons((uint16_t)port);
-    if (inet_pton(AF_INET, strcmp(host, "localhost") == 0 ? "127.0.0.1" : host,
-                  &in.sin_addr) != 1)
-        return false;
-    memcpy(&out->listen, &in, sizeof in);
-    out->listen_len = sizeof in;
-    return true;
-}
-
-static bool read_values(const char *const value[NOPTIONS], struct options *out, char *err,
-                        size_t size)
-{
-    unsigned long n;
-    long cores;
-
-    out->db = value[DB];
-    if (out->db == NULL || *out->db == '\0') {
-        (void)snprintf(err, size, "no database: give --db PATH or set SURFACED_DB");
-        return false;
-    }
-    out->model = value[MODEL];
-    if (!read_address(value[LISTEN], out)) {
-        (void)snprintf(err, size,
-                       "--listen %s: not an address like 127.0.0.1:8787 or "
-                       "[::1]:8787",
-                       value[LISTEN]);
-        return false;
-    }
-    if (!read_number(value[NO_AUTH], 0, 1, &n)) {
-        (void)snprintf(err, size, "SURFACED_NO_AUTH=%s: neither 0 nor 1", value[NO_AUTH]);
-        return false;
-    }
-    out->no_auth = n == 1;
-    if (!loopback(&out->listen)) {
-        (void)snprintf(
-            err, size,
-            "--listen %s: not a loopback address%s; there is no TLS yet, so put "
-            "a TLS proxy in front and listen on 127.0.0.1 or [::1]",
-            value[LISTEN], out->no_auth ? ", and --no-auth is for loopback only" : "");
-        return false;
-    }
-    cores = sysconf(_SC_NPROCESSORS_ONLN);
-    n = cores < 1 ? 1 : cores > MAX_WORKERS ? MAX_WORKERS : (unsigned long)cores;
-    if (value[WORKERS] != NULL && !read_number(value[WORKERS], 1, MAX_WORKERS, &n)) {
-        (void)snprintf(err, size, "--workers %s: not a number from 1 to %d",
-                       value[WORKERS], MAX_WORKERS);
-        return false;
-    }
-    out->workers = (unsigned)n;
-    if (!read_number(value[QUEUE], 1, MAX_QUEUE, &n)) {
-        (void)snprintf(err, size, "--queue %s: not a number from 1 to %d", value[QUEUE],
-                       MAX_QUEUE);
-        return false;
-    }
-    out->queue = (unsigned)n;
-    n = DEFAULT_BODY;
-    if (value[BODY] != NULL && !read_number(value[BODY], 1, MAX_BODY, &n)) {
-        (void)snprintf(err, size, "--max-body %s: not a number of bytes from 1 to %zu",
-                       value[BODY], MAX_BODY);
-        return false;
-    }
-    out->max_body = n;
-    return true;
-}
-
-enum options_outcome options_read(int argc, char **argv, struct options *out, char *err,
-                                  size_t size)
-{
-    static const struct option longopts[] = {
-        {"db", required_argument, NULL, DB},
-        {"model", required_argument, NULL, MODEL},
-        {"listen", required_argument, NULL, LISTEN},
-        {"no-auth", no_argument, NULL, NO_AUTH},
-        {"workers", required_argument, NULL, WORKERS},
-        {"queue", required_argument, NULL, QUEUE},
-        {"max-body", required_argument, NULL, BODY},
-        {"help", no_argument, NULL, HELP},
-        {"version", no_argument, NULL, VERSION},
-        {NULL, 0, NULL, 0},
-    };
-    const char *value[NOPTIONS];
-    bool given[NOPTIONS] = {false};
-    int opt;
-
-    for (int i = 0; i < NOPTIONS; i++) {
-        value[i] = getenv(known[i].env);
-        if (value[i] == NULL || *value[i] == '\0')
-            value[i] = known[i].fallback;
+        longopts[i] = (struct option){i < ROWS ? table[i].name : command[i - ROWS],
+                                      wants ? required_argument : no_argument, NULL, i};
     }
     opterr = 0;
-    while ((opt = getopt_long(argc, argv, ":", longopts, NULL)) != -1) {
-        switch (opt) {
-        case HELP:
-            (void)fputs(usage, stdout);
-            return OPTIONS_DONE;
-        case VERSION:
-            (void)puts(FACE_ENGINE);
-            return OPTIONS_DONE;
-        case '?':
-            (void)snprintf(err, size, "%s: no such option; see --help", argv[optind - 1]);
-            return OPTIONS_BAD;
-        case ':':
-            (void)snprintf(err, size, "%s: its value is missing", argv[optind - 1]);
-            return OPTIONS_BAD;
-        default:
-            if (given[opt]) {
-                (void)snprintf(err, size, "--%s is given twice", known[opt].name);
-                return OPTIONS_BAD;
-            }
-            given[opt] = true;
-            value[opt] = opt == NO_AUTH ? "1" : optarg;
-        }
+    optind = 1;
+    while ((flag = getopt_long(argc, argv, ":", longopts, NULL)) != -1) {
+        if (flag == '?')
+            settings_wrong(s, "%s: no such option; see --help", argv[optind - 1]);
+        else if (flag == ':')
+            settings_wrong(s, "%s: its value is missing", argv[optind - 1]);
+        else if (value[flag] != NULL)
+            settings_wrong(s, "--%s is given twice", longopts[flag].name);
+        else
+            value[flag] = optarg != NULL ? optarg : "1";
     }
-    if (optind < argc) {
-        (void)snprintf(err, size, "%s: not an option; see --help", argv[optind]);
+    for (; optind < argc; optind++)
+        settings_wrong(s, "%s: not an option; see --help", argv[optind]);
+}
+
+/* What a table cannot say: what must be there, and what does not go together. */
+static void check_together(struct options *o)
+{
+    struct settings *s = o->settings;
+
+    if (o->db == NULL)
+        settings_wrong(s,
+                       "no database: give --db PATH, set SURFACED_DB or write db = PATH "
+                       "into the configuration file");
+    if (!address_read(o->listen_text, &o->listen, &o->listen_len))
+        assert(!"the reading checked it");
+    if (!address_is_loopback(&o->listen))
+        settings_wrong_value(
+            s, "listen",
+            o->no_auth
+                ? "not a loopback address, and --no-auth is for loopback only"
+                : "not a loopback address; there is no TLS yet, so put a TLS proxy "
+                  "in front and listen on 127.0.0.1 or [::1]");
+}
+
+static void one_worker_per_core(struct settings *s)
+{
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    char text[24];
+
+    (void)snprintf(text, sizeof text, "%ld",
+                   cores < 1             ? 1
+                   : cores > MAX_WORKERS ? MAX_WORKERS
+                                         : cores);
+    settings_default(s, "workers", text);
+}
+
+static void read_all(struct settings *s, const char *const value[FLAGS])
+{
+    const char *env = getenv("SURFACED_CONFIG");
+
+    one_worker_per_core(s);
+    if (value[CONFIG] != NULL)
+        settings_file(s, value[CONFIG], false);
+    else if (env != NULL && *env != '\0')
+        settings_file(s, env, false);
+    else
+        settings_file(s, CONFIG_FILE, true);
+    settings_environment(s);
+    for (size_t i = 0; i < ROWS; i++)
+        if (value[i] != NULL)
+            settings_flag(s, i, value[i]);
+}
+
+enum options_outcome options_read(int argc, char **argv, FILE *errors,
+                                  struct options *out)
+{
+    const char *value[FLAGS] = {NULL};
+    struct settings *s;
+
+    if (!settings_new(table, ROWS, errors, &out->settings)) {
+        (void)fputs("surfaced: out of memory\n", errors);
         return OPTIONS_BAD;
     }
-    return read_values(value, out, err, size) ? OPTIONS_RUN : OPTIONS_BAD;
+    s = out->settings;
+    read_flags(argc, argv, s, value);
+    if (settings_problems(s) > 0)
+        return OPTIONS_BAD;
+    if (value[HELP] != NULL) {
+        usage();
+        return OPTIONS_DONE;
+    }
+    if (value[VERSION] != NULL) {
+        (void)puts(FACE_ENGINE);
+        return OPTIONS_DONE;
+    }
+    read_all(s, value);
+    if (settings_problems(s) == 0) {
+        settings_fill(s, out);
+        check_together(out);
+    }
+    if (value[CHECK] != NULL)
+        settings_check_files(s);
+    if (settings_problems(s) > 0)
+        return OPTIONS_BAD;
+    if (value[PRINT] != NULL)
+        settings_print(s, stdout);
+    else if (value[CHECK] != NULL)
+        (void)puts("surfaced: the configuration is good");
+    return value[PRINT] != NULL || value[CHECK] != NULL ? OPTIONS_DONE : OPTIONS_RUN;
+}
+
+void options_free(struct options *o)
+{
+    settings_free(o->settings);
+    o->settings = NULL;
 }

@@ -35,7 +35,7 @@ for a in 0.0.0.0:0 192.0.2.1:0 '[::]:0' '[2001:db8::1]:0'; do
     refuse "--no-auth --listen $a" 2 '--no-auth' --db "$DB" --no-auth --listen "$a"
 done
 SURFACED_NO_AUTH=yes refuse "SURFACED_NO_AUTH=yes" 2 'SURFACED_NO_AUTH' --db "$DB"
-SURFACED_WORKERS=x refuse "SURFACED_WORKERS=x" 2 'workers x' --db "$DB"
+SURFACED_WORKERS=x refuse "SURFACED_WORKERS=x" 2 'SURFACED_WORKERS=x: not a number' --db "$DB"
 ok "no database was made" test ! -e "$DB"
 timeout 5 "$BUILD/surfaced" --help >"$T/out"
 is "--help" $? 0

@@ -1,0 +1,539 @@
+#include "settings.h"
+
+#include <assert.h>
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <ini.h>
+
+#include "address.h"
+
+#define LINE_MAX_BYTES 4000
+#define NAME_MAX_BYTES 64
+#define REPORT_MAX     (LINE_MAX_BYTES + 1000)
+#define HELP_COLUMN    22 /* where the text begins */
+#define SECTION        "surfaced"
+#define CREDENTIAL     "credential:"
+
+enum source { UNSET, DEFAULT, ENVIRONMENT, FLAG, IN_FILE };
+
+struct value {
+    char *text; /* as given; NULL: unset */
+    char *path; /* of a credential; NULL: text is the path */
+    enum source source;
+    unsigned line; /* in the file */
+};
+
+struct settings {
+    const struct setting *table;
+    size_t n;
+    FILE *errors;
+    unsigned problems;
+    char *file; /* the configuration file; NULL: none was read */
+    struct value value[];
+};
+
+/* ---- problems */
+
+static void env_name(const struct setting *row, char out[NAME_MAX_BYTES])
+{
+    int n = snprintf(out, NAME_MAX_BYTES, "SURFACED_%s", row->name);
+
+    assert(n > 0 && n < NAME_MAX_BYTES);
+    for (; *out != '\0'; out++)
+        *out = *out == '-' ? '_' : (char)toupper((unsigned char)*out);
+}
+
+/* One line on the stream.  It goes to a terminal, and has words in it that were read:
+ * control characters become '?'. */
+static void report(struct settings *s, const char *where, const char *fmt, va_list ap)
+{
+    char text[REPORT_MAX];
+
+    (void)vsnprintf(text, sizeof text, fmt, ap);
+    (void)fputs("surfaced: ", s->errors);
+    for (const char *c = where; *c != '\0'; c++)
+        (void)fputc(iscntrl((unsigned char)*c) ? '?' : *c, s->errors);
+    for (const char *c = text; *c != '\0'; c++)
+        (void)fputc(iscntrl((unsigned char)*c) ? '?' : *c, s->errors);
+    (void)fputc('\n', s->errors);
+    s->problems++;
+}
+
+/* A problem with a value: "--queue 0: ", "SURFACED_QUEUE=0: " or "FILE:3: queue = 0: ". */
+__attribute__((format(printf, 4, 5))) static void bad_value(struct settings *s,
+                                                            const struct setting *row,
+                                                            const struct value *v,
+                                                            const char *fmt, ...)
+{
+    const char *text = v->text != NULL ? v->text : "";
+    char where[REPORT_MAX], name[NAME_MAX_BYTES];
+    va_list ap;
+
+    if (v->source == IN_FILE) {
+        (void)snprintf(where, sizeof where, "%s:%u: %s = %s: ", s->file, v->line,
+                       row->name, text);
+    } else if (v->source == ENVIRONMENT) {
+        env_name(row, name);
+        (void)snprintf(where, sizeof where, "%s=%s: ", name, text);
+    } else {
+        (void)snprintf(where, sizeof where, "--%s %s: ", row->name, text);
+    }
+    va_start(ap, fmt);
+    report(s, where, fmt, ap);
+    va_end(ap);
+}
+
+__attribute__((format(printf, 3, 4))) static void
+bad_line(struct settings *s, unsigned line, const char *fmt, ...)
+{
+    char where[REPORT_MAX];
+    va_list ap;
+
+    (void)snprintf(where, sizeof where, "%s:%u: ", s->file, line);
+    va_start(ap, fmt);
+    report(s, where, fmt, ap);
+    va_end(ap);
+}
+
+static size_t row_of(const struct settings *s, const char *name)
+{
+    size_t i = 0;
+
+    while (i < s->n && strcmp(s->table[i].name, name) != 0)
+        i++;
+    return i;
+}
+
+void settings_wrong(struct settings *s, const char *fmt, ...)
+{
+    va_list ap;
+
+    va_start(ap, fmt);
+    report(s, "", fmt, ap);
+    va_end(ap);
+}
+
+void settings_wrong_value(struct settings *s, const char *name, const char *why)
+{
+    const size_t i = row_of(s, name);
+
+    assert(i < s->n);
+    bad_value(s, &s->table[i], &s->value[i], "%s", why);
+}
+
+unsigned settings_problems(const struct settings *s)
+{
+    return s->problems;
+}
+
+/* ---- values */
+
+/* Digits, for bytes with K, M or G after them. */
+static bool read_number(const char *text, const struct setting *row, unsigned long *out)
+{
+    static const char unit[] = "KMG";
+    const char *u;
+    char *end;
+
+    if (*text < '0' || *text > '9')
+        return false;
+    errno = 0;
+    *out = strtoul(text, &end, 10);
+    if (errno != 0)
+        return false;
+    if (row->kind == SETTING_BYTES && *end != '\0' && (u = strchr(unit, *end)) != NULL) {
+        const unsigned shift = 10 * (unsigned)(u - unit + 1);
+
+        if (*out > ULONG_MAX >> shift)
+            return false;
+        *out <<= shift;
+        end++;
+    }
+    return *end == '\0' && *out >= row->min && *out <= row->max;
+}
+
+static bool read_choice(const char *text, const char *words, unsigned *out)
+{
+    const size_t len = strlen(text);
+
+    for (*out = 0; words != NULL; ++*out) {
+        if (strncmp(words, text, len) == 0 && (words[len] == '|' || words[len] == '\0'))
+            return true;
+        words = strchr(words, '|');
+        words += words != NULL;
+    }
+    return false;
+}
+
+/* "credential:NAME": *out its path, to free; NULL for any other text.  Returns what is
+ * wrong, or NULL. */
+static const char *find_credential(const char *text, char **out)
+{
+    const char *dir = getenv("CREDENTIALS_DIRECTORY"), *name;
+    size_t size;
+
+    *out = NULL;
+    if (strncmp(text, CREDENTIAL, strlen(CREDENTIAL)) != 0)
+        return NULL;
+    name = text + strlen(CREDENTIAL);
+    if (*name == '\0' || *name == '.' || strchr(name, '/') != NULL)
+        return "not the name of a credential";
+    if (dir == NULL || *dir == '\0')
+        return "no credentials: CREDENTIALS_DIRECTORY is not set; see LoadCredential= in "
+               "systemd.exec(5)";
+    size = strlen(dir) + 1 + strlen(name) + 1;
+    if ((*out = malloc(size)) == NULL)
+        return "out of memory";
+    (void)snprintf(*out, size, "%s/%s", dir, name);
+    return NULL;
+}
+
+/* Says what is wrong with v->text, and finds v->path. */
+static bool check_value(struct settings *s, const struct setting *row, struct value *v)
+{
+    const char *why = NULL;
+    struct sockaddr_storage ss;
+    socklen_t len;
+    unsigned long n;
+    unsigned word;
+
+    switch (row->kind) {
+    case SETTING_TEXT:
+    case SETTING_FILE:
+    case SETTING_PATH:
+        if (*v->text == '\0')
+            why = "an empty value";
+        else if (row->kind != SETTING_TEXT)
+            why = find_credential(v->text, &v->path);
+        break;
+    case SETTING_ADDRESS:
+        if (!address_read(v->text, &ss, &len))
+            why = "not an address like 127.0.0.1:8787 or [::1]:8787";
+        break;
+    case SETTING_BOOL:
+        if (strcmp(v->text, "0") != 0 && strcmp(v->text, "1") != 0)
+            why = "neither 0 nor 1";
+        break;
+    case SETTING_CHOICE:
+        if (read_choice(v->text, row->arg, &word))
+            break;
+        bad_value(s, row, v, "not one of %s", row->arg);
+        return false;
+    case SETTING_NUMBER:
+    case SETTING_BYTES:
+        if (read_number(v->text, row, &n))
+            break;
+        bad_value(s, row, v, "not a number %sfrom %lu to %lu",
+                  row->kind == SETTING_BYTES ? "of bytes " : "", row->min, row->max);
+        return false;
+    }
+    for (const char *c = v->text; why == NULL && *c != '\0'; c++)
+        if (iscntrl((unsigned char)*c))
+            why = "a control character";
+    if (why != NULL)
+        bad_value(s, row, v, "%s", why);
+    return why == NULL;
+}
+
+/* Check a value and keep it. */
+static void take_value(struct settings *s, size_t i, enum source source, unsigned line,
+                       const char *text)
+{
+    struct value *v = &s->value[i], new = {strdup(text), NULL, source, line};
+
+    if (new.text == NULL) {
+        settings_wrong(s, "out of memory");
+    } else if (!check_value(s, &s->table[i], &new)) {
+        free(new.text);
+        free(new.path);
+    } else {
+        free(v->text);
+        free(v->path);
+        *v = new;
+    }
+}
+
+bool settings_new(const struct setting *table, size_t n, FILE *errors,
+                  struct settings **out)
+{
+    struct settings *s = calloc(1, sizeof *s + n * sizeof s->value[0]);
+
+    *out = s;
+    if (s == NULL)
+        return false;
+    s->table = table;
+    s->n = n;
+    s->errors = errors;
+    for (size_t i = 0; i < n; i++)
+        if (table[i].fallback != NULL)
+            take_value(s, i, DEFAULT, 0, table[i].fallback);
+    if (s->problems > 0) {
+        settings_free(s);
+        *out = NULL;
+    }
+    return *out != NULL;
+}
+
+void settings_free(struct settings *s)
+{
+    if (s == NULL)
+        return;
+    for (size_t i = 0; i < s->n; i++) {
+        free(s->value[i].text);
+        free(s->value[i].path);
+    }
+    free(s->file);
+    free(s);
+}
+
+void settings_default(struct settings *s, const char *name, const char *text)
+{
+    const size_t i = row_of(s, name);
+
+    assert(i < s->n);
+    take_value(s, i, DEFAULT, 0, text);
+}
+
+void settings_flag(struct settings *s, size_t row, const char *text)
+{
+    take_value(s, row, FLAG, 0, text);
+}
+
+void settings_environment(struct settings *s)
+{
+    char name[NAME_MAX_BYTES];
+    const char *text;
+
+    for (size_t i = 0; i < s->n; i++) {
+        env_name(&s->table[i], name);
+        if ((text = getenv(name)) != NULL && *text != '\0')
+            take_value(s, i, ENVIRONMENT, 0, text);
+    }
+}
+
+/* ---- the file */
+
+struct reading {
+    struct settings *s;
+    FILE *in;
+    unsigned line; /* the one that was read last */
+    bool broken;   /* it cannot be read on; the reason was reported */
+};
+
+/* As fgets() for inih, but a line that is no line of text ends the reading.  inih asks for
+ * the next line only after it has called back for the one before: r->line is that one's. */
+static char *read_line(char *buf, int size, void *stream)
+{
+    struct reading *r = stream;
+    int n = 0, c = 0;
+
+    if (r->broken)
+        return NULL;
+    r->line++;
+    while (n < size - 2 && (c = getc(r->in)) != EOF && c != '\n' && c != '\0')
+        buf[n++] = (char)c;
+    if (c == '\0' || (n == size - 2 && c != '\n')) {
+        bad_line(r->s, r->line,
+                 c == '\0' ? "a zero byte: this is no text"
+                           : "a line of more than %d bytes",
+                 LINE_MAX_BYTES);
+        r->broken = true;
+        return NULL;
+    }
+    if (c == EOF && n == 0)
+        return NULL;
+    buf[n++] = '\n';
+    buf[n] = '\0';
+    return buf;
+}
+
+static int take_line(void *user, const char *section, const char *name, const char *value)
+{
+    struct reading *r = user;
+    struct settings *s = r->s;
+    const size_t i = row_of(s, name);
+
+    if (*section != '\0' && strcmp(section, SECTION) != 0)
+        bad_line(s, r->line, "in no section or in [" SECTION "], not in another");
+    else if (i == s->n)
+        bad_line(s, r->line, "no such setting: %s", name);
+    else if (s->value[i].source == IN_FILE)
+        bad_line(s, r->line, "%s is given twice, first on line %u", s->table[i].name,
+                 s->value[i].line);
+    else
+        take_value(s, i, IN_FILE, r->line, value);
+    return 1;
+}
+
+void settings_read(struct settings *s, FILE *in, const char *name)
+{
+    struct reading r = {.s = s, .in = in};
+    int at;
+
+    free(s->file);
+    if ((s->file = strdup(name)) == NULL) {
+        settings_wrong(s, "out of memory");
+        return;
+    }
+    /* One line is one setting, and all of it: a path may have " ;" in it. */
+    ini_allow_multiline = false;
+    ini_allow_inline_comments = false;
+    ini_max_line = LINE_MAX_BYTES + 2;
+    at = ini_parse_stream(read_line, &r, take_line, &r);
+    if (ferror(in))
+        settings_wrong(s, "%s: %s", name, strerror(errno));
+    else if (at > 0)
+        bad_line(s, (unsigned)at, "neither NAME = VALUE nor a comment");
+}
+
+void settings_file(struct settings *s, const char *path, bool may_miss)
+{
+    FILE *in = fopen(path, "re");
+
+    if (in != NULL) {
+        settings_read(s, in, path);
+        (void)fclose(in);
+    } else if (!may_miss || errno != ENOENT) {
+        settings_wrong(s, "%s: %s", path, strerror(errno));
+    }
+}
+
+/* ---- results */
+
+static const char *path_of(const struct value *v)
+{
+    return v->path != NULL ? v->path : v->text;
+}
+
+/* Why the folder of a file cannot take it; 0: it can. */
+static int folder_error(const char *path)
+{
+    char *folder = strdup(path), *slash;
+    int why = 0;
+
+    if (folder == NULL)
+        return ENOMEM;
+    if ((slash = strrchr(folder, '/')) == NULL)
+        (void)strcpy(folder, "."); /* no longer: a path is not empty */
+    else
+        slash[slash == folder] = '\0';
+    if (access(folder, W_OK | X_OK) != 0)
+        why = errno;
+    free(folder);
+    return why;
+}
+
+void settings_check_files(struct settings *s)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        const struct setting *row = &s->table[i];
+        const char *path = path_of(&s->value[i]);
+        int why = 0;
+
+        if (path == NULL || (row->kind != SETTING_FILE && row->kind != SETTING_PATH))
+            continue;
+        if (access(path, row->kind == SETTING_FILE ? R_OK : R_OK | W_OK) != 0)
+            why = errno;
+        if (row->kind == SETTING_PATH && (why == 0 || why == ENOENT))
+            why = folder_error(path);
+        if (why != 0)
+            settings_wrong_value(s, row->name, strerror(why));
+    }
+}
+
+void settings_fill(const struct settings *s, void *out)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        const struct setting *row = &s->table[i];
+        const struct value *v = &s->value[i];
+        char *member = (char *)out + row->offset;
+        const char *text = path_of(v);
+        unsigned long n = 0;
+        unsigned word = 0;
+
+        if (text == NULL)
+            continue;
+        switch (row->kind) {
+        case SETTING_TEXT:
+        case SETTING_FILE:
+        case SETTING_PATH:
+        case SETTING_ADDRESS:
+            memcpy(member, &text, sizeof text);
+            break;
+        case SETTING_BOOL:
+            memcpy(member, &(bool){*text == '1'}, sizeof(bool));
+            break;
+        case SETTING_NUMBER:
+            (void)read_number(text, row, &n);
+            memcpy(member, &(unsigned){(unsigned)n}, sizeof(unsigned));
+            break;
+        case SETTING_BYTES:
+            (void)read_number(text, row, &n);
+            memcpy(member, &(size_t){n}, sizeof(size_t));
+            break;
+        case SETTING_CHOICE:
+            (void)read_choice(text, row->arg, &word);
+            memcpy(member, &word, sizeof word);
+            break;
+        }
+    }
+}
+
+void settings_print(const struct settings *s, FILE *out)
+{
+    char name[NAME_MAX_BYTES];
+
+    for (size_t i = 0; i < s->n; i++) {
+        const struct value *v = &s->value[i];
+
+        switch (v->source) {
+        case UNSET:
+            (void)fprintf(out, "# not set\n#%s =\n", s->table[i].name);
+            continue;
+        case DEFAULT:
+            (void)fputs("# default\n", out);
+            break;
+        case ENVIRONMENT:
+            env_name(&s->table[i], name);
+            (void)fprintf(out, "# %s\n", name);
+            break;
+        case FLAG:
+            (void)fprintf(out, "# --%s\n", s->table[i].name);
+            break;
+        case IN_FILE:
+            (void)fprintf(out, "# %s:%u\n", s->file, v->line);
+            break;
+        }
+        (void)fprintf(out, "%s = %s\n", s->table[i].name, v->text);
+    }
+}
+
+void settings_help(const struct setting *table, size_t n, FILE *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        const char *text = table[i].help;
+        int column =
+            fprintf(out, "  --%s%s%s", table[i].name, table[i].arg != NULL ? " " : "",
+                    table[i].arg != NULL ? table[i].arg : "");
+
+        if (column > HELP_COLUMN - 2) {
+            (void)fputc('\n', out);
+            column = 0;
+        }
+        (void)fprintf(out, "%*s", HELP_COLUMN - column, "");
+        for (; *text != '\0'; text++) {
+            (void)fputc(*text, out);
+            if (*text == '\n')
+                (void)fprintf(out, "%*s", HELP_COLUMN, "");
+        }
+        if (table[i].fallback != NULL && table[i].arg != NULL)
+            (void)fprintf(out, " (%s)", table[i].fallback);
+        (void)fputc('\n', out);
+    }
+}
