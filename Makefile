@@ -209,7 +209,9 @@ format:
 install: all
 	install -d "$(DESTDIR)$(PREFIX)/bin" "$(DESTDIR)$(PREFIX)/sbin" \
 	    "$(DESTDIR)$(PREFIX)/include/surface" "$(DESTDIR)$(PREFIX)/lib/pkgconfig" \
-	    "$(DESTDIR)$(PREFIX)/share/man/man1" "$(DESTDIR)$(PREFIX)/share/man/man8" \
+	    "$(DESTDIR)$(PREFIX)/share/man/man1" "$(DESTDIR)$(PREFIX)/share/man/man5" \
+	    "$(DESTDIR)$(PREFIX)/share/man/man8" \
+	    "$(DESTDIR)$(PREFIX)/share/doc/surfaced/examples" \
 	    "$(DESTDIR)$(PREFIX)/lib/systemd/system"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
@@ -219,7 +221,10 @@ install: all
 	    > "$(DESTDIR)$(PREFIX)/lib/pkgconfig/surface.pc"
 	sed 's|@PREFIX@|$(PREFIX)|' packaging/surfaced.service.in \
 	    > "$(DESTDIR)$(PREFIX)/lib/systemd/system/surfaced.service"
+	install -m 644 packaging/surfaced.conf \
+	    "$(DESTDIR)$(PREFIX)/share/doc/surfaced/examples/"
 	install -m 644 man/surfaced.8 "$(DESTDIR)$(PREFIX)/share/man/man8/"
+	install -m 644 man/surfaced.conf.5 "$(DESTDIR)$(PREFIX)/share/man/man5/"
 	install -m 644 man/surfacectl.1 "$(DESTDIR)$(PREFIX)/share/man/man1/"
 
 ## clean: remove everything that was built

@@ -33,6 +33,7 @@ ${CC:-gcc} -std=c11 -o "$place/try" "$place/try.c" $flags
 "$place/try"
 for file in bin/surfacectl sbin/surfaced lib/libsurface.a lib/pkgconfig/surface.pc \
     share/man/man8/surfaced.8 share/man/man1/surfacectl.1 \
+    share/man/man5/surfaced.conf.5 share/doc/surfaced/examples/surfaced.conf \
     lib/systemd/system/surfaced.service; do
     [ -s "$place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
 done

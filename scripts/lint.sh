@@ -64,7 +64,7 @@ check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-supp
     --enable=warning,portability --suppress=missingIncludeSystem \
     --suppress=ctuuninitvar -D_POSIX_C_SOURCE=200809L \
     -Icore -Idb -Iserver core db server
-check "man pages (mandoc)" mandoc -T lint -W warning man/surfaced.8 man/surfacectl.1
+check "man pages (mandoc)" mandoc -T lint -W warning man/*.[158]
 
 [ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
 echo "$passed passed, $failed failed"

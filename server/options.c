@@ -94,13 +94,14 @@ static void read_flags(int argc, char **argv, struct settings *s,
 static void check_together(struct options *o)
 {
     struct settings *s = o->settings;
+    const bool read = address_read(o->listen_text, &o->listen, &o->listen_len);
 
+    assert(read); /* it was, when the value was taken */
+    (void)read;
     if (o->db == NULL)
         settings_wrong(s,
                        "no database: give --db PATH, set SURFACED_DB or write db = PATH "
                        "into the configuration file");
-    if (!address_read(o->listen_text, &o->listen, &o->listen_len))
-        assert(!"the reading checked it");
     if (!address_is_loopback(&o->listen))
         settings_wrong_value(
             s, "listen",

@@ -51,7 +51,8 @@ static void env_name(const struct setting *row, char out[NAME_MAX_BYTES])
 
 /* One line on the stream.  It goes to a terminal, and has words in it that were read:
  * control characters become '?'. */
-static void report(struct settings *s, const char *where, const char *fmt, va_list ap)
+__attribute__((format(printf, 3, 0))) static void
+report(struct settings *s, const char *where, const char *fmt, va_list ap)
 {
     char text[REPORT_MAX];
 
