@@ -11,6 +11,8 @@ enum errmap_kind {
     ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
     ERRMAP_BODY_SIZE,  /* the body is over the limit */
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
+    ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
+    ERRMAP_PACKED,     /* the body cannot be unpacked */
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <time.h>
 #include <unistd.h>
 #include <microhttpd.h>
@@ -20,6 +19,8 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "drain.h"
+#include "headers.h"
+#include "inflate.h"
 #include "log.h"
 #include "metrics.h"
 #include "options.h"
@@ -95,6 +96,8 @@ static struct MHD_Response *make_response(struct exchange *x)
             resp, "WWW-Authenticate",
             a->bad_token ? "Bearer realm=\"surfaced\", error=\"invalid_token\""
                          : "Bearer realm=\"surfaced\"");
+    if (a->codings)
+        (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
     if (a->retry_after > 0) {
         (void)snprintf(number, sizeof number, "%u", a->retry_after);
         (void)MHD_add_response_header(resp, "Retry-After", number);
@@ -178,7 +181,7 @@ void http_run(struct worker *w, struct request *r)
 
     if (x->state == ADMITTED)
         auth_check(r);
-    else
+    else if (inflate_request(r))
         r->route->handle(r, w);
     MHD_resume_connection(x->conn);
 }
@@ -223,7 +226,6 @@ static void refuse_size(struct exchange *x)
 /* Refuse the body for what the headers say of it. */
 static void check_body(struct exchange *x)
 {
-    const char *coding = header(x, "Content-Encoding");
     struct request *r = &x->r;
 
     if (x->length != LENGTH_UNKNOWN && x->length > x->http->app->max_body)
@@ -233,8 +235,8 @@ static void check_body(struct exchange *x)
     else if (!x->has_length)
         request_problem(r, ERRMAP_NO_LENGTH,
                         "send Content-Length, or the body in chunks");
-    else if (coding != NULL && strcasecmp(coding, "identity") != 0)
-        request_problem(r, ERRMAP_MEDIA_TYPE, "send the body without Content-Encoding");
+    else if (r->coding == INFLATE_OTHER)
+        inflate_refuse(r);
     else if (r->route->body == ROUTES_JSON && r->media != REQUEST_JSON)
         request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be application/json");
     else if (r->media == REQUEST_NO_MEDIA || r->media == REQUEST_OTHER_MEDIA)
@@ -319,6 +321,14 @@ static enum MHD_Result admit(struct exchange *x)
     return MHD_YES;
 }
 
+static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char *name,
+                                 const char *value)
+{
+    (void)kind;
+    headers_take(cls, name, value);
+    return MHD_YES;
+}
+
 static enum MHD_Result arrive(struct exchange *x, const char *method)
 {
     struct request *r = &x->r;
@@ -326,6 +336,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
     request_set_id(r, header(x, "X-Request-Id"), ++x->http->serial);
     r->method = request_method(method);
     look_at_body(x);
+    (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, r);
     routes_find(r);
     if (r->answer.http != 0)
         return send_early(x);

@@ -5,6 +5,7 @@
 #define SERVER_REQUEST_H
 #include <stdbool.h>
 #include <stddef.h>
+#include "inflate.h"
 #include "status.h"
 #include "store.h"
 
@@ -38,6 +39,7 @@ struct request_answer {
     const char *allow;    /* static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
+    bool codings;         /* Accept-Encoding: what a body may be compressed with */
     unsigned retry_after; /* seconds; 0 for none */
 };
 
@@ -52,7 +54,8 @@ struct request {
     char token[REQUEST_TOKEN_MAX + 1];   /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];        /* the token's id; "" without one */
     enum request_media media;
-    unsigned char *body; /* heap; body[len] is 0 */
+    enum inflate_coding coding; /* of the body as it is now */
+    unsigned char *body;        /* heap; body[len] is 0 */
     size_t len;
     double start_ms; /* log_clock_ms() at the request line */
     struct request_answer answer;

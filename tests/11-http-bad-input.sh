@@ -67,7 +67,9 @@ problem "no Content-Type" 415 unsupported_media_type
 send POST /v1/subjects/alice/verify 'Content-Type: application/x-www-form-urlencoded' "$T/a.json"
 problem "a form" 415 unsupported_media_type
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: gzip'
-problem "compressed" 415 unsupported_media_type
+problem "said to be compressed" 400 damaged_content_encoding
+send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: br'
+problem "compressed in a way not known here" 415 unsupported_content_encoding
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.ply"
 problem "PLY sent as JSON" 400 malformed
 send POST /v1/subjects/alice/verify "$PLY" "$T/a.json"
