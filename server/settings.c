@@ -163,11 +163,13 @@ static bool read_choice(const char *text, const char *words, unsigned *out)
 {
     const size_t len = strlen(text);
 
+    if (strchr(text, '|') != NULL)
+        return false;
     for (*out = 0; words != NULL; ++*out) {
         if (strncmp(words, text, len) == 0 && (words[len] == '|' || words[len] == '\0'))
             return true;
-        words = strchr(words, '|');
-        words += words != NULL;
+        if ((words = strchr(words, '|')) != NULL)
+            words++;
     }
     return false;
 }
@@ -332,18 +334,18 @@ struct reading {
 static char *read_line(char *buf, int size, void *stream)
 {
     struct reading *r = stream;
-    int n = 0, c = 0;
+    int n = 0, c;
 
     if (r->broken)
         return NULL;
     r->line++;
-    while (n < size - 2 && (c = getc(r->in)) != EOF && c != '\n' && c != '\0')
+    while ((c = getc(r->in)) != EOF && c != '\n' && c != '\0' && n < size - 2)
         buf[n++] = (char)c;
-    if (c == '\0' || (n == size - 2 && c != '\n')) {
-        bad_line(r->s, r->line,
-                 c == '\0' ? "a zero byte: this is no text"
-                           : "a line of more than %d bytes",
-                 LINE_MAX_BYTES);
+    if (c != EOF && c != '\n') {
+        if (c == '\0')
+            bad_line(r->s, r->line, "a zero byte: this is no text");
+        else
+            bad_line(r->s, r->line, "a line of more than %d bytes", LINE_MAX_BYTES);
         r->broken = true;
         return NULL;
     }
