@@ -5,6 +5,9 @@
  *     disparity = amount(rest) - SCORE_ROUGH amount(rest - blurred rest), or 0 below that.
  * The second term is the pair's own roughness, what changes from cell to cell: noise of the
  * sensors and of the sampling, which is no shape; so one threshold serves several scanners.
+ * The less of the weight is covered, the better the modes explain anything: below
+ * SCORE_WHOLE the disparity of all is raised, by SCORE_THIN for all of it, so that one
+ * threshold serves parts of faces too.
  * The cap keeps one bad place from outvoting the face.
  * Figures: docs/accuracy.md. */
 #ifndef CORE_SCORE_H
@@ -15,6 +18,8 @@
 #include "model.h"
 
 #define SCORE_ROUGH 0.6
+#define SCORE_WHOLE 0.85
+#define SCORE_THIN  0.3
 
 struct score {
     double disparity_mm;

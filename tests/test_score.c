@@ -71,11 +71,12 @@ static double rough(uint32_t i)
 static double defined(int region)
 {
     const double cap = (double)model.cap_mm;
-    double sum = 0, whole = 0;
+    double sum = 0, whole = 0, face = 0, thin;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
         const double u = (double)model.weight[i];
 
+        face += model.change.rest[i] > 0.0f ? u : 0;
         if (cells.area[i] <= 0.0f || model.change.rest[i] <= 0.0f ||
             (region >= 0 && (int)grid_region_of(i) != region))
             continue;
@@ -83,7 +84,8 @@ static double defined(int region)
         sum -= SCORE_ROUGH * u * fmin(fabs(rough(i)), cap);
         whole += u;
     }
-    return sum > 0 ? sum / whole : 0;
+    thin = region < 0 ? fmax(0, SCORE_WHOLE - whole / face) : 0;
+    return sum > 0 ? sum / whole * (1 + SCORE_THIN * thin) : 0;
 }
 
 static void test_identical(void **state)
