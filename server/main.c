@@ -1,5 +1,4 @@
 /* surfaced -- the daemon: options, start, wait for a signal, stop. */
-#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,22 +16,13 @@
 #include "modelfile.h"
 #include "options.h"
 #include "queue.h"
+#include "service.h"
 #include "store.h"
 
 #define CACHE_BYTES ((size_t)256 << 20)
 #define GRACE_MS    10000.0 /* for the requests that have begun, on a stop */
+#define STALLED_MS  60000.0 /* without an answer from any worker: something is wrong */
 #define FLUSH_MS    2000.0  /* for the answers that are ready by then */
-
-/* Block the signals that stop the daemon, in every thread: main waits for them. */
-static void block_signals(sigset_t *stop)
-{
-    (void)signal(SIGPIPE, SIG_IGN);
-    (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error of write() */
-    (void)sigemptyset(stop);
-    (void)sigaddset(stop, SIGTERM);
-    (void)sigaddset(stop, SIGINT);
-    (void)pthread_sigmask(SIG_BLOCK, stop, NULL);
-}
 
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
@@ -81,6 +71,35 @@ static void warn_of_calibration(struct store *s)
                  (long long)k.version, k.engine, k.decision.threshold_mm);
 }
 
+/* What the hooks of service_wait() see. */
+struct daemon {
+    struct app *app;
+    uint64_t served;    /* when it was looked at last */
+    double progress_ms; /* when it had changed, or had nothing to do, last */
+};
+
+static void reload(void *arg)
+{
+    (void)arg;
+    log_line("info", "msg=\"nothing to reload\"");
+}
+
+/* The workers get on with what they have.  How long one request may take depends on the
+ * machine, so the time is far longer than any should. */
+static bool healthy(void *arg)
+{
+    struct daemon *d = arg;
+    const double now = log_clock_ms();
+    struct queue_state q;
+
+    queue_look(d->app->queue, &q);
+    if (q.served != d->served || q.waiting + q.running == 0) {
+        d->served = q.served;
+        d->progress_ms = now;
+    }
+    return now - d->progress_ms < STALLED_MS;
+}
+
 int main(int argc, char **argv)
 {
     struct app app = {0};
@@ -88,8 +107,8 @@ int main(int argc, char **argv)
     struct options o = {0};
     struct errinfo e = {0};
     char url[HTTP_URL_MAX];
-    sigset_t stops;
-    int sig = 0, status = 1;
+    struct daemon d = {.app = &app};
+    int sig, status = 1;
 
     switch (options_read(argc, argv, stderr, &o)) {
     case OPTIONS_DONE:
@@ -105,7 +124,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
         goto out;
     }
-    block_signals(&stops);
+    service_begin();
     app.no_auth = o.no_auth;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {
@@ -119,7 +138,9 @@ int main(int argc, char **argv)
              url, store_made_by(app.store), o.workers, o.queue, o.max_body,
              o.no_auth ? "none" : "token");
     warn_of_calibration(app.store);
-    (void)sigwait(&stops, &sig);
+    d.progress_ms = log_clock_ms();
+    service_ready(url);
+    sig = service_wait(&(struct service_hooks){reload, healthy, &d});
     log_line("info", "msg=\"stopping\" signal=%s", sig == SIGTERM ? "SIGTERM" : "SIGINT");
     http_quiesce(http, GRACE_MS);
     queue_stop(app.queue); /* what is still queued gets its answer */

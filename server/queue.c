@@ -11,6 +11,7 @@ struct queue {
     pthread_cond_t wake;
     struct request **ring; /* [limit] */
     unsigned head, waiting, limit, running;
+    uint64_t served;
     bool closed;
     unsigned nworkers; /* how many threads there are */
     pthread_t *threads;
@@ -24,6 +25,7 @@ static struct request *take(struct queue *q, bool was_running)
 
     (void)pthread_mutex_lock(&q->lock);
     q->running -= was_running;
+    q->served += was_running;
     while (q->waiting == 0 && !q->closed)
         (void)pthread_cond_wait(&q->wake, &q->lock);
     if (q->waiting > 0) {
@@ -137,5 +139,6 @@ void queue_look(struct queue *q, struct queue_state *out)
     out->limit = q->limit;
     out->workers = q->nworkers;
     out->running = q->running;
+    out->served = q->served;
     (void)pthread_mutex_unlock(&q->lock);
 }

@@ -35,6 +35,7 @@ void queue_free(struct queue *q); /* after queue_stop(); NULL is allowed */
 
 struct queue_state {
     unsigned waiting, limit, workers, running;
+    uint64_t served; /* since the start */
 };
 
 void queue_look(struct queue *q, struct queue_state *out);

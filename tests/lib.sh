@@ -54,9 +54,11 @@ finish() {
 }
 
 # start_daemon OPTION...: sets PID and URL; fails when it does not say that it listens.
+# $UNDER: a command that it is run by.
 start_daemon() {
     : >"$LOG"
-    "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 "$@" 2>"$LOG" &
+    # shellcheck disable=SC2086 # a command and its options
+    ${UNDER:-} "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 "$@" 2>"$LOG" &
     PID=$!
     tries=0
     URL=

@@ -1,0 +1,96 @@
+#include "service.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+#include <systemd/sd-daemon.h>
+
+#include "errinfo.h"
+
+/* What is waited for. */
+static void waited_for(sigset_t *set)
+{
+    (void)sigemptyset(set);
+    (void)sigaddset(set, SIGTERM);
+    (void)sigaddset(set, SIGINT);
+    (void)sigaddset(set, SIGHUP);
+}
+
+enum status service_socket(int *fd, struct errinfo *e)
+{
+    const int n = sd_listen_fds(1), first = SD_LISTEN_FDS_START;
+    int flags;
+
+    *fd = -1;
+    if (n == 0)
+        return ST_OK;
+    if (n < 0)
+        return errinfo_set(e, ST_EINVAL, "sockets that were passed: %s", strerror(-n));
+    if (n > 1)
+        return errinfo_set(e, ST_EINVAL, "%d sockets were passed; one is served", n);
+    if (sd_is_socket(first, AF_UNSPEC, SOCK_STREAM, 1) <= 0)
+        return errinfo_set(e, ST_EINVAL, "what was passed is no listening stream socket");
+    if ((flags = fcntl(first, F_GETFL)) < 0 ||
+        fcntl(first, F_SETFL, flags | O_NONBLOCK) != 0)
+        return errinfo_set(e, ST_EINVAL, "the socket that was passed: %s",
+                           strerror(errno));
+    *fd = first;
+    return ST_OK;
+}
+
+void service_begin(void)
+{
+    sigset_t set;
+
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error of write() */
+    waited_for(&set);
+    (void)pthread_sigmask(SIG_BLOCK, &set, NULL);
+}
+
+void service_ready(const char *url)
+{
+    (void)sd_notifyf(0, "READY=1\nSTATUS=listening on %s", url);
+}
+
+static void reload(const struct service_hooks *hooks)
+{
+    struct timespec now;
+
+    /* The time is for Type=notify-reload: it tells this reload from one before. */
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    (void)sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld",
+                     (long long)now.tv_sec * 1000000 + now.tv_nsec / 1000);
+    hooks->reload(hooks->arg);
+    (void)sd_notify(0, "READY=1");
+}
+
+int service_wait(const struct service_hooks *hooks)
+{
+    struct timespec half;
+    uint64_t watchdog_us = 0;
+    const bool watched = sd_watchdog_enabled(0, &watchdog_us) > 0;
+    sigset_t set;
+    int sig;
+
+    waited_for(&set);
+    half.tv_sec = (time_t)(watchdog_us / 2000000);
+    half.tv_nsec = (long)(watchdog_us / 2 % 1000000 * 1000);
+    for (;;) {
+        if (watched && hooks->healthy(hooks->arg))
+            (void)sd_notify(0, "WATCHDOG=1");
+        sig = watched ? sigtimedwait(&set, NULL, &half) : sigwaitinfo(&set, NULL);
+        if (sig == SIGHUP) {
+            reload(hooks);
+        } else if (sig > 0) {
+            (void)sd_notify(0, "STOPPING=1");
+            return sig;
+        }
+    }
+}

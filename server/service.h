@@ -1,0 +1,35 @@
+/* service.h -- the daemon's life by signals and by the protocol of a service manager
+ * (systemd's sd_notify(3), its watchdog, sockets that it passes).  Where there is none, the
+ * signals alone count.  From the main thread. */
+#ifndef SERVER_SERVICE_H
+#define SERVER_SERVICE_H
+#include <stdbool.h>
+#include "status.h"
+
+struct errinfo;
+
+/* What service_wait() calls, with arg. */
+struct service_hooks {
+    void (*reload)(void *arg);  /* on SIGHUP */
+    bool (*healthy)(void *arg); /* false: the watchdog is not told that all is well */
+    void *arg;
+};
+
+/* service_socket(fd, e): the one listening stream socket that was passed, made non-blocking
+ * and close-on-exec; the caller's.  *fd is -1 when none was.  ST_EINVAL: more than one, or
+ * something else. */
+enum status service_socket(int *fd, struct errinfo *e);
+
+/* service_begin(): block the signals that service_wait() waits for, in this thread and those
+ * that it will start, and ignore those that are errors of write(). */
+void service_begin(void);
+
+/* service_ready(url): the start is over, what it serves is at url. */
+void service_ready(const char *url);
+
+/* service_wait(hooks): until SIGTERM or SIGINT, which it returns; the manager knows then that
+ * the daemon stops.  Meanwhile SIGHUP reloads, and the watchdog hears of a healthy daemon
+ * twice in its time. */
+int service_wait(const struct service_hooks *hooks);
+
+#endif
