@@ -5,17 +5,19 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct cache;   /* cache.h */
-struct metrics; /* metrics.h */
-struct model;   /* model.h */
-struct queue;   /* queue.h */
-struct store;   /* store.h */
+struct cache;       /* cache.h */
+struct idempotency; /* idempotency.h */
+struct metrics;     /* metrics.h */
+struct model;       /* model.h */
+struct queue;       /* queue.h */
+struct store;       /* store.h */
 
 struct app {
     struct store *store; /* its calibration and engine are by the model */
     struct model *model; /* NULL: model_default */
     struct cache *cache;
     struct metrics *metrics;
+    struct idempotency *idempotency;
     struct queue *queue;
     bool no_auth;
     size_t max_body; /* bytes */

@@ -8,11 +8,15 @@
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "idempotency.h"
 #include "json.h"
+#include "log.h"
 #include "params.h"
 #include "queue.h"
 #include "request.h"
 #include "verify.h"
+
+#define LOCATION "/v1/templates/" /* and the template's id */
 
 /* Does the sample match the best of those that the subject has?  From then on it decides
  * like any of them, so one that cannot be compared (too little in common) does not do.
@@ -60,13 +64,13 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         request_fail(r, &e);
         return;
     }
-    request_answer(r, created ? 201 : 200, json_template(&t, &w->probe.frame));
-    if (created)
-        (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/templates/%s",
+    request_written(r, created ? 201 : 200, json_template(&t, &w->probe.frame));
+    if (r->answer.http < 300)
+        (void)snprintf(r->answer.location, sizeof r->answer.location, LOCATION "%s",
                        t.id);
 }
 
-void enroll_handle(struct request *r, struct worker *w)
+static void read_and_enroll(struct request *r, struct worker *w)
 {
     char label[STORE_LABEL_MAX + 1];
     struct cloud c;
@@ -84,4 +88,38 @@ void enroll_handle(struct request *r, struct worker *w)
     cloud_free(&c);
     if (st == ST_OK)
         enroll(r, w, label, force);
+}
+
+/* What an answer tells that is given again must still be true: a template that has been
+ * deleted since is not told of any more, and not enrolled by a late retry either. */
+static void check_replayed(struct request *r)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+    enum status st;
+
+    if (r->answer.http >= 300)
+        return;
+    st = store_template_get(r->app->store, r->answer.location + strlen(LOCATION), &t, &e);
+    if (st == ST_OK)
+        return;
+    r->answer.replayed = r->answer.minimal = false;
+    if (st == ST_ENOTFOUND)
+        request_problem(r, st,
+                        "what this Idempotency-Key enrolled has been deleted since");
+    else
+        request_fail(r, &e);
+}
+
+void enroll_handle(struct request *r, struct worker *w)
+{
+    struct idempotency *m = r->app->idempotency;
+    uint32_t ticket;
+
+    if (idempotency_begin(m, r, log_clock_ms(), &ticket)) {
+        read_and_enroll(r, w);
+        idempotency_end(m, r, ticket);
+    } else if (r->answer.replayed) {
+        check_replayed(r);
+    }
 }

@@ -13,6 +13,8 @@ enum errmap_kind {
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
     ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
     ERRMAP_PACKED,     /* the body cannot be unpacked */
+    ERRMAP_KEY_REUSED, /* an Idempotency-Key with another request */
+    ERRMAP_KEY_BUSY,   /* its first request is being done */
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */

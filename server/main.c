@@ -11,6 +11,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "http.h"
+#include "idempotency.h"
 #include "log.h"
 #include "metrics.h"
 #include "modelfile.h"
@@ -38,7 +39,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
     store_use_model(app->store, app->model);
     app->cache = cache_new(CACHE_BYTES);
     app->metrics = metrics_new();
-    if (app->cache == NULL || app->metrics == NULL)
+    app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
+    if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -55,6 +57,7 @@ static void stop(struct app *app, struct http *http)
     queue_free(app->queue);
     cache_free(app->cache);
     metrics_free(app->metrics);
+    idempotency_free(app->idempotency);
     store_close(app->store);
     free(app->model);
 }

@@ -142,6 +142,17 @@ void request_answer(struct request *r, int http, char *json)
         set_body(r, http, "application/json", json);
 }
 
+void request_written(struct request *r, int http, char *json)
+{
+    if (!r->minimal) {
+        request_answer(r, http, json);
+        return;
+    }
+    free(json);
+    set_body(r, http == 200 ? 204 : http, NULL, NULL);
+    r->answer.minimal = true;
+}
+
 void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
 {
     const struct errmap *m = errmap_get(kind);

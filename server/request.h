@@ -17,6 +17,7 @@ struct worker;       /* queue.h */
 
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
+#define REQUEST_KEY_MAX   255
 
 enum request_method { REQUEST_GET, REQUEST_POST, REQUEST_DELETE, REQUEST_OTHER };
 
@@ -40,6 +41,8 @@ struct request_answer {
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
     bool codings;         /* Accept-Encoding: what a body may be compressed with */
+    bool minimal;         /* Preference-Applied: return=minimal */
+    bool replayed;        /* Idempotent-Replayed: true */
     unsigned retry_after; /* seconds; 0 for none */
 };
 
@@ -53,6 +56,9 @@ struct request {
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
     char token[REQUEST_TOKEN_MAX + 1];   /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];        /* the token's id; "" without one */
+    char key[REQUEST_KEY_MAX + 1];       /* Idempotency-Key; "" for none */
+    bool bad_key;                        /* it was malformed; key may be anything */
+    bool minimal, has_return;            /* Prefer: return=minimal; return=anything */
     enum request_media media;
     enum inflate_coding coding; /* of the body as it is now */
     unsigned char *body;        /* heap; body[len] is 0 */
@@ -81,11 +87,15 @@ enum status request_decode(const char *s, size_t len, bool plus, char *out, size
 enum status request_query(const struct request *r, const char *name, char *out,
                           size_t size);
 
-/* The three kinds of answer; each sets r->answer, replacing one that was there. */
+/* The kinds of answer; each sets r->answer, replacing one that was there. */
 
 /* request_answer(r, http, json): json: heap text, taken; NULL: out of memory, which
  * becomes the answer. */
 void request_answer(struct request *r, int http, char *json);
+
+/* request_written(r, http, json): as request_answer(), for a request that changes something:
+ * where the client prefers so, without the body, 204 in the place of 200. */
+void request_written(struct request *r, int http, char *json);
 
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);

@@ -7,6 +7,7 @@
 #include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "idempotency.h"
 #include "json.h"
 #include "params.h"
 #include "queue.h"
@@ -74,10 +75,11 @@ void subjects_delete(struct request *r, struct worker *w)
     }
     for (size_t i = 0; i < n; i++)
         cache_forget(r->app->cache, t[i].id);
+    idempotency_erase(r->app->idempotency, r->subject);
     now = time(NULL);
     (void)gmtime_r(&now, &tm);
     (void)strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", &tm);
-    request_answer(r, 200, json_removed(r->subject, removed, when));
+    request_written(r, 200, json_removed(r->subject, removed, when));
 out:
     free(t);
 }
@@ -105,4 +107,5 @@ void subjects_template_delete(struct request *r, struct worker *w)
     }
     cache_forget(r->app->cache, r->template_id);
     r->answer.http = 204;
+    r->answer.minimal = r->minimal;
 }

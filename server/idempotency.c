@@ -1,0 +1,266 @@
+#include "idempotency.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sodium.h>
+
+#include "errmap.h"
+#include "request.h"
+
+#define NONE    UINT32_MAX /* no entry, no ticket */
+#define DIGEST  32
+#define LIFE_MS (IDEMPOTENCY_HOURS * 3600.0 * 1000.0)
+
+enum state { FREE, RUNNING, DONE };
+
+struct entry {
+    enum state state;
+    unsigned char key[DIGEST];     /* of token and key */
+    unsigned char request[DIGEST]; /* of what was asked */
+    char subject[STORE_SUBJECT_MAX + 1];
+    double since_ms;
+    uint32_t next;                /* in its bucket */
+    struct request_answer answer; /* DONE: body is the entry's own */
+};
+
+struct idempotency {
+    pthread_mutex_t lock;
+    unsigned char secret[crypto_generichash_KEYBYTES];
+    uint32_t room, oldest, used; /* entries in order of arrival, a ring */
+    uint32_t *bucket;            /* room of them */
+    struct entry entry[];
+};
+
+struct idempotency *idempotency_new(uint32_t room)
+{
+    struct idempotency *m = calloc(1, sizeof *m + room * sizeof *m->entry);
+
+    if (m == NULL)
+        return NULL;
+    m->bucket = malloc(room * sizeof *m->bucket);
+    if (m->bucket == NULL || pthread_mutex_init(&m->lock, NULL) != 0) {
+        free(m->bucket);
+        free(m);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < room; i++)
+        m->bucket[i] = NONE;
+    m->room = room;
+    randombytes_buf(m->secret, sizeof m->secret);
+    return m;
+}
+
+void idempotency_free(struct idempotency *m)
+{
+    if (m == NULL)
+        return;
+    for (uint32_t i = 0; i < m->room; i++)
+        free(m->entry[i].answer.body);
+    (void)pthread_mutex_destroy(&m->lock);
+    free(m->bucket);
+    free(m);
+}
+
+/* ---- the table */
+
+static uint32_t *bucket_of(struct idempotency *m, const unsigned char key[DIGEST])
+{
+    uint32_t h;
+
+    memcpy(&h, key, sizeof h);
+    return &m->bucket[h % m->room];
+}
+
+static struct entry *find(struct idempotency *m, const unsigned char key[DIGEST])
+{
+    uint32_t i = *bucket_of(m, key);
+
+    while (i != NONE && memcmp(m->entry[i].key, key, DIGEST) != 0)
+        i = m->entry[i].next;
+    return i == NONE ? NULL : &m->entry[i];
+}
+
+static void wipe(struct request_answer *a)
+{
+    if (a->body != NULL)
+        sodium_memzero(a->body, a->len);
+    free(a->body);
+    a->body = NULL;
+    a->len = 0;
+}
+
+/* The entry's place in the ring stays until it is the oldest. */
+static void forget(struct idempotency *m, struct entry *x)
+{
+    uint32_t *at = bucket_of(m, x->key), i = (uint32_t)(x - m->entry);
+
+    while (*at != i)
+        at = &m->entry[*at].next;
+    *at = x->next;
+    wipe(&x->answer);
+    *x = (struct entry){.state = FREE};
+}
+
+/* Take the oldest out of the ring while it is free, over its time, or in the way. */
+static void sweep(struct idempotency *m, double now_ms)
+{
+    while (m->used > 0) {
+        struct entry *x = &m->entry[m->oldest];
+
+        if (x->state == RUNNING ||
+            (x->state == DONE && m->used < m->room && now_ms - x->since_ms < LIFE_MS))
+            return;
+        if (x->state == DONE)
+            forget(m, x);
+        m->oldest = (m->oldest + 1) % m->room;
+        m->used--;
+    }
+}
+
+/* NULL: the ring is full behind one that is still running. */
+static struct entry *add(struct idempotency *m, const unsigned char key[DIGEST],
+                         double now_ms)
+{
+    uint32_t i, *at = bucket_of(m, key);
+    struct entry *x;
+
+    sweep(m, now_ms);
+    if (m->used == m->room)
+        return NULL;
+    i = (m->oldest + m->used++) % m->room;
+    x = &m->entry[i];
+    x->state = RUNNING;
+    x->since_ms = now_ms;
+    memcpy(x->key, key, DIGEST);
+    x->next = *at;
+    *at = i;
+    return x;
+}
+
+/* ---- requests */
+
+static void digest_key(const struct idempotency *m, const struct request *r,
+                       unsigned char out[DIGEST])
+{
+    crypto_generichash_state h;
+
+    (void)crypto_generichash_init(&h, m->secret, sizeof m->secret, DIGEST);
+    (void)crypto_generichash_update(&h, (const unsigned char *)r->actor,
+                                    strlen(r->actor) + 1); /* with its end */
+    (void)crypto_generichash_update(&h, (const unsigned char *)r->key, strlen(r->key));
+    (void)crypto_generichash_final(&h, out, DIGEST);
+}
+
+static void digest_request(const struct idempotency *m, const struct request *r,
+                           unsigned char out[DIGEST])
+{
+    const unsigned char kind[2] = {(unsigned char)r->method, (unsigned char)r->media};
+    crypto_generichash_state h;
+
+    (void)crypto_generichash_init(&h, m->secret, sizeof m->secret, DIGEST);
+    (void)crypto_generichash_update(&h, kind, sizeof kind);
+    (void)crypto_generichash_update(&h, (const unsigned char *)r->target,
+                                    strlen(r->target) + 1);
+    (void)crypto_generichash_update(&h, r->body, r->len);
+    (void)crypto_generichash_final(&h, out, DIGEST);
+}
+
+/* A copy with a body of its own; false: no memory for it. */
+static bool copy_answer(const struct request_answer *from, struct request_answer *to)
+{
+    char *body = NULL;
+
+    if (from->body != NULL) {
+        body = malloc(from->len + 1);
+        if (body == NULL)
+            return false;
+        memcpy(body, from->body, from->len + 1);
+    }
+    *to = *from;
+    to->body = body;
+    return true;
+}
+
+/* The answer to a key that is known. */
+static void answer_again(struct request *r, const struct entry *x, bool same)
+{
+    if (!same) {
+        request_problem(r, ERRMAP_KEY_REUSED,
+                        "this Idempotency-Key was used for another request");
+    } else if (x->state == RUNNING) {
+        request_problem(r, ERRMAP_KEY_BUSY,
+                        "the first request of this Idempotency-Key is not answered yet");
+        r->answer.retry_after = 1;
+    } else if (copy_answer(&x->answer, &r->answer)) {
+        r->answer.replayed = true;
+    } else {
+        request_problem(r, ST_ENOMEM, "no memory for the answer");
+    }
+}
+
+bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
+                       uint32_t *ticket)
+{
+    unsigned char key[DIGEST], request[DIGEST];
+    struct entry *x;
+
+    *ticket = NONE;
+    if (r->bad_key) {
+        request_problem(r, ERRMAP_PARAMETER,
+                        "Idempotency-Key is not one string of 1-%d visible characters",
+                        REQUEST_KEY_MAX);
+        return false;
+    }
+    if (r->key[0] == '\0')
+        return true;
+    digest_key(m, r, key);
+    digest_request(m, r, request);
+    (void)pthread_mutex_lock(&m->lock);
+    x = find(m, key);
+    if (x != NULL && x->state == DONE && now_ms - x->since_ms >= LIFE_MS) {
+        forget(m, x);
+        x = NULL;
+    }
+    if (x != NULL) {
+        answer_again(r, x, memcmp(x->request, request, DIGEST) == 0);
+    } else if ((x = add(m, key, now_ms)) != NULL) { /* else it is done without */
+        memcpy(x->request, request, DIGEST);
+        memcpy(x->subject, r->subject, sizeof x->subject);
+        *ticket = (uint32_t)(x - m->entry);
+    }
+    (void)pthread_mutex_unlock(&m->lock);
+    return r->answer.http == 0;
+}
+
+void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket)
+{
+    struct entry *x;
+
+    if (ticket == NONE)
+        return;
+    (void)pthread_mutex_lock(&m->lock);
+    x = &m->entry[ticket];
+    if (r->answer.http < 500 && copy_answer(&r->answer, &x->answer))
+        x->state = DONE;
+    else
+        forget(m, x);
+    (void)pthread_mutex_unlock(&m->lock);
+}
+
+void idempotency_erase(struct idempotency *m, const char *subject)
+{
+    (void)pthread_mutex_lock(&m->lock);
+    for (uint32_t i = 0; i < m->used; i++) {
+        struct entry *x = &m->entry[(m->oldest + i) % m->room];
+
+        if (x->state != DONE || strcmp(x->subject, subject) != 0)
+            continue;
+        sodium_memzero(x->subject, sizeof x->subject);
+        if (x->answer.http < 300)
+            wipe(&x->answer);
+        else
+            forget(m, x);
+    }
+    (void)pthread_mutex_unlock(&m->lock);
+}
