@@ -18,6 +18,7 @@
 #include "options.h"
 #include "queue.h"
 #include "service.h"
+#include "settings.h"
 #include "store.h"
 
 #define CACHE_BYTES ((size_t)256 << 20)
@@ -103,6 +104,21 @@ static bool healthy(void *arg)
     return now - d->progress_ms < STALLED_MS;
 }
 
+/* --check-config: what the files hold. */
+static bool check_files(const struct options *o)
+{
+    struct errinfo e = {0};
+    struct model *m = NULL;
+
+    if (o->model != NULL && modelfile_read(o->model, &m, &e) != ST_OK)
+        settings_wrong_value(o->settings, "model", e.msg);
+    free(m);
+    if (settings_problems(o->settings) > 0)
+        return false;
+    (void)puts("surfaced: the configuration is good");
+    return true;
+}
+
 int main(int argc, char **argv)
 {
     struct app app = {0};
@@ -114,6 +130,9 @@ int main(int argc, char **argv)
     int sig, status = 1;
 
     switch (options_read(argc, argv, stderr, &o)) {
+    case OPTIONS_CHECK:
+        status = check_files(&o) ? 0 : 2;
+        goto out;
     case OPTIONS_DONE:
         status = 0;
         goto out;

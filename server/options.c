@@ -88,6 +88,8 @@ static void read_flags(int argc, char **argv, struct settings *s,
     }
     for (; optind < argc; optind++)
         settings_wrong(s, "%s: not an option; see --help", argv[optind]);
+    if (value[CHECK] != NULL && value[PRINT] != NULL)
+        settings_wrong(s, "--check-config and --print-config: one at a time");
 }
 
 /* What a table cannot say: what must be there, and what does not go together. */
@@ -171,11 +173,12 @@ enum options_outcome options_read(int argc, char **argv, FILE *errors,
         settings_check_files(s);
     if (settings_problems(s) > 0)
         return OPTIONS_BAD;
-    if (value[PRINT] != NULL)
-        settings_print(s, stdout);
-    else if (value[CHECK] != NULL)
-        (void)puts("surfaced: the configuration is good");
-    return value[PRINT] != NULL || value[CHECK] != NULL ? OPTIONS_DONE : OPTIONS_RUN;
+    if (value[CHECK] != NULL)
+        return OPTIONS_CHECK;
+    if (value[PRINT] == NULL)
+        return OPTIONS_RUN;
+    settings_print(s, stdout);
+    return OPTIONS_DONE;
 }
 
 void options_free(struct options *o)

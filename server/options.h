@@ -25,13 +25,14 @@ struct options {
     struct settings *settings; /* what the strings above belong to */
 };
 
-enum options_outcome { OPTIONS_RUN, OPTIONS_DONE, OPTIONS_BAD };
+enum options_outcome { OPTIONS_RUN, OPTIONS_CHECK, OPTIONS_DONE, OPTIONS_BAD };
 
 /* options_read(argc, argv, errors, out): all settings, checked one by one and together.
  * The file is --config, or SURFACED_CONFIG, or /etc/surfaced.conf where there is one.
  * Writes no file.  Release with options_free() whatever it returns:
- * OPTIONS_RUN; OPTIONS_DONE when what --help, --version, --check-config or --print-config
- * asks for was printed to stdout; OPTIONS_BAD with a line on errors for each problem. */
+ * OPTIONS_RUN; OPTIONS_CHECK for --check-config when no problem was found up to here;
+ * OPTIONS_DONE when what --help, --version or --print-config asks for was printed to stdout;
+ * OPTIONS_BAD with a line on errors for each problem. */
 enum options_outcome options_read(int argc, char **argv, FILE *errors,
                                   struct options *out);
 void options_free(struct options *o);

@@ -109,14 +109,18 @@ is "a folder: exit status" $? 2
 says "a folder" 'directory'
 surfaced --config "$T/conf" --config "$T/conf"
 says "--config twice" '--config is given twice'
+surfaced --config "$T/conf" --check-config --print-config
+says "both" 'one at a time'
 
 # ---- files and credentials
 conf "db = $T/nowhere/faces.db"
 wrong "a folder that is not there" 'conf:1: db = .*/nowhere/faces.db: No such file'
 conf "db = $DB" "model = $T/no.model"
 wrong "a model that is not there" 'conf:2: model = .*no.model: No such file'
+echo junk >"$T/no.model"
+wrong "no model" 'conf:2: model = .*no.model: '
 mkdir "$T/credentials"
-: >"$T/credentials/model"
+ln -s "$PWD/core/default.model" "$T/credentials/model"
 conf "db = $DB" "model = credential:model"
 wrong "no credentials" 'CREDENTIALS_DIRECTORY is not set'
 export CREDENTIALS_DIRECTORY="$T/credentials"
