@@ -1,4 +1,4 @@
--- schema.sql -- the template database, schema version 2.
+-- schema.sql -- the template database, schema version 3.
 -- Embedded in the programs at build and run in one transaction on an empty database.
 -- A change here is a new user_version, added as a step at the end: a database of version 1
 -- is upgraded by running what follows the line "-- version 2", and so on.  What was there
@@ -82,4 +82,32 @@ CREATE TABLE calibrations (
     halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
     knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
                  CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
+) STRICT;
+
+-- version 3
+
+PRAGMA user_version = 3;
+
+-- What a token may do (store_scopes_read() of db/store.h), for how long, and when it was
+-- last used, to the minute; and the secret it had before it was rotated, while that still
+-- counts.  The tokens of older versions may do everything, as they could.
+ALTER TABLE tokens ADD COLUMN scopes TEXT NOT NULL DEFAULT ''
+    CHECK (length(scopes) <= 64);
+ALTER TABLE tokens ADD COLUMN expires TEXT
+    CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z');
+ALTER TABLE tokens ADD COLUMN used TEXT
+    CHECK (used IS NULL OR used GLOB '????-??-??T??:??:??.???Z');
+ALTER TABLE tokens ADD COLUMN old_hash BLOB
+    CHECK (old_hash IS NULL OR length(old_hash) = 32);
+ALTER TABLE tokens ADD COLUMN old_until TEXT
+    CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z');
+CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
+UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete';
+
+-- Verifications of a subject that failed one after the other, and when the last did.  No
+-- row: the last one was a match, or there was none.
+CREATE TABLE attempts (
+    subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
+    at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 ) STRICT;

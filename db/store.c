@@ -4,16 +4,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "codec.h"
 #include "errinfo.h"
 #include "mesh.h"
 #include "model.h"
 #include "store_engine.h"
+#include "store_rules.h"
 #include "store_sqlite.h"
-
-#define SECRET_BYTES 32
 
 enum status store_open(const char *path, enum store_mode mode, struct store **out,
                        struct errinfo *e)
@@ -57,35 +55,6 @@ enum status store_ready(struct store *s, struct errinfo *e)
 
 /* ---- what may be stored */
 
-static bool is_one_of(const char *text, const char *set, size_t min, size_t max)
-{
-    const size_t n = strnlen(text, max + 1);
-
-    return n >= min && n <= max && strspn(text, set) == n;
-}
-
-bool store_subject_valid(const char *subject)
-{
-    return is_one_of(
-        subject, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-@:", 1,
-        STORE_SUBJECT_MAX);
-}
-
-bool store_id_valid(const char *id)
-{
-    return is_one_of(id, "0123456789abcdef", STORE_ID_LEN, STORE_ID_LEN);
-}
-
-static bool printable(const char *text, size_t min, size_t max)
-{
-    const size_t n = strnlen(text, max + 1);
-
-    for (size_t i = 0; i < n; i++)
-        if (text[i] < ' ' || text[i] > '~')
-            return false;
-    return n >= min && n <= max;
-}
-
 /* utf8_length(p): bytes of the well-formed character at p (RFC 3629), 0 if it is none. */
 static size_t utf8_length(const unsigned char *p)
 {
@@ -121,54 +90,6 @@ static bool label_valid(const char *label)
     return true;
 }
 
-static enum status need_subject(const char *subject, struct errinfo *e)
-{
-    if (store_subject_valid(subject))
-        return ST_OK;
-    return errinfo_set(
-        e, ST_EINVAL,
-        "a subject id is 1 to %d characters of A-Z a-z 0-9 . _ - @ :", STORE_SUBJECT_MAX);
-}
-
-static enum status need_id(const char *id, const char *what, struct errinfo *e)
-{
-    if (store_id_valid(id))
-        return ST_OK;
-    return errinfo_set(e, ST_EINVAL, "a %s id is %d characters of 0-9 a-f", what,
-                       STORE_ID_LEN);
-}
-
-/* ---- ids, times */
-
-static void random_hex(char *out, size_t bytes)
-{
-    unsigned char raw[SECRET_BYTES];
-
-    randombytes_buf(raw, bytes);
-    (void)sodium_bin2hex(out, 2 * bytes + 1, raw, bytes);
-    sodium_memzero(raw, sizeof raw);
-}
-
-static enum status act(struct store_act *by, const char *actor, struct errinfo *e)
-{
-    struct timespec now;
-    struct tm tm;
-
-    if (!printable(actor, 0, STORE_NAME_MAX))
-        return errinfo_set(e, ST_EINVAL, "an actor is up to %d printable characters",
-                           STORE_NAME_MAX);
-    by->actor = actor;
-    if (clock_gettime(CLOCK_REALTIME, &now) != 0 || gmtime_r(&now.tv_sec, &tm) == NULL ||
-        tm.tm_year > 9999 - 1900 || tm.tm_year < 0)
-        return errinfo_set(e, ST_EINTERNAL, "the system's clock cannot be read");
-    (void)snprintf(by->at, sizeof by->at, "%04u-%02u-%02uT%02u:%02u:%02u.%03uZ",
-                   (unsigned)(tm.tm_year + 1900) % 10000, (unsigned)(tm.tm_mon + 1) % 100,
-                   (unsigned)tm.tm_mday % 100, (unsigned)tm.tm_hour % 100,
-                   (unsigned)tm.tm_min % 100, (unsigned)tm.tm_sec % 100,
-                   (unsigned)(now.tv_nsec / 1000000) % 1000);
-    return ST_OK;
-}
-
 /* ---- templates */
 
 enum status store_enroll(struct store *s, const char *actor, const char *subject,
@@ -190,13 +111,14 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
 
     *created = false;
     memset(t, 0, sizeof *t);
-    if ((st = need_subject(subject, e)) != ST_OK || (st = act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     if (!label_valid(label))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
-    random_hex(t->id, STORE_ID_LEN / 2);
+    store_rules_random(t->id, STORE_ID_LEN / 2);
     (void)snprintf(t->subject, sizeof t->subject, "%s", subject);
     (void)snprintf(t->label, sizeof t->label, "%s", label);
     (void)snprintf(t->created, sizeof t->created, "%s", by.at);
@@ -249,7 +171,7 @@ static enum status use_decode(void *arg, const struct store_template *t,
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e)
 {
-    enum status st = need_id(id, "template", e);
+    enum status st = store_rules_id(id, "template", e);
 
     return st != ST_OK ? st : s->engine->template_read(s, id, t, NULL, NULL, e);
 }
@@ -258,7 +180,7 @@ enum status store_template_load(struct store *s, const char *id, struct store_te
                                 struct face_work *w, struct face *f, struct errinfo *e)
 {
     struct decoding d = {w, f};
-    enum status st = need_id(id, "template", e);
+    enum status st = store_rules_id(id, "template", e);
 
     return st != ST_OK ? st : s->engine->template_read(s, id, t, use_decode, &d, e);
 }
@@ -269,7 +191,8 @@ enum status store_template_delete(struct store *s, const char *actor, const char
     struct store_act by;
     enum status st;
 
-    if ((st = need_id(id, "template", e)) != ST_OK || (st = act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_id(id, "template", e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     return s->engine->template_delete(s, &by, id, e);
 }
@@ -277,7 +200,7 @@ enum status store_template_delete(struct store *s, const char *actor, const char
 enum status store_template_list(struct store *s, const char *subject,
                                 struct store_template **out, size_t *n, struct errinfo *e)
 {
-    enum status st = need_subject(subject, e);
+    enum status st = store_rules_subject(subject, e);
 
     *out = NULL;
     *n = 0;
@@ -289,7 +212,7 @@ enum status store_template_list(struct store *s, const char *subject,
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
-    enum status st = need_subject(subject, e);
+    enum status st = store_rules_subject(subject, e);
 
     return st != ST_OK ? st : s->engine->subject_get(s, subject, out, e);
 }
@@ -297,7 +220,7 @@ enum status store_subject_get(struct store *s, const char *subject,
 enum status store_subject_list(struct store *s, const char *after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e)
 {
-    enum status st = after[0] == '\0' ? ST_OK : need_subject(after, e);
+    enum status st = after[0] == '\0' ? ST_OK : store_rules_subject(after, e);
 
     *out = NULL;
     *n = 0;
@@ -312,12 +235,13 @@ enum status store_subject_delete(struct store *s, const char *actor, const char 
 
     if (removed != NULL)
         *removed = 0;
-    if ((st = need_subject(subject, e)) != ST_OK || (st = act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     return s->engine->subject_delete(s, &by, subject, removed, e);
 }
 
-/* ---- events, tokens */
+/* ---- events */
 
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,
@@ -326,90 +250,16 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
     struct store_act by;
     enum status st;
 
-    if (!printable(kind, 1, STORE_NAME_MAX) || !printable(outcome, 0, STORE_NAME_MAX) ||
+    if (!store_rules_printable(kind, 1, STORE_NAME_MAX) ||
+        !store_rules_printable(outcome, 0, STORE_NAME_MAX) ||
         (subject[0] != '\0' && !store_subject_valid(subject)) ||
         (template_id[0] != '\0' && !store_id_valid(template_id)))
         return errinfo_set(e, ST_EINVAL,
                            "the event's kind, subject, template or outcome "
                            "is malformed");
-    if ((st = act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     return s->engine->event(s, &by, kind, subject, template_id, outcome, e);
-}
-
-/* The hash that is kept of a secret.  Secrets are 256 random bits: there is nothing to
- * guess, so a fast hash is enough. */
-static void hash_secret(const char *secret, unsigned char hash[STORE_HASH_LEN])
-{
-    (void)crypto_generichash(hash, STORE_HASH_LEN, (const unsigned char *)secret,
-                             strlen(secret), NULL, 0);
-}
-
-enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               char secret[65], struct store_token *t, struct errinfo *e)
-{
-    unsigned char hash[STORE_HASH_LEN];
-    struct store_act by;
-    enum status st;
-
-    memset(t, 0, sizeof *t);
-    secret[0] = '\0';
-    if (!printable(name, 1, STORE_NAME_MAX))
-        return errinfo_set(e, ST_EINVAL, "a token's name is 1 to %d printable characters",
-                           STORE_NAME_MAX);
-    if ((st = act(&by, actor, e)) != ST_OK)
-        return st;
-    random_hex(t->id, STORE_ID_LEN / 2);
-    (void)snprintf(t->name, sizeof t->name, "%s", name);
-    (void)snprintf(t->created, sizeof t->created, "%s", by.at);
-    random_hex(secret, SECRET_BYTES);
-    hash_secret(secret, hash);
-    st = s->engine->token_add(s, &by, t, hash, e);
-    if (st != ST_OK)
-        sodium_memzero(secret, 65);
-    return st;
-}
-
-enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
-                             struct errinfo *e)
-{
-    return s->engine->token_list(s, out, n, e);
-}
-
-enum status store_token_revoke(struct store *s, const char *actor, const char *id,
-                               struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
-
-    if ((st = need_id(id, "token", e)) != ST_OK || (st = act(&by, actor, e)) != ST_OK)
-        return st;
-    return s->engine->token_revoke(s, &by, id, e);
-}
-
-/* The row is found by the hash, of which a stranger can choose neither the bits nor, by
- * how long the search takes, learn any that would help to find a secret. */
-enum status store_token_check(struct store *s, const char *secret,
-                              char id[STORE_ID_LEN + 1], struct errinfo *e)
-{
-    unsigned char hash[STORE_HASH_LEN], kept[STORE_HASH_LEN];
-    struct store_token t;
-    enum status st;
-
-    id[0] = '\0';
-    if (!is_one_of(secret, "0123456789abcdef", 2 * SECRET_BYTES, 2 * SECRET_BYTES))
-        return errinfo_set(e, ST_EDENIED, "not a token");
-    hash_secret(secret, hash);
-    if ((st = s->engine->token_find(s, hash, &t, kept, e)) == ST_ENOTFOUND)
-        return errinfo_set(e, ST_EDENIED, "no such token");
-    if (st != ST_OK)
-        return st;
-    if (sodium_memcmp(hash, kept, sizeof hash) != 0)
-        return errinfo_set(e, ST_EDENIED, "no such token");
-    if (t.revoked)
-        return errinfo_set(e, ST_EDENIED, "the token was revoked");
-    memcpy(id, t.id, sizeof t.id);
-    return ST_OK;
 }
 
 /* ---- calibrations */
@@ -429,7 +279,7 @@ enum status store_calibration_add(struct store *s, const char *actor,
 
     if (!calibration_valid(k))
         return errinfo_set(e, ST_EINVAL, "the calibration's numbers are impossible");
-    if ((st = act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     (void)snprintf(k->created, sizeof k->created, "%s", by.at);
     (void)snprintf(k->actor, sizeof k->actor, "%s", actor);

@@ -124,17 +124,49 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,
                         struct errinfo *e);
 
+enum store_scope { /* what a token may do, a bit each */
+                   STORE_SCOPE_ENROLL = 1,
+                   STORE_SCOPE_VERIFY = 2,
+                   STORE_SCOPE_IDENTIFY = 4,
+                   STORE_SCOPE_READ = 8,
+                   STORE_SCOPE_DELETE = 16,
+                   STORE_SCOPE_ALL = 31
+};
+
+#define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
+
+/* store_scopes_read(text, out): one or more names with commas between; false: another.
+ * store_scopes_write(scopes, out): the names of those that are set, in the order above. */
+bool store_scopes_read(const char *text, unsigned *out);
+void store_scopes_write(unsigned scopes, char out[STORE_SCOPES_MAX]);
+
 struct store_token {
     char id[STORE_ID_LEN + 1];
     char name[STORE_NAME_MAX + 1];
-    char created[32];
+    unsigned scopes;    /* enum store_scope */
+    char created[32];   /* RFC 3339, UTC, like all times of it */
+    char expires[32];   /* "": never */
+    char used[32];      /* last, within a minute; "": never */
+    char old_until[32]; /* what the secret before the last rotation is good for; "": no */
     bool revoked;
+    bool expired; /* as of when it was read */
 };
 
-/* store_token_create(s, actor, name, secret, t, e): a new Bearer token; secret is shown
- * once and only its hash is kept. */
+#define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
+
+/* store_token_create(s, actor, name, scopes, life_s, secret, t, e): a new Bearer token, good
+ * for life_s seconds, 0: for ever; secret is shown once and only its hash is kept. */
 enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               char secret[65], struct store_token *t, struct errinfo *e);
+                               unsigned scopes, int64_t life_s, char secret[65],
+                               struct store_token *t, struct errinfo *e);
+
+/* store_token_rotate(s, actor, id, grace_s, life_s, secret, t, e): another secret for the
+ * token; the one it had is good for another grace_s seconds, and one before that no more.
+ * life_s: from now on, 0: for ever, negative: it expires when it would have.
+ * ST_EDENIED: it was revoked. */
+enum status store_token_rotate(struct store *s, const char *actor, const char *id,
+                               int64_t grace_s, int64_t life_s, char secret[65],
+                               struct store_token *t, struct errinfo *e);
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
 
@@ -142,11 +174,41 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
 enum status store_token_revoke(struct store *s, const char *actor, const char *id,
                                struct errinfo *e);
 
-/* store_token_check(s, secret, id, e): ST_OK and the token's id, or ST_EDENIED for an
- * unknown, malformed or revoked one.  Compared in constant time.  Sees revocations at
- * once. */
-enum status store_token_check(struct store *s, const char *secret,
-                              char id[STORE_ID_LEN + 1], struct errinfo *e);
+/* store_token_check(s, secret, t, e): ST_OK and the token, or ST_EDENIED for an unknown,
+ * malformed, expired or revoked one.  Compared in constant time.  Sees what was rotated or
+ * revoked at once.  Notes at most once a minute that the token is in use, and only where
+ * that waits neither for the disk nor for anybody who writes. */
+enum status store_token_check(struct store *s, const char *secret, struct store_token *t,
+                              struct errinfo *e);
+
+/* Verifications of a subject that failed one after the other; what follows from them is the
+ * caller's to say. */
+struct store_attempts {
+    char subject[STORE_SUBJECT_MAX + 1];
+    uint32_t failures;
+    char at[32];    /* the last one */
+    int64_t age_ms; /* since it, never negative; by store_attempts_get() alone */
+};
+
+/* store_attempts_get(s, subject, out, e): failures is 0 where there are none.  A last
+ * failure that lies in the future (the clock was set back) is moved to now for good, so
+ * that whoever waits from it on does not wait for ever.  ST_ENOTFOUND: no such subject. */
+enum status store_attempts_get(struct store *s, const char *subject,
+                               struct store_attempts *out, struct errinfo *e);
+
+/* store_attempts_fail(s, subject, e): one more, now.  store_attempts_clear(s, subject, e):
+ * no more.  For speed neither waits for the disk, as store_event(). */
+enum status store_attempts_fail(struct store *s, const char *subject, struct errinfo *e);
+enum status store_attempts_clear(struct store *s, const char *subject, struct errinfo *e);
+
+/* store_attempts_reset(s, actor, subject, e): no more, by somebody's order. */
+enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
+                                 struct errinfo *e);
+
+/* store_attempts_list(s, out, n, e): of all subjects that have some, in order of id; a new
+ * array released by free(). */
+enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
+                                struct errinfo *e);
 
 struct store_calibration {
     int64_t version;  /* 1, 2, ...: the greatest is in force */

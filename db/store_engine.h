@@ -17,6 +17,7 @@ struct store { /* the first member of an engine's own struct */
 
 struct store_act { /* who changes something, and when */
     const char *actor;
+    int64_t ms; /* since 1970, UTC */
     char at[32];
 };
 
@@ -66,12 +67,39 @@ struct store_engine {
                              const unsigned char hash[STORE_HASH_LEN], struct errinfo *e);
     enum status (*token_list)(struct store *s, struct store_token **out, size_t *n,
                               struct errinfo *e);
+    enum status (*token_get)(struct store *s, const char *id, struct store_token *t,
+                             struct errinfo *e);
     enum status (*token_revoke)(struct store *s, const struct store_act *by,
                                 const char *id, struct errinfo *e);
-    /* The token with this hash, and the hash as it is kept; ST_ENOTFOUND. */
+    /* The hash becomes the old one until t->old_until, another the token's, and it expires
+     * at t->expires. */
+    enum status (*token_rotate)(struct store *s, const struct store_act *by,
+                                const struct store_token *t,
+                                const unsigned char hash[STORE_HASH_LEN],
+                                struct errinfo *e);
+    /* The token with this hash, and the hash as it is kept; *old: it is the one before the
+     * last rotation.  ST_ENOTFOUND. */
     enum status (*token_find)(struct store *s, const unsigned char hash[STORE_HASH_LEN],
                               struct store_token *t, unsigned char kept[STORE_HASH_LEN],
-                              struct errinfo *e);
+                              bool *old, struct errinfo *e);
+    /* Note that it was used; not when that would have to wait for anyone. */
+    enum status (*token_use)(struct store *s, const char *id, const char *at,
+                             struct errinfo *e);
+
+    /* 0 failures where there is no row.  ST_ENOTFOUND: no such subject. */
+    enum status (*attempts_get)(struct store *s, const char *subject, uint32_t *failures,
+                                int64_t *at_ms, struct errinfo *e);
+    enum status (*attempts_list)(struct store *s, struct store_attempts **out, size_t *n,
+                                 struct errinfo *e);
+    /* One failure more, at that time. */
+    enum status (*attempts_fail)(struct store *s, const char *subject, int64_t at_ms,
+                                 struct errinfo *e);
+    /* The last failure was no later than at_ms. */
+    enum status (*attempts_since)(struct store *s, const char *subject, int64_t at_ms,
+                                  struct errinfo *e);
+    /* No failures any more; by: with an event, and on the disk; or NULL. */
+    enum status (*attempts_clear)(struct store *s, const struct store_act *by,
+                                  const char *subject, struct errinfo *e);
 
     /* Append *k, complete but for its version, which is set. */
     enum status (*calibration_add)(struct store *s, const struct store_act *by,

@@ -280,6 +280,26 @@ enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite
     return st;
 }
 
+enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
+                             struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    enum status st;
+
+    if (q->writer == NULL)
+        return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
+    if (pthread_mutex_trylock(&q->write_lock) != 0)
+        return errinfo_set(e, ST_EBUSY, "%s: another thread writes", q->path);
+    *c = q->writer;
+    (void)sqlite3_busy_timeout(q->writer->db, 0);
+    if ((st = set_synced(q, false, e)) == ST_OK)
+        st = run_sql(q->writer, SQL_BEGIN, e);
+    (void)sqlite3_busy_timeout(q->writer->db, BUSY_MS);
+    if (st != ST_OK)
+        pthread_mutex_unlock(&q->write_lock);
+    return st;
+}
+
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
 {
     struct sqlite_store *q = sqlite_store(s);
@@ -525,10 +545,18 @@ const struct store_engine store_sqlite_engine = {
     .subject_list = store_sqlite_face_subjects,
     .subject_delete = store_sqlite_face_erase,
     .event = store_sqlite_admin_event,
-    .token_add = store_sqlite_admin_token_add,
-    .token_list = store_sqlite_admin_token_list,
-    .token_revoke = store_sqlite_admin_token_revoke,
-    .token_find = store_sqlite_admin_token_find,
+    .token_add = store_sqlite_token_add,
+    .token_list = store_sqlite_token_list,
+    .token_get = store_sqlite_token_get,
+    .token_revoke = store_sqlite_token_revoke,
+    .token_rotate = store_sqlite_token_rotate,
+    .token_find = store_sqlite_token_find,
+    .token_use = store_sqlite_token_use,
+    .attempts_get = store_sqlite_attempts_get,
+    .attempts_list = store_sqlite_attempts_list,
+    .attempts_fail = store_sqlite_attempts_fail,
+    .attempts_since = store_sqlite_attempts_since,
+    .attempts_clear = store_sqlite_attempts_clear,
     .calibration_add = store_sqlite_calibration_add,
     .calibration_get = store_sqlite_calibration_get,
     .calibration_version = store_sqlite_calibration_version,

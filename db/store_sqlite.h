@@ -4,7 +4,9 @@
  *   store_sqlite.c        opening, connections, transactions
  *   store_sqlite_schema.c the tables: made, upgraded, compared
  *   store_sqlite_face.c   subjects and templates
- *   store_sqlite_admin.c  events, tokens, statistics, check
+ *   store_sqlite_admin.c  events, statistics, check
+ *   store_sqlite_token.c  tokens
+ *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
  *   store_sqlite_sql.c    the statements' text */
 #ifndef DB_STORE_SQLITE_H
@@ -12,7 +14,7 @@
 #include <sqlite3.h>
 #include "store_engine.h"
 
-#define STORE_SQLITE_SCHEMA 2 /* user_version in schema.sql */
+#define STORE_SQLITE_SCHEMA 3 /* user_version in schema.sql */
 
 enum store_sqlite_sql {
     SQL_BEGIN,
@@ -35,8 +37,16 @@ enum store_sqlite_sql {
     SQL_EVENT_ADD,
     SQL_TOKEN_ADD,
     SQL_TOKEN_LIST,
+    SQL_TOKEN_GET,
     SQL_TOKEN_REVOKE,
+    SQL_TOKEN_ROTATE,
     SQL_TOKEN_FIND,
+    SQL_TOKEN_USE,
+    SQL_ATTEMPTS_GET,
+    SQL_ATTEMPTS_LIST,
+    SQL_ATTEMPTS_FAIL,
+    SQL_ATTEMPTS_SINCE,
+    SQL_ATTEMPTS_CLEAR,
     SQL_CALIBRATION_ADD,
     SQL_CALIBRATION_GET,
     SQL_CALIBRATION_VERSION,
@@ -67,6 +77,11 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
 enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
                                struct errinfo *e);
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e);
+
+/* store_sqlite_try(s, c, e): the same, not synced, but ST_EBUSY at once where it would have
+ * to wait for another thread or another process. */
+enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
+                             struct errinfo *e);
 
 /* store_sqlite_erase_log(s): bring the log into the database file and empty it, where no
  * reader is in the way, so that deleted bytes are gone from both. */
@@ -173,22 +188,45 @@ enum status store_sqlite_admin_event(struct store *s, const struct store_act *by
                                      const char *kind, const char *subject,
                                      const char *template_id, const char *outcome,
                                      struct errinfo *e);
-enum status store_sqlite_admin_token_add(struct store *s, const struct store_act *by,
-                                         const struct store_token *t,
-                                         const unsigned char hash[STORE_HASH_LEN],
-                                         struct errinfo *e);
-enum status store_sqlite_admin_token_list(struct store *s, struct store_token **out,
-                                          size_t *n, struct errinfo *e);
-enum status store_sqlite_admin_token_revoke(struct store *s, const struct store_act *by,
-                                            const char *id, struct errinfo *e);
-enum status store_sqlite_admin_token_find(struct store *s,
-                                          const unsigned char hash[STORE_HASH_LEN],
-                                          struct store_token *t,
-                                          unsigned char kept[STORE_HASH_LEN],
-                                          struct errinfo *e);
 enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
                                      struct errinfo *e);
 enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
                                      struct errinfo *e);
+
+/* store_sqlite_token.c */
+enum status store_sqlite_token_add(struct store *s, const struct store_act *by,
+                                   const struct store_token *t,
+                                   const unsigned char hash[STORE_HASH_LEN],
+                                   struct errinfo *e);
+enum status store_sqlite_token_list(struct store *s, struct store_token **out, size_t *n,
+                                    struct errinfo *e);
+enum status store_sqlite_token_get(struct store *s, const char *id, struct store_token *t,
+                                   struct errinfo *e);
+enum status store_sqlite_token_revoke(struct store *s, const struct store_act *by,
+                                      const char *id, struct errinfo *e);
+enum status store_sqlite_token_rotate(struct store *s, const struct store_act *by,
+                                      const struct store_token *t,
+                                      const unsigned char hash[STORE_HASH_LEN],
+                                      struct errinfo *e);
+enum status store_sqlite_token_find(struct store *s,
+                                    const unsigned char hash[STORE_HASH_LEN],
+                                    struct store_token *t,
+                                    unsigned char kept[STORE_HASH_LEN], bool *old,
+                                    struct errinfo *e);
+enum status store_sqlite_token_use(struct store *s, const char *id, const char *at,
+                                   struct errinfo *e);
+
+/* store_sqlite_attempts.c */
+enum status store_sqlite_attempts_get(struct store *s, const char *subject,
+                                      uint32_t *failures, int64_t *at_ms,
+                                      struct errinfo *e);
+enum status store_sqlite_attempts_list(struct store *s, struct store_attempts **out,
+                                       size_t *n, struct errinfo *e);
+enum status store_sqlite_attempts_fail(struct store *s, const char *subject,
+                                       int64_t at_ms, struct errinfo *e);
+enum status store_sqlite_attempts_since(struct store *s, const char *subject,
+                                        int64_t at_ms, struct errinfo *e);
+enum status store_sqlite_attempts_clear(struct store *s, const struct store_act *by,
+                                        const char *subject, struct errinfo *e);
 
 #endif

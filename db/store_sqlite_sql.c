@@ -8,6 +8,8 @@
 #define SUBJECT_COLUMNS                                                                  \
     "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
 
+#define TOKEN_COLUMNS "id, name, created, revoked, scopes, expires, used, old_until"
+
 #define CALIBRATION_COLUMNS                                                              \
     "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
     "high_mm, subjects, impostors, genuine, halving_mm, knots"
@@ -43,13 +45,34 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_EVENT_ADD] =
         "INSERT INTO events (at, kind, actor, subject, template_id, outcome) "
         "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-    [SQL_TOKEN_ADD] =
-        "INSERT INTO tokens (id, name, hash, created) VALUES (?1, ?2, ?3, ?4)",
-    [SQL_TOKEN_LIST] = "SELECT id, name, created, revoked FROM tokens ORDER BY token_key",
+    [SQL_TOKEN_ADD] = "INSERT INTO tokens (id, name, hash, created, scopes, expires) "
+                      "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+    [SQL_TOKEN_LIST] = "SELECT " TOKEN_COLUMNS " FROM tokens ORDER BY token_key",
+    [SQL_TOKEN_GET] = "SELECT " TOKEN_COLUMNS " FROM tokens WHERE id = ?1",
     [SQL_TOKEN_REVOKE] =
         "UPDATE tokens SET revoked = coalesce(revoked, ?2) WHERE id = ?1",
+    [SQL_TOKEN_ROTATE] = "UPDATE tokens SET old_hash = iif(?3 IS NULL, NULL, hash), "
+                         "old_until = ?3, hash = ?2, expires = ?4 "
+                         "WHERE id = ?1 AND revoked IS NULL",
     [SQL_TOKEN_FIND] =
-        "SELECT id, name, created, revoked, hash FROM tokens WHERE hash = ?1",
+        "SELECT " TOKEN_COLUMNS ", hash, 0 FROM tokens WHERE hash = ?1 UNION ALL "
+        "SELECT " TOKEN_COLUMNS ", old_hash, 1 FROM tokens WHERE old_hash = ?1",
+    [SQL_TOKEN_USE] = "UPDATE tokens SET used = ?2 WHERE id = ?1",
+    [SQL_ATTEMPTS_GET] = "SELECT coalesce(failures, 0), coalesce(at_ms, 0) FROM subjects "
+                         "LEFT JOIN attempts USING (subject_key) WHERE id = ?1",
+    [SQL_ATTEMPTS_LIST] = "SELECT id, failures, at_ms FROM attempts "
+                          "JOIN subjects USING (subject_key) ORDER BY id",
+    [SQL_ATTEMPTS_FAIL] =
+        "INSERT INTO attempts (subject_key, failures, at_ms) "
+        "SELECT subject_key, 1, ?2 FROM subjects WHERE id = ?1 "
+        "ON CONFLICT (subject_key) DO UPDATE "
+        "SET failures = min(failures + 1, 1000000), at_ms = excluded.at_ms",
+    [SQL_ATTEMPTS_SINCE] =
+        "UPDATE attempts SET at_ms = min(at_ms, ?2) "
+        "WHERE subject_key = (SELECT subject_key FROM subjects WHERE id = ?1)",
+    [SQL_ATTEMPTS_CLEAR] =
+        "DELETE FROM attempts "
+        "WHERE subject_key = (SELECT subject_key FROM subjects WHERE id = ?1)",
     [SQL_CALIBRATION_ADD] =
         "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, "
         "low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots) "

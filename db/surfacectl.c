@@ -22,7 +22,10 @@ enum { /* options that not every command takes */
        OPT_DRY_RUN = 2048,
        OPT_LIST = 4096,
        OPT_RESET = 8192,
-       OPT_MODEL = 16384
+       OPT_MODEL = 16384,
+       OPT_SCOPE = 32768,
+       OPT_EXPIRES = 65536,
+       OPT_GRACE = 131072
 };
 
 struct command {
@@ -106,11 +109,20 @@ static const struct command commands[] = {
      surfacectl_calibrate},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
-    {"token", "create [NAME] | list | revoke ID", "Bearer tokens for the daemon",
-     "The token is printed once, on standard output; only a hash of it is kept.  A running\n"
-     "daemon sees new and revoked tokens at once.",
-     "surfacectl --db faces.db token create front-door", 1, 2, OPT_DB,
-     surfacectl_admin_token},
+    {"token", "create [NAME] | list | rotate ID | revoke ID",
+     "Bearer tokens for the daemon",
+     "The token is printed once, on standard output; only a hash of it is kept.  It may do\n"
+     "everything, for ever, unless --scope and --expires say otherwise.  rotate gives the\n"
+     "same token another secret; the old one counts no more, or not after --grace.  A\n"
+     "running daemon sees every change at once.",
+     "surfacectl --db faces.db token create --scope verify --expires 90d front-door", 1,
+     2, OPT_DB | OPT_SCOPE | OPT_EXPIRES | OPT_GRACE, surfacectl_token},
+    {"attempts", "list | reset SUBJECT",
+     "failed verifications, which make the daemon wait",
+     "After some that failed in a row the daemon takes no verification of the subject for a\n"
+     "while.  list shows how many there are; reset forgets them, so that the next one is\n"
+     "taken at once.",
+     "surfacectl --db faces.db attempts reset alice", 1, 2, OPT_DB, surfacectl_attempts},
 };
 
 #define COMMANDS (sizeof commands / sizeof *commands)
@@ -157,6 +169,12 @@ static const struct {
     {OPT_LIST, "  --list              list the calibrations\n"},
     {OPT_RESET, "  --reset             back to the shipped table\n"},
     {OPT_YES, "  --yes               do not ask\n"},
+    {OPT_SCOPE,
+     "  --scope LIST        what a token may do: enroll,verify,identify,read,delete (all)\n"},
+    {OPT_EXPIRES,
+     "  --expires TIME      how long it is good for: 90d, 12h, 30m, never (never)\n"},
+    {OPT_GRACE,
+     "  --grace TIME        of rotate: how long the old secret still counts\n"},
 };
 
 static void print_options(unsigned options)
@@ -253,6 +271,44 @@ static bool whole(const char *text, uint32_t *out)
     return end != text && *end == '\0' && n >= 1 && n <= 1000000;
 }
 
+/* "90d", "12h", "30m", "20s" in seconds; "never" is 0. */
+static bool duration(const char *text, bool never, int64_t *out)
+{
+    static const struct {
+        char unit;
+        int64_t s;
+    } units[] = {{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86400}};
+    char *end;
+    long n;
+
+    *out = 0;
+    if (never && strcmp(text, "never") == 0)
+        return true;
+    if (*text < '0' || *text > '9')
+        return false;
+    n = strtol(text, &end, 10);
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (end[0] == units[i].unit && end[1] == '\0') {
+            *out = n * units[i].s;
+            return n >= 1 && n <= STORE_LIFE_MAX / units[i].s;
+        }
+    return false;
+}
+
+/* Options of tokens, with a value; false where it is none that can be. */
+static bool read_token_option(unsigned option, const char *value, struct line *l)
+{
+    if (option == OPT_SCOPE)
+        return store_scopes_read(value, &l->c.scopes) ||
+               usage(&l->c.e, "scopes are enroll,verify,identify,read,delete, not",
+                     value);
+    if (option == OPT_EXPIRES)
+        return duration(value, true, &l->c.life_s) ||
+               usage(&l->c.e, "--expires is like 90d, 12h, 30m or never, not", value);
+    return duration(value, false, &l->c.grace_s) ||
+           usage(&l->c.e, "--grace is like 1d, 12h or 30m, not", value);
+}
+
 /* Options with a value.  Returns the option, 0 when it is none. */
 static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool *ok)
 {
@@ -268,6 +324,9 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                    {"--fmr", OPT_FMR},
                    {"--genuine", OPT_GENUINE},
                    {"--model", OPT_MODEL},
+                   {"--scope", OPT_SCOPE},
+                   {"--expires", OPT_EXPIRES},
+                   {"--grace", OPT_GRACE},
                    {"--threshold-mm", OPT_THRESHOLD}};
     const char *value, *name = argv[*i];
 
@@ -278,6 +337,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             *ok = usage(&l->c.e, "a value is missing after", name);
         } else if (options[k].option == OPT_DB) {
             l->c.db = value;
+        } else if (options[k].option >= OPT_SCOPE) {
+            *ok = read_token_option(options[k].option, value, l);
         } else if (options[k].option == OPT_LABEL) {
             l->c.label = value;
         } else if (options[k].option == OPT_OUT) {
@@ -406,7 +467,7 @@ static const char *environment(const char *name)
 
 int main(int argc, char **argv)
 {
-    struct line l = {0};
+    struct line l = {.c.life_s = -1};
     struct model *model = NULL;
     bool ok = read_line(argc, argv, &l);
     int code = EXIT_USAGE;

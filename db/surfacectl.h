@@ -7,7 +7,9 @@
  *   surfacectl_train.c  train
  *   surfacectl_model.c  --model, and the database opened for it
  *   surfacectl_dir.c    files that are there whole or not at all
- *   surfacectl_admin.c  init, list, show, delete, check, stats, token
+ *   surfacectl_admin.c  init, list, show, delete, check, stats
+ *   surfacectl_token.c  token
+ *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
  *   surfacectl_scan.c   a scan's file to a face model
  *   surfacectl_fail.c   a status to an exit code
@@ -54,6 +56,9 @@ struct surfacectl { /* what the command line said */
     uint32_t threads;    /* 0: one a core */
     double fmr;          /* that is wanted; 0: the default */
     const char *genuine; /* a manifest, or NULL */
+    unsigned scopes;     /* --scope; 0: not given */
+    int64_t life_s;      /* --expires; 0: never, negative: not given */
+    int64_t grace_s;     /* --grace */
     bool json, yes, force, dry_run, list, reset;
     int nargs;
     char **args;                      /* the command's own */
@@ -81,7 +86,8 @@ int surfacectl_admin_show(struct surfacectl *c);
 int surfacectl_admin_delete(struct surfacectl *c);
 int surfacectl_admin_check(struct surfacectl *c);
 int surfacectl_admin_stats(struct surfacectl *c);
-int surfacectl_admin_token(struct surfacectl *c);
+int surfacectl_token(struct surfacectl *c);
+int surfacectl_attempts(struct surfacectl *c);
 
 /* surfacectl_model_read(c, owned): c->model and c->engine by c->model_path; *owned is for
  * the caller to free() when c is done.  c->e is filled on failure.

@@ -1,5 +1,6 @@
 #include "auth.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sodium.h>
@@ -8,6 +9,8 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "request.h"
+#include "routes.h"
+#include "store.h"
 
 void auth_take(struct request *r, const char *header)
 {
@@ -28,16 +31,50 @@ void auth_take(struct request *r, const char *header)
     memcpy(r->token, header, len + 1);
 }
 
+/* The token is one of ours, but is it for this? */
+static void check_scope(struct request *r, unsigned scopes)
+{
+    char has[STORE_SCOPES_MAX], lacks[STORE_SCOPES_MAX];
+
+    if (scopes & r->route->scope)
+        return;
+    store_scopes_write(scopes, has);
+    store_scopes_write(r->route->scope, lacks);
+    request_problem(r, ERRMAP_SCOPE, "this takes a token with the scope %s; it has %s",
+                    lacks, has);
+    r->answer.lacks = r->route->scope;
+    r->answer.challenge = true;
+}
+
 void auth_check(struct request *r)
 {
     struct errinfo e = {0};
-    enum status st = store_token_check(r->app->store, r->token, r->actor, &e);
+    struct store_token t;
+    enum status st = store_token_check(r->app->store, r->token, &t, &e);
 
     sodium_memzero(r->token, sizeof r->token);
-    if (st == ST_EDENIED) {
+    if (st == ST_OK) {
+        memcpy(r->actor, t.id, sizeof r->actor);
+        check_scope(r, t.scopes);
+    } else if (st == ST_EDENIED) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");
         r->answer.bad_token = true;
-    } else if (st != ST_OK) {
+    } else {
         request_fail(r, &e);
     }
+}
+
+void auth_challenge(const struct request_answer *a, char out[AUTH_CHALLENGE_MAX])
+{
+    char scope[STORE_SCOPES_MAX];
+
+    store_scopes_write(a->lacks, scope);
+    if (a->lacks != 0)
+        (void)snprintf(
+            out, AUTH_CHALLENGE_MAX,
+            "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"%s\"",
+            scope);
+    else
+        (void)snprintf(out, AUTH_CHALLENGE_MAX, "Bearer realm=\"surfaced\"%s",
+                       a->bad_token ? ", error=\"invalid_token\"" : "");
 }

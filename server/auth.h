@@ -3,13 +3,19 @@
 #define SERVER_AUTH_H
 
 struct request;
+struct request_answer;
 
 /* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
  * r->token.  Without a usable one r->answer is set.  Does not look at the store. */
 void auth_take(struct request *r, const char *header);
 
-/* auth_check(r): is r->token one of the store's?  Then r->actor is its id, else r->answer
- * is set.  The token is wiped.  On a worker. */
+/* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
+ * is its id, else r->answer is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
+
+#define AUTH_CHALLENGE_MAX 160
+
+/* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */
+void auth_challenge(const struct request_answer *a, char out[AUTH_CHALLENGE_MAX]);
 
 #endif

@@ -37,6 +37,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_KEY_BUSY] = {409, "idempotency_key_in_use",
                          "The first request of the Idempotency-Key is under way"},
     [ERRMAP_NO_TOKEN] = {401, "unauthorized", "A valid token is needed"},
+    [ERRMAP_SCOPE] = {403, "insufficient_scope", "The token is not for this"},
     [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
 };

@@ -16,6 +16,7 @@ enum errmap_kind {
     ERRMAP_KEY_REUSED, /* an Idempotency-Key with another request */
     ERRMAP_KEY_BUSY,   /* its first request is being done */
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
+    ERRMAP_SCOPE,      /* a token that is not for this */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */
     ERRMAP_COUNT

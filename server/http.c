@@ -74,7 +74,7 @@ struct http {
 static struct MHD_Response *make_response(struct exchange *x)
 {
     struct request_answer *a = &x->r.answer;
-    char number[16];
+    char number[16], challenge[AUTH_CHALLENGE_MAX];
     struct MHD_Response *resp = MHD_create_response_from_buffer(
         a->len, a->body,
         a->body == NULL ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_FREE);
@@ -91,11 +91,10 @@ static struct MHD_Response *make_response(struct exchange *x)
         (void)MHD_add_response_header(resp, "Location", a->location);
     if (a->allow != NULL)
         (void)MHD_add_response_header(resp, "Allow", a->allow);
-    if (a->challenge)
-        (void)MHD_add_response_header(
-            resp, "WWW-Authenticate",
-            a->bad_token ? "Bearer realm=\"surfaced\", error=\"invalid_token\""
-                         : "Bearer realm=\"surfaced\"");
+    if (a->challenge) {
+        auth_challenge(a, challenge);
+        (void)MHD_add_response_header(resp, "WWW-Authenticate", challenge);
+    }
     if (a->codings)
         (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
     if (a->minimal)
@@ -344,7 +343,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
     routes_find(r);
     if (r->answer.http != 0)
         return send_early(x);
-    if (r->route->open || x->http->app->no_auth)
+    if (r->route->scope == 0 || x->http->app->no_auth)
         return admit(x);
     auth_take(r, header(x, "Authorization"));
     if (r->answer.http != 0)

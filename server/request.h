@@ -40,6 +40,7 @@ struct request_answer {
     const char *allow;    /* static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
+    unsigned lacks;       /* with it: the scope that the token has not; 0 for none */
     bool codings;         /* Accept-Encoding: what a body may be compressed with */
     bool minimal;         /* Preference-Applied: return=minimal */
     bool replayed;        /* Idempotent-Replayed: true */

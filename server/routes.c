@@ -12,21 +12,29 @@
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
 
+enum { /* who may: those whose token has the scope */
+       ANYBODY = 0,
+       ENROLL = STORE_SCOPE_ENROLL,
+       VERIFY = STORE_SCOPE_VERIFY,
+       READ = STORE_SCOPE_READ,
+       DELETE = STORE_SCOPE_DELETE
+};
+
 static const struct routes_route table[] = {
-    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, true, meta_health, true},
-    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, true, meta_ready, false},
-    {REQUEST_GET, "/metrics", ROUTES_NO_BODY, true, meta_metrics, true},
-    {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, true, meta_openapi, true},
-    {REQUEST_GET, "/version", ROUTES_NO_BODY, true, meta_version, true},
-    {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, false, enroll_handle, false},
-    {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, false, verify_subject, false},
-    {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, false, verify_template, false},
-    {REQUEST_POST, "/v1/compare", ROUTES_JSON, false, compare_handle, false},
-    {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, false, subjects_list, false},
-    {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, false, subjects_show, false},
-    {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, false, subjects_delete, false},
-    {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, false, subjects_template, false},
-    {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, false, subjects_template_delete, false},
+    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, ANYBODY, meta_health, true},
+    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, meta_ready, false},
+    {REQUEST_GET, "/metrics", ROUTES_NO_BODY, ANYBODY, meta_metrics, true},
+    {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, ANYBODY, meta_openapi, true},
+    {REQUEST_GET, "/version", ROUTES_NO_BODY, ANYBODY, meta_version, true},
+    {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, ENROLL, enroll_handle, false},
+    {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, VERIFY, verify_subject, false},
+    {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, VERIFY, verify_template, false},
+    {REQUEST_POST, "/v1/compare", ROUTES_JSON, VERIFY, compare_handle, false},
+    {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, subjects_list, false},
+    {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, subjects_show, false},
+    {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, subjects_delete, false},
+    {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, READ, subjects_template, false},
+    {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, DELETE, subjects_template_delete, false},
 };
 #define NROUTES (sizeof table / sizeof *table)
 

@@ -17,7 +17,7 @@ struct routes_route {
     enum request_method method;
     const char *pattern; /* "/v1/subjects/{subject}/verify" */
     enum routes_body body;
-    bool open; /* asks for no token */
+    unsigned scope; /* a token must have (enum store_scope); 0: none is asked for */
     /* handle(r, w): set r->answer.  Called on worker w; or, if w is not wanted (quick), on
      * the I/O thread with NULL: then it neither computes nor touches the store. */
     void (*handle)(struct request *r, struct worker *w);

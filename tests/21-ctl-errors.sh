@@ -59,6 +59,19 @@ refuse 64 'threshold' "$ctl" --db f.db --threshold-mm nan verify alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db --threshold-mm -1 verify alice good.ply
 refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
+refuse 64 'token rotate ID' "$ctl" --db f.db token rotate
+for list in '' admin 'enroll,' 'enroll verify' Enroll; do
+    refuse 64 'scopes are' "$ctl" --db f.db token create --scope "$list" a
+done
+for time in 0d 90 1w -1d 1.5h 99999999d 99999999999999999999d d '' '90 d'; do
+    refuse 64 '--expires is' "$ctl" --db f.db token create --expires "$time" a
+done
+refuse 64 '--grace is' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
+refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
+refuse 64 'token rotate does not take' "$ctl" --db f.db token rotate --scope read a
+refuse 64 'token list does not take' "$ctl" --db f.db token list --expires 1h
+refuse 64 'attempts list' "$ctl" --db f.db attempts reset
+refuse 64 'attempts list' "$ctl" --db f.db attempts list alice
 
 # ids
 refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
@@ -67,6 +80,10 @@ refuse 66 'no subject or template' "$ctl" --db f.db show nobody
 refuse 66 'no subject or template' "$ctl" --db f.db delete nobody --yes
 refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
 refuse 65 'token id' "$ctl" --db f.db token revoke nonsense
+refuse 65 'token id' "$ctl" --db f.db token rotate nonsense
+refuse 66 'no token' "$ctl" --db f.db token rotate 00000000000000000000000000000000
+refuse 66 'no subject nobody' "$ctl" --db f.db attempts reset nobody
+refuse 65 'subject id' "$ctl" --db f.db attempts reset 'al ice'
 
 # scans
 : >empty

@@ -151,7 +151,10 @@ is "is the way out" "$STATUS" 200
 stop_daemon
 
 # ---- a database of version 1, which has no calibrations
-old='DROP TABLE calibrations; PRAGMA user_version = 1'
+old='DROP TABLE calibrations; DROP TABLE attempts; DROP INDEX tokens_old_hash;
+ALTER TABLE tokens DROP COLUMN scopes; ALTER TABLE tokens DROP COLUMN expires;
+ALTER TABLE tokens DROP COLUMN used; ALTER TABLE tokens DROP COLUMN old_hash;
+ALTER TABLE tokens DROP COLUMN old_until; PRAGMA user_version = 1'
 sqlite3 "$DB" "$old"
 ctl list
 is "version 1 is not read as it is" $CODE 65

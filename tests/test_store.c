@@ -310,52 +310,6 @@ static void test_erased(void **state)
     store_close(s);
 }
 
-static void test_tokens(void **state)
-{
-    struct store *s = fresh(), *other;
-    struct store_token t, u, *list;
-    char secret[65], second[65], id[STORE_ID_LEN + 1];
-    size_t n;
-
-    (void)state;
-    assert_int_equal(store_token_create(s, "test", "gate 1", secret, &t, &e), ST_OK);
-    assert_int_equal(store_token_create(s, "test", "gate 2", second, &u, &e), ST_OK);
-    assert_int_equal(strlen(secret), 64);
-    assert_string_not_equal(secret, second);
-    assert_int_equal(store_token_check(s, secret, id, &e), ST_OK);
-    assert_string_equal(id, t.id);
-    for (size_t i = 0; i < 64; i++) { /* every character counts */
-        const char was = secret[i];
-
-        secret[i] = was == '0' ? '1' : '0';
-        assert_int_equal(store_token_check(s, secret, id, &e), ST_EDENIED);
-        assert_string_equal(id, "");
-        secret[i] = was;
-    }
-    assert_int_equal(store_token_check(s, "", id, &e), ST_EDENIED);
-    assert_int_equal(store_token_check(s, "' OR 1=1 --", id, &e), ST_EDENIED);
-
-    /* Revoked beside us: seen at once. */
-    other = again(STORE_WRITE);
-    assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
-    assert_int_equal(store_token_check(s, secret, id, &e), ST_EDENIED);
-    assert_int_equal(store_token_check(s, second, id, &e), ST_OK);
-    assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
-    assert_int_equal(
-        store_token_revoke(other, "test", "0123456789abcdef0123456789abcdef", &e),
-        ST_ENOTFOUND);
-    store_close(other);
-    assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
-    assert_int_equal(n, 2);
-    assert_true(list[0].revoked && !list[1].revoked);
-    assert_string_equal(list[0].name, "gate 1");
-    free(list);
-    store_close(s);
-    assert_int_equal(count("SELECT count(*) FROM tokens WHERE instr(hash, x'00') >= 0"),
-                     2);
-    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'revoke_token'"), 2);
-}
-
 static void test_events(void **state)
 {
     struct store *s = fresh();
@@ -468,10 +422,10 @@ static void test_refused(void **state)
     assert_refused(path, STORE_CREATE, ST_ECORRUPT, "another program");
     s = fresh();
     store_close(s);
-    sql("PRAGMA user_version = 3");
+    sql("PRAGMA user_version = 4");
     assert_refused(path, STORE_WRITE, ST_EVERSION, "newer");
-    assert_refused(path, STORE_READ, ST_EVERSION, "3");
-    assert_int_equal(count("PRAGMA user_version"), 3); /* left as it was */
+    assert_refused(path, STORE_READ, ST_EVERSION, "4");
+    assert_int_equal(count("PRAGMA user_version"), 4); /* left as it was */
     remove_database();
     write_file(path, "", 0); /* an empty file may be initialised */
     store_close(again(STORE_CREATE));
@@ -520,9 +474,9 @@ static void test_ready(void **state)
     char aside[128];
 
     (void)state;
-    sql("PRAGMA user_version = 3");
+    sql("PRAGMA user_version = 4");
     assert_int_equal(store_ready(s, &e), ST_EVERSION);
-    sql("PRAGMA user_version = 2");
+    sql("PRAGMA user_version = 3");
     assert_int_equal(store_ready(s, &e), ST_OK);
     (void)snprintf(aside, sizeof aside, "%s.aside", path);
     assert_int_equal(rename(path, aside), 0);
@@ -818,13 +772,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_templates),     cmocka_unit_test(test_subjects),
-        cmocka_unit_test(test_erased),        cmocka_unit_test(test_tokens),
-        cmocka_unit_test(test_events),        cmocka_unit_test(test_bad_arguments),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_unwritable),
-        cmocka_unit_test(test_ready),         cmocka_unit_test(test_damaged_rows),
-        cmocka_unit_test(test_damaged_pages), cmocka_unit_test(test_full_disk),
-        cmocka_unit_test(test_threads),       cmocka_unit_test(test_processes),
-        cmocka_unit_test(test_locked),        cmocka_unit_test(test_enroll_after),
+        cmocka_unit_test(test_erased),        cmocka_unit_test(test_events),
+        cmocka_unit_test(test_bad_arguments), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_unwritable),    cmocka_unit_test(test_ready),
+        cmocka_unit_test(test_damaged_rows),  cmocka_unit_test(test_damaged_pages),
+        cmocka_unit_test(test_full_disk),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_processes),     cmocka_unit_test(test_locked),
+        cmocka_unit_test(test_enroll_after),
     };
 
     return cmocka_run_group_tests_name("store", tests, set_up, tear_down);

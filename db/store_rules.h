@@ -1,0 +1,38 @@
+/* store_rules.h -- what may be stored, ids and times: what the parts of store.c share. */
+#ifndef DB_STORE_RULES_H
+#define DB_STORE_RULES_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+
+struct errinfo;
+struct store_act; /* store_engine.h */
+
+#define STORE_RULES_TIME 32 /* bytes for a time, and what is left of a row's field */
+
+/* min to max characters, all of set. */
+bool store_rules_consist(const char *text, const char *set, size_t min, size_t max);
+
+/* min to max characters of printable ASCII. */
+bool store_rules_printable(const char *text, size_t min, size_t max);
+
+/* ST_OK, or ST_EINVAL with the rule as text; what: "template", "token". */
+enum status store_rules_subject(const char *subject, struct errinfo *e);
+enum status store_rules_id(const char *id, const char *what, struct errinfo *e);
+
+/* 2 * bytes random hexadecimal digits and a NUL; at most 32 bytes. */
+void store_rules_random(char *out, size_t bytes);
+
+/* store_rules_now(ms, e): milliseconds since 1970, UTC, by the system's clock, which may be
+ * set back; ST_EINTERNAL where it cannot be read or stands outside of 1970 to 9999. */
+enum status store_rules_now(int64_t *ms, struct errinfo *e);
+
+/* store_rules_time(ms, out): such a time as RFC 3339 text of fixed length, so that times
+ * compare like their texts; one past the year 9999 becomes its end. */
+void store_rules_time(int64_t ms, char out[STORE_RULES_TIME]);
+
+/* store_rules_act(by, actor, e): actor, if it is one, does something now. */
+enum status store_rules_act(struct store_act *by, const char *actor, struct errinfo *e);
+
+#endif

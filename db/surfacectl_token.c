@@ -1,0 +1,175 @@
+/* Tokens: made, listed, rotated, revoked. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "surfacectl.h"
+
+static const char *state_of(const struct store_token *t)
+{
+    return t->revoked ? "revoked" : t->expired ? "expired" : "valid";
+}
+
+/* A token as fields of the JSON; a time that is not set is left out. */
+static void out_token(struct surfacectl *c, const struct store_token *t)
+{
+    static const unsigned one[] = {STORE_SCOPE_ENROLL, STORE_SCOPE_VERIFY,
+                                   STORE_SCOPE_IDENTIFY, STORE_SCOPE_READ,
+                                   STORE_SCOPE_DELETE};
+    char name[STORE_SCOPES_MAX];
+
+    surfacectl_out_text(c->out, "id", t->id);
+    surfacectl_out_text(c->out, "name", t->name);
+    surfacectl_out_array(c->out, "scopes");
+    for (size_t i = 0; i < sizeof one / sizeof *one; i++)
+        if (t->scopes & one[i]) {
+            store_scopes_write(one[i], name);
+            surfacectl_out_text(c->out, NULL, name);
+        }
+    surfacectl_out_close(c->out);
+    surfacectl_out_text(c->out, "created", t->created);
+    if (t->expires[0] != '\0')
+        surfacectl_out_text(c->out, "expires", t->expires);
+    if (t->used[0] != '\0')
+        surfacectl_out_text(c->out, "last_used", t->used);
+    if (t->old_until[0] != '\0')
+        surfacectl_out_text(c->out, "old_secret_until", t->old_until);
+    surfacectl_out_text(c->out, "state", state_of(t));
+    surfacectl_out_flag(c->out, "revoked", t->revoked);
+}
+
+/* The secret on standard output, alone, for $(...); what is said of it elsewhere. */
+static void out_secret(struct surfacectl *c, const struct store_token *t,
+                       const char *secret)
+{
+    char scopes[STORE_SCOPES_MAX];
+
+    out_token(c, t);
+    surfacectl_out_text(c->out, "token", secret);
+    if (c->json)
+        return;
+    store_scopes_write(t->scopes, scopes);
+    (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is shown this once:\n",
+                  t->id, t->name, scopes, t->expires[0] != '\0' ? "until " : "for ever",
+                  t->expires);
+    (void)printf("%s\n", secret);
+}
+
+static enum status create(struct surfacectl *c, struct store *s)
+{
+    struct store_token t;
+    char secret[65];
+    const char *name = c->nargs > 1 ? c->args[1] : "unnamed";
+    enum status st = store_token_create(s, SURFACECTL_ACTOR, name,
+                                        c->scopes != 0 ? c->scopes : STORE_SCOPE_ALL,
+                                        c->life_s > 0 ? c->life_s : 0, secret, &t, &c->e);
+
+    if (st == ST_OK)
+        out_secret(c, &t, secret);
+    return st;
+}
+
+static enum status rotate(struct surfacectl *c, struct store *s)
+{
+    struct store_token t;
+    char secret[65];
+    enum status st = store_token_rotate(s, SURFACECTL_ACTOR, c->args[1], c->grace_s,
+                                        c->life_s, secret, &t, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    out_secret(c, &t, secret);
+    if (!c->json && t.expired)
+        (void)fprintf(stderr, "it has expired; give --expires too\n");
+    return ST_OK;
+}
+
+/* A time to the minute, as one reads it. */
+static void print_time(const char *time, const char *none)
+{
+    if (time[0] == '\0')
+        (void)printf("  %-16s", none);
+    else
+        (void)printf("  %.10s %.5s", time, time + 11);
+}
+
+static enum status list(struct surfacectl *c, struct store *s)
+{
+    struct store_token *t;
+    char scopes[STORE_SCOPES_MAX];
+    size_t n;
+    enum status st = store_token_list(s, &t, &n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_array(c->out, "tokens");
+    if (!c->json)
+        (void)printf("%-32s  %-7s  %-16s  %-16s  %-16s  %-34s  %s\n", "TOKEN ID", "STATE",
+                     "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
+    for (size_t i = 0; i < n; i++) {
+        surfacectl_out_object(c->out, NULL);
+        out_token(c, &t[i]);
+        surfacectl_out_close(c->out);
+        if (c->json)
+            continue;
+        store_scopes_write(t[i].scopes, scopes);
+        (void)printf("%-32s  %-7s", t[i].id, state_of(&t[i]));
+        print_time(t[i].created, "");
+        print_time(t[i].expires, "never");
+        print_time(t[i].used, "never");
+        (void)printf("  %-34s  %s\n", scopes, t[i].name);
+    }
+    surfacectl_out_close(c->out);
+    free(t);
+    return ST_OK;
+}
+
+static enum status revoke(struct surfacectl *c, struct store *s)
+{
+    enum status st = store_token_revoke(s, SURFACECTL_ACTOR, c->args[1], &c->e);
+
+    if (st != ST_OK)
+        return st;
+    surfacectl_out_text(c->out, "id", c->args[1]);
+    surfacectl_out_flag(c->out, "revoked", true);
+    if (!c->json)
+        (void)printf("revoked %s\n", c->args[1]);
+    return ST_OK;
+}
+
+int surfacectl_token(struct surfacectl *c)
+{
+    static const struct {
+        const char *verb;
+        int min, max;
+        bool scope, expires, grace; /* the options it takes */
+        enum store_mode mode;
+        enum status (*run)(struct surfacectl *, struct store *);
+    } verbs[] = {{"create", 1, 2, true, true, false, STORE_WRITE, create},
+                 {"list", 1, 1, false, false, false, STORE_READ, list},
+                 {"rotate", 2, 2, false, true, true, STORE_WRITE, rotate},
+                 {"revoke", 2, 2, false, false, false, STORE_WRITE, revoke}};
+    struct store *s = NULL;
+    enum status st;
+
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
+        if (strcmp(c->args[0], verbs[i].verb) != 0 || c->nargs < verbs[i].min ||
+            c->nargs > verbs[i].max)
+            continue;
+        if ((c->scopes != 0 && !verbs[i].scope) ||
+            (c->life_s >= 0 && !verbs[i].expires) ||
+            (c->grace_s > 0 && !verbs[i].grace)) {
+            (void)errinfo_set(&c->e, ST_EINVAL, "an option that token %s does not take",
+                              verbs[i].verb);
+            return EXIT_USAGE;
+        }
+        if ((st = store_open(c->db, verbs[i].mode, &s, &c->e)) == ST_OK)
+            st = verbs[i].run(c, s);
+        store_close(s);
+        return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+    }
+    (void)errinfo_set(&c->e, ST_EINVAL,
+                      "it is 'token create [NAME]', 'token list', 'token rotate ID' or "
+                      "'token revoke ID'");
+    return EXIT_USAGE;
+}

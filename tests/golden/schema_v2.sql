@@ -1,0 +1,85 @@
+-- schema.sql -- the template database, schema version 2.
+-- Embedded in the programs at build and run in one transaction on an empty database.
+-- A change here is a new user_version, added as a step at the end: a database of version 1
+-- is upgraded by running what follows the line "-- version 2", and so on.  What was there
+-- before that line stays as it is.
+
+PRAGMA application_id = 0x53524644; -- "SRFD"
+PRAGMA user_version = 1;
+
+-- A person, under the client's own external id.
+CREATE TABLE subjects (
+    subject_key INTEGER PRIMARY KEY,
+    id          TEXT NOT NULL UNIQUE
+                CHECK (length(id) BETWEEN 1 AND 128
+                       AND id NOT GLOB '*[^A-Za-z0-9._@:-]*'),
+    created     TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z')
+) STRICT;
+
+-- One enrolled face; never changed, only added and deleted.
+CREATE TABLE templates (
+    template_key INTEGER PRIMARY KEY,
+    id           TEXT NOT NULL UNIQUE
+                 CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
+    subject_key  INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    label        TEXT NOT NULL CHECK (length(CAST(label AS BLOB)) <= 256),
+    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    digest       TEXT NOT NULL            -- SHA-256 of the canonical points (db/FORMAT.md)
+                 CHECK (length(digest) = 64 AND digest NOT GLOB '*[^0-9a-f]*'),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    points       INTEGER NOT NULL CHECK (points BETWEEN 3 AND 2097152),
+    triangles    INTEGER NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
+    quality      REAL NOT NULL CHECK (quality BETWEEN 0 AND 1),
+    coverage     REAL NOT NULL CHECK (coverage BETWEEN 0 AND 1),
+    density_mm   REAL NOT NULL CHECK (density_mm BETWEEN 0 AND 1e6),
+    noise_mm     REAL NOT NULL CHECK (noise_mm BETWEEN 0 AND 1e6),
+    model        BLOB NOT NULL CHECK (length(model) > 0), -- db/FORMAT.md; last: rows are
+                                                          -- listed without reading it
+    UNIQUE (subject_key, digest)          -- the same cloud again is the same template
+) STRICT;
+
+-- Who did what, when, with what outcome; no biometrics, no tokens.  Kept when a subject is
+-- deleted: so no foreign keys.
+CREATE TABLE events (
+    event_key   INTEGER PRIMARY KEY AUTOINCREMENT,
+    at          TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
+    kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
+    actor       TEXT NOT NULL CHECK (length(actor) <= 64),
+    subject     TEXT NOT NULL CHECK (length(subject) <= 128),
+    template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
+    outcome     TEXT NOT NULL CHECK (length(outcome) <= 64)
+) STRICT;
+
+-- Bearer tokens: 256 random bits each, of which only a hash is kept.
+CREATE TABLE tokens (
+    token_key INTEGER PRIMARY KEY,
+    id        TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
+    name      TEXT NOT NULL CHECK (length(name) BETWEEN 1 AND 64),
+    hash      BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
+    created   TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB '????-??-??T??:??:??.???Z')
+) STRICT;
+
+-- version 2
+
+PRAGMA user_version = 2;
+
+-- From a disparity to a decision (docs/decision.md): the newest is in force.  Rows are only
+-- ever added; going back to the shipped table is a new row too.
+CREATE TABLE calibrations (
+    calibration_key INTEGER PRIMARY KEY AUTOINCREMENT,
+    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    actor        TEXT NOT NULL CHECK (length(actor) <= 64),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    shipped      INTEGER NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
+    fmr          REAL NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
+    threshold_mm REAL NOT NULL CHECK (threshold_mm > 0),
+    low_mm       REAL NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
+    high_mm      REAL NOT NULL CHECK (high_mm >= low_mm),
+    subjects     INTEGER NOT NULL CHECK (subjects >= 0),
+    impostors    INTEGER NOT NULL CHECK (impostors >= 0),    -- comparisons
+    genuine      INTEGER NOT NULL CHECK (genuine >= 0),
+    halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
+    knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
+) STRICT;

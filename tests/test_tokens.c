@@ -1,0 +1,539 @@
+/* Tokens and failed verifications: what they are good for, how long, who sees it when, and
+ * the databases of version 2, which knew less of them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include <sqlite3.h>
+
+#include "errinfo.h"
+#include "store.h"
+
+static char dir[64], path[96];
+static struct errinfo e;
+
+static void remove_database(void)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm"};
+    char name[128];
+
+    for (size_t i = 0; i < 3; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+}
+
+static struct store *open_store(enum store_mode mode)
+{
+    struct store *s = NULL;
+
+    if (store_open(path, mode, &s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return s;
+}
+
+static struct store *fresh(void)
+{
+    remove_database();
+    return open_store(STORE_CREATE);
+}
+
+/* Run SQL on the file as another program would. */
+static void sql(const char *text)
+{
+    sqlite3 *db;
+    char *why = NULL;
+
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    (void)sqlite3_busy_timeout(db, 5000);
+    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
+        fail_msg("%s: %s", text, why);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static uint64_t count(const char *text)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    uint64_t n;
+
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db, text, -1, &stmt, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    n = (uint64_t)sqlite3_column_int64(stmt, 0);
+    (void)sqlite3_finalize(stmt);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    return n;
+}
+
+static void print_report(void *arg, const char *line)
+{
+    (void)arg;
+    print_message("  reported: %s\n", line);
+}
+
+static uint64_t problems(struct store *s)
+{
+    struct store_check found;
+
+    assert_int_equal(store_check(s, print_report, NULL, &found, &e), ST_OK);
+    return found.problems;
+}
+
+static void create(struct store *s, const char *name, unsigned scopes, int64_t life_s,
+                   char secret[65], struct store_token *t)
+{
+    if (store_token_create(s, "test", name, scopes, life_s, secret, t, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(strlen(secret), 64);
+}
+
+static enum status check(struct store *s, const char *secret)
+{
+    struct store_token t;
+    const enum status st = store_token_check(s, secret, &t, &e);
+
+    assert_true(st == ST_OK || (t.id[0] == '\0' && t.scopes == 0));
+    return st;
+}
+
+/* ---- tokens */
+
+static void test_scopes(void **state)
+{
+    static const char *const bad[] = {
+        "",    ",",     "enroll,",     ",read", "read,,read", "Read",
+        "rea", "reads", "read verify", "write", " read"};
+    char text[STORE_SCOPES_MAX];
+    unsigned scopes;
+
+    (void)state;
+    for (unsigned i = 1; i <= STORE_SCOPE_ALL; i++) {
+        store_scopes_write(i, text);
+        assert_true(store_scopes_read(text, &scopes));
+        assert_int_equal(scopes, i);
+    }
+    assert_string_equal(text, "enroll,verify,identify,read,delete");
+    assert_true(store_scopes_read("delete,enroll,delete", &scopes));
+    assert_int_equal(scopes, STORE_SCOPE_DELETE | STORE_SCOPE_ENROLL);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(store_scopes_read(bad[i], &scopes));
+}
+
+static void test_tokens(void **state)
+{
+    struct store *s = fresh(), *other;
+    struct store_token t, u, got, *list;
+    char secret[65], second[65];
+    size_t n;
+
+    (void)state;
+    create(s, "gate 1", STORE_SCOPE_VERIFY | STORE_SCOPE_READ, 0, secret, &t);
+    create(s, "gate 2", STORE_SCOPE_ALL, 3600, second, &u);
+    assert_string_not_equal(secret, second);
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    assert_string_equal(got.id, t.id);
+    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY | STORE_SCOPE_READ);
+    assert_string_equal(got.expires, "");
+    for (size_t i = 0; i < 64; i++) { /* every character counts */
+        const char was = secret[i];
+
+        secret[i] = was == '0' ? '1' : '0';
+        assert_int_equal(check(s, secret), ST_EDENIED);
+        secret[i] = was;
+    }
+    assert_int_equal(check(s, ""), ST_EDENIED);
+    assert_int_equal(check(s, "' OR 1=1 --"), ST_EDENIED);
+
+    /* Revoked beside us: seen at once. */
+    other = open_store(STORE_WRITE);
+    assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
+    assert_int_equal(check(s, secret), ST_EDENIED);
+    assert_int_equal(check(s, second), ST_OK);
+    assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
+    assert_int_equal(
+        store_token_revoke(other, "test", "0123456789abcdef0123456789abcdef", &e),
+        ST_ENOTFOUND);
+    store_close(other);
+    assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 2);
+    assert_true(list[0].revoked && !list[1].revoked && !list[1].expired);
+    assert_string_equal(list[0].name, "gate 1");
+    assert_string_equal(list[1].expires, u.expires);
+    free(list);
+    assert_int_equal(problems(s), 0);
+    store_close(s);
+    assert_int_equal(count("SELECT count(*) FROM tokens WHERE instr(hash, x'00') >= 0"),
+                     2);
+    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'revoke_token'"), 2);
+}
+
+static void test_expires(void **state)
+{
+    struct store *s = fresh();
+    struct store_token t, *list;
+    char secret[65];
+    size_t n;
+
+    (void)state;
+    create(s, "day", STORE_SCOPE_ALL, 86400, secret, &t);
+    assert_int_equal(
+        count("SELECT round((julianday(expires) - julianday(created)) * 1000) "
+              "FROM tokens"),
+        1000);
+    assert_int_equal(check(s, secret), ST_OK);
+    sql("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z'");
+    assert_int_equal(check(s, secret), ST_EDENIED);
+    assert_non_null(strstr(e.msg, "expired"));
+    assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
+    assert_true(n == 1 && list[0].expired && !list[0].revoked);
+    free(list);
+    /* What cannot be: no scope, none that is known, a life that is over or never ends. */
+    assert_int_equal(store_token_create(s, "", "x", 0, 0, secret, &t, &e), ST_EINVAL);
+    assert_int_equal(store_token_create(s, "", "x", 32, 0, secret, &t, &e), ST_EINVAL);
+    assert_int_equal(store_token_create(s, "", "x", 1, -1, secret, &t, &e), ST_EINVAL);
+    assert_int_equal(
+        store_token_create(s, "", "x", 1, STORE_LIFE_MAX + 1, secret, &t, &e), ST_EINVAL);
+    assert_int_equal(store_token_create(s, "", "x", 1, INT64_MAX, secret, &t, &e),
+                     ST_EINVAL);
+    assert_string_equal(secret, "");
+    assert_int_equal(store_token_create(s, "", "x", 1, STORE_LIFE_MAX, secret, &t, &e),
+                     ST_OK);
+    assert_int_equal(check(s, secret), ST_OK);
+    store_close(s);
+}
+
+static void test_rotated(void **state)
+{
+    struct store *s = fresh();
+    struct store_token t, got;
+    char first[65], second[65], third[65];
+
+    (void)state;
+    create(s, "gate", STORE_SCOPE_VERIFY, 3600, first, &t);
+    /* At once. */
+    assert_int_equal(store_token_rotate(s, "test", t.id, 0, -1, second, &got, &e), ST_OK);
+    assert_string_equal(got.id, t.id);
+    assert_string_equal(got.expires, t.expires);
+    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY);
+    assert_int_equal(check(s, first), ST_EDENIED);
+    assert_int_equal(check(s, second), ST_OK);
+    /* With a grace: both, and what was before them is not brought back. */
+    assert_int_equal(store_token_rotate(s, "test", t.id, 60, 0, third, &got, &e), ST_OK);
+    assert_string_equal(got.expires, "");
+    assert_true(got.old_until[0] != '\0');
+    assert_int_equal(check(s, first), ST_EDENIED);
+    assert_int_equal(store_token_check(s, second, &got, &e), ST_OK);
+    assert_string_equal(got.id, t.id);
+    assert_int_equal(check(s, third), ST_OK);
+    sql("UPDATE tokens SET old_until = '2026-01-01T00:00:00.000Z'");
+    assert_int_equal(check(s, second), ST_EDENIED);
+    assert_int_equal(check(s, third), ST_OK);
+    /* Revoked: neither, and no way back. */
+    sql("UPDATE tokens SET old_until = '9026-01-01T00:00:00.000Z'");
+    assert_int_equal(check(s, second), ST_OK);
+    assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
+    assert_int_equal(check(s, second), ST_EDENIED);
+    assert_int_equal(check(s, third), ST_EDENIED);
+    assert_int_equal(store_token_rotate(s, "test", t.id, 0, 0, first, &got, &e),
+                     ST_EDENIED);
+    assert_string_equal(first, "");
+    assert_int_equal(store_token_rotate(s, "test", "0123456789abcdef0123456789abcdef", 0,
+                                        0, first, &got, &e),
+                     ST_ENOTFOUND);
+    assert_int_equal(problems(s), 0);
+    store_close(s);
+    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'rotate_token'"), 2);
+}
+
+/* When it was last used: noted, but once a minute, and nobody waits for it. */
+static void test_used(void **state)
+{
+    struct store *s = fresh();
+    struct store_token t, got;
+    char secret[65], once[32];
+    sqlite3 *db;
+    struct timespec before, after;
+
+    (void)state;
+    create(s, "gate", STORE_SCOPE_ALL, 0, secret, &t);
+    assert_string_equal(t.used, "");
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    assert_true(got.used[0] != '\0');
+    memcpy(once, got.used, sizeof once);
+    for (int i = 0; i < 20; i++) {
+        assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+        assert_string_equal(got.used, once);
+    }
+    sql("UPDATE tokens SET used = '2026-01-01T00:00:00.000Z'");
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    assert_true(strcmp(got.used, once) >= 0);
+    sql("UPDATE tokens SET used = '9026-01-01T00:00:00.000Z'"); /* the clock was wrong */
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    assert_true(got.used[0] == '2');
+
+    /* Somebody else holds the database for long. */
+    sql("UPDATE tokens SET used = NULL");
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    (void)clock_gettime(CLOCK_MONOTONIC, &before);
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    (void)clock_gettime(CLOCK_MONOTONIC, &after);
+    assert_string_equal(got.used, "");
+    assert_true(after.tv_sec - before.tv_sec < 4); /* a write would wait for 5 s */
+    assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    assert_true(got.used[0] != '\0');
+    store_close(s);
+
+    s = open_store(STORE_READ);
+    sql("UPDATE tokens SET used = NULL");
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
+    store_close(s);
+}
+
+#define UNCHECKED "PRAGMA ignore_check_constraints = ON; "
+
+static void test_damaged(void **state)
+{
+    static const char *const damage[] = {
+        "UPDATE tokens SET scopes = 'everything'",
+        "UPDATE tokens SET scopes = ''",
+        UNCHECKED "UPDATE tokens SET expires = CAST(zeroblob(100) AS TEXT)",
+        UNCHECKED "UPDATE tokens SET id = 'x'",
+    };
+    struct store_token t, *list;
+    char secret[65];
+    size_t n;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
+        struct store *s = fresh();
+
+        create(s, "gate", STORE_SCOPE_ALL, 0, secret, &t);
+        sql(damage[i]);
+        assert_int_equal(check(s, secret), ST_ECORRUPT);
+        assert_int_equal(store_token_list(s, &list, &n, &e), ST_ECORRUPT);
+        store_close(s);
+    }
+}
+
+/* ---- failed verifications */
+
+#define ADD_ALICE                                                                        \
+    "INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z')"
+
+static struct store_attempts attempts(struct store *s)
+{
+    struct store_attempts a;
+
+    if (store_attempts_get(s, "alice", &a, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return a;
+}
+
+static void test_attempts(void **state)
+{
+    struct store *s = fresh();
+    struct store_attempts *list;
+    size_t n;
+
+    (void)state;
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_ENOTFOUND);
+    assert_int_equal(store_attempts_clear(s, "alice", &e), ST_ENOTFOUND);
+    assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
+    sql(ADD_ALICE);
+    assert_int_equal(attempts(s).failures, 0);
+    for (unsigned i = 1; i <= 5; i++) {
+        assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+        assert_int_equal(attempts(s).failures, i);
+    }
+    assert_true(attempts(s).age_ms < 60000);
+    store_close(s); /* kept */
+    s = open_store(STORE_WRITE);
+    assert_int_equal(attempts(s).failures, 5);
+    assert_int_equal(store_attempts_list(s, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    assert_string_equal(list[0].subject, "alice");
+    assert_int_equal(list[0].failures, 5);
+    assert_true(list[0].at[0] == '2');
+    free(list);
+    assert_int_equal(store_attempts_clear(s, "alice", &e), ST_OK);
+    assert_int_equal(attempts(s).failures, 0);
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
+    assert_int_equal(attempts(s).failures, 0);
+    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
+                           "AND subject = 'alice' AND actor = 'test'"),
+                     1);
+    /* It stops counting somewhere, and goes with the subject. */
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    sql("UPDATE attempts SET failures = 1000000");
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(attempts(s).failures, 1000000);
+    assert_int_equal(store_subject_delete(s, "test", "alice", NULL, &e), ST_OK);
+    assert_int_equal(count("SELECT count(*) FROM attempts"), 0);
+    assert_int_equal(problems(s), 0);
+    store_close(s);
+}
+
+/* The clock was ahead when it failed, and has been set right since. */
+static void test_clock_back(void **state)
+{
+    struct store *s = fresh();
+    struct store_attempts a;
+
+    (void)state;
+    sql(ADD_ALICE);
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    sql("UPDATE attempts SET at_ms = 253402300799999");
+    a = attempts(s);
+    assert_int_equal(a.failures, 1);
+    assert_int_equal(a.age_ms, 0);
+    assert_int_equal(count("SELECT at_ms < 253402300799999 FROM attempts"), 1);
+    sql("UPDATE attempts SET at_ms = at_ms - 10000"); /* and so time goes on */
+    assert_true(attempts(s).age_ms >= 10000);
+    store_close(s);
+}
+
+static void *fail_often(void *arg)
+{
+    struct errinfo why;
+
+    for (int i = 0; i < 50; i++)
+        if (store_attempts_fail(arg, "alice", &why) != ST_OK)
+            return arg;
+    return NULL;
+}
+
+static void test_threads(void **state)
+{
+    struct store *s = fresh();
+    pthread_t thread[4];
+
+    (void)state;
+    sql(ADD_ALICE);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&thread[i], NULL, fail_often, s), 0);
+    for (int i = 0; i < 4; i++) {
+        void *bad;
+
+        assert_int_equal(pthread_join(thread[i], &bad), 0);
+        assert_null(bad);
+    }
+    assert_int_equal(attempts(s).failures, 200);
+    store_close(s);
+}
+
+/* ---- version 2 */
+
+static void make_version_2(void)
+{
+    static char text[16384];
+    FILE *in = fopen("tests/golden/schema_v2.sql", "rb");
+    size_t n;
+
+    assert_non_null(in);
+    n = fread(text, 1, sizeof text - 1, in);
+    (void)fclose(in);
+    assert_in_range(n, 1000, sizeof text - 2);
+    text[n] = '\0';
+    remove_database();
+    sql(text);
+    sql(ADD_ALICE);
+}
+
+static void test_upgraded(void **state)
+{
+    struct store *s = fresh();
+    struct store_token t;
+    char secret[65], insert[512];
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+
+    (void)state;
+    /* The hash of a secret is what it was: a row of today, as version 2 wrote it. */
+    create(s, "old", STORE_SCOPE_READ, 0, secret, &t);
+    store_close(s);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db, "SELECT hex(hash) FROM tokens", -1, &stmt, NULL),
+        SQLITE_OK);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    (void)snprintf(insert, sizeof insert,
+                   "INSERT INTO tokens (id, name, hash, created) VALUES ('%s', 'old',"
+                   " x'%s', '2026-01-01T00:00:00.000Z')",
+                   t.id, (const char *)sqlite3_column_text(stmt, 0));
+    (void)sqlite3_finalize(stmt);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    make_version_2();
+    sql(insert);
+
+    s = NULL;
+    assert_int_equal(store_open(path, STORE_READ, &s, &e), ST_EVERSION);
+    assert_int_equal(count("PRAGMA user_version"), 2);
+    s = open_store(STORE_WRITE);
+    assert_int_equal(count("PRAGMA user_version"), 3);
+    assert_int_equal(problems(s),
+                     0); /* its tables are word for word those of a new one */
+    assert_int_equal(store_token_check(s, secret, &t, &e), ST_OK);
+    assert_int_equal(t.scopes, STORE_SCOPE_ALL); /* as it could */
+    assert_string_equal(t.expires, "");
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    store_close(s);
+}
+
+/* In the way of the upgrade: it fails as a whole. */
+static void test_not_upgraded(void **state)
+{
+    struct store *s = NULL;
+
+    (void)state;
+    make_version_2();
+    sql("CREATE TABLE attempts (nonsense TEXT)");
+    assert_int_equal(store_open(path, STORE_WRITE, &s, &e), ST_EDB);
+    assert_null(s);
+    assert_int_equal(count("PRAGMA user_version"), 2);
+    assert_int_equal(
+        count("SELECT count(*) FROM pragma_table_info('tokens') WHERE name = 'scopes'"),
+        0);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/test_tokens.XXXXXX");
+    if (mkdtemp(dir) == NULL)
+        return 1;
+    (void)snprintf(path, sizeof path, "%s/db", dir);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    remove_database();
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scopes),       cmocka_unit_test(test_tokens),
+        cmocka_unit_test(test_expires),      cmocka_unit_test(test_rotated),
+        cmocka_unit_test(test_used),         cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_attempts),     cmocka_unit_test(test_clock_back),
+        cmocka_unit_test(test_threads),      cmocka_unit_test(test_upgraded),
+        cmocka_unit_test(test_not_upgraded),
+    };
+
+    return cmocka_run_group_tests_name("tokens", tests, set_up, tear_down);
+}
