@@ -23,6 +23,7 @@ struct cache {
     pthread_mutex_t lock;
     struct entry *bucket[NBUCKETS];
     struct entry *newest, *oldest;
+    uint64_t forgets; /* calls of cache_forget() */
     struct cache_state state;
 };
 
@@ -116,11 +117,30 @@ void cache_free(struct cache *c)
     free(c);
 }
 
+/* Keep x, which its holder alone has so far, unless another worker has loaded the same
+ * meanwhile or it does not fit; the lock is held. */
+static void take_in(struct cache *c, struct entry *x)
+{
+    if (find(c, x->id) != NULL || x->bytes > c->state.limit)
+        return;
+    x->refs++;
+    x->chain = c->bucket[bucket_of(x->id)];
+    c->bucket[bucket_of(x->id)] = x;
+    link_newest(c, x);
+    c->state.bytes += x->bytes;
+    c->state.entries++;
+    while (c->state.bytes > c->state.limit) {
+        drop(c, c->oldest);
+        c->state.evictions++;
+    }
+}
+
 enum status cache_hold(struct cache *c, struct store *s, const char *id,
                        struct face_work *w, const struct face **out, struct errinfo *e)
 {
     struct store_template t;
-    struct entry *x, *twin;
+    struct entry *x;
+    uint64_t forgets;
     enum status st;
 
     *out = NULL;
@@ -135,6 +155,7 @@ enum status cache_hold(struct cache *c, struct store *s, const char *id,
     } else {
         c->state.misses++;
     }
+    forgets = c->forgets;
     (void)pthread_mutex_unlock(&c->lock);
     if (x != NULL)
         return ST_OK;
@@ -154,17 +175,10 @@ enum status cache_hold(struct cache *c, struct store *s, const char *id,
     *out = &x->face;
 
     (void)pthread_mutex_lock(&c->lock);
-    twin = find(c, x->id); /* another worker may have loaded it meanwhile */
-    if (twin == NULL && x->bytes <= c->state.limit) {
-        x->refs++;
-        x->chain = c->bucket[bucket_of(x->id)];
-        c->bucket[bucket_of(x->id)] = x;
-        link_newest(c, x);
-        c->state.bytes += x->bytes;
-        c->state.entries++;
-        while (c->state.bytes > c->state.limit)
-            drop(c, c->oldest);
-    }
+    /* What was deleted since it was read must not come in behind cache_forget()'s back: it
+     * would stay until it is the oldest.  Whoever else is hit by this loads once more. */
+    if (forgets == c->forgets)
+        take_in(c, x);
     (void)pthread_mutex_unlock(&c->lock);
     return ST_OK;
 }
@@ -183,6 +197,7 @@ void cache_forget(struct cache *c, const char *id)
     struct entry *x;
 
     (void)pthread_mutex_lock(&c->lock);
+    c->forgets++;
     x = find(c, id);
     if (x != NULL)
         drop(c, x);

@@ -14,7 +14,7 @@ struct errinfo;
 struct store;
 
 /* cache_new(limit): room for models of about limit bytes; what was used longest ago goes
- * first.  NULL: out of memory. */
+ * first.  0: nothing is kept, every hold loads.  NULL: out of memory. */
 struct cache *cache_new(size_t limit);
 void cache_free(struct cache *c); /* nothing may be held; NULL is allowed */
 
@@ -25,12 +25,14 @@ enum status cache_hold(struct cache *c, struct store *s, const char *id,
                        struct face_work *w, const struct face **out, struct errinfo *e);
 void cache_release(struct cache *c, const struct face *f); /* NULL is allowed */
 
-/* cache_forget(c, id): drop it, its memory too once nobody holds it. */
+/* cache_forget(c, id): drop it, its memory too once nobody holds it.  After the store has
+ * deleted it: then no load that is under way brings it back. */
 void cache_forget(struct cache *c, const char *id);
 
 struct cache_state {
     size_t bytes, limit, entries;
     uint64_t hits, misses;
+    uint64_t evictions; /* dropped for want of room, not forgotten */
 };
 
 void cache_look(struct cache *c, struct cache_state *out);

@@ -1,10 +1,12 @@
+/* link: -Wl,--wrap=store_template_load */
 /* The template cache: its bound, who goes first, models that are dropped while they are
- * held, and many threads at once. */
+ * held, many threads at once, and templates that come and go meanwhile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,18 +21,41 @@
 #define FACES   5
 #define POINTS  600
 #define THREADS 4
+#define WRITERS 2  /* threads that enroll and delete, each in a subject of its own */
+#define ROUNDS  40 /* templates that each of them makes */
 
 static char dir[64], path[96];
+static struct face faces[FACES];
 static struct store *store;
 static struct store_template tmpl[FACES];
 static struct face_work *work;
 static struct errinfo e;
 
+/* What happens between a load from the store and what the cache does with it. */
+static struct cache *forgets_meanwhile;
+
+enum status __real_store_template_load(struct store *s, const char *id,
+                                       struct store_template *t, struct face_work *w,
+                                       struct face *f, struct errinfo *err);
+enum status __wrap_store_template_load(struct store *s, const char *id,
+                                       struct store_template *t, struct face_work *w,
+                                       struct face *f, struct errinfo *err);
+
+enum status __wrap_store_template_load(struct store *s, const char *id,
+                                       struct store_template *t, struct face_work *w,
+                                       struct face *f, struct errinfo *err)
+{
+    enum status st = __real_store_template_load(s, id, t, w, f, err);
+
+    if (forgets_meanwhile != NULL)
+        cache_forget(forgets_meanwhile, id);
+    return st;
+}
+
 static int set_up(void **state)
 {
     static struct dvec3 pts[POINTS];
     struct facegen_scan s;
-    struct face f = {0};
     bool created;
 
     (void)state;
@@ -43,12 +68,13 @@ static int set_up(void **state)
     for (uint64_t i = 0; i < FACES; i++) {
         facegen_default(&s);
         s.subject = i;
-        s.points = POINTS;
-        assert_int_equal(face_build(pts, facegen_sample(&s, pts), work, &f, NULL), ST_OK);
-        assert_int_equal(store_enroll(store, "test", "x", "", &f, &tmpl[i], &created, &e),
+        s.points = POINTS - 10 * (uint32_t)i; /* to be told apart by */
+        assert_int_equal(face_build(pts, facegen_sample(&s, pts), work, &faces[i], NULL),
                          ST_OK);
+        assert_int_equal(
+            store_enroll(store, "test", "x", "", &faces[i], &tmpl[i], &created, &e),
+            ST_OK);
     }
-    face_free(&f);
     return 0;
 }
 
@@ -58,6 +84,8 @@ static int tear_down(void **state)
     char name[128];
 
     (void)state;
+    for (size_t i = 0; i < FACES; i++)
+        face_free(&faces[i]);
     face_work_free(work);
     store_close(store);
     for (size_t i = 0; i < 3; i++) {
@@ -135,6 +163,24 @@ static void test_bound(void **state)
     use(c, 3);
     cache_look(c, &s);
     assert_int_equal(s.hits, 3);
+    assert_int_equal(s.misses - s.entries, s.evictions);
+    cache_free(c);
+}
+
+/* Without room every hold loads, and nothing stays. */
+static void test_off(void **state)
+{
+    struct cache *c = cache_new(0);
+    struct cache_state s;
+
+    (void)state;
+    use(c, 0);
+    use(c, 0);
+    cache_look(c, &s);
+    assert_int_equal(s.hits, 0);
+    assert_int_equal(s.misses, 2);
+    assert_int_equal(s.bytes, 0);
+    assert_int_equal(s.evictions, 0);
     cache_free(c);
 }
 
@@ -164,6 +210,25 @@ static void test_dropped_while_held(void **state)
     cache_look(c, &s);
     assert_int_equal(s.entries, 0);
     cache_release(c, a);
+    cache_free(c);
+}
+
+/* Deleted while a worker was loading it: the worker may use it, but it does not stay. */
+static void test_forgotten_while_loaded(void **state)
+{
+    struct cache *c = cache_new(SIZE_MAX);
+    struct cache_state s;
+
+    (void)state;
+    forgets_meanwhile = c;
+    use(c, 0);
+    forgets_meanwhile = NULL;
+    cache_look(c, &s);
+    assert_int_equal(s.entries, 0);
+    assert_int_equal(s.bytes, 0);
+    use(c, 0);
+    cache_look(c, &s);
+    assert_int_equal(s.entries, 1);
     cache_free(c);
 }
 
@@ -219,14 +284,127 @@ static void test_threads(void **state)
     cache_free(c);
 }
 
+/* ---- templates that come and go, by this process and by another */
+
+static struct coming_and_going {
+    struct cache *cache;
+    struct store *beside; /* another handle, as surfacectl has; NULL: not taking part */
+    atomic_int gone[WRITERS]; /* serial, kept as the label, of the last one deleted */
+    atomic_int writing;       /* how many writers are at it */
+    atomic_int next;          /* writer's number */
+} going;
+
+static void *come_and_go(void *arg)
+{
+    int me = atomic_fetch_add(&going.next, 1);
+    intptr_t bad = 0;
+    char subject[16];
+
+    (void)arg;
+    (void)snprintf(subject, sizeof subject, "w%d", me);
+    for (int serial = 1; serial <= ROUNDS && !bad; serial++) {
+        struct store *by = serial % 2 != 0 && going.beside != NULL ? going.beside : store;
+        struct store_template t;
+        char label[16];
+        bool created;
+
+        (void)snprintf(label, sizeof label, "%d", serial);
+        bad = store_enroll(by, "test", subject, label, &faces[serial % FACES], &t,
+                           &created, NULL) != ST_OK ||
+              !created || store_template_delete(by, "test", t.id, NULL) != ST_OK;
+        if (by == store)
+            cache_forget(going.cache, t.id);
+        atomic_store(&going.gone[me], serial);
+    }
+    (void)atomic_fetch_sub(&going.writing, 1);
+    return (void *)bad;
+}
+
+/* What a verification does: ask the store which templates there are, then hold them.  One
+ * whose deletion had ended before is never among them. */
+static void *look_for_gone(void *arg)
+{
+    struct face_work *w = face_work_new(NULL);
+    intptr_t bad = w == NULL;
+
+    (void)arg;
+    for (unsigned i = 0; atomic_load(&going.writing) > 0 && !bad; i++) {
+        int gone = atomic_load(&going.gone[i % WRITERS]);
+        struct store_template *t = NULL;
+        char subject[16];
+        size_t n = 0;
+        enum status st;
+
+        (void)snprintf(subject, sizeof subject, "w%u", i % WRITERS);
+        st = store_template_list(store, subject, &t, &n, NULL);
+        bad = st != ST_OK && st != ST_ENOTFOUND;
+        for (size_t k = 0; k < n && !bad; k++) {
+            const struct face *f;
+
+            st = cache_hold(going.cache, store, t[k].id, w, &f, NULL);
+            bad = atoi(t[k].label) <= gone || (st != ST_OK && st != ST_ENOTFOUND) ||
+                  (st == ST_OK && f->mesh.nv != t[k].points);
+            cache_release(going.cache, f);
+        }
+        free(t);
+    }
+    face_work_free(w);
+    return (void *)bad;
+}
+
+static void run_going(struct store *beside)
+{
+    pthread_t t[WRITERS + THREADS];
+    void *bad;
+
+    going = (struct coming_and_going){.cache = cache_new(SIZE_MAX), .beside = beside};
+    assert_non_null(going.cache);
+    atomic_store(&going.writing, WRITERS);
+    for (size_t i = 0; i < WRITERS + THREADS; i++)
+        assert_int_equal(
+            pthread_create(&t[i], NULL, i < WRITERS ? come_and_go : look_for_gone, NULL),
+            0);
+    for (size_t i = 0; i < WRITERS + THREADS; i++) {
+        assert_int_equal(pthread_join(t[i], &bad), 0);
+        assert_null(bad);
+    }
+}
+
+/* Deleted by the daemon: it is in nobody's memory either, whoever was loading it then. */
+static void test_gone(void **state)
+{
+    struct cache_state s;
+
+    (void)state;
+    run_going(NULL);
+    cache_look(going.cache, &s);
+    assert_int_equal(s.entries, 0);
+    cache_free(going.cache);
+}
+
+static void test_gone_beside(void **state)
+{
+    struct store *beside;
+
+    (void)state;
+    assert_int_equal(store_open(path, STORE_WRITE, &beside, &e), ST_OK);
+    run_going(beside);
+    cache_free(going.cache);
+    store_close(beside);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_hit),
         cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_off),
         cmocka_unit_test(test_dropped_while_held),
+        cmocka_unit_test(test_forgotten_while_loaded),
         cmocka_unit_test(test_unknown),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_gone),
+        cmocka_unit_test(test_gone_beside),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
