@@ -1,7 +1,8 @@
 /* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
- * released after the last; the pointers never change in between. */
+ * released after the last; nothing but `stopping` changes in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -21,6 +22,7 @@ struct app {
     struct queue *queue;
     bool no_auth;
     size_t max_body; /* bytes */
+    atomic_bool stopping;
 };
 
 #endif

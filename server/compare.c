@@ -26,6 +26,7 @@ void compare_handle(struct request *r, struct worker *w)
         cloud_read_two(r, &a, &b) != ST_OK)
         return;
     parsed = log_clock_ms();
+    request_stage(r, REQUEST_PARSE, parsed - start);
     if (cloud_build(r, &a, "a.points", w->work, &w->other) != ST_OK ||
         cloud_build(r, &b, "b.points", w->work, &w->probe) != ST_OK)
         goto out;
@@ -34,6 +35,7 @@ void compare_handle(struct request *r, struct worker *w)
         goto out;
     }
     prepared = log_clock_ms();
+    request_stage(r, REQUEST_PREPARE, prepared - parsed);
     st = face_compare(&w->other, &w->probe, threshold, log_clock_ms, w->work, &result);
     if (st == ST_OK && map) {
         gap = mem_array(b.n, sizeof *gap);
@@ -46,6 +48,8 @@ void compare_handle(struct request *r, struct worker *w)
         request_problem(r, st, "comparing: %s", status_message(st));
         goto out;
     }
+    request_stage(r, REQUEST_ALIGN, result.align_ms);
+    request_stage(r, REQUEST_MEASURE, result.measure_ms);
     verify_event(r, "compare", "", "", result.decision);
     request_answer(r, 200,
                    json_verdict(&(struct json_verdict){

@@ -11,6 +11,7 @@
 #include "idempotency.h"
 #include "json.h"
 #include "log.h"
+#include "metrics.h"
 #include "params.h"
 #include "queue.h"
 #include "request.h"
@@ -25,7 +26,7 @@ static enum status check_fit(struct request *r, struct worker *w,
                              char newest[STORE_ID_LEN + 1], struct errinfo *e)
 {
     struct store_template *t = NULL;
-    struct verify_best best;
+    struct verify_best best = {0};
     size_t n = 0;
     enum status st = store_template_list(r->app->store, r->subject, &t, &n, e);
 
@@ -33,11 +34,14 @@ static enum status check_fit(struct request *r, struct worker *w,
     if (st == ST_OK && n > 0) {
         memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
         st = verify_compare(w, t, n, &w->probe, 0.0, &best, e);
+        request_stage(r, REQUEST_ALIGN, best.align_ms);
+        request_stage(r, REQUEST_MEASURE, best.measure_ms);
     }
     free(t);
     if (st == ST_ENOTFOUND || (st == ST_OK && n == 0))
         return ST_OK; /* the first sample */
     if (st == ST_OK && best.result.decision != FACE_MATCH) {
+        metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
         request_mismatch(r, &best.result);
         return ST_EMISMATCH;
     }
@@ -64,6 +68,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         request_fail(r, &e);
         return;
     }
+    metrics_enrollment(r->app->metrics, created ? METRICS_ENROLLED : METRICS_KNOWN);
     request_written(r, created ? 201 : 200, json_template(&t, &w->probe.frame));
     if (r->answer.http < 300)
         (void)snprintf(r->answer.location, sizeof r->answer.location, LOCATION "%s",
@@ -75,6 +80,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
     char label[STORE_LABEL_MAX + 1];
     struct cloud c;
     bool force = false;
+    double start = log_clock_ms(), parsed;
     enum status st = request_query(r, "label", label, sizeof label);
 
     if (st != ST_OK && st != ST_ENOTFOUND) {
@@ -84,7 +90,10 @@ static void read_and_enroll(struct request *r, struct worker *w)
     }
     if (!params_flag(r, "force", &force) || cloud_read(r, &c) != ST_OK)
         return;
+    parsed = log_clock_ms();
+    request_stage(r, REQUEST_PARSE, parsed - start);
     st = cloud_build(r, &c, "points", w->work, &w->probe);
+    request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloud_free(&c);
     if (st == ST_OK)
         enroll(r, w, label, force);

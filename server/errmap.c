@@ -40,6 +40,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_SCOPE] = {403, "insufficient_scope", "The token is not for this"},
     [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
+    [ERRMAP_NOT_READY] = {503, "not_ready", "Not ready"},
 };
 
 const struct errmap *errmap_get(unsigned kind)

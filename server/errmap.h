@@ -19,6 +19,7 @@ enum errmap_kind {
     ERRMAP_SCOPE,      /* a token that is not for this */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */
+    ERRMAP_NOT_READY,  /* /readyz: the daemon cannot work now */
     ERRMAP_COUNT
 };
 

@@ -51,11 +51,12 @@ struct exchange {
     struct http *http;
     struct MHD_Connection *conn;
     enum state state;
-    uint64_t length; /* Content-Length, or LENGTH_UNKNOWN */
-    bool has_length; /* it gives a length, or sends chunks */
-    bool body_sent;  /* the client sends a body, or says so */
-    size_t cap;      /* of r.body */
-    int drain_fd;    /* answered before the body was read; -1: not */
+    uint64_t length;  /* Content-Length, or LENGTH_UNKNOWN */
+    bool has_length;  /* it gives a length, or sends chunks */
+    bool body_sent;   /* the client sends a body, or says so */
+    size_t cap;       /* of r.body */
+    double queued_ms; /* log_clock_ms() when it was last handed to the workers */
+    int drain_fd;     /* answered before the body was read; -1: not */
 };
 
 struct http {
@@ -64,7 +65,6 @@ struct http {
     struct drain *drain;
     int fd; /* the listening socket; -1 once it is closed or libmicrohttpd's */
     atomic_uint exchanges;
-    atomic_bool stopping;
     size_t buffered; /* bytes of bodies, until their requests end; I/O thread only */
     unsigned long serial;
 };
@@ -105,7 +105,7 @@ static struct MHD_Response *make_response(struct exchange *x)
         (void)snprintf(number, sizeof number, "%u", a->retry_after);
         (void)MHD_add_response_header(resp, "Retry-After", number);
     }
-    if (atomic_load(&x->http->stopping))
+    if (atomic_load(&x->http->app->stopping))
         (void)MHD_add_response_header(resp, "Connection", "close");
     return resp;
 }
@@ -182,6 +182,7 @@ void http_run(struct worker *w, struct request *r)
 {
     struct exchange *x = (struct exchange *)r;
 
+    request_stage(r, REQUEST_QUEUE, log_clock_ms() - x->queued_ms);
     if (x->state == ADMITTED)
         auth_check(r);
     else if (inflate_request(r))
@@ -193,11 +194,12 @@ void http_run(struct worker *w, struct request *r)
 static void to_worker(struct exchange *x, enum state state)
 {
     x->state = state;
+    x->queued_ms = log_clock_ms();
     MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
     if (!queue_push(x->http->app->queue, &x->r)) {
         request_problem(&x->r, ERRMAP_OVERLOAD, "%s",
-                        atomic_load(&x->http->stopping) ? "the daemon is stopping"
-                                                        : "the queue is full");
+                        atomic_load(&x->http->app->stopping) ? "the daemon is stopping"
+                                                             : "the queue is full");
         MHD_resume_connection(x->conn);
     }
 }
@@ -408,7 +410,6 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
 {
     struct http *h = cls;
     struct exchange *x = *con_cls;
-    const char *name, *method;
     double ms;
     int http;
 
@@ -419,15 +420,8 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
     *con_cls = NULL;
     ms = log_clock_ms() - x->r.start_ms;
     http = x->state == ANSWERED ? x->r.answer.http : 0;
-    name = routes_name(routes_index(x->r.route), &method);
-    metrics_request(h->app->metrics, routes_index(x->r.route), http, ms);
-    if (x->r.fault[0] == '\0')
-        log_line("info", "request_id=%s method=%s route=%s status=%d ms=%.3f", x->r.id,
-                 method, name, http, ms);
-    else
-        log_line("error",
-                 "request_id=%s method=%s route=%s status=%d ms=%.3f fault=\"%s\"",
-                 x->r.id, method, name, http, ms, x->r.fault);
+    metrics_request(h->app->metrics, &x->r, http, ms);
+    request_log(&x->r, http, ms);
     if (x->drain_fd >= 0)
         drain_adopt(h->drain, x->drain_fd);
     h->buffered -= x->cap;
@@ -518,7 +512,7 @@ void http_quiesce(struct http *h, double ms)
     const struct timespec pause = {0, 5 * 1000 * 1000};
     double end = log_clock_ms() + ms;
 
-    atomic_store(&h->stopping, true);
+    atomic_store(&h->app->stopping, true);
     if (h->fd >= 0) {
         (void)MHD_quiesce_daemon(h->daemon);
         (void)close(h->fd);

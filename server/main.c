@@ -21,10 +21,9 @@
 #include "settings.h"
 #include "store.h"
 
-#define CACHE_BYTES ((size_t)256 << 20)
-#define GRACE_MS    10000.0 /* for the requests that have begun, on a stop */
-#define STALLED_MS  60000.0 /* without an answer from any worker: something is wrong */
-#define FLUSH_MS    2000.0  /* for the answers that are ready by then */
+#define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
+#define STALLED_MS 60000.0 /* without an answer from any worker: something is wrong */
+#define FLUSH_MS   2000.0  /* for the answers that are ready by then */
 
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
@@ -38,7 +37,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
     if (st != ST_OK)
         return st;
     store_use_model(app->store, app->model);
-    app->cache = cache_new(CACHE_BYTES);
+    app->cache = cache_new((size_t)o->cache_mb << 20);
     app->metrics = metrics_new();
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
     if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL)
@@ -67,12 +66,40 @@ static void stop(struct app *app, struct http *http)
 static void warn_of_calibration(struct store *s)
 {
     struct store_calibration k;
+    struct log_entry l;
 
-    if (calibration_in_force(s, &k, NULL) == ST_OK && k.ignored)
-        log_line("warn",
-                 "msg=\"calibration %lld is not used: made by another measure or model\" "
-                 "made_by=\"%s\" threshold_mm=%.4f",
-                 (long long)k.version, k.engine, k.decision.threshold_mm);
+    if (calibration_in_force(s, &k, NULL) != ST_OK || !k.ignored)
+        return;
+    log_begin(&l, "warn", "calibration is not used: made by another measure or model");
+    log_count(&l, "version", (uint64_t)k.version);
+    log_text(&l, "made_by", k.engine);
+    log_real(&l, "threshold_mm", k.decision.threshold_mm, 4);
+    log_end(&l);
+}
+
+static void say_listening(const struct options *o, const struct store *s, const char *url)
+{
+    struct log_entry l;
+    char msg[HTTP_URL_MAX + 16];
+
+    (void)snprintf(msg, sizeof msg, "listening on %s", url);
+    log_begin(&l, "info", msg);
+    log_text(&l, "engine", store_made_by(s));
+    log_count(&l, "workers", o->workers);
+    log_count(&l, "queue", o->queue);
+    log_count(&l, "max_body", o->max_body);
+    log_count(&l, "cache_mb", o->cache_mb);
+    log_text(&l, "auth", o->no_auth ? "none" : "token");
+    log_end(&l);
+}
+
+static void say_stopping(int sig)
+{
+    struct log_entry l;
+
+    log_begin(&l, "info", "stopping");
+    log_text(&l, "signal", sig == SIGTERM ? "SIGTERM" : "SIGINT");
+    log_end(&l);
 }
 
 /* What the hooks of service_wait() see. */
@@ -85,7 +112,7 @@ struct daemon {
 static void reload(void *arg)
 {
     (void)arg;
-    log_line("info", "msg=\"nothing to reload\"");
+    log_line("info", "nothing to reload");
 }
 
 /* The workers get on with what they have.  How long one request may take depends on the
@@ -146,6 +173,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
         goto out;
     }
+    log_use((enum log_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;
     app.max_body = o.max_body;
@@ -154,21 +182,17 @@ int main(int argc, char **argv)
         stop(&app, http);
         goto out;
     }
-    log_line("info",
-             "msg=\"listening on %s\" engine=\"%s\" workers=%u queue=%u "
-             "max_body=%zu auth=%s",
-             url, store_made_by(app.store), o.workers, o.queue, o.max_body,
-             o.no_auth ? "none" : "token");
+    say_listening(&o, app.store, url);
     warn_of_calibration(app.store);
     d.progress_ms = log_clock_ms();
     service_ready(url);
     sig = service_wait(&(struct service_hooks){reload, healthy, &d});
-    log_line("info", "msg=\"stopping\" signal=%s", sig == SIGTERM ? "SIGTERM" : "SIGINT");
+    say_stopping(sig);
     http_quiesce(http, GRACE_MS);
     queue_stop(app.queue); /* what is still queued gets its answer */
     http_quiesce(http, FLUSH_MS);
     stop(&app, http);
-    log_line("info", "msg=\"stopped\"");
+    log_line("info", "stopped");
     status = 0;
 out:
     options_free(&o);

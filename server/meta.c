@@ -3,8 +3,6 @@
 #include <string.h>
 
 #include "app.h"
-#include "calibration.h"
-#include "errinfo.h"
 #include "face.h"
 #include "json.h"
 #include "metrics.h"
@@ -12,25 +10,6 @@
 #include "request.h"
 
 #include "openapi_json.h"
-
-void meta_health(struct request *r, struct worker *w)
-{
-    (void)w;
-    request_answer(r, 200, json_state("ok"));
-}
-
-void meta_ready(struct request *r, struct worker *w)
-{
-    struct store_calibration k;
-    struct errinfo e = {0};
-
-    (void)w;
-    if (store_ready(r->app->store, &e) == ST_OK &&
-        calibration_in_force(r->app->store, &k, &e) == ST_OK)
-        request_answer(r, 200, json_ready(&k));
-    else
-        request_problem(r, ST_EBUSY, "not ready: %s", e.msg);
-}
 
 void meta_metrics(struct request *r, struct worker *w)
 {

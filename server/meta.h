@@ -5,8 +5,6 @@
 struct request;
 struct worker;
 
-void meta_health(struct request *r, struct worker *w);
-void meta_ready(struct request *r, struct worker *w);
 void meta_metrics(struct request *r, struct worker *w);
 void meta_openapi(struct request *r, struct worker *w);
 void meta_version(struct request *r, struct worker *w);

@@ -2,36 +2,53 @@
 
 #include <inttypes.h>
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "app.h"
 #include "cache.h"
+#include "process.h"
 #include "queue.h"
+#include "request.h"
 #include "routes.h"
 
 #define NSTATUS  600
-#define NBUCKETS 11
+#define NBUCKETS 14
 
-/* Upper bounds of the histogram's buckets, ms. */
-static const double bucket_ms[NBUCKETS] = {0.5, 1, 2, 4, 8, 16, 32, 64, 250, 1000, 5000};
+/* Upper bounds of the histograms' buckets, seconds. */
+static const double bound[NBUCKETS] = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
+                                       0.1,    0.25,  0.5,    1,     2.5,  5,     10};
 
-struct route_counts {
-    atomic_uint_fast64_t status[NSTATUS];
-    atomic_uint_fast64_t bucket[NBUCKETS + 1]; /* not cumulative */
-    atomic_uint_fast64_t ns;
+typedef atomic_uint_fast64_t counter;
+
+struct histogram {
+    counter bucket[NBUCKETS + 1]; /* not cumulative */
+    counter ns;
 };
 
+enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
+
 struct metrics {
-    struct route_counts route[ROUTES_MAX];
-    atomic_uint_fast64_t decision[FACE_INCONCLUSIVE + 1];
-    atomic_uint_fast64_t lost_events;
+    time_t start;
+    struct {
+        counter status[NSTATUS];
+        struct histogram duration;
+    } route[ROUTES_MAX];
+    struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
+    counter decision[FACE_INCONCLUSIVE + 1];
+    counter enrollment[METRICS_MISMATCH + 1];
+    counter database[NDATABASE];
+    counter lost_events, wrong_tokens;
 };
 
 struct metrics *metrics_new(void)
 {
-    return calloc(1, sizeof(struct metrics));
+    struct metrics *m = calloc(1, sizeof *m);
+
+    if (m != NULL)
+        m->start = time(NULL);
+    return m;
 }
 
 void metrics_free(struct metrics *m)
@@ -39,26 +56,36 @@ void metrics_free(struct metrics *m)
     free(m);
 }
 
-static void count(atomic_uint_fast64_t *counter, uint_fast64_t n)
+/* ---- counting */
+
+static void count(counter *c, uint_fast64_t n)
 {
-    (void)atomic_fetch_add_explicit(counter, n, memory_order_relaxed);
+    (void)atomic_fetch_add_explicit(c, n, memory_order_relaxed);
 }
 
-static uint64_t value(atomic_uint_fast64_t *counter)
+static void observe(struct histogram *h, double ms)
 {
-    return atomic_load_explicit(counter, memory_order_relaxed);
-}
-
-void metrics_request(struct metrics *m, size_t route, int http, double ms)
-{
-    struct route_counts *c = &m->route[route];
     size_t b = 0;
 
-    while (b < NBUCKETS && ms > bucket_ms[b])
+    while (b < NBUCKETS && ms > bound[b] * 1e3)
         b++;
-    count(&c->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
-    count(&c->bucket[b], 1);
-    count(&c->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+    count(&h->bucket[b], 1);
+    count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+}
+
+void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
+{
+    size_t route = routes_index(r->route);
+
+    count(&m->route[route].status[http < 0 || http >= NSTATUS ? 0 : http], 1);
+    observe(&m->route[route].duration, ms);
+    for (size_t i = 0; i < REQUEST_STAGES; i++)
+        if ((r->stages >> i & 1) != 0)
+            observe(&m->stage[i], r->stage_ms[i]);
+    if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
+        observe(&m->stage[REQUEST_STAGES], ms);
+    if (r->answer.bad_token)
+        count(&m->wrong_tokens, 1);
 }
 
 void metrics_decision(struct metrics *m, enum face_decision d)
@@ -66,19 +93,83 @@ void metrics_decision(struct metrics *m, enum face_decision d)
     count(&m->decision[d], 1);
 }
 
+void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
+{
+    count(&m->enrollment[outcome], 1);
+}
+
+void metrics_database_error(struct metrics *m, enum status st)
+{
+    if (st == ST_EBUSY)
+        count(&m->database[BUSY], 1);
+    else if (st == ST_EIO)
+        count(&m->database[IO], 1);
+    else if (st == ST_ECORRUPT)
+        count(&m->database[CORRUPT], 1);
+    else if (st == ST_EVERSION)
+        count(&m->database[VERSION], 1);
+    else if (st == ST_EDB)
+        count(&m->database[OTHER], 1);
+}
+
 void metrics_lost_event(struct metrics *m)
 {
     count(&m->lost_events, 1);
 }
 
-static void print_requests(FILE *f, struct metrics *m)
+/* ---- telling */
+
+static uint64_t value(const counter *c)
+{
+    return atomic_load_explicit(c, memory_order_relaxed);
+}
+
+static void head(FILE *f, const char *name, const char *type, const char *help)
+{
+    fprintf(f, "# HELP %s %s\n# TYPE %s %s\n", name, help, name, type);
+}
+
+static void print_one(FILE *f, const char *name, const char *type, uint64_t v,
+                      const char *help)
+{
+    head(f, name, type, help);
+    fprintf(f, "%s %" PRIu64 "\n", name, v);
+}
+
+/* One counter for each value of a label. */
+static void print_by(FILE *f, const char *name, const char *label,
+                     const char *const values[], const counter *c, size_t n,
+                     const char *help)
+{
+    head(f, name, "counter", help);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%s{%s=\"%s\"} %" PRIu64 "\n", name, label, values[i], value(&c[i]));
+}
+
+/* labels: "a=\"b\",c=\"d\""; nothing is printed of a histogram without observations. */
+static void print_histogram(FILE *f, const char *name, const char *labels,
+                            const struct histogram *h)
+{
+    uint64_t n[NBUCKETS + 1], sum = 0;
+
+    for (size_t b = 0; b <= NBUCKETS; b++)
+        n[b] = sum += value(&h->bucket[b]);
+    if (sum == 0)
+        return;
+    for (size_t b = 0; b < NBUCKETS; b++)
+        fprintf(f, "%s_bucket{%s,le=\"%g\"} %" PRIu64 "\n", name, labels, bound[b], n[b]);
+    fprintf(f, "%s_bucket{%s,le=\"+Inf\"} %" PRIu64 "\n", name, labels, sum);
+    fprintf(f, "%s_sum{%s} %.9f\n", name, labels, (double)value(&h->ns) / 1e9);
+    fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
+}
+
+static void print_requests(FILE *f, const struct metrics *m)
 {
     const char *name, *method;
+    char labels[128];
 
-    fputs(
-        "# HELP surfaced_http_requests_total Requests by route and status; status 0: the "
-        "client went away.\n# TYPE surfaced_http_requests_total counter\n",
-        f);
+    head(f, "surfaced_http_requests_total", "counter",
+         "Requests by route and status; status 0: the client went away.");
     for (size_t i = 0; (name = routes_name(i, &method)) != NULL; i++)
         for (int s = 0; s < NSTATUS; s++)
             if (value(&m->route[i].status[s]) > 0)
@@ -86,79 +177,86 @@ static void print_requests(FILE *f, struct metrics *m)
                         "surfaced_http_requests_total{route=\"%s\",method=\"%s\","
                         "status=\"%d\"} %" PRIu64 "\n",
                         name, method, s, value(&m->route[i].status[s]));
-}
-
-static void print_durations(FILE *f, struct metrics *m)
-{
-    const char *name, *method;
-
-    fputs(
-        "# HELP surfaced_http_request_duration_seconds From the request line to the end "
-        "of the answer.\n# TYPE surfaced_http_request_duration_seconds histogram\n",
-        f);
+    head(f, "surfaced_http_request_duration_seconds", "histogram",
+         "From the request line to the end of the answer.");
     for (size_t i = 0; (name = routes_name(i, &method)) != NULL; i++) {
-        uint64_t sum = 0;
-
-        for (size_t b = 0; b <= NBUCKETS; b++)
-            sum += value(&m->route[i].bucket[b]);
-        if (sum == 0)
-            continue;
-        sum = 0;
-        for (size_t b = 0; b <= NBUCKETS; b++) {
-            char le[16] = "+Inf";
-
-            sum += value(&m->route[i].bucket[b]);
-            if (b < NBUCKETS)
-                (void)snprintf(le, sizeof le, "%g", bucket_ms[b] / 1e3);
-            fprintf(f,
-                    "surfaced_http_request_duration_seconds_bucket{route=\"%s\","
-                    "method=\"%s\",le=\"%s\"} %" PRIu64 "\n",
-                    name, method, le, sum);
-        }
-        fprintf(f,
-                "surfaced_http_request_duration_seconds_sum{route=\"%s\",method=\"%s\"} "
-                "%.9f\nsurfaced_http_request_duration_seconds_count{route=\"%s\","
-                "method=\"%s\"} %" PRIu64 "\n",
-                name, method, (double)value(&m->route[i].ns) / 1e9, name, method, sum);
+        (void)snprintf(labels, sizeof labels, "route=\"%s\",method=\"%s\"", name, method);
+        print_histogram(f, "surfaced_http_request_duration_seconds", labels,
+                        &m->route[i].duration);
+    }
+    head(f, "surfaced_stage_duration_seconds", "histogram",
+         "What the time of requests is spent on; queue: waiting for a worker; total: all "
+         "of a request with a face, sending and receiving too.");
+    for (size_t i = 0; i <= REQUEST_STAGES; i++) {
+        (void)snprintf(labels, sizeof labels, "stage=\"%s\"",
+                       i == REQUEST_STAGES ? "total"
+                                           : request_stage_name((enum request_stage)i));
+        print_histogram(f, "surfaced_stage_duration_seconds", labels, &m->stage[i]);
     }
 }
 
-static void print_one(FILE *f, const char *name, const char *type, const char *help,
-                      uint64_t v)
-{
-    fprintf(f, "# HELP %s %s\n# TYPE %s %s\n%s %" PRIu64 "\n", name, help, name, type,
-            name, v);
-}
-
-static void print_rest(FILE *f, const struct app *app)
+static void print_outcomes(FILE *f, const struct metrics *m)
 {
     static const char *const decision[] = {"match", "no_match", "inconclusive"};
+    static const char *const enrollment[] = {"created", "known", "mismatch"};
+    static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
+
+    print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
+             "Verifications and comparisons by decision.");
+    print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
+             "Enrolments; known: the subject had this very scan; mismatch: refused.");
+    print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
+             NDATABASE, "Requests that failed because of the database.");
+    print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),
+              "Events that could not be written to the database.");
+    print_one(f, "surfaced_wrong_tokens_total", "counter", value(&m->wrong_tokens),
+              "Requests with a token that is not valid.");
+}
+
+static void print_gauges(FILE *f, const struct app *app)
+{
     struct queue_state q;
     struct cache_state c;
 
     queue_look(app->queue, &q);
     cache_look(app->cache, &c);
-    fputs("# HELP surfaced_decisions_total Verifications and comparisons by decision.\n"
-          "# TYPE surfaced_decisions_total counter\n",
-          f);
-    for (size_t i = 0; i < 3; i++)
-        fprintf(f, "surfaced_decisions_total{decision=\"%s\"} %" PRIu64 "\n", decision[i],
-                value(&app->metrics->decision[i]));
-    print_one(f, "surfaced_lost_events_total", "counter",
-              "Events that could not be written to the database.",
-              value(&app->metrics->lost_events));
-    print_one(f, "surfaced_queue_depth", "gauge", "Requests that wait for a worker.",
-              q.waiting);
-    print_one(f, "surfaced_queue_limit", "gauge", "Requests that may wait.", q.limit);
-    print_one(f, "surfaced_workers", "gauge", "Worker threads.", q.workers);
-    print_one(f, "surfaced_workers_busy", "gauge", "Worker threads at work.", q.running);
-    print_one(f, "surfaced_cache_hits_total", "counter", "Templates found decoded.",
-              c.hits);
-    print_one(f, "surfaced_cache_misses_total", "counter", "Templates read and decoded.",
-              c.misses);
-    print_one(f, "surfaced_cache_templates", "gauge", "Decoded templates in memory.",
-              c.entries);
-    print_one(f, "surfaced_cache_bytes", "gauge", "Memory they take.", c.bytes);
+    print_one(f, "surfaced_queue_depth", "gauge", q.waiting,
+              "Requests that wait for a worker.");
+    print_one(f, "surfaced_queue_limit", "gauge", q.limit, "Requests that may wait.");
+    print_one(f, "surfaced_workers", "gauge", q.workers, "Worker threads.");
+    print_one(f, "surfaced_workers_busy", "gauge", q.running, "Worker threads at work.");
+    print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
+              "Templates found decoded.");
+    print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
+              "Templates read and decoded.");
+    print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
+              "Decoded templates dropped for want of room.");
+    print_one(f, "surfaced_cache_templates", "gauge", c.entries,
+              "Decoded templates in memory.");
+    print_one(f, "surfaced_cache_bytes", "gauge", c.bytes, "Memory they take.");
+    print_one(f, "surfaced_cache_limit_bytes", "gauge", c.limit, "Memory they may take.");
+}
+
+/* Under the names that every exporter has for these. */
+static void print_process(FILE *f, const struct app *app)
+{
+    struct process_state p;
+
+    process_look(&p);
+    head(f, "surfaced_build_info", "gauge", "1; what this program is.");
+    fprintf(f, "surfaced_build_info{engine=\"%s\",compiler=\"%s\"} 1\n",
+            store_made_by(app->store), __VERSION__);
+    print_one(f, "process_start_time_seconds", "gauge", (uint64_t)app->metrics->start,
+              "Start of the process, seconds since 1970.");
+    head(f, "process_cpu_seconds_total", "counter", "Processor time used.");
+    fprintf(f, "process_cpu_seconds_total %.3f\n", p.cpu_seconds);
+    print_one(f, "process_resident_memory_bytes", "gauge", p.resident_bytes,
+              "Resident memory.");
+    print_one(f, "process_virtual_memory_bytes", "gauge", p.virtual_bytes,
+              "Virtual memory.");
+    print_one(f, "process_open_fds", "gauge", p.open_fds, "Open file descriptors.");
+    print_one(f, "process_max_fds", "gauge", p.max_fds,
+              "Most file descriptors that may be open.");
 }
 
 char *metrics_text(const struct app *app)
@@ -171,8 +269,9 @@ char *metrics_text(const struct app *app)
     if (f == NULL)
         return NULL;
     print_requests(f, app->metrics);
-    print_durations(f, app->metrics);
-    print_rest(f, app);
+    print_outcomes(f, app->metrics);
+    print_gauges(f, app);
+    print_process(f, app);
     failed = ferror(f) != 0;
     if (fclose(f) != 0 || failed) {
         free(text);

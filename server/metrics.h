@@ -1,25 +1,41 @@
-/* metrics.h -- counters for Prometheus.  Any thread may count; no label names a person. */
+/* metrics.h -- what Prometheus is told (exposition format 0.0.4).  Any thread may count.
+ * Base units (seconds, bytes); no label names a person, a token or an address. */
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H
 #include <stddef.h>
 #include "face.h"
+#include "status.h"
 
 struct app;
 struct metrics;
+struct request;
 
 struct metrics *metrics_new(void); /* NULL: out of memory */
 void metrics_free(struct metrics *m);
 
-/* metrics_request(m, route, http, ms): a request came to its end; route: routes_index(). */
-void metrics_request(struct metrics *m, size_t route, int http, double ms);
+/* metrics_request(m, r, http, ms): r came to its end after ms; http: the status that was
+ * sent, 0 when the client was gone.  Its route, its stages and a refused token count. */
+void metrics_request(struct metrics *m, const struct request *r, int http, double ms);
 
 /* metrics_decision(m, d): a verification or comparison was decided. */
 void metrics_decision(struct metrics *m, enum face_decision d);
 
+enum metrics_enrollment {
+    METRICS_ENROLLED,
+    METRICS_KNOWN,   /* this very cloud is the subject's already */
+    METRICS_MISMATCH /* it does not fit the subject's others */
+};
+
+void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome);
+
+/* metrics_database_error(m, st): counted where st is the store's failure, and not what a
+ * client asked for in vain. */
+void metrics_database_error(struct metrics *m, enum status st);
+
 /* metrics_lost_event(m): an event could not be written to the store. */
 void metrics_lost_event(struct metrics *m);
 
-/* metrics_text(app): the exposition format 0.0.4 as heap text; NULL: out of memory. */
+/* metrics_text(app): all of it as heap text; NULL: out of memory. */
 char *metrics_text(const struct app *app);
 
 #endif

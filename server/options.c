@@ -32,6 +32,10 @@ static const struct setting table[] = {
     /* two clouds of 300,000 points as JSON */
     {"max-body", SETTING_BYTES, "64M", offsetof(struct options, max_body), 1, 1UL << 30,
      "BYTES", "longest request body; beyond it: 413"},
+    {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
+     "N", "megabytes of decoded templates kept in memory; 0: none"},
+    {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,
+     "logfmt|json", "how the log's lines are written"},
 };
 
 enum { ROWS = sizeof table / sizeof table[0] };

@@ -16,9 +16,11 @@ struct options {
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;
-    unsigned workers; /* 1.. */
-    unsigned queue;   /* requests that may wait for a worker */
-    size_t max_body;  /* bytes */
+    unsigned workers;    /* 1.. */
+    unsigned queue;      /* requests that may wait for a worker */
+    size_t max_body;     /* bytes */
+    unsigned cache_mb;   /* of decoded templates; 0: none are kept */
+    unsigned log_format; /* enum log_format */
 
     struct sockaddr_storage listen; /* a loopback address (IPv4 or IPv6) and the port */
     socklen_t listen_len;

@@ -8,9 +8,13 @@
 #include <strings.h>
 #include <sodium.h>
 
+#include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "json.h"
+#include "log.h"
+#include "metrics.h"
+#include "routes.h"
 
 enum request_method request_method(const char *name)
 {
@@ -117,6 +121,20 @@ enum status request_query(const struct request *r, const char *name, char *out,
     return ST_ENOTFOUND;
 }
 
+void request_stage(struct request *r, enum request_stage stage, double ms)
+{
+    r->stage_ms[stage] += ms;
+    r->stages |= 1u << stage;
+}
+
+const char *request_stage_name(enum request_stage stage)
+{
+    static const char *const names[REQUEST_STAGES] = {"queue", "parse", "prepare",
+                                                      "align", "measure"};
+
+    return names[stage];
+}
+
 static void set_body(struct request *r, int http, const char *type, char *body)
 {
     free(r->answer.body);
@@ -165,9 +183,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
     va_end(ap);
     if (m->http >= 500) {
         (void)snprintf(r->fault, sizeof r->fault, "%s", detail);
-        for (char *q = r->fault; (q = strchr(q, '"')) != NULL;)
-            *q = '\''; /* the log quotes it */
-        if (kind != ERRMAP_OVERLOAD)
+        if (kind != ERRMAP_OVERLOAD && kind != ERRMAP_NOT_READY)
             told = m->http == 500 ? "The log has an entry with this request_id."
                                   : "Please try again later.";
     }
@@ -182,6 +198,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
 
 void request_fail(struct request *r, const struct errinfo *e)
 {
+    metrics_database_error(r->app->metrics, e->code);
     request_problem(r, (unsigned)e->code, "%s", e->msg);
 }
 
@@ -198,6 +215,31 @@ void request_mismatch(struct request *r, const struct face_result *result)
                               : "the sample does not match any of the subject's "
                                 "templates; force=true enrolls it all the same",
                           r->id, result));
+}
+
+void request_log(const struct request *r, int http, double ms)
+{
+    struct log_entry l;
+    const char *method, *route = routes_name(routes_index(r->route), &method);
+    char key[32];
+
+    log_begin(&l, r->fault[0] == '\0' ? "info" : "error", "request");
+    log_text(&l, "request_id", r->id);
+    log_text(&l, "method", method);
+    log_text(&l, "route", route);
+    log_count(&l, "status", (uint64_t)http);
+    log_real(&l, "ms", ms, 3);
+    for (enum request_stage i = 0; i < REQUEST_STAGES; i++) {
+        if ((r->stages >> i & 1) == 0)
+            continue;
+        (void)snprintf(key, sizeof key, "%s_ms", request_stage_name(i));
+        log_real(&l, key, r->stage_ms[i], 3);
+    }
+    if (r->actor[0] != '\0')
+        log_text(&l, "token", r->actor);
+    if (r->fault[0] != '\0')
+        log_text(&l, "fault", r->fault);
+    log_end(&l);
 }
 
 void request_free(struct request *r)

@@ -31,6 +31,15 @@ enum request_media { /* of the body, by its Content-Type */
                      REQUEST_OTHER_MEDIA
 };
 
+enum request_stage {                  /* what the time of a request is spent on */
+                     REQUEST_QUEUE,   /* waiting for a worker */
+                     REQUEST_PARSE,   /* the body to points */
+                     REQUEST_PREPARE, /* points to face models */
+                     REQUEST_ALIGN,   /* over all templates */
+                     REQUEST_MEASURE,
+                     REQUEST_STAGES
+};
+
 struct request_answer {
     int http;   /* 0: none yet */
     char *body; /* heap, or NULL with len 0 */
@@ -65,6 +74,8 @@ struct request {
     unsigned char *body;        /* heap; body[len] is 0 */
     size_t len;
     double start_ms; /* log_clock_ms() at the request line */
+    double stage_ms[REQUEST_STAGES];
+    unsigned stages; /* a bit for each that it has been through */
     struct request_answer answer;
     char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
 };
@@ -88,6 +99,12 @@ enum status request_decode(const char *s, size_t len, bool plus, char *out, size
 enum status request_query(const struct request *r, const char *name, char *out,
                           size_t size);
 
+/* request_stage(r, stage, ms): ms more were spent on it. */
+void request_stage(struct request *r, enum request_stage stage, double ms);
+
+/* request_stage_name(stage): "queue", "parse", ... */
+const char *request_stage_name(enum request_stage stage);
+
 /* The kinds of answer; each sets r->answer, replacing one that was there. */
 
 /* request_answer(r, http, json): json: heap text, taken; NULL: out of memory, which
@@ -106,12 +123,17 @@ void request_text(struct request *r, const char *type, char *text);
 __attribute__((format(printf, 3, 4))) void
 request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 
-/* request_fail(r, e): the problem that e tells. */
+/* request_fail(r, e): the problem that e tells; one of the database is counted. */
 void request_fail(struct request *r, const struct errinfo *e);
 
 /* request_mismatch(r, result): 409 sample_mismatch, with the decision (no match or
  * inconclusive), the disparity and the threshold. */
 void request_mismatch(struct request *r, const struct face_result *result);
+
+/* request_log(r, http, ms): the one line that the log has of r: its id, route, status and
+ * times, the token's id, and what is behind a 5xx; no subject.  http, ms: as for
+ * metrics_request(). */
+void request_log(const struct request *r, int http, double ms);
 
 /* request_free(r): what r points to. */
 void request_free(struct request *r);

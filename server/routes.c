@@ -5,6 +5,7 @@
 #include "compare.h"
 #include "enroll.h"
 #include "errmap.h"
+#include "health.h"
 #include "meta.h"
 #include "subjects.h"
 #include "verify.h"
@@ -21,8 +22,8 @@ enum { /* who may: those whose token has the scope */
 };
 
 static const struct routes_route table[] = {
-    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, ANYBODY, meta_health, true},
-    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, meta_ready, false},
+    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, ANYBODY, health_live, true},
+    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, health_ready, false},
     {REQUEST_GET, "/metrics", ROUTES_NO_BODY, ANYBODY, meta_metrics, true},
     {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, ANYBODY, meta_openapi, true},
     {REQUEST_GET, "/version", ROUTES_NO_BODY, ANYBODY, meta_version, true},

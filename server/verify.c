@@ -79,8 +79,15 @@ void verify_event(struct request *r, const char *kind, const char *subject,
     metrics_decision(r->app->metrics, decision);
     if (store_event(r->app->store, kind, r->actor, subject, template_id,
                     outcome[decision], &e) != ST_OK) {
+        struct log_entry l;
+
         metrics_lost_event(r->app->metrics);
-        log_line("error", "request_id=%s event=%s lost=\"%s\"", r->id, kind, e.msg);
+        metrics_database_error(r->app->metrics, e.code);
+        log_begin(&l, "error", "event lost");
+        log_text(&l, "request_id", r->id);
+        log_text(&l, "event", kind);
+        log_text(&l, "fault", e.msg);
+        log_end(&l);
     }
 }
 
@@ -115,9 +122,11 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
         cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
+    request_stage(r, REQUEST_PARSE, parsed - start);
     if (cloud_build(r, &c, "points", w->work, &w->probe) != ST_OK)
         goto out;
     prepared = log_clock_ms();
+    request_stage(r, REQUEST_PREPARE, prepared - parsed);
     st = verify_compare(w, t, n, &w->probe, threshold, &best, &e);
     if (st == ST_OK && map)
         st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
@@ -125,6 +134,8 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
         request_fail(r, &e);
         goto out;
     }
+    request_stage(r, REQUEST_ALIGN, best.align_ms);
+    request_stage(r, REQUEST_MEASURE, best.measure_ms);
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);
     request_answer(r, 200,

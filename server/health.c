@@ -1,0 +1,51 @@
+#include "health.h"
+
+#include <stdio.h>
+
+#include "app.h"
+#include "calibration.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "json.h"
+#include "metrics.h"
+#include "queue.h"
+#include "request.h"
+
+/* What anybody may know of the reason; the log has all of it. */
+static const char *reason(enum status st)
+{
+    switch (st) {
+    case ST_EVERSION:
+        return "the database has another schema than this program's";
+    case ST_EBUSY:
+        return "the database is locked by another process";
+    case ST_ENOMEM:
+        return "out of memory";
+    default:
+        return "the database cannot be read";
+    }
+}
+
+void health_live(struct request *r, struct worker *w)
+{
+    (void)w;
+    request_answer(r, 200, json_state("ok"));
+}
+
+void health_ready(struct request *r, struct worker *w)
+{
+    struct store_calibration k;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (atomic_load(&r->app->stopping)) {
+        request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
+    } else if (store_ready(r->app->store, &e) == ST_OK &&
+               calibration_in_force(r->app->store, &k, &e) == ST_OK) {
+        request_answer(r, 200, json_ready(&k));
+    } else {
+        metrics_database_error(r->app->metrics, e.code);
+        request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));
+        (void)snprintf(r->fault, sizeof r->fault, "%s", e.msg);
+    }
+}
