@@ -43,6 +43,7 @@ FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
 BENCH_SRC := $(wildcard tests/bench*.c)
 BLACK_BOX := $(wildcard tests/[0-9][0-9]-*.sh)
 TOOL_SRC  := $(wildcard tests/*_main.c)
+STUDY_SRC := $(wildcard studies/*.c)
 HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC),$(wildcard tests/*.c))
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
@@ -54,7 +55,7 @@ PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
              $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(patsubst server/%.json,$(BUILD)/gen/%_json.h,$(wildcard server/*.json))
-ALL_OBJ   := $(call obj,$(wildcard core/*.c db/*.c server/*.c tests/*.c))
+ALL_OBJ   := $(call obj,$(wildcard core/*.c db/*.c server/*.c tests/*.c studies/*.c))
 
 CORE_A := $(BUILD)/libsurface.a
 DB_A   := $(BUILD)/libdb.a
@@ -72,6 +73,7 @@ $(BUILD)/core/%.o:   INCLUDE := -Icore
 $(BUILD)/db/%.o:     INCLUDE := -Idb -Icore -I$(BUILD)/gen
 $(BUILD)/server/%.o: INCLUDE := -Iserver -Idb -Icore -I$(BUILD)/gen
 $(BUILD)/tests/%.o:  INCLUDE := -Itests -Iserver -Idb -Icore -I$(BUILD)/gen
+$(BUILD)/studies/%.o: INCLUDE := -Istudies -Itests -Icore
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -116,6 +118,11 @@ $(BUILD)/surfacectl: $(call obj,$(CTL_SRC)) $(DB_A) $(CORE_A)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lcjson $(DB_LIBS)
 
+# The studies (scripts/studies): the library's geometry and the tests' generators.
+$(BUILD)/study: $(call obj,$(STUDY_SRC)) $(HELP_A) $(CORE_A)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+
 # ---- tests
 
 TEST_LIBS := $(HELP_A) $(HTTP_A) $(DB_A) $(CORE_A)
@@ -134,7 +141,7 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 .PHONY: tests
-tests: all $(TEST_BIN) $(FUZZ_BIN)
+tests: all $(TEST_BIN) $(FUZZ_BIN) $(BUILD)/study
 
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
@@ -161,6 +168,11 @@ demo:
 .PHONY: bench
 bench: all $(BENCH_BIN)
 	BUILD=$(BUILD) CC="$(CC)" CFLAGS="$(CFLAGS)" scripts/bench $(BENCH_BIN)
+
+## studies: the papers' tables and figures, recomputed: build/studies/report.html
+.PHONY: studies
+studies:
+	BUILD=$(BUILD) scripts/studies
 
 # Sanitizers: a build and a run of the tests of their own.
 SANE := -fno-omit-frame-pointer -fno-sanitize-recover=all
@@ -200,7 +212,8 @@ lint: all
 ## format: lay out every source file by .clang-format
 .PHONY: format
 format:
-	clang-format -i core/*.[ch] $(wildcard db/*.[ch] server/*.[ch] tests/*.[ch])
+	clang-format -i core/*.[ch] \
+	    $(wildcard db/*.[ch] server/*.[ch] tests/*.[ch] studies/*.[ch])
 
 # ---- install
 

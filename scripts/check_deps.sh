@@ -2,6 +2,7 @@
 # check_deps.sh: server -> db -> core and nothing the other way; core is libc and libm only,
 # neither prints nor exits and takes memory in mem.c alone; SQLite stays in db/, JSON in one
 # file of server/ and one of db/, libmicrohttpd in two files of server/.
+# The studies see core and the tests' generators.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -42,6 +43,7 @@ own() {
 own core core
 own db db core "$build/gen"
 own server server db core "$build/gen"
+own studies studies tests core
 
 libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
 for file in core/*.c core/*.h; do

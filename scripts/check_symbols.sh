@@ -5,7 +5,7 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
 bad=0
-for source in core/*.c db/*.c server/*.c tests/*.c; do
+for source in core/*.c db/*.c server/*.c tests/*.c studies/*.c; do
     object=$build/${source%.c}.o
     [ -f "$object" ] || continue
     module=$(basename "$source" .c)
@@ -20,7 +20,7 @@ for source in core/*.c db/*.c server/*.c tests/*.c; do
     case $source in
     core/predicates.c) names="incircle_.*" ;; # named as in the literature
     core/mem.c) names="(mem|scratch)_.*" ;;
-    server/main.c | db/surfacectl.c | tests/*_main.c) names="main" ;;
+    server/main.c | db/surfacectl.c | tests/*_main.c | studies/*_main.c) names="main" ;;
     tests/test_* | tests/bench* | tests/fail_alloc.c) names="main|$names|__wrap_.*" ;;
     tests/fuzz_*) names="main|LLVMFuzzer.*" ;;
     esac

@@ -31,11 +31,11 @@ check_length() {
         /^{/ { start = FNR }
         /^}/ && start && FNR - start > 80 {
             print FILENAME ":" start ": a function of " FNR - start - 1 " lines"; bad = 1 }
-        END { exit bad }' core/*.c db/*.c server/*.c
+        END { exit bad }' core/*.c db/*.c server/*.c studies/*.c
 }
 
 check_unfinished() {
-    ! grep -nE 'TODO|FIXME|XXX|HACK' core/*.[ch] db/*.[ch] server/*.[ch] scripts/demo \
+    ! grep -nE 'TODO|FIXME|XXX|HACK' core/*.[ch] db/*.[ch] server/*.[ch] studies/* scripts/demo \
         scripts/test scripts/setup README.md
 }
 
@@ -57,7 +57,7 @@ check "no overlong file or function" check_length
 check "nothing unfinished" check_unfinished
 check "no warning from clang at -O0" clang_all
 check "format (make format)" clang-format --dry-run -Werror core/*.[ch] db/*.[ch] \
-    server/*.[ch] tests/*.[ch]
+    server/*.[ch] tests/*.[ch] studies/*.[ch]
 check "the same digits from gcc and clang, -O0 and -O3" scripts/check_digits.sh
 check "shell scripts (shellcheck)" shell_all
 check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-suppr \

@@ -1,0 +1,210 @@
+#include "lab.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "delaunay.h"
+#include "mst.h"
+#include "surface.h"
+
+void lab_must(enum status st)
+{
+    if (st == ST_OK)
+        return;
+    fprintf(stderr, "study: %s\n", status_message(st));
+    exit(1);
+}
+
+void *lab_alloc(size_t n, size_t size)
+{
+    void *p = calloc(n > 0 ? n : 1, size);
+
+    if (p == NULL)
+        lab_must(ST_ENOMEM);
+    return p;
+}
+
+FILE *lab_open(const struct lab *lab, const char *name)
+{
+    char path[4096];
+    FILE *f;
+
+    (void)snprintf(path, sizeof path, "%s/%s", lab->dir, name);
+    f = fopen(path, "w");
+    if (f == NULL) {
+        fprintf(stderr, "study: %s: %s\n", path, strerror(errno));
+        exit(1);
+    }
+    return f;
+}
+
+void lab_close(FILE *f)
+{
+    const int bad = ferror(f);
+
+    if (fclose(f) != 0 || bad)
+        lab_must(ST_EIO);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+static double quantile(const double *v, size_t n, double share)
+{
+    const double at = share * (double)(n - 1);
+    const size_t i = (size_t)at, j = i + 1 < n ? i + 1 : i;
+
+    return v[i] + (at - (double)i) * (v[j] - v[i]);
+}
+
+struct lab_spread lab_spread(double *v, size_t n)
+{
+    double sum = 0;
+
+    qsort(v, n, sizeof *v, by_value);
+    for (size_t i = 0; i < n; i++)
+        sum += v[i];
+    return (struct lab_spread){sum / (double)n, quantile(v, n, 0.5), quantile(v, n, 0.05),
+                               quantile(v, n, 0.95)};
+}
+
+/* The 97.5 % point of Student's t with k degrees of freedom: the table to 10, then an
+ * expansion about the normal's (Abramowitz and Stegun 26.7.5), right to 0.001. */
+static double student(size_t k)
+{
+    static const double table[] = {12.706, 4.303, 3.182, 2.776, 2.571,
+                                   2.447,  2.365, 2.306, 2.262, 2.228};
+    const double z = 1.959964, d = (double)k;
+
+    return k <= 10 ? table[k - 1]
+                   : z + (z * z * z + z) / (4 * d) +
+                         (5 * pow(z, 5) + 16 * pow(z, 3) + 3 * z) / (96 * d * d);
+}
+
+struct lab_fit lab_fit(const double *x, const double *y, size_t n)
+{
+    double mx = 0, my = 0, xx = 0, xy = 0, yy = 0, rest, slope;
+
+    for (size_t i = 0; i < n; i++) {
+        mx += log(x[i]) / (double)n;
+        my += log(y[i]) / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double u = log(x[i]) - mx, v = log(y[i]) - my;
+
+        xx += u * u;
+        xy += u * v;
+        yy += v * v;
+    }
+    slope = xy / xx;
+    rest = yy - slope * xy > 0 ? yy - slope * xy : 0;
+    return (struct lab_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx),
+                            exp(my - slope * mx), yy > 0 ? 1 - rest / yy : 1};
+}
+
+static double square(double x)
+{
+    return x * x;
+}
+
+double lab_function(unsigned f, double x, double y)
+{
+    const double r2 = square(x - 0.5) + square(y - 0.5);
+
+    switch (f) {
+    case 0:
+        return 0.75 * exp(-(square(9 * x - 2) + square(9 * y - 2)) / 4) +
+               0.75 * exp(-(square(9 * x + 1) + 9 * y + 1) / 49) +
+               0.5 * exp(-(square(9 * x - 7) + square(9 * y - 3)) / 4) -
+               0.2 * exp(-(square(9 * x - 4) + square(9 * y - 7)));
+    case 1:
+        return (tanh(9 * y - 9 * x) + 1) / 9;
+    case 2:
+        return (1.25 + cos(4.5 * y)) / (6 + 6 * square(3 * x - 1));
+    case 3:
+        return exp(-81.0 / 16 * r2) / 3;
+    case 4:
+        return exp(-81.0 / 4 * r2) / 3;
+    default:
+        return sqrt(64 - 81 * r2) / 9 - 0.5;
+    }
+}
+
+const char *lab_function_name(unsigned f)
+{
+    static const char *const name[LAB_FUNCTIONS] = {
+        "F1 exponential", "F2 cliff", "F3 saddle", "F4 gentle", "F5 steep", "F6 sphere"};
+
+    return name[f];
+}
+
+struct ivec3 lab_lattice(unsigned f, double x, double y)
+{
+    return (struct ivec3){(int32_t)lround(x * LAB_UNIT), (int32_t)lround(y * LAB_UNIT),
+                          (int32_t)lround(lab_function(f, x, y) * LAB_UNIT)};
+}
+
+enum status lab_triangulate(struct lab_surface *s, const struct ivec3 *pts, size_t n)
+{
+    enum status st = delaunay_build(pts, n, &s->scratch, &s->mesh);
+
+    if (st == ST_EDEGENERATE)
+        return st;
+    lab_must(st);
+    lab_must(mst_build(&s->mesh, &s->scratch));
+    s->last.he = s->mesh.out[0];
+    while (mesh_is_ghost(&s->mesh, s->last.he / 3))
+        s->last.he = mesh_turn(&s->mesh, s->last.he);
+    return ST_OK;
+}
+
+void lab_surface_free(struct lab_surface *s)
+{
+    mesh_free(&s->mesh);
+    scratch_free(&s->scratch);
+}
+
+double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
+{
+    /* Every walk starts at a corner of the triangle where the last one ended. */
+    const struct ivec2 from = s->mesh.xy[s->mesh.org[s->last.he]];
+
+    s->last = locate_point(&s->mesh, s->last.he, from, q, NULL);
+    *inside = s->last.where != LOCATE_OUTSIDE;
+    return surface_height(&s->mesh, s->last, q);
+}
+
+void lab_edges(const struct mesh *m, double per, const char *tag, FILE *f)
+{
+    for (uint32_t h = 0; h < 3 * m->nt; h++) {
+        const uint32_t u = m->org[h], v = mesh_dest(m, h);
+
+        if (u < v && v < m->nv)
+            fprintf(f, "%s,%g,%g,%g,%g\n", tag, m->xy[u].x / per, m->xy[u].y / per,
+                    m->xy[v].x / per, m->xy[v].y / per);
+    }
+}
+
+void lab_triangles(const struct mesh *m, double per, FILE *f)
+{
+    static const int corner[4] = {0, 1, 2, 2};
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        if (mesh_is_ghost(m, t))
+            continue;
+        for (int i = 0; i < 4; i++) {
+            const uint32_t v = m->org[3 * t + (uint32_t)corner[i]];
+
+            fprintf(f, "%g %g %g\n%s", m->xy[v].x / per, m->xy[v].y / per, m->z[v] / per,
+                    i == 1   ? "\n"
+                    : i == 3 ? "\n\n"
+                             : "");
+        }
+    }
+}

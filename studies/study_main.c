@@ -1,0 +1,68 @@
+/* study -- one study of the papers: its numbers as CSV into a folder. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lab.h"
+#include "study.h"
+
+#define SEED 20261121
+
+static const struct {
+    const char *name, *what;
+    void (*run)(const struct lab *lab);
+} study[] = {
+    {"missing", "missing points: 36 points, six functions, removal and error",
+     missing_run},
+};
+#define STUDIES (sizeof study / sizeof study[0])
+
+static int usage(FILE *to)
+{
+    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--out DIR]\n"
+                "Run one study and write its numbers as CSV into DIR (the folder where "
+                "one is).\n");
+    for (size_t i = 0; i < STUDIES; i++)
+        fprintf(to, "  %-14s %s\n", study[i].name, study[i].what);
+    fprintf(to,
+            "--seed     of everything random (%d)\n"
+            "--reduced  few draws and small sizes: seconds instead of minutes\n"
+            "With scripts/studies: pictures and a report besides.\n",
+            SEED);
+    return to == stdout ? 0 : 64;
+}
+
+int main(int argc, char **argv)
+{
+    struct lab lab = {.dir = ".", .seed = SEED};
+    size_t which = STUDIES;
+
+    if (argc > 1 && strcmp(argv[1], "--help") == 0)
+        return usage(stdout);
+    for (size_t i = 0; argc > 1 && i < STUDIES; i++)
+        if (strcmp(argv[1], study[i].name) == 0)
+            which = i;
+    if (which == STUDIES)
+        return usage(stderr);
+    for (int i = 2; i < argc; i++) {
+        char *end = NULL;
+
+        if (strcmp(argv[i], "--reduced") == 0) {
+            lab.reduced = true;
+        } else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) {
+            lab.dir = argv[++i];
+        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+            errno = 0;
+            lab.seed = strtoull(argv[++i], &end, 10);
+            if (errno != 0 || *end != '\0' || end == argv[i] || argv[i][0] == '-')
+                return usage(stderr);
+        } else {
+            return usage(stderr);
+        }
+    }
+    printf("%s: seed %llu%s\n", study[which].name, (unsigned long long)lab.seed,
+           lab.reduced ? ", reduced" : "");
+    study[which].run(&lab);
+    return 0;
+}

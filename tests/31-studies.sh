@@ -1,0 +1,87 @@
+#!/bin/sh
+# Goal: the studies of the papers run, say the same for the same seed, and come out as they
+# must: errors grow with removal on average, values known by hand, everything on one page.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+BUILD=${BUILD:-build}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+passed=0 failed=0
+
+# that WHAT TEST...: a condition of the shell holds
+that() {
+    title=$1
+    shift
+    if "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $title"
+    fi
+}
+
+is() { that "$1: got '$2', wanted '$3'" [ "$2" = "$3" ]; }
+
+# study NAME [OPTION]...: a reduced run into $dir/NAME
+study() {
+    mkdir -p "$dir/$1"
+    that "study $*" "$BUILD/study" "$@" --reduced --out "$dir/$1" >"$dir/$1.log"
+}
+
+# value FILE ROW COLUMN: of the line that begins with ROW
+value() { awk -F, -v row="$2" -v k="$3" 'index($0, row ",") == 1 { print $k }' "$dir/$1"; }
+
+# grows FILE COLUMN: within each function (column 1) it grows from line to line
+grows() {
+    awk -F, -v k="$2" 'NR > 1 { if ($1 == last && $k <= was) { print; bad = 1 }
+        last = $1; was = $k; n++ } END { exit bad || n < 6 }' "$dir/$1"
+}
+
+# ---- missing points
+study missing
+that "it says its seed" grep -q 'seed 20261121' "$dir/missing.log"
+that "totals grow with removal" grows missing/table2.csv 5
+that "means at the removed points grow" grows missing/table3.csv 6
+that "means on the grid grow" grows missing/grid.csv 3
+that "the hull shrinks" grows missing/grid.csv 9
+is "F2 is (tanh + 1) / 9" "$(value missing/bounds.csv 'F2 cliff' 4)" 0.2222
+is "F4 is 1/3 in the middle" "$(value missing/bounds.csv 'F4 gentle' 3)" 0.3333
+is "F6 is 8/9 - 1/2 there" "$(value missing/bounds.csv 'F6 sphere' 3)" 0.3889
+is "F6 under its root in a corner" \
+    "$(value missing/radicand.csv 'least at the 36 points (a corner)' 2)" 23.50
+is "with nothing removed, the surface of all" "$(value missing/grid.csv 'F1 exponential,0' 8)" 0.0000
+# Euler: e = 3n - 3 - h, and 16 of the 36 points lie on the square's rim.
+is "edges of figure 2" "$(grep -c '^0,' "$dir/missing/fig2-edges.csv")" 89
+mkdir "$dir/again"
+"$BUILD/study" missing --reduced --out "$dir/again" >"$dir/log"
+that "the same again" diff -r "$dir/missing" "$dir/again"
+"$BUILD/study" missing --reduced --seed 5 --out "$dir/again" >"$dir/log"
+that "another seed, other draws" sh -c "! cmp -s '$dir/missing/table2.csv' '$dir/again/table2.csv'"
+
+# ---- what can go wrong
+for bad in "" "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do
+    # shellcheck disable=SC2086 # arguments
+    "$BUILD/study" $bad >"$dir/log" 2>&1
+    is "study $bad" $? 64
+done
+"$BUILD/study" missing --reduced --out "$dir/none" >"$dir/log" 2>&1
+is "no folder" $? 1
+
+# ---- pictures and the page
+if command -v gnuplot >/dev/null 2>&1; then
+    that "scripts/studies" env BUILD="$BUILD" scripts/studies --reduced --out "$dir/page" \
+        >"$dir/log" 2>&1
+    for picture in "$dir"/page/*/*.png; do
+        is "$picture" "$(head -c 8 "$picture" | od -An -tx1 | tr -d ' ')" 89504e470d0a1a0a
+    done
+    is "every figure on the page" "$(grep -c '<img ' "$dir/page/report.html")" \
+        "$(cat studies/*.html | grep -c '^@figure ')"
+    is "every table on it" "$(grep -c '<table>' "$dir/page/report.html")" \
+        "$(cat studies/*.html | grep -c '^@table ')"
+    that "nothing left to fill in" sh -c "! grep -q '^@' '$dir/page/report.html'"
+else
+    echo "SKIP pictures: gnuplot is not installed"
+fi
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
