@@ -1,0 +1,305 @@
+#include "guard.h"
+
+#include <netinet/in.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <time.h>
+
+#include "errinfo.h"
+#include "log.h"
+
+/* File descriptors for other things: the database's, those being drained, libmicrohttpd's. */
+#define OTHER_FILES 256
+#define TICK_MS     200
+#define REPORT_MS   10000.0
+#define NO_END      1e300
+
+/* Where a connection comes from; length 0: a Unix socket. */
+struct origin {
+    unsigned char bytes[8];
+    unsigned len; /* 4: IPv4; 8: the network half of IPv6 */
+    bool local;   /* loopback */
+};
+
+struct guard_peer {
+    struct guard_peer *prev, *next;
+    struct origin origin;
+    int fd;
+    enum guard_step step;
+    double end_ms;
+};
+
+struct guard {
+    struct guard_rules rules;
+    pthread_t thread;
+    pthread_mutex_t lock; /* of all below, and of every peer */
+    pthread_cond_t wake;
+    struct guard_peer *peers;
+    struct guard_state state;
+    uint64_t reported; /* of refused and late */
+    double report_ms;
+    bool stopping;
+};
+
+/* ---- origins */
+
+static struct origin origin_of(const struct sockaddr *addr)
+{
+    struct origin o = {.len = 0};
+
+    if (addr != NULL && addr->sa_family == AF_INET) {
+        struct sockaddr_in in;
+
+        memcpy(&in, addr, sizeof in);
+        o.len = 4;
+        memcpy(o.bytes, &in.sin_addr, 4);
+    } else if (addr != NULL && addr->sa_family == AF_INET6) {
+        struct sockaddr_in6 in6;
+
+        memcpy(&in6, addr, sizeof in6);
+        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr)) {
+            o.len = 4;
+            memcpy(o.bytes, in6.sin6_addr.s6_addr + 12, 4);
+        } else {
+            o.len = 8;
+            memcpy(o.bytes, in6.sin6_addr.s6_addr, 8);
+            o.local = IN6_IS_ADDR_LOOPBACK(&in6.sin6_addr) != 0;
+        }
+    }
+    if (o.len == 4)
+        o.local = o.bytes[0] == 127;
+    return o;
+}
+
+static bool same(const struct origin *a, const struct origin *b)
+{
+    return a->len == b->len && memcmp(a->bytes, b->bytes, sizeof a->bytes) == 0;
+}
+
+bool guard_admit(struct guard *l, const struct sockaddr *addr)
+{
+    const struct origin o = origin_of(addr);
+    bool counted =
+        o.len > 0 && l->rules.per_address > 0 && (!o.local || l->rules.local_too);
+    unsigned n = 0;
+    bool ok = true;
+
+    (void)pthread_mutex_lock(&l->lock);
+    if (l->state.open >= l->rules.connections) {
+        l->state.refused_total++;
+        ok = false;
+    } else if (counted) {
+        for (const struct guard_peer *p = l->peers; p != NULL; p = p->next)
+            n += same(&p->origin, &o);
+        ok = n < l->rules.per_address;
+        l->state.refused_address += !ok;
+    }
+    (void)pthread_mutex_unlock(&l->lock);
+    return ok;
+}
+
+/* ---- connections */
+
+static void begin(struct guard *l, struct guard_peer *p, enum guard_step step)
+{
+    double ms = 1000.0 * l->rules.timeout_s;
+
+    if (step == GUARD_HEADERS && p->step == GUARD_REQUEST)
+        return;
+    p->step = step;
+    if (step == GUARD_WORK)
+        p->end_ms = NO_END;
+    else
+        p->end_ms = log_clock_ms() + ms * (step == GUARD_IDLE ? GUARD_IDLE_FACTOR : 1);
+}
+
+struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *addr)
+{
+    struct guard_peer *p = calloc(1, sizeof *p);
+
+    if (p == NULL)
+        return NULL;
+    p->fd = fd;
+    p->origin = origin_of(addr);
+    (void)pthread_mutex_lock(&l->lock);
+    begin(l, p, GUARD_REQUEST);
+    p->next = l->peers;
+    if (p->next != NULL)
+        p->next->prev = p;
+    else
+        (void)pthread_cond_signal(&l->wake);
+    l->peers = p;
+    l->state.open++;
+    (void)pthread_mutex_unlock(&l->lock);
+    return p;
+}
+
+void guard_close(struct guard *l, struct guard_peer *p)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    if (p->prev != NULL)
+        p->prev->next = p->next;
+    else
+        l->peers = p->next;
+    if (p->next != NULL)
+        p->next->prev = p->prev;
+    l->state.open--;
+    (void)pthread_mutex_unlock(&l->lock);
+    free(p);
+}
+
+void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    begin(l, p, step);
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
+void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    p->end_ms += 1000.0 * (double)bytes / GUARD_BYTES_PER_S;
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
+void guard_look(struct guard *l, struct guard_state *out)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    *out = l->state;
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
+/* ---- those that are late */
+
+/* One line now and then, not one for each: many may come at once. */
+static void report(struct guard *l)
+{
+    const struct guard_state *s = &l->state;
+    uint64_t late = 0, sum;
+    struct log_entry line;
+
+    for (int i = 0; i < GUARD_NSTEPS; i++)
+        late += s->late[i];
+    sum = late + s->refused_total + s->refused_address;
+    if (sum == l->reported || log_clock_ms() < l->report_ms)
+        return;
+    l->reported = sum;
+    l->report_ms = log_clock_ms() + REPORT_MS;
+    log_begin(&line, "warn", "connections closed");
+    log_count(&line, "open", s->open);
+    log_count(&line, "late", late);
+    log_count(&line, "too_many", s->refused_total);
+    log_count(&line, "too_many_of_one_address", s->refused_address);
+    log_end(&line);
+}
+
+static void sweep(struct guard *l)
+{
+    double now = log_clock_ms();
+
+    for (struct guard_peer *p = l->peers; p != NULL; p = p->next) {
+        if (now < p->end_ms)
+            continue;
+        (void)shutdown(p->fd, SHUT_RDWR);
+        p->end_ms = NO_END;
+        if (p->step != GUARD_IDLE) /* whose time is over as a matter of course */
+            l->state.late[p->step]++;
+    }
+}
+
+static void *run(void *arg)
+{
+    struct guard *l = arg;
+    struct timespec t;
+
+    (void)pthread_mutex_lock(&l->lock);
+    while (!l->stopping) {
+        if (l->peers == NULL) {
+            (void)pthread_cond_wait(&l->wake, &l->lock);
+            continue;
+        }
+        (void)clock_gettime(CLOCK_MONOTONIC, &t);
+        t.tv_nsec += TICK_MS * 1000000L;
+        if (t.tv_nsec >= 1000000000L) {
+            t.tv_nsec -= 1000000000L;
+            t.tv_sec++;
+        }
+        (void)pthread_cond_timedwait(&l->wake, &l->lock, &t);
+        sweep(l);
+        report(l);
+    }
+    (void)pthread_mutex_unlock(&l->lock);
+    return NULL;
+}
+
+/* ---- start and stop */
+
+/* As many connections as there may be open files, and no more than wanted. */
+static unsigned ask_for_files(unsigned wanted)
+{
+    rlim_t need = (rlim_t)wanted + OTHER_FILES;
+    struct log_entry line;
+    struct rlimit r;
+
+    if (getrlimit(RLIMIT_NOFILE, &r) != 0 || r.rlim_cur >= need)
+        return wanted;
+    if (r.rlim_max > r.rlim_cur) {
+        r.rlim_cur = r.rlim_max < need ? r.rlim_max : need;
+        if (setrlimit(RLIMIT_NOFILE, &r) != 0)
+            (void)getrlimit(RLIMIT_NOFILE, &r);
+    }
+    if (r.rlim_cur >= need)
+        return wanted;
+    need = r.rlim_cur > 2 * OTHER_FILES ? r.rlim_cur - OTHER_FILES : r.rlim_cur / 2;
+    log_begin(&line, "warn",
+              "fewer connections than wanted: too few open files are allowed");
+    log_count(&line, "wanted", wanted);
+    log_count(&line, "connections", need);
+    log_count(&line, "open_files", r.rlim_cur);
+    log_end(&line);
+    return (unsigned)need;
+}
+
+enum status guard_start(const struct guard_rules *rules, struct guard **out,
+                        struct errinfo *e)
+{
+    struct guard *l;
+    pthread_condattr_t attr;
+
+    *out = NULL;
+    l = calloc(1, sizeof *l);
+    if (l == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    l->rules = *rules;
+    l->rules.connections = ask_for_files(rules->connections);
+    (void)pthread_mutex_init(&l->lock, NULL);
+    (void)pthread_condattr_init(&attr);
+    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(&l->wake, &attr);
+    (void)pthread_condattr_destroy(&attr);
+    if (pthread_create(&l->thread, NULL, run, l) != 0) {
+        (void)pthread_cond_destroy(&l->wake);
+        (void)pthread_mutex_destroy(&l->lock);
+        free(l);
+        return errinfo_set(e, ST_ENOMEM, "cannot start a thread");
+    }
+    *out = l;
+    return ST_OK;
+}
+
+void guard_stop(struct guard *l)
+{
+    if (l == NULL)
+        return;
+    (void)pthread_mutex_lock(&l->lock);
+    l->stopping = true;
+    (void)pthread_cond_signal(&l->wake);
+    (void)pthread_mutex_unlock(&l->lock);
+    (void)pthread_join(l->thread, NULL);
+    (void)pthread_cond_destroy(&l->wake);
+    (void)pthread_mutex_destroy(&l->lock);
+    free(l);
+}

@@ -1,0 +1,180 @@
+/* Connections: how many there may be from where, and that those that are late are shut
+ * down. */
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "errinfo.h"
+#include "guard.h"
+
+static struct guard *g;
+
+static void start(unsigned connections, unsigned per_address, bool local_too)
+{
+    const struct guard_rules rules = {connections, per_address, local_too, 1};
+    struct errinfo e = {0};
+
+    assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
+}
+
+static const struct sockaddr *from(const char *text)
+{
+    static struct sockaddr_storage ss;
+    struct sockaddr_in in = {.sin_family = AF_INET};
+    struct sockaddr_in6 in6 = {.sin6_family = AF_INET6};
+
+    memset(&ss, 0, sizeof ss);
+    if (inet_pton(AF_INET, text, &in.sin_addr) == 1) {
+        memcpy(&ss, &in, sizeof in);
+    } else {
+        assert_int_equal(inet_pton(AF_INET6, text, &in6.sin6_addr), 1);
+        memcpy(&ss, &in6, sizeof in6);
+    }
+    return (const struct sockaddr *)&ss;
+}
+
+static struct guard_peer *open_from(const char *text)
+{
+    struct guard_peer *p = guard_open(g, -1, text != NULL ? from(text) : NULL);
+
+    assert_non_null(p);
+    return p;
+}
+
+static void test_in_all(void **state)
+{
+    struct guard_peer *p[3];
+    struct guard_state s;
+
+    (void)state;
+    start(3, 0, false);
+    for (int i = 0; i < 3; i++) {
+        assert_true(guard_admit(g, from("192.0.2.1")));
+        p[i] = open_from("192.0.2.1");
+    }
+    assert_false(guard_admit(g, from("192.0.2.2")));
+    assert_false(guard_admit(g, NULL));
+    guard_look(g, &s);
+    assert_int_equal(s.open, 3);
+    assert_int_equal(s.refused_total, 2);
+    assert_int_equal(s.refused_address, 0);
+    guard_close(g, p[1]); /* the one in the middle of the list */
+    assert_true(guard_admit(g, from("192.0.2.2")));
+    guard_close(g, p[0]);
+    guard_close(g, p[2]);
+    guard_look(g, &s);
+    assert_int_equal(s.open, 0);
+    guard_stop(g);
+}
+
+static void test_by_address(void **state)
+{
+    /* two connections, and whether a third address may come beside them */
+    static const struct {
+        const char *two, *third;
+        bool local_too, ok;
+    } cases[] = {
+        {"192.0.2.1", "192.0.2.1", false, false},
+        {"192.0.2.1", "192.0.2.2", false, true},
+        {"192.0.2.1", "::ffff:192.0.2.1", false, false}, /* the same, by an IPv6 socket */
+        {"2001:db8::1", "2001:db8::ffff:1", false, false}, /* the same network */
+        {"2001:db8::1", "2001:db8:0:1::1", false, true},
+        {"127.0.0.1", "127.0.0.1", false, true},
+        {"127.0.0.1", "127.0.0.1", true, false},
+        {"127.0.0.1", "127.0.0.2", true, true},
+        {"::1", "::1", false, true},
+        {"::1", "::1", true, false},
+        {"::ffff:127.0.0.1", "::ffff:127.0.0.1", false, true},
+        {NULL, NULL, true, true}, /* a Unix socket has no address */
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct guard_peer *a, *b;
+
+        start(100, 2, cases[i].local_too);
+        a = open_from(cases[i].two);
+        b = open_from(cases[i].two);
+        assert_int_equal(
+            guard_admit(g, cases[i].third != NULL ? from(cases[i].third) : NULL),
+            cases[i].ok);
+        guard_close(g, a);
+        guard_close(g, b);
+        guard_stop(g);
+    }
+}
+
+/* The other side sees the end; fails by the test's own time where it does not. */
+static void wait_for_end(int fd)
+{
+    char c;
+
+    assert_int_equal(read(fd, &c, 1), 0);
+}
+
+static bool has_ended(int fd)
+{
+    char c;
+
+    return recv(fd, &c, 1, MSG_DONTWAIT) == 0;
+}
+
+static void test_late(void **state)
+{
+    static const enum guard_step steps[] = {GUARD_REQUEST, GUARD_HEADERS, GUARD_BODY,
+                                            GUARD_ANSWER, GUARD_IDLE};
+    struct guard_state s;
+    struct guard_peer *late, *work, *patient;
+    int a[2], b[2], c[2];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        start(100, 0, false);
+        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, a), 0);
+        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, b), 0);
+        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, c), 0);
+        work = guard_open(g, b[0], NULL);
+        patient = guard_open(g, c[0], NULL);
+        late = guard_open(g, a[0], NULL);
+        assert_true(late != NULL && work != NULL && patient != NULL);
+        guard_begin(g, work, GUARD_WORK);
+        guard_begin(g, patient, GUARD_BODY);
+        guard_more(g, patient, (size_t)(3600 * GUARD_BYTES_PER_S));
+        guard_begin(g, late, GUARD_IDLE); /* a request was answered */
+        guard_begin(g, late, steps[i]);
+        wait_for_end(a[1]);
+        assert_false(has_ended(b[1]));
+        assert_false(has_ended(c[1]));
+        guard_look(g, &s);
+        for (unsigned k = 0; k < GUARD_NSTEPS; k++)
+            assert_int_equal(s.late[k], k == steps[i] && steps[i] != GUARD_IDLE);
+        guard_close(g, late);
+        guard_close(g, work);
+        guard_close(g, patient);
+        guard_stop(g);
+        for (int k = 0; k < 2; k++) {
+            (void)close(a[k]);
+            (void)close(b[k]);
+            (void)close(c[k]);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_in_all),
+        cmocka_unit_test(test_by_address),
+        cmocka_unit_test(test_late),
+    };
+
+    return cmocka_run_group_tests_name("guard", tests, NULL, NULL);
+}
