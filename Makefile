@@ -26,7 +26,7 @@ FORTIFY  := $(if $(findstring -O0,$(OPT))$(findstring sanitize,$(EXTRA)),0,2)
 CPPFLAGS := -D_POSIX_C_SOURCE=200809L -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=$(FORTIFY)
 LDFLAGS  := -pie -Wl,--as-needed -Wl,-z,relro -Wl,-z,now $(EXTRA)
 DB_LIBS  := -lsqlite3 -lsodium -lxxhash -lpthread -lm
-LIBS     := -lmicrohttpd -lcjson -linih -lsystemd -lz -lzstd $(DB_LIBS)
+LIBS     := -lmicrohttpd -lgnutls -lcjson -linih -lsystemd -lz -lzstd $(DB_LIBS)
 
 # V=1 shows the commands in full; -s nothing.
 Q   := $(if $(V),,@)

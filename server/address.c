@@ -3,9 +3,12 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
+#include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/un.h>
 
 static bool read_port(const char *s, in_port_t *out)
 {
@@ -20,6 +23,20 @@ static bool read_port(const char *s, in_port_t *out)
     return errno == 0 && *end == '\0' && port <= UINT16_MAX;
 }
 
+static bool read_path(const char *path, struct sockaddr_storage *out, socklen_t *len)
+{
+    struct sockaddr_un un = {.sun_family = AF_UNIX};
+    const size_t n = strlen(path);
+
+    if (n == 0 || n >= sizeof un.sun_path)
+        return false;
+    memcpy(un.sun_path, path, n + 1);
+    memset(out, 0, sizeof *out);
+    memcpy(out, &un, sizeof un);
+    *len = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n + 1);
+    return true;
+}
+
 bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len)
 {
     const char *colon = strrchr(text, ':');
@@ -29,6 +46,8 @@ bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len
     in_port_t port;
     size_t n;
 
+    if (strncmp(text, "unix:", 5) == 0)
+        return read_path(text + 5, out, len);
     if (colon == NULL || !read_port(colon + 1, &port))
         return false;
     n = (size_t)(colon - text);
@@ -55,17 +74,50 @@ bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len
     return true;
 }
 
-bool address_is_loopback(const struct sockaddr_storage *ss)
+bool address_is_local(const struct sockaddr_storage *ss)
 {
     if (ss->ss_family == AF_INET) {
         struct sockaddr_in in;
 
         memcpy(&in, ss, sizeof in);
         return (ntohl(in.sin_addr.s_addr) >> 24) == 127;
-    } else {
+    }
+    if (ss->ss_family == AF_INET6) {
         struct sockaddr_in6 in6;
 
         memcpy(&in6, ss, sizeof in6);
         return IN6_IS_ADDR_LOOPBACK(&in6.sin6_addr) != 0;
+    }
+    return ss->ss_family == AF_UNIX;
+}
+
+const char *address_path(const struct sockaddr_storage *ss)
+{
+    return ss->ss_family == AF_UNIX
+               ? (const char *)ss + offsetof(struct sockaddr_un, sun_path)
+               : NULL;
+}
+
+void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_URL_MAX])
+{
+    const char *scheme = tls ? "https" : "http";
+    char host[INET6_ADDRSTRLEN] = "";
+
+    if (ss->ss_family == AF_INET6) {
+        struct sockaddr_in6 in6;
+
+        memcpy(&in6, ss, sizeof in6);
+        (void)inet_ntop(AF_INET6, &in6.sin6_addr, host, sizeof host);
+        (void)snprintf(url, ADDRESS_URL_MAX, "%s://[%s]:%u", scheme, host,
+                       ntohs(in6.sin6_port));
+    } else if (ss->ss_family == AF_INET) {
+        struct sockaddr_in in;
+
+        memcpy(&in, ss, sizeof in);
+        (void)inet_ntop(AF_INET, &in.sin_addr, host, sizeof host);
+        (void)snprintf(url, ADDRESS_URL_MAX, "%s://%s:%u", scheme, host,
+                       ntohs(in.sin_port));
+    } else {
+        (void)snprintf(url, ADDRESS_URL_MAX, "unix:%s", address_path(ss));
     }
 }

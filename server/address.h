@@ -1,14 +1,23 @@
-/* address.h -- the address to listen on, as text. */
+/* address.h -- the address to listen on, as text: IPv4 or IPv6 and a port, or a Unix socket. */
 #ifndef SERVER_ADDRESS_H
 #define SERVER_ADDRESS_H
 #include <stdbool.h>
 #include <sys/socket.h>
 
-/* address_read(text, out, len): "127.0.0.1:8787", "localhost:8787", "[::1]:8787"; no name
- * is looked up.  False: it is none of these; *out and *len are then undefined. */
+#define ADDRESS_URL_MAX 160
+
+/* address_read(text, out, len): "127.0.0.1:8787", "localhost:8787", "[::1]:8787",
+ * "unix:/run/surfaced/socket"; no name is looked up.  False: it is none of these; *out and
+ * *len are then undefined. */
 bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len);
 
-/* address_is_loopback(ss): who reaches it is on this machine.  ss as address_read() made. */
-bool address_is_loopback(const struct sockaddr_storage *ss);
+/* address_is_local(ss): who reaches it is on this machine.  ss as address_read() made. */
+bool address_is_local(const struct sockaddr_storage *ss);
+
+/* address_path(ss): of a Unix socket, borrowed; NULL for the others. */
+const char *address_path(const struct sockaddr_storage *ss);
+
+/* address_url(ss, tls, url): http://ADDR:PORT, https://ADDR:PORT or unix:PATH. */
+void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_URL_MAX]);
 
 #endif

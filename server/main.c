@@ -20,6 +20,7 @@
 #include "service.h"
 #include "settings.h"
 #include "store.h"
+#include "tls.h"
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
 #define STALLED_MS 60000.0 /* without an answer from any worker: something is wrong */
@@ -105,14 +106,16 @@ static void say_stopping(int sig)
 /* What the hooks of service_wait() see. */
 struct daemon {
     struct app *app;
+    struct http *http;
     uint64_t served;    /* when it was looked at last */
     double progress_ms; /* when it had changed, or had nothing to do, last */
 };
 
 static void reload(void *arg)
 {
-    (void)arg;
-    log_line("info", "nothing to reload");
+    struct daemon *d = arg;
+
+    http_reload(d->http);
 }
 
 /* The workers get on with what they have.  How long one request may take depends on the
@@ -134,12 +137,17 @@ static bool healthy(void *arg)
 /* --check-config: what the files hold. */
 static bool check_files(const struct options *o)
 {
+    const struct tls_names names = {o->tls_cert, o->tls_key, o->tls_client_ca};
+    struct tls *tls = NULL;
     struct errinfo e = {0};
     struct model *m = NULL;
 
     if (o->model != NULL && modelfile_read(o->model, &m, &e) != ST_OK)
         settings_wrong_value(o->settings, "model", e.msg);
     free(m);
+    if (o->tls_cert != NULL && tls_open(&names, &tls, &e) != ST_OK)
+        settings_wrong_value(o->settings, "tls-cert", e.msg);
+    tls_close(tls);
     if (settings_problems(o->settings) > 0)
         return false;
     (void)puts("surfaced: the configuration is good");
@@ -184,6 +192,7 @@ int main(int argc, char **argv)
     }
     say_listening(&o, app.store, url);
     warn_of_calibration(app.store);
+    d.http = http;
     d.progress_ms = log_clock_ms();
     service_ready(url);
     sig = service_wait(&(struct service_hooks){reload, healthy, &d});

@@ -21,8 +21,17 @@ static const struct setting table[] = {
      "judge by a model that surfacectl train wrote"},
     {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),
      0, 0, "ADDR:PORT",
-     "a loopback address, [::1]:PORT for IPv6; port 0 takes a free one,\n"
-     "which the line logged at the start names"},
+     "[::1]:PORT for IPv6, unix:PATH for a Unix socket; port 0 takes a\n"
+     "free one, which the line logged at the start names; beyond loopback\n"
+     "with TLS, or with --plaintext"},
+    {"tls-cert", SETTING_FILE, NULL, offsetof(struct options, tls_cert), 0, 0, "FILE",
+     "speak TLS with this certificate (PEM); read again on SIGHUP"},
+    {"tls-key", SETTING_FILE, NULL, offsetof(struct options, tls_key), 0, 0, "FILE",
+     "its key (PEM), which others must not be able to read"},
+    {"tls-client-ca", SETTING_FILE, NULL, offsetof(struct options, tls_client_ca), 0, 0,
+     "FILE", "clients must have a certificate made by one of these CAs (PEM)"},
+    {"plaintext", SETTING_BOOL, "0", offsetof(struct options, plaintext), 0, 0, NULL,
+     "listen beyond loopback without TLS"},
     {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
      "ask for no token"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
@@ -32,6 +41,14 @@ static const struct setting table[] = {
     /* two clouds of 300,000 points as JSON */
     {"max-body", SETTING_BYTES, "64M", offsetof(struct options, max_body), 1, 1UL << 30,
      "BYTES", "longest request body; beyond it: 413"},
+    {"max-connections", SETTING_NUMBER, "4096", offsetof(struct options, max_connections),
+     1, 1000000, "N", "connections at once; beyond it they are closed"},
+    {"max-connections-per-address", SETTING_NUMBER, NULL,
+     offsetof(struct options, max_connections_per_address), 0, 1000000, "N",
+     "from one address, 0: no limit (64, and none for loopback)"},
+    {"timeout", SETTING_NUMBER, "10", offsetof(struct options, timeout_s), 1, 3600, "S",
+     "seconds for a request's headers, and the least time for a body, or\n"
+     "for the client to take its answer"},
     {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
      "N", "megabytes of decoded templates kept in memory; 0: none"},
     {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,
@@ -108,13 +125,22 @@ static void check_together(struct options *o)
         settings_wrong(s,
                        "no database: give --db PATH, set SURFACED_DB or write db = PATH "
                        "into the configuration file");
-    if (!address_is_loopback(&o->listen))
+    if ((o->tls_cert == NULL) != (o->tls_key == NULL))
+        settings_wrong(s, "--tls-cert and --tls-key go together");
+    if (o->tls_client_ca != NULL && o->tls_cert == NULL)
+        settings_wrong(s, "--tls-client-ca is of no use without --tls-cert");
+    if (o->plaintext && o->tls_cert != NULL)
+        settings_wrong(s, "--plaintext contradicts --tls-cert");
+    if (address_is_local(&o->listen))
+        return;
+    if (o->no_auth)
+        settings_wrong_value(
+            s, "listen", "not a loopback address, and --no-auth is for loopback only");
+    else if (o->tls_cert == NULL && !o->plaintext)
         settings_wrong_value(
             s, "listen",
-            o->no_auth
-                ? "not a loopback address, and --no-auth is for loopback only"
-                : "not a loopback address; there is no TLS yet, so put a TLS proxy "
-                  "in front and listen on 127.0.0.1 or [::1]");
+            "not a loopback address: give --tls-cert and --tls-key, or --plaintext if "
+            "something else encrypts all the way");
 }
 
 static void one_worker_per_core(struct settings *s)
@@ -170,6 +196,7 @@ enum options_outcome options_read(int argc, char **argv, FILE *errors,
     }
     read_all(s, value);
     if (settings_problems(s) == 0) {
+        out->max_connections_per_address = OPTIONS_UNSET;
         settings_fill(s, out);
         check_together(out);
     }

@@ -2,12 +2,15 @@
  * its command line, each stronger than the one before. */
 #ifndef SERVER_OPTIONS_H
 #define SERVER_OPTIONS_H
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <sys/socket.h>
 
 struct settings; /* settings.h */
+
+#define OPTIONS_UNSET UINT_MAX
 
 /* One member for each row of the table in options.c.  A path is NULL where it was not
  * given. */
@@ -21,8 +24,13 @@ struct options {
     size_t max_body;     /* bytes */
     unsigned cache_mb;   /* of decoded templates; 0: none are kept */
     unsigned log_format; /* enum log_format */
+    const char *tls_cert, *tls_key, *tls_client_ca;
+    bool plaintext;
+    unsigned max_connections;
+    unsigned max_connections_per_address; /* OPTIONS_UNSET: not given */
+    unsigned timeout_s;
 
-    struct sockaddr_storage listen; /* a loopback address (IPv4 or IPv6) and the port */
+    struct sockaddr_storage listen; /* IPv4 or IPv6 with the port, or a Unix socket */
     socklen_t listen_len;
     struct settings *settings; /* what the strings above belong to */
 };

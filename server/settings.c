@@ -217,7 +217,7 @@ static bool check_value(struct settings *s, const struct setting *row, struct va
         break;
     case SETTING_ADDRESS:
         if (!address_read(v->text, &ss, &len))
-            why = "not an address like 127.0.0.1:8787 or [::1]:8787";
+            why = "not an address like 127.0.0.1:8787, [::1]:8787 or unix:/run/x/socket";
         break;
     case SETTING_BOOL:
         if (strcmp(v->text, "0") != 0 && strcmp(v->text, "1") != 0)

@@ -185,8 +185,10 @@ for path in /v1/templates/x /v1/templates/..%2f..%2fetc%2fpasswd "/v1/templates/
 done
 req GET /v1/subjects/../../etc/passwd --path-as-is
 problem "dots" 404 no_such_route
-req GET "/healthz?$(printf '%020000d' 1)"
+req GET "/healthz?$(printf '%08000d' 1)"
 is "a long query" "$STATUS" 200
+req GET "/healthz?$(printf '%020000d' 1)"
+is "one that is too long" "$STATUS" 414
 for label in "$(printf '%0257d' 1)" %01 %FF %00 %; do
     send POST "/v1/subjects/bob/templates?label=$label" "$PLY" "$T/a.ply"
     is "label $label" "$STATUS" 400

@@ -54,16 +54,16 @@ finish() {
 }
 
 # start_daemon OPTION...: sets PID and URL; fails when it does not say that it listens.
-# $UNDER: a command that it is run by.
+# $UNDER: a command that it is run by; $LISTEN: where, instead of on a free port.
 start_daemon() {
     : >"$LOG"
     # shellcheck disable=SC2086 # a command and its options
-    ${UNDER:-} "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 "$@" 2>"$LOG" &
+    ${UNDER:-} "$BUILD/surfaced" --db "$DB" --listen "${LISTEN:-127.0.0.1:0}" "$@" 2>"$LOG" &
     PID=$!
     tries=0
     URL=
     while [ -z "$URL" ] && kill -0 "$PID" 2>/dev/null && [ "$tries" -lt 300 ]; do
-        URL=$(sed -n 's/.*listening on \(http[^"]*\)".*/\1/p' "$LOG")
+        URL=$(sed -n 's/.*listening on \([^"]*\)".*/\1/p' "$LOG")
         tries=$((tries + 1))
         [ -n "$URL" ] || sleep 0.1
     done
@@ -154,4 +154,14 @@ scan() {
 without_times() {
     jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
                  else . end)' "$1"
+}
+
+# soon COMMAND...: it succeeds within half a minute, tried again and again.
+soon() {
+    tries=0
+    until "$@"; do
+        tries=$((tries + 1))
+        [ "$tries" -lt 300 ] || return 1
+        sleep 0.1
+    done
 }

@@ -160,8 +160,8 @@ static void test_refused(void **state)
                 "1073741824\n"
                 "surfaced: the.conf:4: yes = yes: neither 0 nor 1\n"
                 "surfaced: the.conf:5: log = xml: not one of logfmt|json\n"
-                "surfaced: the.conf:6: listen = 1: not an address like 127.0.0.1:8787 "
-                "or [::1]:8787\n"
+                "surfaced: the.conf:6: listen = 1: not an address like 127.0.0.1:8787, "
+                "[::1]:8787 or unix:/run/x/socket\n"
                 "surfaced: --bytes 17179869184G: not a number of bytes from 1 to "
                 "1073741824\n"
                 "surfaced: --log logfm: not one of logfmt|json\n"
@@ -265,23 +265,55 @@ static void test_help(void **state)
 
 static void test_addresses(void **state)
 {
-    static const char *const good[] = {"127.0.0.1:0", "localhost:8787", "[::1]:65535",
-                                       "0.0.0.0:1", "[2001:db8::1]:1"};
-    static const bool near[] = {true, true, true, false, false};
+    static const char *const good[] = {"127.0.0.1:0", "localhost:8787",  "[::1]:65535",
+                                       "0.0.0.0:1",   "[2001:db8::1]:1", "unix:/run/x"};
+    static const bool near[] = {true, true, true, false, false, true};
     static const char *const bad[] = {
         "",          ":1",          "1.2.3:1",         "[::1]", "::1:",
         "[::1:1",    "127.0.0.1:x", "127.0.0.1:65536", "[]:1",  "[x]:1",
-        "127.0.0.1", "host:1",      "[::1]:+1"};
+        "127.0.0.1", "host:1",      "[::1]:+1",        "unix:"};
+    char path[120];
     struct sockaddr_storage ss;
     socklen_t len;
 
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         assert_true(address_read(good[i], &ss, &len));
-        assert_int_equal(address_is_loopback(&ss), near[i]);
+        assert_int_equal(address_is_local(&ss), near[i]);
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_false(address_read(bad[i], &ss, &len));
+
+    /* a path of 107 bytes is the longest */
+    memset(path, 'x', sizeof path);
+    memcpy(path, "unix:", 5);
+    path[5 + 107] = '\0';
+    assert_true(address_read(path, &ss, &len));
+    assert_string_equal(address_path(&ss), path + 5);
+    path[5 + 107] = 'x';
+    path[5 + 108] = '\0';
+    assert_false(address_read(path, &ss, &len));
+}
+
+static void test_urls(void **state)
+{
+    static const char *const text[] = {"127.0.0.1:80", "[::1]:80", "unix:/run/x"};
+    static const char *const plain[] = {"http://127.0.0.1:80", "http://[::1]:80",
+                                        "unix:/run/x"};
+    static const char *const tls[] = {"https://127.0.0.1:80", "https://[::1]:80",
+                                      "unix:/run/x"};
+    struct sockaddr_storage ss;
+    socklen_t len;
+    char url[ADDRESS_URL_MAX];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
+        assert_true(address_read(text[i], &ss, &len));
+        address_url(&ss, false, url);
+        assert_string_equal(url, plain[i]);
+        address_url(&ss, true, url);
+        assert_string_equal(url, tls[i]);
+    }
 }
 
 #define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
@@ -289,9 +321,16 @@ static void test_addresses(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_fill),      TEST(test_strength),   TEST(test_refused),
-        TEST(test_malformed), TEST(test_long_lines), TEST(test_credentials),
-        TEST(test_files),     TEST(test_help),       cmocka_unit_test(test_addresses),
+        TEST(test_fill),
+        TEST(test_strength),
+        TEST(test_refused),
+        TEST(test_malformed),
+        TEST(test_long_lines),
+        TEST(test_credentials),
+        TEST(test_files),
+        TEST(test_help),
+        cmocka_unit_test(test_addresses),
+        cmocka_unit_test(test_urls),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
