@@ -4,7 +4,7 @@
 # db/*.c but surfacectl's into the store's library, every tests/test_*.c is a program.
 # A test that needs a linker flag says so on a line of its own:  /* link: -Wl,--wrap=f */
 # Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
-# server/openapi.json -> build/gen/openapi_json.h (array openapi_json).
+# server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* alike.
 
 ifeq ($(origin CC),default)
 CC           := gcc
@@ -53,8 +53,9 @@ BENCH_BIN := $(BENCH_SRC:tests/%.c=$(BUILD)/%)
 TOOL_BIN  := $(TOOL_SRC:tests/%_main.c=$(BUILD)/%)
 PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
              $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
+EMBED     := json html css js
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
-             $(patsubst server/%.json,$(BUILD)/gen/%_json.h,$(wildcard server/*.json))
+             $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))
 ALL_OBJ   := $(call obj,$(wildcard core/*.c db/*.c server/*.c tests/*.c studies/*.c))
 
 CORE_A := $(BUILD)/libsurface.a
@@ -85,10 +86,13 @@ $(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
 	$(call say,GEN)
 	$(Q)scripts/embed.sh $*_sql < $< > $@.tmp && mv $@.tmp $@
 
-$(BUILD)/gen/%_json.h: server/%.json scripts/embed.sh
-	@mkdir -p $(@D)
-	$(call say,GEN)
-	$(Q)scripts/embed.sh $*_json < $< > $@.tmp && mv $@.tmp $@
+define embed
+$$(BUILD)/gen/%_$(1).h: server/%.$(1) scripts/embed.sh
+	@mkdir -p $$(@D)
+	$$(call say,GEN)
+	$$(Q)scripts/embed.sh $$*_$(1) < $$< > $$@.tmp && mv $$@.tmp $$@
+endef
+$(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, as a constant of the library.
 $(BUILD)/gen/default_model.c: core/default.model scripts/model_c.sh

@@ -99,6 +99,8 @@ static struct MHD_Response *make_response(struct exchange *x)
         (void)MHD_add_response_header(resp, "Location", a->location);
     if (a->allow != NULL)
         (void)MHD_add_response_header(resp, "Allow", a->allow);
+    if (a->policy != NULL)
+        (void)MHD_add_response_header(resp, "Content-Security-Policy", a->policy);
     if (a->challenge) {
         auth_challenge(a, challenge);
         (void)MHD_add_response_header(resp, "WWW-Authenticate", challenge);

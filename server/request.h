@@ -47,6 +47,7 @@ struct request_answer {
     const char *type;     /* static */
     char location[96];    /* "" for none */
     const char *allow;    /* static; NULL for none */
+    const char *policy;   /* Content-Security-Policy; static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
     unsigned lacks;       /* with it: the scope that the token has not; 0 for none */

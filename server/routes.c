@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "compare.h"
+#include "docs.h"
 #include "enroll.h"
 #include "errmap.h"
 #include "health.h"
@@ -26,6 +27,9 @@ static const struct routes_route table[] = {
     {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, health_ready, false},
     {REQUEST_GET, "/metrics", ROUTES_NO_BODY, ANYBODY, meta_metrics, true},
     {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, ANYBODY, meta_openapi, true},
+    {REQUEST_GET, "/docs", ROUTES_NO_BODY, ANYBODY, docs_page, true},
+    {REQUEST_GET, "/docs/style.css", ROUTES_NO_BODY, ANYBODY, docs_style, true},
+    {REQUEST_GET, "/docs/script.js", ROUTES_NO_BODY, ANYBODY, docs_script, true},
     {REQUEST_GET, "/version", ROUTES_NO_BODY, ANYBODY, meta_version, true},
     {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, ENROLL, enroll_handle, false},
     {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, VERIFY, verify_subject, false},
