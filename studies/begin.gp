@@ -14,6 +14,7 @@ set style line 3 lc rgb '#1b9e77' lw 1.5 pt 9 ps 0.7
 set style line 4 lc rgb '#7570b3' lw 1.5 pt 13 ps 0.7
 set style line 5 lc rgb '#e7298a' lw 1.5 pt 11 ps 0.7
 set style line 6 lc rgb '#666666' lw 1.5 pt 4 ps 0.6
+set style line 7 lc rgb '#a6761d' lw 1.5 pt 6 ps 0.7
 set style line 9 lc rgb '#b0b0b0' lw 1
 set palette defined (0 '#30408f', 0.5 '#5fb7a4', 1 '#fde725')
 set grid lc rgb '#dddddd'

@@ -16,7 +16,8 @@
 struct lab {
     const char *dir; /* where the study's files go */
     uint64_t seed;
-    bool reduced; /* few draws, small sizes: for tests */
+    const char *faces; /* a folder of scans, or NULL */
+    bool reduced;      /* few draws, small sizes: for tests */
 };
 
 void lab_must(enum status st);          /* ends the program unless ST_OK */

@@ -5,6 +5,10 @@
 
 struct lab; /* lab.h */
 
+void approx_run(const struct lab *lab);  /* general triangulation against exact overlay */
+void method_run(const struct lab *lab);  /* the disparity paper's figures 1 to 9 */
+void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4, growth */
+void cover_run(const struct lab *lab);   /* faces with parts missing */
 void missing_run(const struct lab *lab); /* the missing-points paper's figures, tables */
 
 #endif

@@ -13,6 +13,13 @@ static const struct {
     const char *name, *what;
     void (*run)(const struct lab *lab);
 } study[] = {
+    {"method", "disparity: walks, trees, interpolation, sign cases (figures 1-9)",
+     method_run},
+    {"cost", "disparity: tables 1-4, growth to a million points, a stored template",
+     cost_run},
+    {"approx", "disparity: the general triangulation against the exact volume",
+     approx_run},
+    {"cover", "missing points: faces with parts missing, and verification", cover_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
 };
@@ -20,7 +27,7 @@ static const struct {
 
 static int usage(FILE *to)
 {
-    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--out DIR]\n"
+    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--faces DIR] [--out DIR]\n"
                 "Run one study and write its numbers as CSV into DIR (the folder where "
                 "one is).\n");
     for (size_t i = 0; i < STUDIES; i++)
@@ -28,6 +35,8 @@ static int usage(FILE *to)
     fprintf(to,
             "--seed     of everything random (%d)\n"
             "--reduced  few draws and small sizes: seconds instead of minutes\n"
+            "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply, which "
+            "study cover uses besides\n"
             "With scripts/studies: pictures and a report besides.\n",
             SEED);
     return to == stdout ? 0 : 64;
@@ -52,6 +61,8 @@ int main(int argc, char **argv)
             lab.reduced = true;
         } else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) {
             lab.dir = argv[++i];
+        } else if (strcmp(argv[i], "--faces") == 0 && i + 1 < argc) {
+            lab.faces = argv[++i];
         } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
             errno = 0;
             lab.seed = strtoull(argv[++i], &end, 10);

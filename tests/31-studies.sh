@@ -58,6 +58,42 @@ that "the same again" diff -r "$dir/missing" "$dir/again"
 "$BUILD/study" missing --reduced --seed 5 --out "$dir/again" >"$dir/log"
 that "another seed, other draws" sh -c "! cmp -s '$dir/missing/table2.csv' '$dir/again/table2.csv'"
 
+# ---- the method: counted, not timed
+study method
+between() { that "$1: $2 in [$3, $4]" awk "BEGIN { exit !($2 >= $3 && $2 <= $4) }"; }
+between "exponent of location along the tree" \
+    "$(value method/steps-fit.csv 'a mesh along the tree' 3)" 0.95 1.05
+between "exponent of single locations" \
+    "$(value method/steps-fit.csv 'one point from the middle' 3)" 0.4 0.6
+that "the walks find what locate_mesh() finds" \
+    awk -F, 'NR > 1 && $4 != 0 { exit 1 }' "$dir/method/steps.csv"
+that "the sign cases are those worked out by hand" \
+    awk -F, 'NR > 1 && $8 > 1e-12 { exit 1 } END { exit NR != 7 }' "$dir/method/signs.csv"
+
+# ---- the general triangulation and the exact volume
+study approx
+that "general triangulation: 2 n - 2 - (hull of 4) cells of 2 N - 4 points" \
+    awk -F, 'NR > 1 && $4 != 4 * $2 - 14 { exit 1 }' "$dir/approx/approx.csv"
+that "surfaces that differ: within 2 % from N = 1000" awk -F, '$2 >= 1000 &&
+    $1 ~ /^(apart|crossing|faces)$/ && $7 > 2 { exit 1 }' "$dir/approx/approx.csv"
+for pair in apart crossing faces; do
+    between "$pair: the difference falls" "$(value approx/fit.csv "$pair" 3)" -2 -0.3
+done
+
+# ---- cost: nothing that a clock says
+study cost
+between "triangles of the general triangulation, exponent" \
+    "$(value cost/growth-fit.csv 'triangles of the general triangulation' 3)" 0.99 1.01
+is "2 (2 N) - 2 of them, ghosts included" "$(value cost/growth.csv 10000 9)" 39998
+
+# ---- faces with parts missing
+study cover
+that "with bridges, farther from the truth the more is missing" \
+    awk -F, 'NR > 1 && $2 <= was { exit 1 } NR > 1 { was = $2 }' "$dir/cover/truth.csv"
+that "without bridges nearer" awk -F, 'NR > 1 && $6 > $2 { exit 1 }' "$dir/cover/truth.csv"
+is "a whole face is matched" "$(value cover/madeup.csv 0 4)" 100.0
+is "strangers are not" "$(value cover/madeup.csv 0 8)" 0.00
+
 # ---- what can go wrong
 for bad in "" "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do
     # shellcheck disable=SC2086 # arguments

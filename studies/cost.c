@@ -1,0 +1,338 @@
+/* cost.c -- the disparity-measure paper's tables 1 to 4, how each stage grows to 1,000,000
+ * points, and what a stored template saves.  Processor time of the thread, medians. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clouds.h"
+#include "delaunay.h"
+#include "disparity.h"
+#include "holes.h"
+#include "lab.h"
+#include "merge.h"
+#include "mst.h"
+#include "study.h"
+#include "surface.h"
+#include "timing.h"
+
+enum stage { TRIANGULATE, TREE, LOAD, LOCATE, INTERPOLATE, MERGE, MEASURE, STAGES };
+
+/* LOAD: a stored template's triangulation and tree, from its arrays: all of it proven. */
+static const char *const stage_name[STAGES] = {
+    "triangulation", "spanning tree", "stored template: load",
+    "location",      "interpolation", "general triangulation",
+    "measure"};
+
+/* Two clouds, and everything the paper does with them. */
+struct pair {
+    struct ivec3 *pts[2];
+    size_t n[2];
+    struct lab_surface side[2];
+    struct location *loc[2];
+    double *other[2];
+    float *spacing[2];
+    uint8_t *bridge[2];
+    double measured[2];
+    struct mesh general, stored;
+    uint32_t *b_vertex;
+    struct disparity_vertex *vertex;
+    struct scratch scratch;
+    struct disparity out;
+};
+
+static void pair_room(struct pair *p)
+{
+    const size_t n[2] = {p->n[0], p->n[1]};
+
+    for (int i = 0; i < 2; i++) {
+        p->loc[i] = lab_alloc(n[i], sizeof *p->loc[i]);
+        p->other[i] = lab_alloc(n[i], sizeof *p->other[i]);
+        p->spacing[i] = lab_alloc(n[i], sizeof *p->spacing[i]);
+        p->bridge[i] = lab_alloc(2 * n[i], 1);
+    }
+    p->b_vertex = lab_alloc(n[1], sizeof *p->b_vertex);
+    p->vertex = lab_alloc(n[0] + n[1], sizeof *p->vertex);
+}
+
+static void pair_free(struct pair *p)
+{
+    for (int i = 0; i < 2; i++) {
+        free(p->pts[i]);
+        free(p->loc[i]);
+        free(p->other[i]);
+        free(p->spacing[i]);
+        free(p->bridge[i]);
+        lab_surface_free(&p->side[i]);
+    }
+    free(p->b_vertex);
+    free(p->vertex);
+    mesh_free(&p->general);
+    mesh_free(&p->stored);
+    scratch_free(&p->scratch);
+}
+
+static double lap(struct timing *t, double since)
+{
+    const double now = timing_now_ms();
+
+    if (t != NULL)
+        timing_add(t, now - since);
+    return timing_now_ms();
+}
+
+/* build(p, i, row): a side's triangulation and tree. */
+static void build(struct pair *p, int i, struct timing row[STAGES])
+{
+    double t = timing_now_ms();
+
+    lab_must(delaunay_build(p->pts[i], p->n[i], &p->scratch, &p->side[i].mesh));
+    t = lap(&row[TRIANGULATE], t);
+    lab_must(mst_build(&p->side[i].mesh, &p->scratch));
+    (void)lap(&row[TREE], t);
+    lab_must(holes_spacing(&p->side[i].mesh, &p->scratch, p->spacing[i]));
+    p->measured[i] = holes_mark(&p->side[i].mesh, p->spacing[i], p->bridge[i]);
+}
+
+/* pass(p, row): the paper's stages once, each timed for both sides together but the first
+ * two, which are timed for each. */
+static void pass(struct pair *p, struct timing row[STAGES])
+{
+    const struct mesh *a = &p->side[0].mesh, *b = &p->side[1].mesh;
+    double t;
+
+    for (int i = 0; i < 2; i++)
+        build(p, i, row);
+    lab_must(mesh_copy(&p->stored, a, 0));
+    t = timing_now_ms();
+    lab_must(mesh_link(&p->stored, &p->scratch));
+    t = lap(&row[LOAD], t);
+    locate_mesh(a, b, p->loc[1]);
+    locate_mesh(b, a, p->loc[0]);
+    t = lap(&row[LOCATE], t);
+    surface_interpolate(a, b, p->loc[1], p->other[1]);
+    surface_interpolate(b, a, p->loc[0], p->other[0]);
+    t = lap(&row[INTERPOLATE], t);
+    lab_must(merge_build(a, b, p->loc[1], &p->scratch, &p->general, p->b_vertex));
+    t = lap(&row[MERGE], t);
+    disparity_measure(&p->general, p->b_vertex,
+                      &(struct disparity_side){a, p->spacing[0], p->bridge[0],
+                                               p->measured[0], p->loc[0], p->other[0]},
+                      &(struct disparity_side){b, p->spacing[1], p->bridge[1],
+                                               p->measured[1], p->loc[1], p->other[1]},
+                      NULL, 1000, p->vertex, &p->out);
+    (void)lap(&row[MEASURE], t);
+}
+
+static void rows_free(struct timing row[STAGES])
+{
+    for (int s = 0; s < STAGES; s++)
+        timing_free(&row[s]);
+}
+
+/* ---- tables 1 and the stored template */
+
+static void table1(const struct lab *lab)
+{
+    enum { PAIRS = 24 };
+    const int pairs = lab->reduced ? 3 : PAIRS, rounds = lab->reduced ? 2 : 9;
+    static const double paper[STAGES] = {124, 203, NAN, 15, 1, 31, 31};
+    /* Of both clouds' cost, what is left with one of them stored. */
+    static const double left[STAGES] = {0.5, 0.5, 1, 1, 1, 1, 1};
+    struct pair *p = lab_alloc(PAIRS, sizeof *p);
+    struct timing row[STAGES] = {{0}};
+    double sum[4] = {0, 0, 0, 0};
+    FILE *f = lab_open(lab, "table1.csv");
+
+    for (int k = 0; k < pairs; k++) {
+        for (int i = 0; i < 2; i++) {
+            p[k].pts[i] = lab_alloc(3000, sizeof *p[k].pts[i]);
+            p[k].n[i] =
+                clouds_make(CLOUDS_FACE, (uint64_t)(2 * k + i), 3000, p[k].pts[i]);
+        }
+        pair_room(&p[k]);
+        pass(&p[k], row);
+    }
+    for (int s = 0; s < STAGES; s++)
+        row[s].n = 0; /* the first pass was to warm up */
+    for (int r = 0; r < rounds; r++)
+        for (int k = 0; k < pairs; k++)
+            pass(&p[k], row);
+    fprintf(f, "stage,paper: both from points ms,paper: one stored ms,both from points "
+               "ms,one stored ms,stored / both\n");
+    for (int s = 0; s < STAGES; s++) {
+        const double ms = timing_median(&row[s]) * (left[s] < 1 ? 2 : 1);
+        const double both = s == LOAD ? 0 : ms, one = ms * left[s];
+        const double p_both = s == LOAD ? 0 : paper[s], p_one = p_both * left[s];
+
+        sum[0] += p_both;
+        sum[1] += p_one;
+        sum[2] += both;
+        sum[3] += one;
+        fprintf(f, "%s,%.0f,%.0f,%.3f,%.3f,%.2f\n", stage_name[s], p_both, p_one, both,
+                one, both > 0 ? one / both : 1);
+    }
+    fprintf(f, "sum,%.0f,%.0f,%.3f,%.3f,%.2f\n", sum[0], sum[1], sum[2], sum[3],
+            sum[3] / sum[2]);
+    lab_close(f);
+    for (int k = 0; k < pairs; k++)
+        pair_free(&p[k]);
+    free(p);
+    rows_free(row);
+}
+
+/* ---- growth: the first n points of two large clouds in random order */
+
+#define SIZES 13
+
+static void measure(const struct lab *lab, const struct ivec3 *const all[2], size_t n,
+                    double ms[STAGES], struct disparity *out, uint32_t *cells)
+{
+    const size_t rounds = lab->reduced ? 1
+                          : n > 300000 ? 5
+                          : n > 30000  ? 9
+                                       : 600000 / n + 3;
+    struct timing row[STAGES] = {{0}};
+    struct pair p = {.n = {n, n}};
+
+    for (int i = 0; i < 2; i++) {
+        p.pts[i] = lab_alloc(n, sizeof *p.pts[i]);
+        memcpy(p.pts[i], all[i], n * sizeof *p.pts[i]);
+    }
+    pair_room(&p);
+    pass(&p, row);
+    for (int s = 0; s < STAGES; s++)
+        row[s].n = 0;
+    for (size_t r = 0; r < (rounds < 60 ? rounds : 60); r++)
+        pass(&p, row);
+    for (int s = 0; s < STAGES; s++)
+        ms[s] = timing_median(&row[s]);
+    *out = p.out;
+    *cells = p.general.nt;
+    pair_free(&p);
+    rows_free(row);
+}
+
+static void papers(const struct lab *lab, const struct ivec3 *const all[2], size_t most)
+{
+    static const struct {
+        int table;
+        size_t n;
+        enum stage s;
+        double paper;
+    } row[] = {
+        {2, 20000, TREE, 906},        {2, 40000, TREE, 1812},
+        {2, 60000, TREE, 2562},       {2, 80000, TREE, 3531},
+        {2, 100000, TREE, 4468},      {3, 10000, LOCATE, 31},
+        {3, 25000, LOCATE, 93},       {3, 50000, LOCATE, 171},
+        {3, 75000, LOCATE, 234},      {3, 100000, LOCATE, 312},
+        {4, 50000, INTERPOLATE, 15},  {4, 100000, INTERPOLATE, 31},
+        {4, 150000, INTERPOLATE, 46}, {4, 200000, INTERPOLATE, 62},
+    };
+    static const char *const what[] = {"spanning tree of one mesh",
+                                       "location of one mesh in the other",
+                                       "interpolation of both"};
+    FILE *f = lab_open(lab, "tables.csv"), *fit = lab_open(lab, "tables-fit.csv");
+    double n[8], printed[8], ours[8];
+    size_t k = 0;
+
+    fprintf(f, "table,what,points,paper ms,here ms,paper / here,paper us a point,"
+               "here us a point\n");
+    fprintf(fit,
+            "table,what,paper: exponent,95 %% from,to,here: exponent,95 %% from,to\n");
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        double ms[STAGES];
+        struct disparity d;
+        uint32_t cells;
+        const double points = (double)row[i].n;
+
+        if (row[i].n <= most) {
+            measure(lab, all, row[i].n, ms, &d, &cells);
+            /* The paper locates one mesh in the other; the pass does it both ways. */
+            ours[k] = ms[row[i].s] / (row[i].s == LOCATE ? 2 : 1);
+            n[k] = points;
+            printed[k++] = row[i].paper;
+            fprintf(f, "%d,%s,%zu,%.0f,%.3f,%.0f,%.2f,%.3f\n", row[i].table,
+                    what[row[i].table - 2], row[i].n, row[i].paper, ours[k - 1],
+                    row[i].paper / ours[k - 1], 1e3 * row[i].paper / points,
+                    1e3 * ours[k - 1] / points);
+        }
+        if (i + 1 == sizeof row / sizeof row[0] || row[i + 1].table != row[i].table) {
+            if (k >= 3) {
+                const struct lab_fit a = lab_fit(n, printed, k), b = lab_fit(n, ours, k);
+
+                fprintf(fit, "%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", row[i].table,
+                        what[row[i].table - 2], a.slope, a.slope - a.half,
+                        a.slope + a.half, b.slope, b.slope - b.half, b.slope + b.half);
+            }
+            k = 0;
+        }
+    }
+    lab_close(f);
+    lab_close(fit);
+}
+
+static void growth(const struct lab *lab, const struct ivec3 *const all[2], size_t most)
+{
+    static const size_t size[SIZES] = {1000,   2000,   5000,   10000,  20000,
+                                       50000,  100000, 150000, 200000, 300000,
+                                       500000, 700000, 1000000};
+    static const char *const claim[STAGES] = {"1 (N log N)", "1", "-", "1",
+                                              "1",           "1", "1"};
+    double n[SIZES], ms[SIZES][STAGES], y[SIZES], cells[SIZES];
+    size_t sizes = 0;
+    FILE *f = lab_open(lab, "growth.csv"), *fit = lab_open(lab, "growth-fit.csv");
+
+    fprintf(f, "points in each");
+    for (int s = 0; s < STAGES; s++)
+        fprintf(f, ",%s ms", stage_name[s]);
+    fprintf(f, ",triangles of the general triangulation,mean gap mm\n");
+    for (; sizes < SIZES && size[sizes] <= most; sizes++) {
+        struct disparity d;
+        uint32_t nt;
+
+        measure(lab, all, size[sizes], ms[sizes], &d, &nt);
+        n[sizes] = (double)size[sizes];
+        cells[sizes] = nt;
+        fprintf(f, "%zu", size[sizes]);
+        for (int s = 0; s < STAGES; s++)
+            fprintf(f, ",%.4f", ms[sizes][s]);
+        fprintf(f, ",%u,%.4f\n", nt, d.plain_mm);
+    }
+    fprintf(fit, "stage,paper: exponent,exponent,95 %% from,to,from 50000 points,"
+                 "95 %% from,to,ns a point at the largest\n");
+    for (int s = 0; s <= STAGES; s++) {
+        size_t large = 0;
+        struct lab_fit e, l;
+
+        for (size_t i = 0; i < sizes; i++)
+            y[i] = s < STAGES ? ms[i][s] : cells[i];
+        while (large + 3 < sizes && size[large] < 50000)
+            large++;
+        e = lab_fit(n, y, sizes);
+        l = lab_fit(n + large, y + large, sizes - large);
+        fprintf(fit, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.0f\n",
+                s < STAGES ? stage_name[s] : "triangles of the general triangulation",
+                s < STAGES ? claim[s] : "1", e.slope, e.slope - e.half, e.slope + e.half,
+                l.slope, l.slope - l.half, l.slope + l.half,
+                s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : NAN);
+    }
+    lab_close(f);
+    lab_close(fit);
+}
+
+void cost_run(const struct lab *lab)
+{
+    const size_t most = lab->reduced ? 10000 : 1000000;
+    struct ivec3 *all[2];
+
+    table1(lab);
+    for (int i = 0; i < 2; i++) {
+        all[i] = lab_alloc(most, sizeof *all[i]);
+        if (clouds_make(CLOUDS_FACE, (uint64_t)i, most, all[i]) < most)
+            lab_must(ST_ETOOFEW);
+    }
+    papers(lab, (const struct ivec3 *const *)all, most);
+    growth(lab, (const struct ivec3 *const *)all, most);
+    free(all[0]);
+    free(all[1]);
+}

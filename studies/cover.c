@@ -1,0 +1,369 @@
+/* cover.c -- faces with parts missing: up to 85 % of a probe's points cut out in blobs.
+ * How far the surface that is left lies from the true one, with and without the triangles
+ * that bridge a hole, and how verification fares: the evidence for the share below which an
+ * answer is inconclusive.
+ * People: made up (tests/facegen.h), and besides the scans of a folder, if one is given:
+ * SUBJECT_enroll.ply with SUBJECT_p1.ply. */
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "brute.h"
+#include "cloudfile.h"
+#include "decision.h"
+#include "face.h"
+#include "facegen.h"
+#include "holes.h"
+#include "lab.h"
+#include "lattice.h"
+#include "mem.h"
+#include "study.h"
+#include "surface.h"
+
+#define SHARES 8
+static const double share[SHARES] = {0, 0.15, 0.30, 0.45, 0.60, 0.75, 0.85, 0.92};
+
+#define POINTS    3000
+#define STRANGERS 8 /* templates of others that each probe is tried against */
+
+struct person {
+    struct face tmpl;
+    struct dvec3 *probe; /* [n] whole */
+    size_t n;
+};
+
+/* cut(pts, n, goal, r): cut blobs 12 to 30 mm wide out until no more than goal points are
+ * left; returns how many. */
+static size_t cut(struct dvec3 *p, size_t n, size_t goal, struct brute_rng *r)
+{
+    while (n > goal && n > 1) {
+        const struct dvec3 c = p[brute_rand(r) % n];
+        const double radius = 6 + 9 * brute_real(r), phase = 6.28 * brute_real(r);
+        size_t left = 0;
+
+        for (size_t i = 0; i < n; i++) {
+            const double dx = p[i].x - c.x, dy = p[i].y - c.y;
+            const double edge = radius * (1 + 0.25 * cos(3 * atan2(dy, dx) + phase));
+
+            if (dx * dx + dy * dy >= edge * edge)
+                p[left++] = p[i];
+        }
+        n = left;
+    }
+    return n;
+}
+
+/* ---- the surface that is left against the true one */
+
+struct fidelity {
+    double all, measured, share; /* mean distance, mm; share of the outline measured */
+};
+
+/* On a grid of 1.5 mm over the whole scan's hull: mean |surface - face|, of all that the
+ * triangulation covers, and of what it does not only bridge. */
+static struct fidelity fidelity(const struct facegen_face *f, struct lab_surface *whole,
+                                struct lab_surface *s)
+{
+    float *spacing = lab_alloc(s->mesh.nv, sizeof *spacing);
+    uint8_t *bridge = lab_alloc(s->mesh.nt, 1);
+    struct fidelity d = {0, 0, 0};
+    double all = 0, measured = 0, outline = 0;
+
+    lab_must(holes_spacing(&s->mesh, &s->scratch, spacing));
+    (void)holes_mark(&s->mesh, spacing, bridge);
+    for (int j = -60; j <= 60; j++)
+        for (int i = -45; i <= 45; i++) {
+            const struct ivec2 q = {1500 * i, 1500 * j};
+            bool inside;
+            double off;
+
+            (void)lab_height(whole, q, &inside);
+            outline += inside;
+            off = fabs(lab_height(s, q, &inside) / LATTICE_PER_MM -
+                       facegen_height(f, 1.5 * i, 1.5 * j));
+            if (!inside)
+                continue;
+            all++;
+            d.all += off;
+            if (!holes_measured(&s->mesh, bridge, s->last))
+                continue;
+            measured++;
+            d.measured += off;
+        }
+    free(spacing);
+    free(bridge);
+    d.all /= all > 0 ? all : 1;
+    d.measured /= measured > 0 ? measured : 1;
+    d.share = measured / outline;
+    return d;
+}
+
+static void truths(const struct lab *lab)
+{
+    const size_t people = lab->reduced ? 4 : 60;
+    struct ivec3 *lattice = lab_alloc(POINTS, sizeof *lattice);
+    struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
+    struct lab_surface whole = {0}, left = {0};
+    FILE *f = lab_open(lab, "truth.csv");
+
+    fprintf(f,
+            "removed %%,all triangles: mean |gap| to the true face mm,median,5 %%,95 %%,"
+            "without bridges: mean,median,5 %%,95 %%,share of the outline still "
+            "measured\n");
+    for (int k = 0; k < SHARES; k++) {
+        double *all = lab_alloc(people, sizeof *all), area = 0;
+        double *measured = lab_alloc(people, sizeof *measured);
+        struct lab_spread a, m;
+
+        for (size_t s = 0; s < people; s++) {
+            struct brute_rng r = {lab->seed + s};
+            struct facegen_scan scan;
+            struct facegen_face face;
+            struct fidelity d;
+            size_t n;
+
+            facegen_default(&scan);
+            scan.subject = s;
+            facegen_face(s, 0, &face);
+            n = facegen_sample(&scan, pts);
+            lab_must(lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, NULL));
+            lab_must(lab_triangulate(&whole, lattice, n));
+            n = cut(pts, n, (size_t)((1 - share[k]) * (double)n), &r);
+            lab_must(lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, NULL));
+            lab_must(lab_triangulate(&left, lattice, n));
+            d = fidelity(&face, &whole, &left);
+            all[s] = d.all;
+            measured[s] = d.measured;
+            area += d.share / (double)people;
+        }
+        a = lab_spread(all, people);
+        m = lab_spread(measured, people);
+        fprintf(f, "%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.3f\n", 100 * share[k],
+                a.mean, a.median, a.low, a.high, m.mean, m.median, m.low, m.high, area);
+        free(all);
+        free(measured);
+    }
+    lab_close(f);
+    lab_surface_free(&whole);
+    lab_surface_free(&left);
+    free(lattice);
+    free(pts);
+}
+
+/* ---- verification */
+
+static size_t made_up(const struct lab *lab, struct face_work *w, struct person *p,
+                      size_t most)
+{
+    const size_t people = lab->reduced ? 5 : most;
+    struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
+
+    for (size_t s = 0; s < people; s++) {
+        struct facegen_scan scan;
+
+        facegen_default(&scan);
+        scan.subject = s;
+        facegen_pose(&scan, 3, 4);
+        lab_must(face_build(pts, facegen_sample(&scan, pts), w, &p[s].tmpl, NULL));
+        scan.scan = 1;
+        facegen_pose(&scan, 8, 12);
+        p[s].probe = lab_alloc(POINTS, sizeof *pts);
+        p[s].n = facegen_sample(&scan, p[s].probe);
+    }
+    free(pts);
+    return people;
+}
+
+/* read_scan(dir, name, n): the points of a scan, mem_free(); NULL: not there, or no scan. */
+static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
+{
+    const size_t most = (size_t)1 << 25;
+    struct dvec3 *pts = NULL;
+    unsigned char *bytes;
+    char path[4096];
+    FILE *f;
+
+    (void)snprintf(path, sizeof path, "%s/%s", dir, name);
+    if ((f = fopen(path, "rb")) == NULL)
+        return NULL;
+    bytes = lab_alloc(most, 1);
+    if (cloudfile_parse(bytes, fread(bytes, 1, most, f), CLOUDFILE_ANY, FACE_MAX_POINTS,
+                        &pts, n, NULL) != ST_OK)
+        pts = NULL;
+    free(bytes);
+    (void)fclose(f);
+    return pts;
+}
+
+static int by_name(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static int enrolled(const struct dirent *e)
+{
+    return strstr(e->d_name, "_enroll.ply") != NULL;
+}
+
+static size_t scanned(const struct lab *lab, struct face_work *w, struct person *p,
+                      size_t most)
+{
+    struct dirent **list = NULL;
+    const int files = scandir(lab->faces, &list, enrolled, by_name);
+    size_t people = 0;
+
+    for (int i = 0; i < files; i++) {
+        char name[512];
+        size_t n = 0;
+        struct dvec3 *pts = read_scan(lab->faces, list[i]->d_name, &n);
+        const int who = (int)strcspn(list[i]->d_name, "_");
+
+        (void)snprintf(name, sizeof name, "%.*s_p1.ply", who, list[i]->d_name);
+        if (people < most && pts != NULL &&
+            face_build(pts, n, w, &p[people].tmpl, NULL) == ST_OK &&
+            (p[people].probe = read_scan(lab->faces, name, &p[people].n)) != NULL)
+            people++;
+        mem_free(pts);
+        free(list[i]);
+    }
+    free(list);
+    return people;
+}
+
+#define BINS 10
+static const double bin_from[BINS + 1] = {0,   0.05, 0.1, 0.15, 0.2, 0.3,
+                                          0.4, 0.5,  0.7, 0.9,  1.01};
+
+/* What was answered: by the daemon's rule, and by the threshold alone. */
+struct tally {
+    int n, match, no_match, inconclusive, below;
+    double mm;
+};
+
+static void count(struct tally *t, const struct face_result *r)
+{
+    t->n++;
+    t->match += r->decision == FACE_MATCH;
+    t->no_match += r->decision == FACE_NO_MATCH;
+    t->inconclusive += r->decision == FACE_INCONCLUSIVE;
+    t->below += r->disparity_mm <= r->threshold_mm && r->weight_overlap > 0;
+    t->mm += r->disparity_mm;
+}
+
+struct outcome {
+    struct tally share[SHARES][2], bin[BINS][2]; /* [1]: strangers */
+    int probes[SHARES], refused[SHARES];
+};
+
+static void one_probe(const struct lab *lab, struct person *p, size_t people, size_t who,
+                      int k, uint64_t draw, struct face_work *w, struct face *probe,
+                      struct outcome *o)
+{
+    struct brute_rng r = {lab->seed + 1000003 * draw + who};
+    struct dvec3 *pts = lab_alloc(p[who].n, sizeof *pts);
+    size_t n;
+
+    memcpy(pts, p[who].probe, p[who].n * sizeof *pts);
+    n = cut(pts, p[who].n, (size_t)((1 - share[k]) * (double)p[who].n), &r);
+    o->probes[k]++;
+    if (face_build(pts, n, w, probe, NULL) != ST_OK) {
+        o->refused[k]++;
+        free(pts);
+        return;
+    }
+    for (size_t i = 0; i <= STRANGERS && i < people; i++) {
+        const size_t other = (who + i * (people / (STRANGERS + 1) + 1)) % people;
+        struct face_result res;
+        int bin = 0;
+
+        if (i > 0 && other == who)
+            continue;
+        lab_must(face_compare(&p[other].tmpl, probe, 0, NULL, w, &res));
+        while (bin + 1 < BINS && res.weight_overlap >= bin_from[bin + 1])
+            bin++;
+        count(&o->share[k][i > 0], &res);
+        count(&o->bin[bin][i > 0], &res);
+    }
+    free(pts);
+}
+
+static double percent(int a, int n)
+{
+    return n > 0 ? 100.0 * a / n : (double)NAN;
+}
+
+static void report(const struct lab *lab, const char *name, const struct outcome *o)
+{
+    char file[64];
+    FILE *f;
+
+    (void)snprintf(file, sizeof file, "%s.csv", name);
+    f = lab_open(lab, file);
+    fprintf(f,
+            "removed %%,probes,refused as scans,same person: match %%,no match %%,"
+            "inconclusive %%,strangers compared,match %%,no match %%,inconclusive %%\n");
+    for (int k = 0; k < SHARES; k++) {
+        const struct tally *g = &o->share[k][0], *i = &o->share[k][1];
+
+        fprintf(f, "%.0f,%d,%d,%.1f,%.1f,%.1f,%d,%.2f,%.2f,%.2f\n", 100 * share[k],
+                o->probes[k], o->refused[k], percent(g->match, g->n),
+                percent(g->no_match, g->n), percent(g->inconclusive, g->n), i->n,
+                percent(i->match, i->n), percent(i->no_match, i->n),
+                percent(i->inconclusive, i->n));
+    }
+    lab_close(f);
+    (void)snprintf(file, sizeof file, "%s-weight.csv", name);
+    f = lab_open(lab, file);
+    fprintf(f, "weight covered from,to,same person,accepted by the threshold alone %%,"
+               "mean disparity mm,strangers,accepted by the threshold alone %%,"
+               "mean disparity mm,inconclusive by default\n");
+    for (int b = 0; b < BINS; b++) {
+        const struct tally *g = &o->bin[b][0], *i = &o->bin[b][1];
+
+        fprintf(f, "%.2f,%.2f,%d,%.1f,%.4f,%d,%.2f,%.4f,%s\n", bin_from[b],
+                fmin(bin_from[b + 1], 1), g->n, percent(g->below, g->n),
+                g->n > 0 ? g->mm / g->n : (double)NAN, i->n, percent(i->below, i->n),
+                i->n > 0 ? i->mm / i->n : (double)NAN,
+                bin_from[b] < decision_min_weight ? "yes" : "no");
+    }
+    lab_close(f);
+}
+
+static void verify(const struct lab *lab, const char *name,
+                   size_t (*people_of)(const struct lab *, struct face_work *,
+                                       struct person *, size_t),
+                   void (*release)(void *))
+{
+    enum { MOST = 100, DRAWS = 2 };
+    struct face_work *w = face_work_new(NULL);
+    struct person *p = lab_alloc(MOST, sizeof *p);
+    struct outcome *o = lab_alloc(1, sizeof *o);
+    struct face probe = {0};
+    size_t people;
+
+    if (w == NULL)
+        lab_must(ST_ENOMEM);
+    people = people_of(lab, w, p, MOST);
+    for (int k = 0; k < SHARES; k++)
+        for (uint64_t d = 0; d < (lab->reduced ? 1 : DRAWS); d++)
+            for (size_t s = 0; s < people; s++)
+                one_probe(lab, p, people, s, k, d, w, &probe, o);
+    report(lab, name, o);
+    for (size_t s = 0; s < people; s++) {
+        face_free(&p[s].tmpl);
+        release(p[s].probe);
+    }
+    face_free(&probe);
+    face_work_free(w);
+    free(p);
+    free(o);
+}
+
+void cover_run(const struct lab *lab)
+{
+    truths(lab);
+    verify(lab, "madeup", made_up, free);
+    if (lab->faces != NULL)
+        verify(lab, "scans", scanned, mem_free);
+}

@@ -1,0 +1,45 @@
+# Faces with parts missing.
+name = 'truth'; wide = 800; high = 460
+load begin
+set title 'A scan with blobs cut out, against the true face: mean |gap|, median and 5-95 % of people'
+set xlabel 'points removed, %'
+set ylabel 'mean |gap| to the true face, mm'
+set yrange [0:*]
+set xrange [-4:98]
+set key top left
+plot dir . '/truth.csv' using ($1 - 0.5):3:4:5 with yerrorbars ls 2 title 'all triangles', \
+     dir . '/truth.csv' using ($1 + 0.5):7:8:9 with yerrorbars ls 1 title 'without those that bridge holes'
+
+name = 'decisions'; wide = 960; high = 440
+load begin
+set multiplot layout 1,2 title 'Decisions by the daemon''s defaults, made-up faces'
+set xlabel 'points removed from the probe, %'
+set ylabel 'share of comparisons, %'
+set xrange [-4:98]
+set yrange [-3:128]
+set key top left
+set title 'the same person'
+plot dir . '/madeup.csv' using 1:4 with linespoints ls 3 title 'match', \
+     dir . '/madeup.csv' using 1:5 with linespoints ls 2 title 'no match', \
+     dir . '/madeup.csv' using 1:6 with linespoints ls 6 title 'inconclusive'
+set title 'strangers'
+plot dir . '/madeup.csv' using 1:8 with linespoints ls 3 title 'match', \
+     dir . '/madeup.csv' using 1:9 with linespoints ls 2 title 'no match', \
+     dir . '/madeup.csv' using 1:10 with linespoints ls 6 title 'inconclusive'
+unset multiplot
+
+name = 'weight'; wide = 960; high = 440
+load begin
+set multiplot layout 1,2 title 'By the threshold alone, against the share of a face''s weight that was covered (made-up faces)'
+set xlabel 'share of the weight covered (middle of the bin)'
+set arrow from 0.2, graph 0 to 0.2, graph 1 nohead lc rgb '#666666' dt 2
+set xrange [0:1]
+set key bottom right
+set ylabel 'accepted, %'
+set yrange [0:105]
+set title 'the same person (dashed: below, inconclusive)'
+plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 1 notitle
+set title 'strangers'
+set yrange [0:*]
+plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 2 notitle
+unset multiplot

@@ -1,0 +1,369 @@
+/* method.c -- the disparity-measure paper's figures 1 to 9: walks, a mesh located along its
+ * spanning tree, interpolation, the sign cases; and how far the walks go, counted in
+ * triangles rather than timed. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "brute.h"
+#include "disparity.h"
+#include "lab.h"
+#include "render.h"
+#include "study.h"
+#include "surface.h"
+
+static size_t scatter(struct brute_rng *r, size_t n, unsigned f, struct ivec3 *out)
+{
+    for (size_t i = 0; i < n; i++)
+        out[i] = lab_lattice(f, brute_real(r), brute_real(r));
+    return n;
+}
+
+/* A square's corners first, so that surfaces over it have one hull. */
+static size_t scatter_square(struct brute_rng *r, size_t n, unsigned f, struct ivec3 *out)
+{
+    for (size_t i = 0; i < 4; i++)
+        out[i] = lab_lattice(f, (double)(i & 1), (double)(i >> 1));
+    return 4 + scatter(r, n - 4, f, out + 4);
+}
+
+/* ---- figures 1 to 4 */
+
+struct trail {
+    const struct mesh *m;
+    FILE *f;
+    const char *tag;
+    uint64_t entered;
+};
+
+static void enter(void *arg, uint32_t t)
+{
+    struct trail *trail = arg;
+
+    trail->entered++;
+    if (trail->f == NULL)
+        return;
+    for (uint32_t i = 0; i < 4; i++) {
+        const struct ivec2 p = trail->m->xy[trail->m->org[3 * t + i % 3]];
+
+        fprintf(trail->f, "%s,%g,%g\n", trail->tag, p.x / LAB_UNIT, p.y / LAB_UNIT);
+    }
+    fprintf(trail->f, "\n");
+}
+
+static struct ivec2 middle(const struct mesh *m, uint32_t t)
+{
+    const struct ivec2 a = m->xy[m->org[3 * t]], b = m->xy[m->org[3 * t + 1]];
+    const struct ivec2 c = m->xy[m->org[3 * t + 2]];
+
+    return (struct ivec2){(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+}
+
+static uint32_t nearest(const struct mesh *m, double x, double y)
+{
+    uint32_t best = 0;
+    double least = INFINITY;
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const double d = hypot(m->xy[v].x - x * LAB_UNIT, m->xy[v].y - y * LAB_UNIT);
+
+        if (d < least) {
+            least = d;
+            best = v;
+        }
+    }
+    return best;
+}
+
+static void one_walk(const struct lab *lab, const struct mesh *m, uint32_t he,
+                     struct ivec2 from, struct ivec2 to, const char *name)
+{
+    char file[64];
+    struct trail trail = {m, NULL, "1", 0};
+    const struct locate_trace trace = {enter, &trail};
+    FILE *f;
+
+    (void)snprintf(file, sizeof file, "%s-path.csv", name);
+    trail.f = lab_open(lab, file);
+    (void)locate_point(m, he, from, to, &trace);
+    lab_close(trail.f);
+    (void)snprintf(file, sizeof file, "%s-segment.csv", name);
+    f = lab_open(lab, file);
+    fprintf(f, "%g,%g\n%g,%g\n", from.x / LAB_UNIT, from.y / LAB_UNIT, to.x / LAB_UNIT,
+            to.y / LAB_UNIT);
+    lab_close(f);
+    (void)snprintf(file, sizeof file, "%s-edges.csv", name);
+    f = lab_open(lab, file);
+    lab_edges(m, LAB_UNIT, "1", f);
+    lab_close(f);
+}
+
+static void walks(const struct lab *lab)
+{
+    struct brute_rng r = {lab->seed};
+    struct lab_surface s = {0};
+    struct ivec3 pts[64];
+    uint32_t start, through;
+    struct ivec2 m, c;
+
+    lab_must(lab_triangulate(&s, pts, scatter(&r, 64, 0, pts)));
+    start = s.mesh.out[nearest(&s.mesh, 0.2, 0.25)];
+    m = middle(&s.mesh, start / 3);
+    one_walk(lab, &s.mesh, start, m, (struct ivec2){8200000, 7600000}, "fig1");
+    through = nearest(&s.mesh, 0.5, 0.5);
+    c = s.mesh.xy[through];
+    one_walk(lab, &s.mesh, start, m, (struct ivec2){2 * c.x - m.x, 2 * c.y - m.y},
+             "fig2");
+    lab_surface_free(&s);
+}
+
+static void tree_edges(const struct mesh *m, FILE *f)
+{
+    for (uint32_t v = 1; v < m->nv; v++)
+        fprintf(f, "%g,%g,%g,%g\n", m->xy[v].x / LAB_UNIT, m->xy[v].y / LAB_UNIT,
+                m->xy[m->parent[v]].x / LAB_UNIT, m->xy[m->parent[v]].y / LAB_UNIT);
+}
+
+/* walk_tree(in, pts, trail, differ): every vertex of pts from where its parent was found, as
+ * locate_mesh() does, counted.  *differ: how many it finds elsewhere. */
+static void walk_tree(const struct mesh *in, const struct mesh *pts, struct trail *trail,
+                      uint32_t *differ)
+{
+    const struct locate_trace trace = {enter, trail};
+    struct location *loc = lab_alloc(pts->nv, sizeof *loc);
+    struct location *whole = lab_alloc(pts->nv, sizeof *whole);
+
+    locate_mesh(in, pts, whole);
+    loc[0] = whole[0];
+    *differ = 0;
+    for (uint32_t v = 1; v < pts->nv; v++) {
+        /* Where the parent lies outside, the walk sets out from the nearest hull edge. */
+        const struct location from = loc[pts->parent[v]];
+        const struct ivec2 at = from.where == LOCATE_OUTSIDE ? in->xy[in->org[from.he]]
+                                                             : pts->xy[pts->parent[v]];
+
+        loc[v] = locate_point(in, from.he, at, pts->xy[v], &trace);
+        *differ += loc[v].where != whole[v].where ||
+                   (loc[v].where == LOCATE_INSIDE && loc[v].he / 3 != whole[v].he / 3);
+    }
+    free(loc);
+    free(whole);
+}
+
+static void trees(const struct lab *lab)
+{
+    struct brute_rng r = {lab->seed + 1};
+    struct lab_surface a = {0}, b = {0};
+    struct ivec3 pts[160];
+    struct trail trail = {&a.mesh, NULL, "1", 0};
+    uint32_t differ;
+    FILE *f;
+
+    lab_must(lab_triangulate(&a, pts, scatter(&r, 160, 0, pts)));
+    lab_must(lab_triangulate(&b, pts, scatter(&r, 60, 0, pts)));
+    f = lab_open(lab, "fig3-edges.csv");
+    lab_edges(&a.mesh, LAB_UNIT, "1", f);
+    lab_close(f);
+    f = lab_open(lab, "fig3-tree.csv");
+    tree_edges(&a.mesh, f);
+    lab_close(f);
+    f = lab_open(lab, "fig4-tree.csv");
+    tree_edges(&b.mesh, f);
+    lab_close(f);
+    trail.f = lab_open(lab, "fig4-path.csv");
+    walk_tree(&a.mesh, &b.mesh, &trail, &differ);
+    lab_close(trail.f);
+    lab_surface_free(&a);
+    lab_surface_free(&b);
+}
+
+/* How many triangles are entered in locating N points in a mesh of N: along the tree, and
+ * each from one place in the middle. */
+static void steps(const struct lab *lab)
+{
+    static const size_t size[] = {300, 1000, 3000, 10000, 30000, 100000, 300000};
+    const size_t sizes = lab->reduced ? 4 : sizeof size / sizeof size[0];
+    double n[8], along[8], single[8];
+    FILE *f = lab_open(lab, "steps.csv"), *fit = lab_open(lab, "steps-fit.csv");
+
+    fprintf(f, "points in each mesh,triangles entered along the tree,per point,"
+               "found elsewhere than by locate_mesh(),each from the middle: per point\n");
+    for (size_t i = 0; i < sizes; i++) {
+        struct brute_rng r = {lab->seed + 2};
+        struct lab_surface a = {0}, b = {0};
+        struct ivec3 *pts = lab_alloc(size[i], sizeof *pts);
+        struct trail trail = {NULL, NULL, "", 0}, far = {NULL, NULL, "", 0};
+        const struct locate_trace trace = {enter, &far};
+        uint32_t differ, he, tried = 0;
+
+        lab_must(lab_triangulate(&a, pts, scatter(&r, size[i], 0, pts)));
+        lab_must(lab_triangulate(&b, pts, scatter(&r, size[i], 0, pts)));
+        walk_tree(&a.mesh, &b.mesh, &trail, &differ);
+        he = a.mesh.out[nearest(&a.mesh, 0.5, 0.5)];
+        for (uint32_t v = 0; v < b.mesh.nv; v += b.mesh.nv / 300 + 1, tried++)
+            (void)locate_point(&a.mesh, he, a.mesh.xy[a.mesh.org[he]], b.mesh.xy[v],
+                               &trace);
+        n[i] = (double)size[i];
+        along[i] = (double)trail.entered;
+        single[i] = (double)far.entered / tried;
+        fprintf(f, "%zu,%.0f,%.3f,%u,%.2f\n", size[i], along[i], along[i] / n[i], differ,
+                single[i]);
+        lab_surface_free(&a);
+        lab_surface_free(&b);
+        free(pts);
+    }
+    fprintf(fit, "triangles entered,paper: exponent,exponent,95 %% from,to\n");
+    for (int k = 0; k < 2; k++) {
+        const struct lab_fit e = lab_fit(n, k ? single : along, sizes);
+
+        fprintf(fit, "%s,%s,%.3f,%.3f,%.3f\n",
+                k ? "one point from the middle" : "a mesh along the tree",
+                k ? "0.5" : "1", e.slope, e.slope - e.half, e.slope + e.half);
+    }
+    lab_close(f);
+    lab_close(fit);
+}
+
+/* ---- figures 5 to 8: f2, sampled on the second mesh, on the first one's points */
+
+static double depth(const struct mesh *m)
+{
+    double most = 0;
+
+    for (uint32_t v = 0; v < m->nv; v++)
+        most = fmax(most, abs(m->z[v]) / LAB_UNIT);
+    return most;
+}
+
+static void picture(const struct lab *lab, const char *name, const struct mesh *top,
+                    const struct mesh *bottom)
+{
+    const double up = 0.45 / fmax(depth(bottom), depth(top));
+    struct render r = {.wide = 320,
+                       .high = 290,
+                       .per = 230,
+                       .x = 0.5,
+                       .y = 0.5,
+                       .z = 0.4,
+                       .turn = 0,
+                       .tilt = 0.9};
+    FILE *f = lab_open(lab, name);
+
+    render_begin(&r);
+    render_mesh(&r, bottom, LAB_UNIT, up, 0, 0xf0a030);
+    render_mesh(&r, top, LAB_UNIT, up, 0.6, 0x60a0e0);
+    render_end(&r, f);
+    lab_close(f);
+}
+
+static void interpolation(const struct lab *lab)
+{
+    static const struct {
+        int figure;
+        size_t n;
+        unsigned f1, f2;
+    } row[] = {{5, 1000, 3, 0}, {6, 10000, 3, 0}, {7, 10000, 5, 2}, {8, 15000, 5, 2}};
+    FILE *f = lab_open(lab, "interpolation.csv");
+
+    fprintf(f, "figure,points in each mesh,above,below,mean |interpolated - function|,"
+               "largest,mean distance of surfaces (2) and (3),largest\n");
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        struct brute_rng r = {lab->seed + 3};
+        const size_t n = row[i].n;
+        struct ivec3 *pts = lab_alloc(n, sizeof *pts);
+        struct lab_surface a = {0}, b = {0}, c = {0};
+        struct location *loc;
+        double *z, mean = 0, most = 0, apart = 0, widest = 0;
+        char name[32];
+
+        lab_must(lab_triangulate(&a, pts, scatter_square(&r, n, row[i].f1, pts)));
+        lab_must(lab_triangulate(&b, pts, scatter_square(&r, n, row[i].f2, pts)));
+        loc = lab_alloc(a.mesh.nv, sizeof *loc);
+        z = lab_alloc(a.mesh.nv, sizeof *z);
+        locate_mesh(&b.mesh, &a.mesh, loc);
+        surface_interpolate(&b.mesh, &a.mesh, loc, z);
+        for (uint32_t v = 0; v < a.mesh.nv; v++) {
+            const struct ivec2 p = a.mesh.xy[v];
+            const double off =
+                fabs(z[v] / LAB_UNIT -
+                     lab_function(row[i].f2, p.x / LAB_UNIT, p.y / LAB_UNIT));
+
+            mean += off / a.mesh.nv;
+            most = fmax(most, off);
+            pts[v] = (struct ivec3){p.x, p.y, (int32_t)lround(z[v])};
+        }
+        lab_must(lab_triangulate(&c, pts, a.mesh.nv));
+        for (int k = 0; k < 10000; k++) { /* on a grid of 100 x 100 */
+            const struct ivec2 q = {(k % 100 * 2 + 1) * 50000, (k / 100 * 2 + 1) * 50000};
+            bool inside;
+            const double off =
+                fabs(lab_height(&b, q, &inside) - lab_height(&c, q, &inside)) / LAB_UNIT;
+
+            apart += off / 10000;
+            widest = fmax(widest, off);
+        }
+        fprintf(f, "%d,%zu,%s,%s,%.2e,%.2e,%.2e,%.2e\n", row[i].figure, n,
+                lab_function_name(row[i].f1), lab_function_name(row[i].f2), mean, most,
+                apart, widest);
+        (void)snprintf(name, sizeof name, "fig%d-given.dat", row[i].figure);
+        picture(lab, name, &a.mesh, &b.mesh);
+        (void)snprintf(name, sizeof name, "fig%d-interpolated.dat", row[i].figure);
+        picture(lab, name, &a.mesh, &c.mesh);
+        lab_surface_free(&a);
+        lab_surface_free(&b);
+        lab_surface_free(&c);
+        free(loc);
+        free(z);
+        free(pts);
+    }
+    lab_close(f);
+}
+
+/* ---- figure 9: the cases of signs over the triangle (0, 0), (1, 0), (0, 1) */
+
+static void signs(const struct lab *lab)
+{
+    /* By hand: the mean of the corners times the area 1/2; where the surfaces cross, the
+     * tip on the one side of the line of zeros counted with its sign reversed. */
+    static const struct {
+        const char *name, *what;
+        double a, b, c, hand;
+    } row[] = {
+        {"a", "a > 0; b > 0; c > 0: prism", 1, 2, 3, 1.0},
+        {"b", "a = 0; b > 0; c > 0: quadrangular pyramid", 0, 2, 3, 5.0 / 6},
+        {"c", "a = 0; b = 0; c > 0: triangular pyramid", 0, 0, 3, 0.5},
+        {"d", "a = 0; b < 0; c > 0: two pyramids", 0, -2, 3, 13.0 / 30},
+        {"e", "a > 0; b < 0; c > 0: pyramid and wedge", 1, -2, 3, 23.0 / 45},
+    };
+    FILE *f = lab_open(lab, "signs.csv"), *d;
+
+    fprintf(f, "case,signs,a,b,c,by hand,disparity_cell(),difference\n");
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        const double v = disparity_cell(0.5, row[i].a, row[i].b, row[i].c);
+        char name[32];
+
+        fprintf(f, "%s,%s,%g,%g,%g,%.6f,%.6f,%.0e\n", row[i].name, row[i].what, row[i].a,
+                row[i].b, row[i].c, row[i].hand, v, fabs(v - row[i].hand));
+        (void)snprintf(name, sizeof name, "fig9-%s.dat", row[i].name);
+        d = lab_open(lab, name);
+        fprintf(d, "0 0 0\n1 0 0\n\n0 1 0\n0 1 0\n\n\n");
+        fprintf(d, "0 0 %g\n1 0 %g\n\n0 1 %g\n0 1 %g\n", row[i].a, row[i].b, row[i].c,
+                row[i].c);
+        lab_close(d);
+    }
+    /* (f), the wedge alone: (e) less its pyramid, whose base is 2/3 x 2/5 of the triangle
+     * and whose height is 2. */
+    fprintf(f, "f,the wedge of e,1,-2,3,%.6f,%.6f,%.0e\n", 19.0 / 45,
+            disparity_cell(0.5, 1, -2, 3) - disparity_cell(0.5 * 4 / 15, 0, 2, 0),
+            fabs(disparity_cell(0.5, 1, -2, 3) - disparity_cell(0.5 * 4 / 15, 0, 2, 0) -
+                 19.0 / 45));
+    lab_close(f);
+}
+
+void method_run(const struct lab *lab)
+{
+    walks(lab);
+    trees(lab);
+    steps(lab);
+    interpolation(lab);
+    signs(lab);
+}

@@ -1,0 +1,29 @@
+/* render.h -- a triangulated surface as one sees it: shaded, in parallel projection, with a
+ * depth buffer, as pixels for gnuplot (with rgbimage). */
+#ifndef STUDIES_RENDER_H
+#define STUDIES_RENDER_H
+#include <stdio.h>
+
+struct mesh; /* mesh.h */
+
+struct render {
+    int wide, high;    /* pixels */
+    double per;        /* pixels to the unit of length */
+    double x, y, z;    /* what is in the middle, in units of length */
+    double turn, tilt; /* radians: the surface about the vertical, then towards the eye */
+    unsigned char *rgb;
+    float *depth;
+};
+
+/* render_begin(r): an empty picture; the members above rgb are set. */
+void render_begin(struct render *r);
+
+/* render_mesh(r, m, unit, up, lift, colour): draw m; unit: lattice units to the unit of
+ * length; heights are multiplied by up, then lifted; colour 0xrrggbb in full light. */
+void render_mesh(struct render *r, const struct mesh *m, double unit, double up,
+                 double lift, unsigned colour);
+
+/* render_end(r, f): lines "across up r g b", in units of length from the middle. */
+void render_end(struct render *r, FILE *f);
+
+#endif
