@@ -6,12 +6,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+struct attempts;    /* attempts.h */
 struct cache;       /* cache.h */
 struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
 struct model;       /* model.h */
 struct queue;       /* queue.h */
 struct store;       /* store.h */
+struct throttle;    /* throttle.h */
 
 struct app {
     struct store *store; /* its calibration and engine are by the model */
@@ -19,6 +21,8 @@ struct app {
     struct cache *cache;
     struct metrics *metrics;
     struct idempotency *idempotency;
+    struct attempts *attempts;
+    struct throttle *throttle;
     struct queue *queue;
     bool no_auth;
     size_t max_body; /* bytes */

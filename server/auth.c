@@ -8,9 +8,11 @@
 #include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "log.h"
 #include "request.h"
 #include "routes.h"
 #include "store.h"
+#include "throttle.h"
 
 void auth_take(struct request *r, const char *header)
 {
@@ -29,6 +31,19 @@ void auth_take(struct request *r, const char *header)
         return;
     }
     memcpy(r->token, header, len + 1);
+}
+
+bool auth_admit(struct request *r)
+{
+    const unsigned wait_s =
+        throttle_wait(r->app->throttle, r->address, r->token, log_clock_ms());
+
+    if (wait_s == 0)
+        return true;
+    sodium_memzero(r->token, sizeof r->token);
+    request_problem(r, ERRMAP_TOKENS, "too many wrong tokens came from this address");
+    r->answer.retry_after = wait_s;
+    return false;
 }
 
 /* The token is one of ours, but is it for this? */
@@ -52,6 +67,9 @@ void auth_check(struct request *r)
     struct store_token t;
     enum status st = store_token_check(r->app->store, r->token, &t, &e);
 
+    if (st == ST_OK || st == ST_EDENIED)
+        throttle_note(r->app->throttle, r->address, r->token, st == ST_OK,
+                      log_clock_ms());
     sodium_memzero(r->token, sizeof r->token);
     if (st == ST_OK) {
         memcpy(r->actor, t.id, sizeof r->actor);

@@ -2,12 +2,18 @@
 #ifndef SERVER_AUTH_H
 #define SERVER_AUTH_H
 
+#include <stdbool.h>
+
 struct request;
 struct request_answer;
 
 /* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
  * r->token.  Without a usable one r->answer is set.  Does not look at the store. */
 void auth_take(struct request *r, const char *header);
+
+/* auth_admit(r): true: the token may be looked at.  False: too many wrong ones came from
+ * r->address, and r->answer is set.  Does not look at the store. */
+bool auth_admit(struct request *r);
 
 /* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
  * is its id, else r->answer is set.  The token is wiped.  On a worker. */

@@ -38,6 +38,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
                          "The first request of the Idempotency-Key is under way"},
     [ERRMAP_NO_TOKEN] = {401, "unauthorized", "A valid token is needed"},
     [ERRMAP_SCOPE] = {403, "insufficient_scope", "The token is not for this"},
+    [ERRMAP_TOKENS] = {429, "too_many_wrong_tokens", "Too many wrong tokens"},
+    [ERRMAP_ATTEMPTS] = {429, "too_many_attempts", "Too many failed verifications"},
     [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
     [ERRMAP_NOT_READY] = {503, "not_ready", "Not ready"},

@@ -29,6 +29,7 @@
 #include "request.h"
 #include "routes.h"
 #include "service.h"
+#include "throttle.h"
 #include "tls.h"
 
 /* libmicrohttpd's own buffer for a connection, where a request's headers must fit in.  It
@@ -139,6 +140,15 @@ static enum MHD_Result send_answer(struct exchange *x)
 static const char *header(const struct exchange *x, const char *name)
 {
     return MHD_lookup_connection_value(x->conn, MHD_HEADER_KIND, name);
+}
+
+/* NULL: libmicrohttpd does not know. */
+static const struct sockaddr *client_address(const struct exchange *x)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(x->conn, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+
+    return info == NULL ? NULL : info->client_addr;
 }
 
 /* Answer before the body is read.  A client that still sends it, or is about to, may lose
@@ -353,8 +363,9 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
         return send_early(x);
     if (r->route->scope == 0 || x->http->app->no_auth)
         return admit(x);
+    throttle_address(client_address(x), r->address);
     auth_take(r, header(x, "Authorization"));
-    if (r->answer.http != 0)
+    if (r->answer.http != 0 || !auth_admit(r))
         return send_early(x);
     to_worker(x, ADMITTED);
     return MHD_YES;

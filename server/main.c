@@ -6,6 +6,7 @@
 #include <sodium.h>
 
 #include "app.h"
+#include "attempts.h"
 #include "cache.h"
 #include "calibration.h"
 #include "errinfo.h"
@@ -20,6 +21,7 @@
 #include "service.h"
 #include "settings.h"
 #include "store.h"
+#include "throttle.h"
 #include "tls.h"
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
@@ -41,7 +43,10 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->cache = cache_new((size_t)o->cache_mb << 20);
     app->metrics = metrics_new();
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
-    if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL)
+    app->attempts = attempts_new(app->store, o->attempts, o->attempt_wait);
+    app->throttle = throttle_new(o->rate_limit_tokens);
+    if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL ||
+        app->attempts == NULL || app->throttle == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -59,6 +64,8 @@ static void stop(struct app *app, struct http *http)
     cache_free(app->cache);
     metrics_free(app->metrics);
     idempotency_free(app->idempotency);
+    attempts_free(app->attempts);
+    throttle_free(app->throttle);
     store_close(app->store);
     free(app->model);
 }

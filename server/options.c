@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "address.h"
+#include "attempts.h"
 #include "face.h"
 #include "settings.h"
 
@@ -34,6 +35,14 @@ static const struct setting table[] = {
      "listen beyond loopback without TLS"},
     {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
      "ask for no token"},
+    {"rate-limit-tokens", SETTING_NUMBER, "10",
+     offsetof(struct options, rate_limit_tokens), 0, 10000, "N",
+     "wrong tokens a minute from one address; beyond it: 429; 0: no limit"},
+    {"attempts", SETTING_NUMBER, "3", offsetof(struct options, attempts), 0, 1000, "N",
+     "verifications of a subject that may fail in a row before it has to\n"
+     "wait: 429; 0: no limit"},
+    {"attempt-wait", SETTING_NUMBER, "30", offsetof(struct options, attempt_wait), 1,
+     ATTEMPTS_WAIT_MAX, "SECONDS", "how long; twice as long after each further failure"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",

@@ -19,11 +19,14 @@ struct options {
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;
-    unsigned workers;    /* 1.. */
-    unsigned queue;      /* requests that may wait for a worker */
-    size_t max_body;     /* bytes */
-    unsigned cache_mb;   /* of decoded templates; 0: none are kept */
-    unsigned log_format; /* enum log_format */
+    unsigned workers;           /* 1.. */
+    unsigned queue;             /* requests that may wait for a worker */
+    size_t max_body;            /* bytes */
+    unsigned rate_limit_tokens; /* wrong ones a minute and address; 0: no limit */
+    unsigned attempts;          /* verifications that may fail in a row; 0: no limit */
+    unsigned attempt_wait;      /* s */
+    unsigned cache_mb;          /* of decoded templates; 0: none are kept */
+    unsigned log_format;        /* enum log_format */
     const char *tls_cert, *tls_key, *tls_client_ca;
     bool plaintext;
     unsigned max_connections;

@@ -8,6 +8,7 @@
 #include "inflate.h"
 #include "status.h"
 #include "store.h"
+#include "throttle.h"
 
 struct app;
 struct errinfo;
@@ -65,11 +66,12 @@ struct request {
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
-    char token[REQUEST_TOKEN_MAX + 1];   /* wiped once it is checked */
-    char actor[STORE_ID_LEN + 1];        /* the token's id; "" without one */
-    char key[REQUEST_KEY_MAX + 1];       /* Idempotency-Key; "" for none */
-    bool bad_key;                        /* it was malformed; key may be anything */
-    bool minimal, has_return;            /* Prefer: return=minimal; return=anything */
+    unsigned char address[THROTTLE_ADDRESS];
+    char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
+    char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */
+    char key[REQUEST_KEY_MAX + 1];     /* Idempotency-Key; "" for none */
+    bool bad_key;                      /* it was malformed; key may be anything */
+    bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
     enum request_media media;
     enum inflate_coding coding; /* of the body as it is now */
     unsigned char *body;        /* heap; body[len] is 0 */

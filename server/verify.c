@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "app.h"
+#include "attempts.h"
 #include "cache.h"
 #include "calibration.h"
 #include "cloud.h"
@@ -107,7 +108,26 @@ static enum status heatmap(struct worker *w, const char *id, const struct cloud 
     return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
 }
 
-/* The probe of the body against templates t[0..n-1]. */
+/* Count what was decided, and may it be told?  A match by a threshold of the request's own
+ * may be none by the calibration: who asks with one must not try faces without end. */
+static bool settle(struct request *r, const char *subject,
+                   const struct face_result *result, double threshold_mm)
+{
+    bool passed = result->decision == FACE_MATCH;
+    struct store_calibration k;
+    struct errinfo e = {0};
+
+    if (passed && threshold_mm > 0.0) {
+        if (calibration_in_force(r->app->store, &k, &e) != ST_OK) {
+            request_fail(r, &e);
+            return false;
+        }
+        passed = result->disparity_mm <= k.decision.threshold_mm;
+    }
+    return attempts_settle(r->app->attempts, r, subject, passed);
+}
+
+/* The probe of the body against templates t[0..n-1] of one subject. */
 static void verify(struct request *r, struct worker *w, const struct store_template *t,
                    size_t n)
 {
@@ -119,7 +139,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     enum status st;
 
     if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
-        cloud_read(r, &c) != ST_OK)
+        !attempts_admit(r->app->attempts, r, t->subject) || cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
@@ -136,6 +156,8 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     }
     request_stage(r, REQUEST_ALIGN, best.align_ms);
     request_stage(r, REQUEST_MEASURE, best.measure_ms);
+    if (!settle(r, t->subject, &best.result, threshold))
+        goto out;
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);
     request_answer(r, 200,

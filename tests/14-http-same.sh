@@ -25,18 +25,18 @@ answers() {
     done
 }
 
-start_daemon --no-auth --workers 1
+start_daemon --no-auth --attempts 0 --workers 1
 answers "$T/one"
 stop_daemon
 is "answers" "$(find "$T/one" -type f -size +100c | wc -l | tr -d ' ')" 18
 rm -f "$DB"*
-start_daemon --no-auth --workers 4
+start_daemon --no-auth --attempts 0 --workers 4
 answers "$T/four"
 ok "1 and 4 workers" diff -r "$T/one" "$T/four"
 answers "$T/cached"
 ok "again, from memory" diff -r "$T/one" "$T/cached"
 stop_daemon
-start_daemon --no-auth --workers 4
+start_daemon --no-auth --attempts 0 --workers 4
 answers "$T/again"
 ok "another run, from the database" diff -r "$T/one" "$T/again"
 

@@ -225,6 +225,25 @@ wait $crowd
 sqlite3 "$DB" 'ALTER TABLE tokens RENAME TO gone'
 each 500 '.responses["500"]' -d x
 
+# ---- too many tries
+sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
+put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
+id=$(get .template_id)
+sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM subjects
+    WHERE id = 'carol'"
+put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
+put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"
+AUTH=0123456789abcdef
+select_operations '.open | not'
+while IFS="$(printf '\t')" read -r e_method e_path _; do
+    for _ in $(seq 50); do
+        req "$e_method" "$e_path"
+        [ "$STATUS" != 429 ] || break
+    done
+    is "$e_method $e_path, a wrong token" "$STATUS" 429
+    note "$e_method" "$e_path"
+done <"$T/each"
+
 # ---- every answer against the description
 # shellcheck disable=SC2016 # the variables are jq's
 jq -n --slurpfile doc "$T/api" --slurpfile seen "$SEEN" --arg unseen "$UNSEEN" '

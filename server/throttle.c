@@ -1,0 +1,171 @@
+#include "throttle.h"
+
+#include <math.h>
+#include <netinet/in.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sodium.h>
+
+#define SETS      1024
+#define WAYS      4 /* addresses in a set, found by a keyed hash */
+#define GOOD      4096
+#define TOKEN_MAX 128 /* of a longer one the rest does not count */
+#define MINUTE_MS 60000.0
+
+/* A bucket with a hole: each wrong token adds 1, and as many leave a minute as there may
+ * be. */
+struct bucket {
+    unsigned char address[THROTTLE_ADDRESS];
+    double level, at_ms;
+};
+
+struct throttle {
+    pthread_mutex_t lock;
+    double per_minute;
+    unsigned char key[crypto_shorthash_KEYBYTES];
+    struct bucket set[SETS][WAYS];
+    uint64_t good[GOOD]; /* keyed hashes of address and token, each in its place */
+};
+
+struct throttle *throttle_new(unsigned per_minute)
+{
+    struct throttle *t = calloc(1, sizeof *t);
+
+    if (t == NULL || pthread_mutex_init(&t->lock, NULL) != 0) {
+        free(t);
+        return NULL;
+    }
+    t->per_minute = per_minute;
+    crypto_shorthash_keygen(t->key);
+    return t;
+}
+
+void throttle_free(struct throttle *t)
+{
+    if (t == NULL)
+        return;
+    (void)pthread_mutex_destroy(&t->lock);
+    sodium_memzero(t, sizeof *t);
+    free(t);
+}
+
+void throttle_address(const struct sockaddr *addr, unsigned char out[THROTTLE_ADDRESS])
+{
+    struct sockaddr_in6 in6;
+    struct sockaddr_in in;
+
+    memset(out, 0, THROTTLE_ADDRESS);
+    if (addr != NULL && addr->sa_family == AF_INET) {
+        memcpy(&in, addr, sizeof in);
+        memcpy(out, &in.sin_addr, 4);
+        out[15] = 4;
+    } else if (addr != NULL && addr->sa_family == AF_INET6) {
+        memcpy(&in6, addr, sizeof in6);
+        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr)) {
+            memcpy(out, in6.sin6_addr.s6_addr + 12, 4);
+            out[15] = 4;
+        } else {
+            memcpy(out, in6.sin6_addr.s6_addr, 8);
+            out[15] = 6;
+        }
+    }
+}
+
+static uint64_t hash(const struct throttle *t, const unsigned char *bytes, size_t n)
+{
+    unsigned char h[crypto_shorthash_BYTES];
+    uint64_t out;
+
+    (void)crypto_shorthash(h, bytes, n, t->key);
+    memcpy(&out, h, sizeof out);
+    return out;
+}
+
+static uint64_t hash_both(const struct throttle *t,
+                          const unsigned char address[THROTTLE_ADDRESS],
+                          const char *token)
+{
+    unsigned char both[THROTTLE_ADDRESS + TOKEN_MAX];
+    const size_t n = strnlen(token, TOKEN_MAX);
+    uint64_t h;
+
+    memcpy(both, address, THROTTLE_ADDRESS);
+    memcpy(both + THROTTLE_ADDRESS, token, n);
+    h = hash(t, both, THROTTLE_ADDRESS + n);
+    sodium_memzero(both, sizeof both);
+    return h;
+}
+
+/* What has not leaked out by now. */
+static double level(const struct throttle *t, const struct bucket *b, double now_ms)
+{
+    return fmax(0.0, b->level - (now_ms - b->at_ms) * t->per_minute / MINUTE_MS);
+}
+
+/* The address's bucket, or of those in its place the emptiest. */
+static struct bucket *bucket_of(struct throttle *t,
+                                const unsigned char address[THROTTLE_ADDRESS],
+                                double now_ms)
+{
+    struct bucket *set = t->set[hash(t, address, THROTTLE_ADDRESS) % SETS], *b = set;
+
+    for (size_t i = 0; i < WAYS; i++) {
+        if (memcmp(set[i].address, address, THROTTLE_ADDRESS) == 0)
+            return &set[i];
+        if (level(t, &set[i], now_ms) < level(t, b, now_ms))
+            b = &set[i];
+    }
+    return b;
+}
+
+unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
+                       const char *token, double now_ms)
+{
+    const struct bucket *b;
+    double over = 0.0;
+
+    if (t->per_minute <= 0.0)
+        return 0;
+    (void)pthread_mutex_lock(&t->lock);
+    b = bucket_of(t, address, now_ms);
+    if (memcmp(b->address, address, THROTTLE_ADDRESS) == 0)
+        over = level(t, b, now_ms) + 1.0 - t->per_minute;
+    if (over > 0.0) {
+        const uint64_t h = hash_both(t, address, token);
+
+        if (t->good[h % GOOD] == h)
+            over = 0.0;
+    }
+    (void)pthread_mutex_unlock(&t->lock);
+    return over > 0.0 ? (unsigned)ceil(over * MINUTE_MS / 1000.0 / t->per_minute) : 0;
+}
+
+void throttle_note(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
+                   const char *token, bool good, double now_ms)
+{
+    struct bucket *b;
+    uint64_t h, *place;
+
+    if (t->per_minute <= 0.0)
+        return;
+    h = hash_both(t, address, token);
+    place = &t->good[h % GOOD];
+    (void)pthread_mutex_lock(&t->lock);
+    if (good) {
+        *place = h;
+    } else {
+        if (*place == h)
+            *place = 0; /* it was, and is no more */
+        b = bucket_of(t, address, now_ms);
+        if (memcmp(b->address, address, THROTTLE_ADDRESS) == 0) {
+            b->level = level(t, b, now_ms) + 1.0;
+        } else {
+            memcpy(b->address, address, THROTTLE_ADDRESS);
+            b->level = 1.0;
+        }
+        b->at_ms = now_ms;
+    }
+    (void)pthread_mutex_unlock(&t->lock);
+}

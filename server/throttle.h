@@ -1,0 +1,34 @@
+/* throttle.h -- wrong tokens cost who sends them time: so many a minute from one address,
+ * and beyond that no token from there is looked at for a while.  But for those that were
+ * right before, from the same address: behind a proxy, whoever guesses shuts out no client
+ * that is already at work.
+ * In memory alone and of fixed size: with more addresses at once than there is room for,
+ * those that have to wait least are forgotten.  Safe on any thread. */
+#ifndef SERVER_THROTTLE_H
+#define SERVER_THROTTLE_H
+#include <stdbool.h>
+
+struct sockaddr;
+struct throttle;
+
+#define THROTTLE_ADDRESS 16 /* bytes */
+
+/* throttle_new(per_minute): 0: no limit.  NULL: out of memory. */
+struct throttle *throttle_new(unsigned per_minute);
+void throttle_free(struct throttle *t); /* NULL is allowed */
+
+/* throttle_address(addr, out): what counts as one address: of IPv6 the first 64 bits, which
+ * is what one customer gets; those without one together, as the clients of a Unix socket
+ * are; NULL: without. */
+void throttle_address(const struct sockaddr *addr, unsigned char out[THROTTLE_ADDRESS]);
+
+/* throttle_wait(t, address, token, now_ms): seconds until this token from there is looked
+ * at; 0: now.  now_ms: log_clock_ms(). */
+unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
+                       const char *token, double now_ms);
+
+/* throttle_note(t, address, token, good, now_ms): it was looked at. */
+void throttle_note(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
+                   const char *token, bool good, double now_ms);
+
+#endif

@@ -1,0 +1,217 @@
+/* Who has to wait, and for how long: wrong tokens by address, at times of our own, and
+ * failures of a subject by their number and age. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/un.h>
+#include <cmocka.h>
+#include <sodium.h>
+
+#include "attempts.h"
+#include "throttle.h"
+
+#define S 1000.0 /* ms */
+
+/* ---- tokens */
+
+static void address(const char *text, unsigned char out[THROTTLE_ADDRESS])
+{
+    struct sockaddr_in6 in6 = {.sin6_family = AF_INET6};
+    struct sockaddr_in in = {.sin_family = AF_INET};
+
+    if (inet_pton(AF_INET, text, &in.sin_addr) == 1) {
+        throttle_address((const struct sockaddr *)&in, out);
+    } else {
+        assert_int_equal(inet_pton(AF_INET6, text, &in6.sin6_addr), 1);
+        throttle_address((const struct sockaddr *)&in6, out);
+    }
+}
+
+static bool same(const char *a, const char *b)
+{
+    unsigned char x[THROTTLE_ADDRESS], y[THROTTLE_ADDRESS];
+
+    address(a, x);
+    address(b, y);
+    return memcmp(x, y, sizeof x) == 0;
+}
+
+static void test_address(void **state)
+{
+    const struct sockaddr_un un = {.sun_family = AF_UNIX};
+    unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
+
+    (void)state;
+    assert_true(same("192.0.2.1", "192.0.2.1"));
+    assert_false(same("192.0.2.1", "192.0.2.2"));
+    assert_true(same("192.0.2.1", "::ffff:192.0.2.1"));
+    assert_true(same("2001:db8:1:2::1", "2001:db8:1:2:ffff::"));
+    assert_false(same("2001:db8:1:2::1", "2001:db8:1:3::1"));
+    assert_false(same("192.0.2.1", "c000:201::")); /* the same bytes */
+    assert_false(same("0.0.0.0", "::"));
+    throttle_address((const struct sockaddr *)&un, a);
+    throttle_address(NULL, b);
+    assert_memory_equal(a, b, sizeof a);
+}
+
+static void test_wrong(void **state)
+{
+    struct throttle *t = throttle_new(10);
+    unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
+    double now = 5 * S;
+
+    (void)state;
+    assert_non_null(t);
+    address("192.0.2.1", a);
+    address("192.0.2.2", b);
+    for (int i = 0; i < 10; i++) {
+        assert_int_equal(throttle_wait(t, a, "x", now), 0);
+        throttle_note(t, a, "x", false, now);
+    }
+    assert_int_equal(throttle_wait(t, a, "x", now), 6); /* 10 a minute */
+    assert_int_equal(throttle_wait(t, b, "x", now), 0);
+    assert_int_equal(throttle_wait(t, a, "x", now + 2.5 * S), 4);
+    assert_int_equal(throttle_wait(t, a, "x", now + 5.9 * S), 1);
+    assert_int_equal(throttle_wait(t, a, "x", now + 6.1 * S), 0);
+    now += 6.1 * S;
+    throttle_note(t, a, "x", false, now);
+    assert_int_equal(throttle_wait(t, a, "x", now), 6);
+    for (int i = 0; i < 20; i++) /* those that were under way are paid for too */
+        throttle_note(t, a, "x", false, now);
+    assert_int_equal(throttle_wait(t, a, "x", now), 126);
+    assert_int_equal(throttle_wait(t, a, "x", now + 127 * S), 0);
+    throttle_free(t);
+    throttle_free(NULL);
+}
+
+static void test_good(void **state)
+{
+    struct throttle *t = throttle_new(1);
+    unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
+
+    (void)state;
+    assert_non_null(t);
+    address("192.0.2.1", a);
+    address("192.0.2.2", b);
+    throttle_note(t, a, "mine", true, 0);
+    throttle_note(t, a, "x", false, 0);
+    throttle_note(t, b, "x", false, 0);
+    assert_int_equal(throttle_wait(t, a, "theirs", 0), 60);
+    assert_int_equal(throttle_wait(t, a, "mine", 0), 0);
+    assert_int_equal(throttle_wait(t, b, "mine", 0), 60); /* it was not from there */
+    throttle_note(t, a, "mine", false, 0);                /* revoked */
+    assert_int_equal(throttle_wait(t, a, "mine", 0), 120);
+    throttle_free(t);
+}
+
+static void test_off(void **state)
+{
+    struct throttle *t = throttle_new(0);
+    unsigned char a[THROTTLE_ADDRESS];
+
+    (void)state;
+    assert_non_null(t);
+    address("192.0.2.1", a);
+    for (int i = 0; i < 1000; i++)
+        throttle_note(t, a, "x", false, 0);
+    assert_int_equal(throttle_wait(t, a, "x", 0), 0);
+    throttle_free(t);
+}
+
+/* More addresses than there is room for: who has sent the most is still known. */
+static void test_room(void **state)
+{
+    struct throttle *t = throttle_new(10);
+    unsigned char a[THROTTLE_ADDRESS], other[THROTTLE_ADDRESS] = {0};
+
+    (void)state;
+    assert_non_null(t);
+    address("192.0.2.1", a);
+    for (int i = 0; i < 20; i++)
+        throttle_note(t, a, "x", false, 0);
+    for (uint32_t i = 0; i < 100000; i++) {
+        memcpy(other, &i, sizeof i);
+        other[THROTTLE_ADDRESS - 1] = 6;
+        throttle_note(t, other, "x", false, 0);
+    }
+    assert_int_equal(throttle_wait(t, a, "x", 0), 66);
+    throttle_free(t);
+}
+
+static void *send_wrong(void *arg)
+{
+    unsigned char a[THROTTLE_ADDRESS];
+
+    address("192.0.2.1", a);
+    for (int i = 0; i < 1000; i++) {
+        (void)throttle_wait(arg, a, "x", 0);
+        throttle_note(arg, a, "x", false, 0);
+    }
+    return NULL;
+}
+
+static void test_threads(void **state)
+{
+    struct throttle *t = throttle_new(60);
+    unsigned char a[THROTTLE_ADDRESS];
+    pthread_t thread[4];
+
+    (void)state;
+    assert_non_null(t);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&thread[i], NULL, send_wrong, t), 0);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_join(thread[i], NULL), 0);
+    address("192.0.2.1", a);
+    assert_int_equal(throttle_wait(t, a, "x", 0), 4000 + 1 - 60);
+    throttle_free(t);
+}
+
+/* ---- attempts */
+
+static void test_attempts(void **state)
+{
+    static const struct {
+        uint32_t failures;
+        int64_t age_s, wait_s;
+    } want[] = {
+        {0, 0, 0},      {1, 0, 0},           {2, 0, 0},
+        {3, 0, 30},     {3, 29, 1},          {3, 30, 0},
+        {3, 1000, 0},   {4, 0, 60},          {5, 20, 100},
+        {6, 0, 240},    {14, 0, 61440},      {15, 0, ATTEMPTS_WAIT_MAX},
+        {16, 0, 86400}, {1000000, 0, 86400}, {1000000, 86400, 0},
+    };
+    struct attempts *a = attempts_new(NULL, 3, 30);
+
+    (void)state;
+    assert_non_null(a);
+    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
+        assert_int_equal(attempts_wait_ms(a, want[i].failures, want[i].age_s * 1000),
+                         want[i].wait_s * 1000);
+    assert_int_equal(attempts_wait_ms(a, 3, 29999), 1);
+    attempts_free(a);
+    assert_non_null(a = attempts_new(NULL, 0, 30));
+    assert_int_equal(attempts_wait_ms(a, 1000, 0), 0);
+    attempts_free(a);
+    attempts_free(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_address),  cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_good),     cmocka_unit_test(test_off),
+        cmocka_unit_test(test_room),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_attempts),
+    };
+
+    if (sodium_init() < 0)
+        return 1;
+    return cmocka_run_group_tests_name("limits", tests, NULL, NULL);
+}
