@@ -11,6 +11,8 @@ CC           := gcc
 endif
 BUILD        ?= build
 PREFIX       ?= /usr/local
+LIBDIR       ?= $(PREFIX)/lib
+UNITDIR      ?= $(PREFIX)/lib/systemd/system
 DESTDIR      ?=
 OPT          ?= -O3
 WERROR       ?= -Werror
@@ -221,28 +223,28 @@ format:
 
 # ---- install
 
-## install: programs, library, headers, man pages, systemd unit (PREFIX, DESTDIR)
+## install: programs, library, headers, man pages, systemd units (PREFIX, DESTDIR)
 .PHONY: install
 install: all
 	install -d "$(DESTDIR)$(PREFIX)/bin" "$(DESTDIR)$(PREFIX)/sbin" \
-	    "$(DESTDIR)$(PREFIX)/include/surface" "$(DESTDIR)$(PREFIX)/lib/pkgconfig" \
-	    "$(DESTDIR)$(PREFIX)/share/man/man1" "$(DESTDIR)$(PREFIX)/share/man/man5" \
-	    "$(DESTDIR)$(PREFIX)/share/man/man8" \
-	    "$(DESTDIR)$(PREFIX)/share/doc/surfaced/examples" \
-	    "$(DESTDIR)$(PREFIX)/lib/systemd/system"
+	    "$(DESTDIR)$(PREFIX)/include/surface" "$(DESTDIR)$(LIBDIR)/pkgconfig" \
+	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d" "$(DESTDIR)$(UNITDIR)" "$(DESTDIR)/etc"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
 	install -m 644 core/*.h "$(DESTDIR)$(PREFIX)/include/surface/"
-	install -m 644 $(CORE_A) "$(DESTDIR)$(PREFIX)/lib/"
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' packaging/surface.pc.in \
-	    > "$(DESTDIR)$(PREFIX)/lib/pkgconfig/surface.pc"
-	sed 's|@PREFIX@|$(PREFIX)|' packaging/surfaced.service.in \
-	    > "$(DESTDIR)$(PREFIX)/lib/systemd/system/surfaced.service"
-	install -m 644 packaging/surfaced.conf \
-	    "$(DESTDIR)$(PREFIX)/share/doc/surfaced/examples/"
-	install -m 644 man/surfaced.8 "$(DESTDIR)$(PREFIX)/share/man/man8/"
-	install -m 644 man/surfaced.conf.5 "$(DESTDIR)$(PREFIX)/share/man/man5/"
-	install -m 644 man/surfacectl.1 "$(DESTDIR)$(PREFIX)/share/man/man1/"
+	install -m 644 $(CORE_A) "$(DESTDIR)$(LIBDIR)/"
+	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|' \
+	    packaging/surface.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/surface.pc"
+	sed 's|=/usr/sbin/|=$(PREFIX)/sbin/|' packaging/surfaced.service \
+	    > "$(DESTDIR)$(UNITDIR)/surfaced.service"
+	install -m 644 packaging/surfaced.socket "$(DESTDIR)$(UNITDIR)/"
+	install -m 644 packaging/surfaced.sysusers \
+	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d/surfaced.conf"
+	[ -e "$(DESTDIR)/etc/surfaced.conf" ] || \
+	    install -m 644 packaging/surfaced.conf "$(DESTDIR)/etc/"
+	for page in man/*.[1-8]; do \
+	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
+	done
 
 ## clean: remove everything that was built
 .PHONY: clean

@@ -31,11 +31,11 @@ fi
 # shellcheck disable=SC2086 # several flags
 ${CC:-gcc} -std=c11 -o "$place/try" "$place/try.c" $flags
 "$place/try"
-for file in bin/surfacectl sbin/surfaced lib/libsurface.a lib/pkgconfig/surface.pc \
-    share/man/man8/surfaced.8 share/man/man1/surfacectl.1 \
-    share/man/man5/surfaced.conf.5 share/doc/surfaced/examples/surfaced.conf \
-    lib/systemd/system/surfaced.service; do
-    [ -s "$place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
+for file in usr/bin/surfacectl usr/sbin/surfaced usr/lib/libsurface.a \
+    usr/lib/pkgconfig/surface.pc usr/share/man/man8/surfaced.8 \
+    usr/share/man/man1/surfacectl.1 usr/share/man/man5/surfaced.conf.5 etc/surfaced.conf \
+    usr/lib/systemd/system/surfaced.service usr/lib/systemd/system/surfaced.socket \
+    usr/lib/sysusers.d/surfaced.conf; do
+    [ -s "$place/$file" ] || { echo "not installed: $file"; exit 1; }
 done
-! grep -lE "@(PREFIX|VERSION)@" "$place"/usr/lib/pkgconfig/surface.pc \
-    "$place"/usr/lib/systemd/system/surfaced.service
+! grep -lE "@(PREFIX|LIBDIR|VERSION)@" "$place"/usr/lib/pkgconfig/surface.pc

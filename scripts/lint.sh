@@ -67,6 +67,11 @@ check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-supp
     --suppress=ctuuninitvar -D_POSIX_C_SOURCE=200809L \
     -Icore -Idb -Iserver core db server
 check "man pages (mandoc)" mandoc -T lint -W warning man/*.[158]
+if command -v systemd-analyze >/dev/null 2>&1; then
+    check "systemd units (systemd-analyze)" scripts/check_units.sh
+else
+    echo "  SKIP  systemd units: systemd-analyze is not installed"
+fi
 
 [ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
 echo "$passed passed, $failed failed"
