@@ -246,6 +246,11 @@ install: all
 	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
 	done
 
+## deb: Debian packages, in build/deb
+.PHONY: deb
+deb:
+	BUILD=$(BUILD) scripts/deb.sh
+
 ## clean: remove everything that was built
 .PHONY: clean
 clean:

@@ -67,6 +67,7 @@ check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-supp
     --suppress=ctuuninitvar -D_POSIX_C_SOURCE=200809L \
     -Icore -Idb -Iserver core db server
 check "man pages (mandoc)" mandoc -T lint -W warning man/*.[158]
+check "package: one version, the same libraries" scripts/check_packaging.sh
 if command -v systemd-analyze >/dev/null 2>&1; then
     check "systemd units (systemd-analyze)" scripts/check_units.sh
 else

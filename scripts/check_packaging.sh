@@ -1,0 +1,22 @@
+#!/bin/sh
+# check_packaging.sh: what the package says twice says the same: its version is the
+# program's, and it is built with the libraries of scripts/packages.txt.
+set -eu
+cd "$(dirname "$0")/.."
+debian=packaging/debian
+bad=0
+version=$(sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
+package=$(sed -n '1s/^surfaced (\([^)]*\)).*/\1/p' $debian/changelog)
+if [ "$package" != "$version" ]; then
+    echo "$debian/changelog begins with version $package, core/face.h says $version"
+    bad=1
+fi
+libraries=$(awk '$1 == "build" && $2 ~ /-dev$/ && $2 != "libc6-dev" { print $2 }' \
+    scripts/packages.txt)
+for library in $libraries; do
+    if ! grep -qE "[ ,]$library(,|$)" $debian/control; then
+        echo "$debian/control: Build-Depends has no $library, scripts/packages.txt has"
+        bad=1
+    fi
+done
+exit $bad

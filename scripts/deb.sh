@@ -1,0 +1,19 @@
+#!/bin/sh
+# deb.sh: build the Debian packages into $BUILD/deb, from a copy of this tree with
+# packaging/debian at its top.  No root, and nothing but the copy is written to.
+set -eu
+cd "$(dirname "$0")/.."
+out=${BUILD:-build}/deb
+for tool in dpkg-buildpackage dh; do
+    command -v $tool >/dev/null || {
+        echo "deb: there is no $tool; scripts/setup deb installs it" >&2
+        exit 1
+    }
+done
+rm -rf "$out"/tree "$out"/*.deb "$out"/surfaced_*
+mkdir -p "$out/tree"
+tar -c --exclude=./build --exclude=./.git . | tar -x -C "$out/tree"
+cp -R packaging/debian "$out/tree/debian"
+(cd "$out/tree" && dpkg-buildpackage --no-sign --build=binary)
+rm -rf "$out/tree"
+ls "$out"/*.deb
