@@ -246,10 +246,15 @@ install: all
 	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
 	done
 
-## deb: Debian packages, in build/deb
+## deb: Debian packages, in build/deb (make check-deb tries them on a bare Debian)
 .PHONY: deb
 deb:
 	BUILD=$(BUILD) scripts/deb.sh
+
+# A target of its own, not a part of scripts/test: it takes root, a mirror and some minutes.
+.PHONY: check-deb
+check-deb: deb $(BUILD)/facegen
+	BUILD=$(BUILD) scripts/check_deb.sh
 
 ## clean: remove everything that was built
 .PHONY: clean

@@ -1,0 +1,192 @@
+#!/bin/sh
+# check_deb.sh: the life of the Debian packages in $BUILD/deb on a bare Debian 12: installed,
+# started by systemd, used, upgraded, removed, installed again, purged.  A root folder is made
+# for it (mmdebstrap, from Debian's mirror) and its own systemd booted in it.  As root, some
+# minutes; the last line is "N passed, N failed".  The bare root is kept in $BUILD for the
+# next time.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+BUILD=${BUILD:-build}
+deb=$(ls "$BUILD"/deb/surfaced_*.deb) || exit 1
+dev=$(ls "$BUILD"/deb/libsurface-dev_*.deb) || exit 1
+bare=$BUILD/bookworm.tar
+db=/var/lib/surfaced/surfaced.db
+passed=0 failed=0 boot='' system=''
+if [ "$(id -u)" -ne 0 ] || ! command -v mmdebstrap >/dev/null; then
+    echo "check_deb: needs root and mmdebstrap (scripts/setup deb)" >&2
+    exit 1
+fi
+place=$(mktemp -d)
+root=$place/root
+log=$place/log
+
+clean_up() {
+    if [ -n "$boot" ]; then
+        kill -KILL "$boot" # and with it the systemd below it: see unshare(1)
+        wait "$boot"
+    fi 2>/dev/null
+    rm -rf --one-file-system "$place"
+}
+trap clean_up EXIT
+trap 'exit 1' INT TERM
+
+# ok TITLE COMMAND...: a check passes when the command exits 0.
+ok() {
+    title=$1
+    shift
+    if "$@" >"$log" 2>&1; then
+        echo "  ok    $title"
+        passed=$((passed + 1))
+    else
+        echo "  FAIL  $title"
+        tail -n 20 "$log" | sed 's/^/        | /'
+        failed=$((failed + 1))
+    fi
+}
+no() { ! "$@"; }
+is() { [ "$1" = "$2" ]; }
+
+# run COMMAND...: in the root, and in the booted system once there is one.
+run() {
+    if [ -n "$system" ]; then
+        nsenter -t "$system" -m -p -u -i -n -C env -i LC_ALL=C \
+            DEBIAN_FRONTEND=noninteractive PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"
+    else
+        chroot "$root" env -i LC_ALL=C DEBIAN_FRONTEND=noninteractive \
+            PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"
+    fi
+}
+install_deb() { run apt-get -q -y --no-install-recommends install "$@"; }
+surfacectl() { run runuser -u surfaced -- surfacectl --db $db "$@"; }
+http() { nsenter -t "$system" -n curl -sS -f -m 20 -H "Authorization: Bearer $token" "$@"; }
+pid() { run systemctl show -P MainPID surfaced.service; }
+
+# in_time COMMAND...: it succeeds within a minute.
+in_time() {
+    for _ in $(seq 300); do
+        "$@" && return
+        sleep 0.2
+    done
+    return 1
+}
+another_pid() { [ "$(pid)" != "$1" ] && [ "$(pid)" != 0 ]; }
+
+# An earlier version to upgrade from: the same package under a lower number.
+earlier() {
+    dpkg-deb -R "$deb" "$place/earlier" &&
+        sed -i 's/^Version: .*/Version: 0.0.1/' "$place/earlier/DEBIAN/control" &&
+        dpkg-deb --root-owner-group -b "$place/earlier" "$root/surfaced_0.0.1.deb"
+}
+
+boot() {
+    setsid scripts/boot_root.sh "$root" >"$place/boot.log" 2>&1 </dev/null &
+    boot=$!
+    in_time pgrep -P "$boot" || return 1
+    system=$(pgrep -P "$boot")
+    in_time run test -S /run/systemd/private
+}
+
+echo "== the packages"
+if command -v lintian >/dev/null; then
+    ok "lintian" lintian --fail-on error,warning "$deb" "$dev"
+else
+    echo "  SKIP  lintian: it is not installed"
+fi
+if [ ! -s "$bare" ]; then
+    mmdebstrap --variant=minbase --skip=cleanup/apt bookworm "$place/bare.tar" &&
+        mv "$place/bare.tar" "$bare" || exit 1
+fi
+mkdir -p "$root"
+tar -x --exclude './dev/*' -f "$bare" -C "$root" || exit 1
+cp /etc/resolv.conf "$root/etc/"
+for device in null random urandom; do cp -a "/dev/$device" "$root/dev/"; done
+cp "$deb" "$root/surfaced.deb"
+cp "$dev" "$root/surface.deb"
+for scan in 0 1; do
+    "$BUILD/facegen" --subject 1 --scan $scan -o "$root/alice-$scan.ply" || exit 1
+done
+
+echo "== installed on a bare Debian 12"
+earlier >"$log" || exit 1
+ok "installs with what apt finds" install_deb /surfaced_0.0.1.deb
+ok "the library installs beside it" install_deb /surface.deb
+ok "the system user" run getent passwd surfaced
+ok "who cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
+ok "whose the state folder is" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
+ok "the programs run" run surfacectl --version
+ok "the settings are good" run runuser -u surfaced -- surfaced --check-config
+ok "the service is enabled" run systemctl is-enabled surfaced.service
+ok "the socket is not" no run systemctl is-enabled surfaced.socket
+
+echo "== running"
+ok "systemd boots" boot
+ok "the service is up" in_time run systemctl -q is-active surfaced.service
+first=$(pid)
+ok "not as root, without capabilities, filtered" run sh -c "
+    set -e
+    grep -q '^Uid:	[1-9]' /proc/$first/status
+    grep -q '^CapBnd:	0*\$' /proc/$first/status
+    grep -q '^NoNewPrivs:	1' /proc/$first/status
+    grep -q '^Seccomp:	2' /proc/$first/status"
+token=$(surfacectl token create check 2>/dev/null)
+ok "surfacectl enrolls beside it" run sh -c \
+    "cat /alice-0.ply | runuser -u surfaced -- surfacectl --db $db enroll alice -"
+probe() {
+    http -H 'Content-Type: model/x-ply' --data-binary "@$root/alice-1.ply" \
+        http://127.0.0.1:8787/v1/subjects/alice/verify | grep '"decision": *"match"'
+}
+ok "it verifies" probe
+ok "reload" run systemctl reload surfaced.service
+ok "verifies after a reload" probe
+ok "as the same process" is "$(pid)" "$first"
+
+echo "== hung and crashed"
+run mkdir -p /run/systemd/system/surfaced.service.d
+run sh -c 'printf "[Service]\nWatchdogSec=2\n" >/run/systemd/system/surfaced.service.d/w.conf'
+run systemctl daemon-reload
+run systemctl restart surfaced.service
+before=$(pid)
+run sh -c "kill -STOP $before"
+ok "the watchdog restarts what hangs" in_time another_pid "$before"
+run rm -r /run/systemd/system/surfaced.service.d
+run systemctl daemon-reload
+run systemctl restart surfaced.service
+before=$(pid)
+run sh -c "kill -KILL $before"
+ok "a crash restarts it" in_time another_pid "$before"
+ok "it verifies" in_time probe
+
+echo "== upgraded"
+run sh -c 'echo "queue = 77" >>/etc/surfaced.conf'
+before=$(pid)
+ok "upgrades" install_deb /surfaced.deb
+ok "the new one runs" in_time another_pid "$before"
+ok "the faces are there" probe
+ok "the settings are kept" run grep 'queue = 77' /etc/surfaced.conf
+
+echo "== by its socket"
+run systemctl stop surfaced.service
+ok "a clean stop" is "$(run systemctl show -P Result surfaced.service)" success
+ok "the socket is enabled" run systemctl -q enable --now surfaced.socket
+ok "the service is not up" is "$(pid)" 0
+ok "the first request starts it" probe
+ok "which systemd listens for" is "$(run systemctl show -P NAccepted surfaced.socket)" 0
+
+echo "== removed"
+ok "removes" run apt-get -q -y remove surfaced
+ok "nothing runs" no run pgrep -x surfaced
+ok "the programs are gone" no run test -e /usr/sbin/surfaced -o -e /usr/bin/surfacectl
+ok "the faces are kept" run test -s $db
+ok "the settings are kept" run test -s /etc/surfaced.conf
+ok "installs again" install_deb /surfaced.deb
+ok "the faces are there" in_time probe
+
+echo "== purged"
+ok "purges" run apt-get -q -y purge surfaced libsurface-dev
+left=$(run find / -xdev -name '*surface[d.]*' -not -path '/proc/*' -not -path '/sys/*' \
+    -not -name '*.deb' -not -path '/var/log/*' -not -path '/tmp/*')
+ok "nothing is left: $(echo "$left" | tr '\n' ' ')" is "$left" ""
+ok "the system user stays, no other gets its number" run getent passwd surfaced
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
