@@ -8,6 +8,7 @@
 
 struct attempts;    /* attempts.h */
 struct cache;       /* cache.h */
+struct guard;       /* guard.h */
 struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
 struct model;       /* model.h */
@@ -24,6 +25,7 @@ struct app {
     struct attempts *attempts;
     struct throttle *throttle;
     struct queue *queue;
+    struct guard *guard; /* of the connections; http.c's */
     bool no_auth;
     size_t max_body; /* bytes */
     atomic_bool stopping;

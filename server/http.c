@@ -554,6 +554,7 @@ void http_reload(struct http *h)
 enum status http_start(struct http *h, struct app *app, struct errinfo *e)
 {
     h->app = app;
+    app->guard = h->host.guard;
     h->drain = drain_start();
     if (h->drain == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");

@@ -8,6 +8,7 @@
 
 #include "app.h"
 #include "cache.h"
+#include "guard.h"
 #include "process.h"
 #include "queue.h"
 #include "request.h"
@@ -237,6 +238,31 @@ static void print_gauges(FILE *f, const struct app *app)
     print_one(f, "surfaced_cache_limit_bytes", "gauge", c.limit, "Memory they may take.");
 }
 
+static void print_connections(FILE *f, const struct app *app)
+{
+    struct guard_state g;
+
+    guard_look(app->guard, &g);
+    const struct {
+        const char *reason;
+        uint64_t n;
+    } closed[] = {
+        {"too_many", g.refused_total},
+        {"too_many_of_one_address", g.refused_address},
+        {"idle", g.late[GUARD_IDLE]},
+        {"slow_headers", g.late[GUARD_REQUEST] + g.late[GUARD_HEADERS]},
+        {"slow_body", g.late[GUARD_BODY]},
+        {"slow_reader", g.late[GUARD_ANSWER]},
+    };
+
+    print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");
+    head(f, "surfaced_connections_closed_total", "counter",
+         "Connections closed by a limit, of their number or of time.");
+    for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
+        fprintf(f, "surfaced_connections_closed_total{reason=\"%s\"} %" PRIu64 "\n",
+                closed[i].reason, closed[i].n);
+}
+
 /* Under the names that every exporter has for these. */
 static void print_process(FILE *f, const struct app *app)
 {
@@ -271,6 +297,7 @@ char *metrics_text(const struct app *app)
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
     print_gauges(f, app);
+    print_connections(f, app);
     print_process(f, app);
     failed = ferror(f) != 0;
     if (fclose(f) != 0 || failed) {

@@ -243,4 +243,29 @@ is "the same answers" "$STATUS $(get .decision)" "200 match"
 is "no hits" "$(metric surfaced_cache_hits_total)" 0
 is "two misses" "$(metric surfaced_cache_misses_total)" 2
 is "no bytes" "$(metric surfaced_cache_bytes)" 0
+stop_daemon
+
+# ---- connections
+start_daemon --no-auth --max-connections-per-address 1
+{
+    printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
+    while kill -0 "$PID" 2>/dev/null; do sleep 0.1; done
+} | curl -sSN -m 60 "telnet://${URL#http://}" >"$T/telnet" 2>/dev/null &
+telnet=$!
+tries=0
+while [ "$tries" -lt 500 ] && ! grep -q '"ok"' "$T/telnet"; do
+    sleep 0.01
+    tries=$((tries + 1))
+done
+req GET /healthz
+is "a second connection" "$STATUS" 000
+kill "$telnet"
+tries=0
+while [ "$tries" -lt 500 ] && [ "$STATUS" != 200 ]; do
+    req GET /metrics
+    tries=$((tries + 1))
+done
+is "one is open" "$(metric surfaced_connections)" 1
+ok "one was refused" test \
+    "$(metric 'surfaced_connections_closed_total{reason="too_many_of_one_address"}')" -ge 1
 finish
