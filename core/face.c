@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "align_field.h"
+#include "asymmetry.h"
 #include "cells.h"
 #include "decision.h"
 #include "delaunay.h"
@@ -22,6 +23,7 @@ struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct scratch points;       /* a cloud on the lattice */
     struct align_work align;
+    struct asymmetry_work asymmetry;
     const struct model *model;
     struct frame_mean mean;          /* the model's */
     struct fit_basis motion, change; /* the model's */
@@ -65,6 +67,7 @@ void face_work_free(struct face_work *w)
         return;
     measure_work_free(&w->measure);
     align_work_free(&w->align);
+    asymmetry_work_free(&w->asymmetry);
     frame_mean_free(&w->mean);
     scratch_free(&w->points);
     mem_free(w);
@@ -274,4 +277,12 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);
     out->decision = decide(out);
     return ST_OK;
+}
+
+enum status face_asymmetry(const struct face *f, struct face_work *w,
+                           struct asymmetry *out)
+{
+    const struct measure_surface s = surface_of(f);
+
+    return asymmetry_find(&s, &f->frame.pose, &w->measure, &w->asymmetry, out);
 }

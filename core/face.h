@@ -39,8 +39,9 @@ struct face {
     uint32_t cap;       /* points block has room for */
 };
 
-struct cells; /* cells.h */
-struct model; /* model.h */
+struct asymmetry; /* asymmetry.h */
+struct cells;     /* cells.h */
+struct model;     /* model.h */
 
 /* face_engine(m, out): who judges: "surfaced/VERSION measure/N model/HHHHHHHH", the last the
  * first 8 hex digits of m's digest (NULL: model_default).  Disparities and calibrations of
@@ -111,6 +112,11 @@ enum status face_place(struct face *f, struct face_work *w);
  * learn from (learn.h).  Returns ST_OK, ST_ENOMEM. */
 enum status face_gap(const struct face *tmpl, const struct face *probe,
                      const double *transform, struct face_work *w, struct cells *out);
+
+/* face_asymmetry(f, w, out): f against its mirror image, from the symmetry plane of its
+ * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */
+enum status face_asymmetry(const struct face *f, struct face_work *w,
+                           struct asymmetry *out);
 
 /* face_heatmap(tmpl, pts, n, transform, gap_mm): for detail=heatmap: the signed gap
  * (probe minus template, mm) at each of the probe's own points in the order given, NAN

@@ -43,7 +43,7 @@ struct measure_work {
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */
 
 /* measure_at(tmpl, probe, transform, u, w, out): the disparity of tmpl (side a) and of
- * probe moved by transform (side b; mm, row-major 4 x 4, rigid).
+ * probe moved by transform (side b; mm, row-major 4 x 4, rigid; a reflection will do).
  * A pose that takes a point off the lattice, or turns the probe edge-on so that nothing is
  * left to triangulate, gives *out all zero: nothing in common.  When that happens, or on
  * failure, w->general.nv is 0.

@@ -168,7 +168,7 @@ static double nose(const struct facegen_face *f, double x, double y)
     return h * exp(-square(x / width) / 2);
 }
 
-double facegen_height(const struct facegen_face *f, double x, double y)
+static double drawn(const struct facegen_face *f, double x, double y)
 {
     double z = skull(f, x, y) + nose(f, x, y);
 
@@ -180,6 +180,13 @@ double facegen_height(const struct facegen_face *f, double x, double y)
             z += b->h * exp(-e / 2);
     }
     return z;
+}
+
+double facegen_height(const struct facegen_face *f, double x, double y)
+{
+    const double z = drawn(f, x, y);
+
+    return f->symmetry == 0 ? z : z + f->symmetry / 2 * (drawn(f, -x, y) - z);
 }
 
 /* ---- the scan */
@@ -409,6 +416,7 @@ size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out)
     size_t n = 0;
 
     facegen_face(s->subject, s->smile, &face);
+    face.symmetry = s->symmetry;
     grid_make(&face, &grid);
     pose_make(s, &pose);
     outline_make(s, &outline);

@@ -22,12 +22,14 @@ struct facegen_face {
     double nose, bridge, hump, length, nose_width, side;
     struct facegen_bump bump[FACEGEN_BUMPS];
     uint32_t nbumps;
+    double symmetry; /* share of the asymmetry that is taken away; 0: as drawn */
 };
 
 /* facegen_face(subject, smile, out): the face of a subject; smile 0 (neutral) to 1. */
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out);
 
-/* facegen_height(f, x, y): z of the surface, in the head's own coordinates. */
+/* facegen_height(f, x, y): z of the surface, in the head's own coordinates: the even part of
+ * what was drawn, and of the odd part, f(x) - f(-x) over 2, the share 1 - symmetry. */
 double facegen_height(const struct facegen_face *f, double x, double y);
 
 struct facegen_scan {
@@ -40,6 +42,7 @@ struct facegen_scan {
     double holes;  /* share of the points cut out in blobs */
     double spikes; /* share of the points thrown 4 to 40 mm off */
     double smile;  /* 0 to 1 */
+    double symmetry; /* facegen_face's; negative: more asymmetric than drawn */
 };
 
 /* facegen_default(s): a clean frontal scan of subject 0: 3,000 points, 0.12 mm of noise,

@@ -23,6 +23,7 @@ static const char usage[] =
     "  --holes S      share of the points cut out in blobs, 0 to 0.9 (0)\n"
     "  --spikes S     share of the points thrown 4 to 40 mm off, 0 to 0.5 (0)\n"
     "  --smile S      0 to 1 (0)\n"
+    "  --symmetry S   share of the face's asymmetry taken away, -2 to 1 (0)\n"
     "  --format F     ply (binary), ply-ascii, obj, xyz, json; else by FILE's ending\n"
     "  -o FILE        where to (standard output)\n";
 
@@ -61,6 +62,7 @@ static int read_options(int argc, char **argv, struct options *o)
         {"--tz", &s->tz, -1e4, 1e4},         {"--noise", &s->noise, 0, 10},
         {"--warp", &s->warp, 0, 10},         {"--holes", &s->holes, 0, 0.9},
         {"--spikes", &s->spikes, 0, 0.5},    {"--smile", &s->smile, 0, 1},
+        {"--symmetry", &s->symmetry, -2, 1},
     };
     const size_t count = sizeof numbers / sizeof *numbers;
 

@@ -1,0 +1,417 @@
+#include "asymmetry.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "align_field.h"
+#include "align_pose.h"
+#include "align_solve.h"
+#include "decision.h"
+#include "delaunay.h"
+#include "holes.h"
+#include "lattice.h"
+#include "measure.h"
+#include "mst.h"
+#include "quality.h"
+
+#define ROUNDS       2    /* turned upright by the start, then by the corrected plane */
+#define POINTS       4000 /* of the mirror image, at most, in a robust sum */
+#define STEPS        40
+#define ENOUGH_MM    2e-3 /* a step shorter than that is the last */
+#define LEVER_MM     80.0 /* at which turns count as lengths */
+#define MAX_TURN     0.2  /* longest step, radians */
+#define MAX_SHIFT_MM 10.0
+#define DAMPING      1e-9 /* keeps what nothing tells (a sphere's plane) where it is */
+#define APART_WITHIN 0.2
+#define DEGREES      57.29577951308232
+
+/* The surface in parts, each left out in turn: bands across, inner and outer halves. */
+#define BANDS    6
+#define BLOCKS   (2 * BANDS)
+#define NO_BLOCK BLOCKS
+
+/* normal . p = offset. */
+struct plane {
+    struct dvec3 normal;
+    double offset;
+};
+
+/* A search in progress, on the surface turned upright. */
+struct search {
+    struct align_field field;
+    struct align_point *pts; /* sorted by block */
+    uint32_t begin[BLOCKS + 1];
+    uint32_t stride;
+    struct dvec3 middle; /* of the points */
+    uint32_t evaluations;
+};
+
+static double dot(struct dvec3 a, struct dvec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
+{
+    return (struct dvec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                          a.x * b.y - a.y * b.x};
+}
+
+/* a + s b */
+static struct dvec3 along(struct dvec3 a, double s, struct dvec3 b)
+{
+    return (struct dvec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static struct dvec3 unit(struct dvec3 a)
+{
+    return along((struct dvec3){0, 0, 0}, 1 / sqrt(dot(a, a)), a);
+}
+
+/* The point of the plane nearest to p. */
+static struct dvec3 onto(const struct plane *p, struct dvec3 q)
+{
+    return along(q, p->offset - dot(p->normal, q), p->normal);
+}
+
+/* The reflection in the plane, as the pose that it is but for its handedness. */
+static struct align_pose mirror(const struct plane *p)
+{
+    const double n[3] = {p->normal.x, p->normal.y, p->normal.z};
+    struct align_pose out;
+
+    for (size_t i = 0; i < 3; i++) {
+        for (size_t k = 0; k < 3; k++)
+            out.r[3 * i + k] = (i == k) - 2 * n[i] * n[k];
+        out.t[i] = 2 * p->offset * n[i];
+    }
+    return out;
+}
+
+/* upright(s, pose, m, w, out): s moved by pose, as a surface of its own in w.  ST_ERANGE,
+ * ST_EDEGENERATE: nothing is left of it there. */
+static enum status upright(const struct measure_surface *s, const struct align_pose *pose,
+                           struct measure_work *m, struct asymmetry_work *w,
+                           struct measure_surface *out)
+{
+    const size_t n = s->mesh->nv;
+    const size_t raw = mem_round(n * sizeof(struct ivec3));
+    const size_t spacing = raw + mem_round(n * sizeof *out->raw);
+    const size_t bridge = spacing + mem_round(n * sizeof *out->spacing);
+    unsigned char *block = scratch_need(&w->arrays, bridge + 2 * n);
+    struct ivec3 *pts = (struct ivec3 *)(void *)block;
+    int32_t *heights;
+    float *space;
+    enum status st;
+
+    if (block == NULL)
+        return ST_ENOMEM;
+    heights = (int32_t *)(void *)(block + raw);
+    space = (float *)(void *)(block + spacing);
+    for (uint32_t v = 0; v < n; v++) {
+        const struct dvec3 q =
+            align_pose_apply(pose, (struct dvec3){s->mesh->xy[v].x / LATTICE_PER_MM,
+                                                  s->mesh->xy[v].y / LATTICE_PER_MM,
+                                                  s->raw[v] / LATTICE_PER_MM});
+
+        if (lattice_from_mm(&q, 1, LATTICE_PER_MM, &pts[v], NULL) != ST_OK)
+            return ST_ERANGE;
+    }
+    if ((st = delaunay_build(pts, n, &m->scratch, &w->mesh)) != ST_OK ||
+        (st = mst_build(&w->mesh, &m->scratch)) != ST_OK)
+        return st;
+    memcpy(heights, w->mesh.z, w->mesh.nv * sizeof *heights);
+    if ((st = quality_spikes(&w->mesh, &m->scratch)) != ST_OK ||
+        (st = holes_spacing(&w->mesh, &m->scratch, space)) != ST_OK)
+        return st;
+    *out = (struct measure_surface){&w->mesh, heights, space, block + bridge,
+                                    holes_mark(&w->mesh, space, block + bridge)};
+    return ST_OK;
+}
+
+/* Which block a point is in, of a surface that extends from low to high about x = 0. */
+static uint32_t block_of(struct ivec2 p, struct ivec2 low, struct ivec2 high)
+{
+    const double up = ((double)p.y - low.y) / ((double)high.y - low.y + 1);
+    const int64_t wide = high.x > -(int64_t)low.x ? high.x : -(int64_t)low.x;
+
+    return 2 * (uint32_t)(up * BANDS) + (2 * llabs(p.x) > wide);
+}
+
+/* The vertices that a measured triangle has, sorted by block, in the order of the mesh. */
+static void load(const struct measure_surface *s, uint32_t *block, struct search *out)
+{
+    const struct mesh *m = s->mesh;
+    struct ivec2 low = m->xy[0], high = low;
+    struct dvec3 sum = {0, 0, 0};
+    uint32_t fill[BLOCKS], n = 0;
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        low.x = m->xy[v].x < low.x ? m->xy[v].x : low.x;
+        low.y = m->xy[v].y < low.y ? m->xy[v].y : low.y;
+        high.x = m->xy[v].x > high.x ? m->xy[v].x : high.x;
+        high.y = m->xy[v].y > high.y ? m->xy[v].y : high.y;
+        block[v] = NO_BLOCK;
+    }
+    for (uint32_t h = 0; h < 3 * m->nt; h++) /* (Ghosts bridge.) */
+        if (!s->bridge[h / 3])
+            block[m->org[h]] = block_of(m->xy[m->org[h]], low, high);
+    memset(out->begin, 0, sizeof out->begin);
+    for (uint32_t v = 0; v < m->nv; v++)
+        if (block[v] != NO_BLOCK)
+            out->begin[block[v] + 1]++;
+    for (uint32_t b = 0; b < BLOCKS; b++)
+        out->begin[b + 1] += out->begin[b];
+    memcpy(fill, out->begin, sizeof fill);
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 p = {m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
+                                m->z[v] / LATTICE_PER_MM};
+
+        if (block[v] == NO_BLOCK)
+            continue;
+        out->pts[fill[block[v]]++] = (struct align_point){p, 1.0f, ALIGN_FIELD_NONE};
+        sum = along(sum, 1, p);
+        n++;
+    }
+    out->middle = along((struct dvec3){0, 0, 0}, 1.0 / (n != 0 ? n : 1), sum);
+    out->stride = 1 + n / POINTS;
+}
+
+/* The robust sum over all blocks but one. */
+static struct align_sum sum_at(struct search *s, const struct plane *p, uint32_t without)
+{
+    const struct align_pose pose = mirror(p);
+    const struct dvec3 c = onto(p, s->middle);
+    struct align_sum all = {0};
+    double points = 0;
+
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        const uint32_t n = s->begin[b + 1] - s->begin[b];
+        struct align_sum sum;
+
+        if (b == without || n == 0)
+            continue;
+        align_field_sum(&s->field, s->pts + s->begin[b], n, s->stride, &pose, c,
+                        ALIGN_LOSS_L1, &sum);
+        for (int i = 0; i < 21; i++)
+            all.normal.h[i] += sum.normal.h[i];
+        for (int i = 0; i < 6; i++)
+            all.normal.g[i] += sum.normal.g[i];
+        all.cost += n * sum.cost;
+        all.within += n * sum.within;
+        points += n;
+    }
+    s->evaluations++;
+    all.cost /= points > 0 ? points : 1;
+    all.within /= points > 0 ? points : 1;
+    return all;
+}
+
+/* The normal equations of a pose, in the three motions of the mirror image that a plane
+ * has: two turns, in the places 0 and 1, and a shift, in the place 3. */
+static struct align_normal reduce(const struct align_normal *a, const double to[3][6])
+{
+    static const int place[3] = {0, 1, 3};
+    static const int at[3][3] = {{0, 1, 3}, {1, 6, 8}, {3, 8, 15}}; /* in h */
+    struct align_normal out = {.h = {[11] = 1, [18] = 1, [20] = 1}};
+    double full[6][6];
+    const double *h = a->h;
+
+    for (int i = 0; i < 6; i++)
+        for (int k = i; k < 6; k++)
+            full[i][k] = full[k][i] = *h++;
+    for (int p = 0; p < 3; p++) {
+        for (int q = p; q < 3; q++)
+            for (int i = 0; i < 6; i++)
+                for (int k = 0; k < 6; k++)
+                    out.h[at[p][q]] += to[p][i] * full[i][k] * to[q][k];
+        for (int i = 0; i < 6; i++)
+            out.g[place[p]] += to[p][i] * a->g[i];
+    }
+    return out;
+}
+
+/* One Gauss-Newton step; returns its length in mm, 0 when nothing can be told. */
+static double step(const struct search *s, const struct align_sum *sum, struct plane *p)
+{
+    const struct dvec3 n = p->normal, c = onto(p, s->middle);
+    const struct dvec3 a = unit(cross((struct dvec3){0, 0, 1}, n)), b = cross(n, a);
+    const double to[3][6] = {{2 * a.x, 2 * a.y, 2 * a.z, 0, 0, 0},
+                             {2 * b.x, 2 * b.y, 2 * b.z, 0, 0, 0},
+                             {0, 0, 0, 2 * n.x, 2 * n.y, 2 * n.z}};
+    const struct align_normal normal = reduce(&sum->normal, to);
+    double x[6], turn, scale = 1;
+
+    if (!align_solve(&normal, DAMPING, x))
+        return 0;
+    turn = sqrt(x[0] * x[0] + x[1] * x[1]);
+    if (turn > MAX_TURN)
+        scale = MAX_TURN / turn;
+    if (fabs(x[3]) * scale > MAX_SHIFT_MM)
+        scale = MAX_SHIFT_MM / fabs(x[3]);
+    /* a x n = -b and b x n = a */
+    p->normal = unit(along(along(n, -scale * x[0], b), scale * x[1], a));
+    p->offset = dot(p->normal, c) + scale * x[3];
+    return scale * (turn * LEVER_MM + fabs(x[3]));
+}
+
+/* descend(s, without, p, within): steps from *p, which becomes the cheapest plane seen.
+ * Returns whether they ended by themselves. */
+static bool descend(struct search *s, uint32_t without, struct plane *p, double *within)
+{
+    struct plane at = *p;
+    double cost = INFINITY;
+    bool ended = false;
+
+    for (int i = 0; i <= STEPS; i++) {
+        const struct align_sum sum = sum_at(s, &at, without);
+
+        if (sum.cost < cost) {
+            cost = sum.cost;
+            *within = sum.within;
+            *p = at;
+        }
+        if (ended || i == STEPS)
+            break;
+        ended = step(s, &sum, &at) < ENOUGH_MM;
+    }
+    return ended;
+}
+
+/* How much the plane hangs on parts of the surface. */
+static void jackknife(struct search *s, const struct plane *best, struct asymmetry *out)
+{
+    const struct dvec3 c = onto(best, s->middle);
+    struct dvec3 sum = {0, 0, 0};
+    double squares = 0, shift = 0, shifts = 0, n = 0;
+
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        struct plane p = *best;
+        struct dvec3 turn;
+        double within, off;
+
+        if (s->begin[b] == s->begin[b + 1])
+            continue;
+        (void)descend(s, b, &p, &within);
+        turn = along(p.normal, -1, best->normal);
+        off = p.offset - dot(p.normal, c);
+        sum = along(sum, 1, turn);
+        squares += dot(turn, turn);
+        shift += off;
+        shifts += off * off;
+        n++;
+    }
+    if (n < 2)
+        return;
+    out->turn_deg = DEGREES * sqrt((n - 1) / n * fmax(squares - dot(sum, sum) / n, 0));
+    out->shift_mm = sqrt((n - 1) / n * fmax(shifts - shift * shift / n, 0));
+}
+
+/* The motion that brings the plane to x = 0 by the smallest turn, after pose. */
+static void straighten(const struct plane *p, struct dvec3 middle,
+                       struct align_pose *pose)
+{
+    const struct dvec3 c = onto(p, middle), n = p->normal;
+    /* The quaternion (1, x / 2) of the turn from n to the x axis. */
+    const double half = 2 / (1 + n.x);
+    const double x[6] = {0, half * n.z, -half * n.y, -c.x, 0, 0};
+
+    align_pose_move(pose, c, x);
+}
+
+/* search(s, w, last, out): the plane in s, which is upright. */
+static enum status search_plane(const struct measure_surface *s, struct measure_work *m,
+                                bool last, struct plane *p, struct dvec3 *middle,
+                                struct asymmetry *out)
+{
+    const size_t cells = mem_round(align_field_bytes(s->mesh->nt));
+    const size_t pts = cells + mem_round(s->mesh->nv * sizeof(struct align_point));
+    struct search search = {.evaluations = out->evaluations};
+    unsigned char *block =
+        scratch_need(&m->scratch, pts + s->mesh->nv * sizeof(uint32_t));
+    double within = 0;
+
+    if (block == NULL)
+        return ST_ENOMEM;
+    align_field_make(s, NULL, (struct align_cell *)(void *)block, &search.field);
+    search.pts = (struct align_point *)(void *)(block + cells);
+    load(s, (uint32_t *)(void *)(block + pts), &search);
+    out->stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
+    if (within < APART_WITHIN)
+        out->stop = ALIGN_APART;
+    else if (last)
+        jackknife(&search, p, out);
+    out->evaluations = search.evaluations;
+    *middle = search.middle;
+    return ST_OK;
+}
+
+/* What the frame says of the plane in the surface's own coordinates. */
+static struct plane plane_of(const struct align_pose *frame)
+{
+    /* x of r p + t is 0. */
+    return (struct plane){{frame->r[0], frame->r[1], frame->r[2]}, -frame->t[0]};
+}
+
+static void tell(const struct align_pose *start, const struct align_pose *frame,
+                 const struct measure_surface *s, struct asymmetry *out)
+{
+    const struct plane from = plane_of(start), to = plane_of(frame);
+    const struct dvec3 turn = cross(from.normal, to.normal);
+    const struct dvec3 c = onto(&from, align_pose_centre(s->mesh));
+
+    out->normal[0] = to.normal.x;
+    out->normal[1] = to.normal.y;
+    out->normal[2] = to.normal.z;
+    out->offset_mm = to.offset;
+    out->moved_deg = DEGREES * atan2(sqrt(dot(turn, turn)), dot(from.normal, to.normal));
+    out->moved_mm = fabs(to.offset - dot(to.normal, c));
+}
+
+bool asymmetry_conclusive(const struct asymmetry *a)
+{
+    return a->stop != ALIGN_APART && a->measure.overlap >= decision_min_overlap;
+}
+
+void asymmetry_work_free(struct asymmetry_work *w)
+{
+    if (w == NULL)
+        return;
+    mesh_free(&w->mesh);
+    scratch_free(&w->arrays);
+}
+
+enum status asymmetry_find(const struct measure_surface *s,
+                           const struct align_pose *start, struct measure_work *m,
+                           struct asymmetry_work *w, struct asymmetry *out)
+{
+    static const double flip[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct align_pose frame = *start;
+    struct measure_surface turned;
+    enum status st = ST_OK;
+
+    memset(out, 0, sizeof *out);
+    out->turn_deg = out->shift_mm = INFINITY;
+    out->stop = ALIGN_APART;
+    for (int round = 0; round <= ROUNDS; round++) {
+        struct plane p = {{1, 0, 0}, 0};
+        struct dvec3 middle;
+
+        if ((st = upright(s, &frame, m, w, &turned)) != ST_OK)
+            break;
+        if (round == 0 &&
+            (st = measure_at(&turned, &turned, flip, NULL, m, &out->first)) != ST_OK)
+            break;
+        if (round == ROUNDS) {
+            st = measure_at(&turned, &turned, flip, NULL, m, &out->measure);
+            break;
+        }
+        st = search_plane(&turned, m, round + 1 == ROUNDS, &p, &middle, out);
+        if (st != ST_OK)
+            break;
+        straighten(&p, middle, &frame);
+    }
+    tell(start, &frame, s, out);
+    return st == ST_ENOMEM ? st : ST_OK;
+}

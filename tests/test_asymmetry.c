@@ -1,0 +1,429 @@
+/* Asymmetry: exact cases by hand; a planted asymmetry is followed, over scans and poses, and
+ * the plane is found; a face and its mirror image have the same; memory runs out. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "align_pose.h"
+#include "asymmetry.h"
+#include "delaunay.h"
+#include "face.h"
+#include "facegen.h"
+#include "fail_alloc.h"
+#include "holes.h"
+#include "measure.h"
+#include "mst.h"
+
+#define POINTS 3000
+#define DEGREE (3.14159265358979323846 / 180)
+
+static struct face_work *work;
+static struct face face;
+static struct dvec3 points[POINTS];
+
+static void close_to(double got, double wanted, double by)
+{
+    if (!(fabs(got - wanted) <= by))
+        fail_msg("%.9g, wanted %.9g to %.2g", got, wanted, by);
+}
+
+/* ---- any surface */
+
+struct made {
+    struct mesh mesh;
+    struct scratch scratch;
+    float spacing[POINTS];
+    uint8_t bridge[2 * POINTS];
+};
+
+static struct made made;
+
+/* The surface of points in millimetres. */
+static struct measure_surface surface(const struct dvec3 *p, uint32_t n)
+{
+    static struct ivec3 pts[POINTS];
+
+    for (uint32_t i = 0; i < n; i++)
+        pts[i] =
+            (struct ivec3){(int32_t)lrint(p[i].x * 1000), (int32_t)lrint(p[i].y * 1000),
+                           (int32_t)lrint(p[i].z * 1000)};
+    assert_int_equal(delaunay_build(pts, n, &made.scratch, &made.mesh), ST_OK);
+    assert_int_equal(mst_build(&made.mesh, &made.scratch), ST_OK);
+    assert_int_equal(holes_spacing(&made.mesh, &made.scratch, made.spacing), ST_OK);
+    return (struct measure_surface){&made.mesh, made.mesh.z, made.spacing, made.bridge,
+                                    holes_mark(&made.mesh, made.spacing, made.bridge)};
+}
+
+static struct asymmetry find(const struct dvec3 *p, uint32_t n)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct measure_surface s = surface(p, n);
+    struct measure_work m = {0};
+    struct asymmetry_work w = {0};
+    struct asymmetry out;
+
+    assert_int_equal(asymmetry_find(&s, &still, &m, &w, &out), ST_OK);
+    measure_work_free(&m);
+    asymmetry_work_free(&w);
+    return out;
+}
+
+/* A rectangle of 100 x 80 mm, a point every 4 mm, z given. */
+static uint32_t sheet(double (*z)(double x, double y), struct dvec3 *p)
+{
+    uint32_t n = 0;
+
+    for (int j = -10; j <= 10; j++)
+        for (int i = -12; i <= 12; i++)
+            p[n++] = (struct dvec3){i * 4.0, j * 4.0, z(i * 4.0, j * 4.0)};
+    return n;
+}
+
+static double dome(double x, double y)
+{
+    return 20 - x * x / 80 - y * y / 160 + y / 16;
+}
+
+static double slope(double x, double y)
+{
+    return 0.125 * x + 0.25 * y;
+}
+
+/* Beside the dome, on one side, a plateau of 2 mm that rises over 4 mm. */
+static double step(double x, double y)
+{
+    return dome(x, y) + (x > 22 && x < 38 && fabs(y) < 18 ? 2 : 0);
+}
+
+static void test_symmetric(void **state)
+{
+    const struct asymmetry a = find(points, sheet(dome, points));
+
+    (void)state;
+    close_to(a.first.plain_mm, 0, 1e-9);
+    close_to(a.measure.plain_mm, 0, 1e-9);
+    close_to(a.measure.overlap, 1, 0);
+    close_to(a.normal[0], 1, 1e-9);
+    close_to(a.offset_mm, 0, 1e-6);
+    close_to(a.moved_deg, 0, 1e-6);
+    close_to(a.turn_deg, 0, 1e-3);
+    assert_int_equal(a.stop, ALIGN_CONVERGED);
+    assert_true(asymmetry_conclusive(&a));
+}
+
+/* A plane that rises by 1/8 to the right: against its image in x = 0 the gap is |x| / 4,
+ * 6 mm in the mean over |x| <= 48.  In the plane square to its slope it is symmetric. */
+static void test_slope(void **state)
+{
+    const struct asymmetry a = find(points, sheet(slope, points));
+
+    (void)state;
+    close_to(a.first.plain_mm, 6, 1e-9);
+    close_to(a.measure.plain_mm, 0, 0.002);
+    close_to(a.normal[0] * -0.125 + a.normal[1] * -0.25 + a.normal[2], 0, 1e-3);
+}
+
+/* The plateau is all of the asymmetry: 2 mm over its area, on either side; at its rim a
+ * slope of half the spacing more. */
+static void test_step(void **state)
+{
+    const struct asymmetry a = find(points, sheet(step, points));
+    const double volume = 2 * 2 * (12 + 4.0) * (32 + 4.0);
+
+    (void)state;
+    close_to(a.first.volume_mm3 / volume, 1, 0.02);
+    assert_true(a.measure.plain_mm <= a.first.plain_mm + 1e-3);
+    close_to(a.measure.volume_mm3 / volume, 1, 0.05);
+    close_to(a.normal[0], 1, 1e-4);
+}
+
+/* Turned and moved by an amount that is known, a symmetric surface tells it. */
+static void test_tilted(void **state)
+{
+    static const double turns[][4] = {
+        {0.1, 0, 0, 0}, {0, 0.2, 0, 0}, {0, 0, -0.15, 4}, {0.05, 0.1, 0.1, -6}};
+    const uint32_t n = sheet(dome, points);
+
+    (void)state;
+    for (size_t k = 0; k < sizeof turns / sizeof *turns; k++) {
+        static struct dvec3 moved[POINTS];
+        struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        const double x[6] = {turns[k][0], turns[k][1], turns[k][2], turns[k][3], 3, -2};
+        struct asymmetry a;
+        double cosine;
+
+        align_pose_move(&pose, (struct dvec3){0, 0, 0}, x);
+        for (uint32_t i = 0; i < n; i++)
+            moved[i] = align_pose_apply(&pose, points[i]);
+        a = find(moved, n);
+        cosine =
+            a.normal[0] * pose.r[0] + a.normal[1] * pose.r[3] + a.normal[2] * pose.r[6];
+        assert_true(acos(fmin(cosine, 1)) < 0.1 * DEGREE);
+        close_to(a.offset_mm,
+                 a.normal[0] * pose.t[0] + a.normal[1] * pose.t[1] +
+                     a.normal[2] * pose.t[2],
+                 0.05);
+        assert_true(a.measure.plain_mm < 0.06); /* what cutting across the curve leaves */
+    }
+}
+
+/* ---- faces */
+
+static void scan(const struct facegen_scan *s)
+{
+    const size_t n = facegen_sample(s, points);
+
+    assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
+}
+
+static struct asymmetry measured(void)
+{
+    struct asymmetry a;
+
+    assert_int_equal(face_asymmetry(&face, work, &a), ST_OK);
+    return a;
+}
+
+/* The generated face's heights, every millimetre. */
+#define SIDE 200
+static double height[SIDE][SIDE];
+
+static double height_at(double x, double y)
+{
+    const double u = x + SIDE / 2.0, v = y + SIDE / 2.0;
+    const int i = (int)u, j = (int)v;
+    const double s = u - i, t = v - j;
+
+    return (1 - t) * ((1 - s) * height[j][i] + s * height[j][i + 1]) +
+           t * ((1 - s) * height[j + 1][i] + s * height[j + 1][i + 1]);
+}
+
+/* The mean gap of the surface and its mirror image over an oval, by definition: each point
+ * reflected in the plane n . p = d, n = (1, n[0], n[1]) to scale, and d = n[2]. */
+static double gap_by_definition(const double n[3])
+{
+    const double length = sqrt(1 + n[0] * n[0] + n[1] * n[1]);
+    const double e[3] = {1 / length, n[0] / length, n[1] / length};
+    double sum = 0, count = 0;
+
+    for (double y = -75; y < 79; y += 2)
+        for (double x = -62; x < 63; x += 2) {
+            const double z = height_at(x, y);
+            const double off = 2 * (e[0] * x + e[1] * y + e[2] * z - n[2]);
+
+            if (x * x / (62.0 * 62) + (y - 2) * (y - 2) / (77.0 * 77) > 1)
+                continue;
+            sum += fabs(z - off * e[2] - height_at(x - off * e[0], y - off * e[1]));
+            count++;
+        }
+    return sum / count;
+}
+
+/* The least of it over the planes near x = 0, by trying. */
+static double least_gap(const struct facegen_scan *s, double n[3])
+{
+    struct facegen_face f;
+    double best;
+
+    facegen_face(s->subject, s->smile, &f);
+    f.symmetry = s->symmetry;
+    for (int j = 0; j < SIDE; j++)
+        for (int i = 0; i < SIDE; i++)
+            height[j][i] = facegen_height(&f, i - SIDE / 2, j - SIDE / 2);
+    memset(n, 0, 3 * sizeof *n);
+    best = gap_by_definition(n);
+    for (double by = 0.016; by > 2e-4; by /= 2)
+        for (int k = 0, failed = 0; failed < 6; k = (k + 1) % 6) {
+            const double was = n[k / 2], d = k / 2 == 2 ? 40 * by : by;
+            double gap;
+
+            n[k / 2] += k % 2 ? d : -d;
+            if ((gap = gap_by_definition(n)) < best) {
+                best = gap;
+                failed = 0;
+            } else {
+                n[k / 2] = was;
+                failed++;
+            }
+        }
+    return best;
+}
+
+/* The angle between a normal found in a scan and one of the head itself, degrees. */
+static double angle(const struct facegen_scan *s, const double found[3],
+                    const double n[3])
+{
+    const double cy = cos(s->yaw * DEGREE), sy = sin(s->yaw * DEGREE);
+    const double cx = cos(s->pitch * DEGREE), sx = sin(s->pitch * DEGREE);
+    const double cz = cos(s->roll * DEGREE), sz = sin(s->roll * DEGREE);
+    const double r[9] = {cz * cy - sz * sx * sy,
+                         -sz * cx,
+                         cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy,
+                         cz * cx,
+                         sz * sy - cz * sx * cy,
+                         -cx * sy,
+                         sx,
+                         cx * cy};
+    const double length = sqrt(1 + n[0] * n[0] + n[1] * n[1]);
+    double cosine = 0;
+
+    for (size_t i = 0; i < 3; i++)
+        cosine +=
+            found[i] * (r[3 * i] + r[3 * i + 1] * n[0] + r[3 * i + 2] * n[1]) / length;
+    return acos(fmin(cosine, 1)) / DEGREE;
+}
+
+#define SUBJECTS 6
+#define LEVELS   4
+#define SCANS    3
+
+static void test_planted(void **state)
+{
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, spread = 0, worst = 0, cor;
+
+    (void)state;
+    for (int i = 0; i < SUBJECTS * LEVELS; i++) {
+        struct facegen_scan s;
+        double plane[3], truth, low = INFINITY, high = 0;
+
+        facegen_default(&s);
+        s.subject = 1 + (uint64_t)i / LEVELS;
+        s.warp = 0.05; /* (A smooth error of the scanner's is an asymmetry too.) */
+        s.symmetry = 1 - 0.5 * (i % LEVELS);
+        truth = least_gap(&s, plane);
+        for (int k = 0; k < SCANS; k++) {
+            struct asymmetry a;
+
+            s.scan = (uint64_t)(SCANS * i + k);
+            facegen_pose(&s, 12, 10);
+            scan(&s);
+            a = measured();
+            assert_true(asymmetry_conclusive(&a));
+            worst = fmax(worst, angle(&s, a.normal, plane));
+            low = fmin(low, a.measure.plain_mm);
+            high = fmax(high, a.measure.plain_mm);
+            n++;
+            x += truth;
+            y += a.measure.plain_mm;
+            xx += truth * truth;
+            xy += truth * a.measure.plain_mm;
+            yy += a.measure.plain_mm * a.measure.plain_mm;
+        }
+        spread = fmax(spread, high - low);
+    }
+    cor = (xy - x * y / n) / sqrt((xx - x * x / n) * (yy - y * y / n));
+    (void)printf("correlation %.4f, re-scans within %.3f mm, plane within %.2f degrees\n",
+                 cor, spread, worst);
+    assert_true(cor >= 0.99);
+    assert_true(spread < 0.2);
+    assert_true(worst < 0.5);
+}
+
+/* A face's mirror image is as asymmetric, about the mirrored plane. */
+static void test_mirrored(void **state)
+{
+    (void)state;
+    for (uint64_t k = 0; k < 4; k++) {
+        struct facegen_scan s;
+        struct asymmetry a, b;
+        size_t n;
+
+        facegen_default(&s);
+        s.subject = 20 + k;
+        facegen_pose(&s, 8, 10);
+        scan(&s);
+        a = measured();
+        n = facegen_sample(&s, points);
+        for (size_t i = 0; i < n; i++)
+            points[i].x = -points[i].x;
+        assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
+        b = measured();
+        close_to(a.measure.plain_mm / b.measure.plain_mm, 1, 0.01);
+        close_to(a.normal[0], b.normal[0], 2e-3);
+        close_to(a.normal[1], -b.normal[1], 2e-3);
+        close_to(a.normal[2], -b.normal[2], 2e-3);
+        close_to(a.offset_mm, -b.offset_mm, 0.1);
+    }
+}
+
+/* The same bytes in, the same out; and what is left of a face by one half is told. */
+static void test_half(void **state)
+{
+    struct facegen_scan s;
+    struct asymmetry a, b;
+    size_t n, half = 0;
+
+    (void)state;
+    facegen_default(&s);
+    s.subject = 3;
+    scan(&s);
+    memset(&a, 0, sizeof a);
+    memset(&b, 0, sizeof b);
+    a = measured();
+    b = measured();
+    assert_memory_equal(&a.measure, &b.measure, sizeof a.measure);
+    assert_memory_equal(a.normal, b.normal, sizeof a.normal);
+    assert_true(a.turn_deg > 0.01 && a.turn_deg < 2 && a.shift_mm < 2);
+    n = facegen_sample(&s, points);
+    for (size_t i = 0; i < n; i++)
+        if (points[i].x > -4)
+            points[half++] = points[i];
+    assert_int_equal(face_build(points, half, work, &face, NULL), ST_OK);
+    a = measured();
+    assert_false(asymmetry_conclusive(&a));
+}
+
+static void test_memory(void **state)
+{
+    struct facegen_scan s;
+    enum status st = ST_ENOMEM;
+    struct asymmetry want;
+    unsigned long k;
+
+    (void)state;
+    facegen_default(&s);
+    scan(&s);
+    want = measured();
+    for (k = 1; st != ST_OK; k++) {
+        struct face_work *w = face_work_new(NULL);
+        struct asymmetry got;
+
+        assert_non_null(w);
+        fail_alloc_at(k);
+        st = face_asymmetry(&face, w, &got);
+        fail_alloc_at(0);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(face_asymmetry(&face, w, &got), ST_OK);
+        }
+        assert_memory_equal(&want.measure, &got.measure, sizeof want.measure);
+        face_work_free(w);
+    }
+    assert_true(k > 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_symmetric), cmocka_unit_test(test_slope),
+        cmocka_unit_test(test_step),      cmocka_unit_test(test_tilted),
+        cmocka_unit_test(test_planted),   cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_half),      cmocka_unit_test(test_memory),
+    };
+    int failed;
+
+    work = face_work_new(NULL);
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    face_work_free(work);
+    face_free(&face);
+    mesh_free(&made.mesh);
+    scratch_free(&made.scratch);
+    return failed;
+}
