@@ -7,7 +7,6 @@
 #include "align_field.h"
 #include "align_pose.h"
 #include "align_solve.h"
-#include "decision.h"
 #include "delaunay.h"
 #include "holes.h"
 #include "lattice.h"
@@ -371,7 +370,7 @@ static void tell(const struct align_pose *start, const struct align_pose *frame,
 
 bool asymmetry_conclusive(const struct asymmetry *a)
 {
-    return a->stop != ALIGN_APART && a->measure.overlap >= decision_min_overlap;
+    return a->stop != ALIGN_APART && a->measure.overlap >= ASYMMETRY_MIN_OVERLAP;
 }
 
 void asymmetry_work_free(struct asymmetry_work *w)

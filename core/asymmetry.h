@@ -37,7 +37,10 @@ struct asymmetry {
 };
 
 /* asymmetry_conclusive(a): was a plane found, and does enough of the surface lie over its
- * mirror image (decision.h) for its disparity to say something? */
+ * mirror image for its disparity to say something?  Of faces turned by 35 degrees, or with
+ * 40 % missing in blobs, half does; of one half of a face, which some other plane fits as
+ * well, less than a third. */
+#define ASYMMETRY_MIN_OVERLAP 0.45
 bool asymmetry_conclusive(const struct asymmetry *a);
 
 /* A worker's memory besides measure_work's; all zero is an empty one. */

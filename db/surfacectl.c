@@ -63,6 +63,12 @@ static const struct command commands[] = {
      "data: readable by their owner alone.  Exit: 0 match, 1 no match, 2 inconclusive.",
      "surfacectl explain monday.ply tuesday.ply --out why", 2, 2,
      OPT_UNITS | OPT_THRESHOLD | OPT_OUT | OPT_MODEL, surfacectl_explain},
+    {"asymmetry", "FILE", "measure a scan against its own mirror image",
+     "The symmetry plane is corrected until the gap between the face and its mirror image is\n"
+     "least; that gap is the asymmetry.  Nothing is stored.  Exit: 0, or 2 where too little\n"
+     "of the face lies over its mirror image to say.",
+     "surfacectl asymmetry alice.ply", 1, 1, OPT_UNITS | OPT_MODEL,
+     surfacectl_shape_asymmetry},
     {"evaluate", "DIR|MANIFEST", "how well a collection of scans is told apart",
      "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table,\n"
      "with columns file and subject.  Of each subject the scan of kind `enroll`, or else\n"
@@ -131,7 +137,7 @@ static const char exit_help[] =
     "Exit codes:\n"
     "   0  done; verify, compare, explain: match\n"
     "   1  verify, compare, explain: no match; check: problems found\n"
-    "   2  verify, compare, explain: inconclusive (too little in common)\n"
+    "   2  verify, compare, explain, asymmetry: inconclusive (too little in common)\n"
     "  64  the command line is wrong\n"
     "  65  a scan, a model or the database is malformed or cannot be used\n"
     "  66  no such file, model, subject, template, token or database\n"

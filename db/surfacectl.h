@@ -1,6 +1,7 @@
 /* surfacectl.h -- the admin command's parts, among themselves.
  *   surfacectl.c        options, help
  *   surfacectl_face.c   enroll, verify, compare
+ *   surfacectl_shape.c  asymmetry: one scan by itself
  *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
  *   surfacectl_evaluate.c  evaluate: the rates; surfacectl_trials.h the comparisons,
  *                       surfacectl_report.h what is written
@@ -76,6 +77,7 @@ int surfacectl_fail(struct surfacectl *c, enum status st);
 int surfacectl_face_enroll(struct surfacectl *c);
 int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
+int surfacectl_shape_asymmetry(struct surfacectl *c);
 int surfacectl_explain(struct surfacectl *c);
 int surfacectl_evaluate(struct surfacectl *c);
 int surfacectl_calibrate(struct surfacectl *c);

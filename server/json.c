@@ -6,6 +6,7 @@
 #include <string.h>
 #include <cjson/cJSON.h>
 
+#include "asymmetry.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "face.h"
@@ -249,6 +250,11 @@ static bool add_number(cJSON *o, const char *name, double value)
     return cJSON_AddNumberToObject(o, name, value) != NULL;
 }
 
+static bool add_flag(cJSON *o, const char *name, bool value)
+{
+    return cJSON_AddBoolToObject(o, name, value) != NULL;
+}
+
 /* null where there is none */
 static bool add_finite(cJSON *o, const char *name, double value)
 {
@@ -294,11 +300,11 @@ static bool add_transform(cJSON *o, const double transform[16])
     return false;
 }
 
+static const char *const stop[] = {
+    [ALIGN_CONVERGED] = "converged", [ALIGN_STEPS] = "steps", [ALIGN_APART] = "apart"};
+
 static bool add_alignment(cJSON *o, const struct align_result *a)
 {
-    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
-                                       [ALIGN_STEPS] = "steps",
-                                       [ALIGN_APART] = "apart"};
     cJSON *x = cJSON_AddObjectToObject(o, "alignment");
 
     return add_number(x, "starts", a->starts) &&
@@ -374,6 +380,43 @@ char *json_verdict(const struct json_verdict *v)
                add_string(o, "engine", v->engine) &&
                (v->gap_mm == NULL || add_heatmap(o, v->gap_mm, v->n)) &&
                add_timing(o, v));
+}
+
+static bool add_plane(cJSON *o, const struct asymmetry *a)
+{
+    cJSON *x = cJSON_AddObjectToObject(o, "plane");
+    cJSON *normal = cJSON_AddArrayToObject(x, "normal");
+    bool good = normal != NULL;
+
+    for (int i = 0; i < 3 && good; i++)
+        good = cJSON_AddItemToArray(normal, cJSON_CreateNumber(a->normal[i]));
+    return good && add_number(x, "offset_mm", a->offset_mm) &&
+           add_number(x, "moved_deg", a->moved_deg) &&
+           add_number(x, "moved_mm", a->moved_mm) &&
+           add_number(x, "evaluations", a->evaluations) &&
+           add_string(x, "stop", stop[a->stop]) &&
+           add_finite(x, "turn_deg", a->turn_deg) &&
+           add_finite(x, "shift_mm", a->shift_mm);
+}
+
+char *json_asymmetry(const struct json_asymmetry *v)
+{
+    const struct asymmetry *a = v->result;
+    cJSON *o = cJSON_CreateObject(), *x;
+    bool good = add_flag(o, "conclusive", asymmetry_conclusive(a)) &&
+                add_number(o, "disparity_mm", a->measure.plain_mm) &&
+                add_number(o, "first_mm", a->first.plain_mm) &&
+                add_number(o, "volume_mm3", a->measure.volume_mm3) &&
+                add_number(o, "overlap_mm2", a->measure.area_mm2) &&
+                add_number(o, "overlap", a->measure.overlap) && add_plane(o, a) &&
+                add_quality(o, &v->face->quality, &v->face->frame) &&
+                add_string(o, "engine", v->engine);
+
+    x = cJSON_AddObjectToObject(o, "timing_ms");
+    return print(o, good && add_number(x, "parse", v->parse_ms) &&
+                        add_number(x, "prepare", v->prepare_ms) &&
+                        add_number(x, "measure", v->measure_ms) &&
+                        add_number(x, "total", v->total_ms));
 }
 
 char *json_problem(const struct errmap *m, const char *detail, const char *request_id,

@@ -9,6 +9,7 @@
 #include "status.h"
 #include "vec.h"
 
+struct asymmetry;
 struct errinfo;
 struct errmap;
 struct frame;
@@ -61,6 +62,15 @@ struct json_verdict {
 };
 
 char *json_verdict(const struct json_verdict *v);
+
+struct json_asymmetry {
+    const struct asymmetry *result;
+    const struct face *face;
+    const char *engine; /* face_engine() */
+    double parse_ms, prepare_ms, measure_ms, total_ms;
+};
+
+char *json_asymmetry(const struct json_asymmetry *v);
 
 /* json_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it is
  * not at hand. */

@@ -9,6 +9,7 @@
 #include "health.h"
 #include "meta.h"
 #include "subjects.h"
+#include "symmetry.h"
 #include "verify.h"
 
 #define TEMPLATE "/v1/templates/{template_id}"
@@ -35,6 +36,7 @@ static const struct routes_route table[] = {
     {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, VERIFY, verify_subject, false},
     {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, VERIFY, verify_template, false},
     {REQUEST_POST, "/v1/compare", ROUTES_JSON, VERIFY, compare_handle, false},
+    {REQUEST_POST, "/v1/asymmetry", ROUTES_CLOUD, VERIFY, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, subjects_list, false},
     {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, subjects_show, false},
     {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, subjects_delete, false},

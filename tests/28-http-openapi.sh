@@ -142,6 +142,7 @@ ask GET /v1/subjects/a%20b 400
 ask DELETE /v1/subjects/a%20b 400
 ask GET '/v1/subjects?limit=0' 400
 put POST '/v1/compare?threshold_mm=x' 400 "$JSON" "$T/ab.json"
+put POST '/v1/asymmetry?units=inch' 400 "$PLY" "$T/a.ply"
 
 # ---- nobody is enrolled, then somebody
 each 404 '.method != "POST" and (.params | any(.in == "path"))'
@@ -166,6 +167,7 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify?threshold_mm=0" 400 "$JSON" "$T/a2.json"
 done
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
+put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # The examples of bodies are read, and are too short to be taken.
 select_operations .body
 while IFS="$(printf '\t')" read -r e_method e_path e_body; do

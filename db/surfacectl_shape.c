@@ -1,0 +1,80 @@
+#include <math.h>
+#include <stdio.h>
+
+#include "asymmetry.h"
+#include "surfacectl.h"
+
+static void out_asymmetry(struct surfacectl_out *o, const struct asymmetry *a)
+{
+    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
+                                       [ALIGN_STEPS] = "steps",
+                                       [ALIGN_APART] = "apart"};
+
+    surfacectl_out_flag(o, "conclusive", asymmetry_conclusive(a));
+    surfacectl_out_number(o, "disparity_mm", a->measure.plain_mm);
+    surfacectl_out_number(o, "first_mm", a->first.plain_mm);
+    surfacectl_out_number(o, "volume_mm3", a->measure.volume_mm3);
+    surfacectl_out_number(o, "overlap_mm2", a->measure.area_mm2);
+    surfacectl_out_number(o, "overlap", a->measure.overlap);
+    surfacectl_out_object(o, "plane");
+    surfacectl_out_array(o, "normal");
+    for (int i = 0; i < 3; i++)
+        surfacectl_out_number(o, NULL, a->normal[i]);
+    surfacectl_out_close(o);
+    surfacectl_out_number(o, "offset_mm", a->offset_mm);
+    surfacectl_out_number(o, "moved_deg", a->moved_deg);
+    surfacectl_out_number(o, "moved_mm", a->moved_mm);
+    surfacectl_out_number(o, "evaluations", a->evaluations);
+    surfacectl_out_text(o, "stop", stop[a->stop]);
+    surfacectl_out_number(o, "turn_deg", a->turn_deg); /* null where infinite */
+    surfacectl_out_number(o, "shift_mm", a->shift_mm);
+    surfacectl_out_close(o);
+}
+
+static void print_asymmetry(const struct asymmetry *a, const struct face *f)
+{
+    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->measure.plain_mm,
+                 a->measure.volume_mm3, a->measure.area_mm2,
+                 asymmetry_conclusive(a) ? "" : ", of too little to say");
+    (void)printf(
+        "first        %.3f mm before the plane was corrected, by %.2f degrees and "
+        "%.2f mm\n",
+        a->first.plain_mm, a->moved_deg, a->moved_mm);
+    (void)printf("common       %.0f %% of the face lies over its mirror image\n",
+                 100 * a->measure.overlap);
+    (void)printf("plane        %.4f x %+.4f y %+.4f z = %.2f mm, ", a->normal[0],
+                 a->normal[1], a->normal[2], a->offset_mm);
+    if (isfinite(a->turn_deg))
+        (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
+                     a->turn_deg, a->shift_mm);
+    else
+        (void)printf("how well it is known cannot be told\n");
+    (void)printf("scan         %u points, quality %.2f", f->mesh.nv, f->quality.score);
+    surfacectl_face_reasons(stdout, f);
+}
+
+int surfacectl_shape_asymmetry(struct surfacectl *c)
+{
+    struct face_work *w = face_work_new(c->model);
+    struct face f = {0};
+    struct asymmetry a;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = surfacectl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
+             (st = face_asymmetry(&f, w, &a)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
+    if (st == ST_OK) {
+        out_asymmetry(c->out, &a);
+        surfacectl_face_quality(c->out, "quality", &f.quality, &f.frame);
+        surfacectl_out_text(c->out, "engine", c->engine);
+        if (!c->json)
+            print_asymmetry(&a, &f);
+    }
+    face_free(&f);
+    face_work_free(w);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    return asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
+}

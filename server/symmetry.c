@@ -1,0 +1,46 @@
+#include "symmetry.h"
+
+#include "app.h"
+#include "asymmetry.h"
+#include "cloud.h"
+#include "json.h"
+#include "log.h"
+#include "queue.h"
+#include "request.h"
+#include "store.h"
+
+void symmetry_handle(struct request *r, struct worker *w)
+{
+    const double start = log_clock_ms();
+    double parsed, prepared, measured;
+    struct asymmetry result;
+    struct cloud c = {0};
+    enum status st;
+
+    if (cloud_read(r, &c) != ST_OK)
+        return;
+    parsed = log_clock_ms();
+    request_stage(r, REQUEST_PARSE, parsed - start);
+    if (cloud_build(r, &c, "points", w->work, &w->probe) != ST_OK)
+        goto out;
+    prepared = log_clock_ms();
+    request_stage(r, REQUEST_PREPARE, prepared - parsed);
+    if ((st = face_asymmetry(&w->probe, w->work, &result)) != ST_OK) {
+        request_problem(r, st, "measuring the asymmetry: %s", status_message(st));
+        goto out;
+    }
+    measured = log_clock_ms();
+    request_stage(r, REQUEST_MEASURE, measured - prepared);
+    request_answer(r, 200,
+                   json_asymmetry(&(struct json_asymmetry){
+                       .result = &result,
+                       .face = &w->probe,
+                       .engine = store_made_by(r->app->store),
+                       .parse_ms = parsed - start,
+                       .prepare_ms = prepared - parsed,
+                       .measure_ms = measured - prepared,
+                       .total_ms = measured - r->start_ms,
+                   }));
+out:
+    cloud_free(&c);
+}
