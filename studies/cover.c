@@ -11,7 +11,6 @@
 
 #include "brute.h"
 #include "cloudfile.h"
-#include "decision.h"
 #include "face.h"
 #include "facegen.h"
 #include "holes.h"
@@ -315,17 +314,18 @@ static void report(const struct lab *lab, const char *name, const struct outcome
     lab_close(f);
     (void)snprintf(file, sizeof file, "%s-weight.csv", name);
     f = lab_open(lab, file);
-    fprintf(f, "weight covered from,to,same person,accepted by the threshold alone %%,"
-               "mean disparity mm,strangers,accepted by the threshold alone %%,"
-               "mean disparity mm,inconclusive by default\n");
+    fprintf(f,
+            "weight covered from,to,same person,accepted by the threshold alone %%,"
+            "mean disparity mm,strangers,accepted by the threshold alone %%,"
+            "mean disparity mm,strangers with 30 %% of the area and 20 %% of the weight,"
+            "of these a match\n");
     for (int b = 0; b < BINS; b++) {
         const struct tally *g = &o->bin[b][0], *i = &o->bin[b][1];
 
-        fprintf(f, "%.2f,%.2f,%d,%.1f,%.4f,%d,%.2f,%.4f,%s\n", bin_from[b],
+        fprintf(f, "%.2f,%.2f,%d,%.1f,%.4f,%d,%.2f,%.4f,%d,%d\n", bin_from[b],
                 fmin(bin_from[b + 1], 1), g->n, percent(g->below, g->n),
                 g->n > 0 ? g->mm / g->n : (double)NAN, i->n, percent(i->below, i->n),
-                i->n > 0 ? i->mm / i->n : (double)NAN,
-                bin_from[b] < decision_min_weight ? "yes" : "no");
+                i->n > 0 ? i->mm / i->n : (double)NAN, i->match + i->no_match, i->match);
     }
     lab_close(f);
 }

@@ -30,7 +30,7 @@ unset multiplot
 
 name = 'weight'; wide = 960; high = 440
 load begin
-set multiplot layout 1,2 title 'By the threshold alone, against the share of a face''s weight that was covered (made-up faces)'
+set multiplot layout 1,2 title 'By the threshold alone, against the share of a face''s weight that was covered'
 set xlabel 'share of the weight covered (middle of the bin)'
 set arrow from 0.2, graph 0 to 0.2, graph 1 nohead lc rgb '#666666' dt 2
 set xrange [0:1]
@@ -38,8 +38,14 @@ set key bottom right
 set ylabel 'accepted, %'
 set yrange [0:105]
 set title 'the same person (dashed: below, inconclusive)'
-plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 1 notitle
+scans = system(sprintf("test -f '%s/scans-weight.csv' && echo 1 || echo 0", dir)) + 0
+plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 1 title 'made-up faces', \
+     for [i = 1:scans] dir . '/scans-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 4 \
+         title 'scans'
 set title 'strangers'
+set key top right
 set yrange [0:*]
-plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 2 notitle
+plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 2 title 'made-up faces', \
+     for [i = 1:scans] dir . '/scans-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 5 \
+         title 'scans'
 unset multiplot

@@ -3,6 +3,7 @@
 #   @contents        links to the studies
 #   @study NAME      studies/NAME.html, if out/NAME is there; in it:
 #   @table FILE | CAPTION    a CSV file as a table
+#   @maybe FILE | CAPTION    the same where the file is there
 #   @figure NAME | CAPTION   a picture, in the page: the SVG, or the PNG of a large one
 function text(s) {
     gsub(/&/, "\\&amp;", s); gsub(/</, "\\&lt;", s); gsub(/>/, "\\&gt;", s)
@@ -45,7 +46,10 @@ function directive(line, study,    at) {
     at = index(line, " | ")
     if (line ~ /^@table /)
         table(out "/" study "/" substr(line, 8, at - 8), substr(line, at + 3))
-    else if (line ~ /^@figure /)
+    else if (line ~ /^@maybe /) {
+        if (there(out "/" study "/" substr(line, 8, at - 8)))
+            table(out "/" study "/" substr(line, 8, at - 8), substr(line, at + 3))
+    } else if (line ~ /^@figure /)
         figure(out "/" study "/" substr(line, 9, at - 9), substr(line, at + 3))
     else
         print line

@@ -9,6 +9,8 @@ void approx_run(const struct lab *lab);  /* general triangulation against exact 
 void method_run(const struct lab *lab);  /* the disparity paper's figures 1 to 9 */
 void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4, growth */
 void cover_run(const struct lab *lab);   /* faces with parts missing */
+void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
+void removal_run(const struct lab *lab); /* which removals hurt */
 void missing_run(const struct lab *lab); /* the missing-points paper's figures, tables */
 
 #endif

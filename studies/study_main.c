@@ -19,7 +19,10 @@ static const struct {
      cost_run},
     {"approx", "disparity: the general triangulation against the exact volume",
      approx_run},
+    {"removal", "missing points: which removals hurt, holes left out or not",
+     removal_run},
     {"cover", "missing points: faces with parts missing, and verification", cover_run},
+    {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
 };

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Goal: the studies of the papers run, say the same for the same seed, and come out as they
 # must: errors grow with removal on average, values known by hand, everything on one page.
+# shellcheck disable=SC2016 # awk's own variables
 set -u
 cd "$(dirname "$0")/.." || exit 1
 BUILD=${BUILD:-build}
@@ -85,6 +86,23 @@ study cost
 between "triangles of the general triangulation, exponent" \
     "$(value cost/growth-fit.csv 'triangles of the general triangulation' 3)" 0.99 1.01
 is "2 (2 N) - 2 of them, ghosts included" "$(value cost/growth.csv 10000 9)" 39998
+
+# ---- two faces, the weight
+study faces
+row() { awk -F, -v a="$2" -v b="$3" -v k="$4" '$1 == a && $2 == b { print $k }' "$dir/$1"; }
+between "aligned, one person: mm" \
+    "$(row faces/alignment.csv 'the same person again' 'after alignment' 5)" 0.1 0.6
+between "at the true pose: mm" \
+    "$(row faces/alignment.csv 'the same person again' 'at the true pose' 5)" 0.1 0.3
+is "a constant weight changes no mean" "$(sed -n 3p "$dir/faces/weights.csv" | cut -d, -f2-)" \
+    "$(sed -n 2p "$dir/faces/weights.csv" | cut -d, -f2-)"
+
+# ---- which removals hurt
+study removal
+that "every kind of removal hurts the more" grows removal/mean.csv 3
+that "bridges left out, less" awk -F, 'NR > 1 && $4 > $3 { exit 1 }' "$dir/removal/mean.csv"
+that "holes cost more than points at random" awk -F, '$2 == 75 { e[$1] = $3 }
+    END { exit !(e["blobs"] > 3 * e["random"]) }' "$dir/removal/mean.csv"
 
 # ---- faces with parts missing
 study cover

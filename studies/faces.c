@@ -1,0 +1,286 @@
+/* faces.c -- the disparity-measure paper's figures 10 and 11: two face models before and
+ * after alignment; and what the weight u(x, y) of its definition (1) does. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "face.h"
+#include "facegen.h"
+#include "holes.h"
+#include "lab.h"
+#include "lattice.h"
+#include "measure.h"
+#include "render.h"
+#include "study.h"
+#include "surface.h"
+
+static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+static struct measure_surface surface_of(const struct face *f)
+{
+    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
+}
+
+/* How the second scan of a pair is turned (degrees) and shifted (mm), by facegen's rule:
+ * about y, then about x, round a centre 80 mm behind the nose. */
+#define YAW    4.0
+#define PITCH  (-3.0)
+#define SHIFT  3.0 /* along x */
+#define NEARER 4.0 /* along z */
+#define CENTRE (-80.0)
+
+/* What undoes it. */
+static void true_pose(double t[16])
+{
+    const double rad = acos(-1.0) / 180;
+    const double cy = cos(YAW * rad), sy = sin(YAW * rad);
+    const double cx = cos(PITCH * rad), sx = sin(PITCH * rad);
+    const double r[3][3] = {
+        {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
+    const double from[3] = {SHIFT, 0, NEARER + CENTRE};
+
+    memcpy(t, identity, sizeof identity);
+    for (int i = 0; i < 3; i++) {
+        t[4 * i + 3] = i == 2 ? CENTRE : 0;
+        for (int j = 0; j < 3; j++) {
+            t[4 * i + j] = r[j][i];
+            t[4 * i + 3] -= r[j][i] * from[j];
+        }
+    }
+}
+
+/* A scan of a subject; moved: as the second of a pair, turned and shifted a little. */
+static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
+                 struct face_work *w, struct face *out)
+{
+    struct facegen_scan s;
+    struct dvec3 *pts;
+
+    facegen_default(&s);
+    s.subject = subject;
+    s.scan = which;
+    s.smile = smile;
+    if (moved) {
+        s.yaw = YAW;
+        s.pitch = PITCH;
+        s.tx = SHIFT;
+        s.tz = NEARER;
+    }
+    pts = lab_alloc(s.points, sizeof *pts);
+    lab_must(face_build(pts, facegen_sample(&s, pts), w, out, NULL));
+    free(pts);
+}
+
+/* The signed gap on a grid of 1 mm where both surfaces have something measured. */
+static void gap_map(const struct lab *lab, const char *name, const struct face *tmpl,
+                    const struct measure_work *m)
+{
+    struct location at = {tmpl->mesh.out[0], 0}, on = {m->moved.out[0], 0};
+    FILE *f = lab_open(lab, name);
+
+    while (mesh_is_ghost(&tmpl->mesh, at.he / 3))
+        at.he = mesh_turn(&tmpl->mesh, at.he);
+    while (mesh_is_ghost(&m->moved, on.he / 3))
+        on.he = mesh_turn(&m->moved, on.he);
+    for (int y = -90; y <= 90; y++) {
+        for (int x = -75; x <= 75; x++) {
+            const struct ivec2 q = {1000 * x, 1000 * y};
+            bool both;
+
+            at = locate_point(&tmpl->mesh, at.he, tmpl->mesh.xy[tmpl->mesh.org[at.he]], q,
+                              NULL);
+            on =
+                locate_point(&m->moved, on.he, m->moved.xy[m->moved.org[on.he]], q, NULL);
+            both = at.where != LOCATE_OUTSIDE && on.where != LOCATE_OUTSIDE &&
+                   holes_measured(&tmpl->mesh, tmpl->bridge, at) &&
+                   holes_measured(&m->moved, m->bridge, on);
+            fprintf(f, "%d %d %.3f\n", x, y,
+                    both ? (surface_height(&m->moved, on, q) -
+                            surface_height(&tmpl->mesh, at, q)) /
+                               LATTICE_PER_MM
+                         : (double)NAN);
+        }
+        fprintf(f, "\n");
+    }
+    lab_close(f);
+}
+
+static void both_faces(const struct lab *lab, const char *name, const struct mesh *a,
+                       const struct mesh *b)
+{
+    struct render r = {
+        .wide = 330, .high = 380, .per = 2, .z = -20, .turn = 0.6, .tilt = 0.1};
+    FILE *f = lab_open(lab, name);
+
+    render_begin(&r);
+    render_mesh(&r, a, LATTICE_PER_MM, 1, 0, 0x70a8e8);
+    if (b != NULL)
+        render_mesh(&r, b, LATTICE_PER_MM, 1, 0, 0xf0a840);
+    render_end(&r, f);
+    lab_close(f);
+}
+
+static void figures(const struct lab *lab, struct face_work *w)
+{
+    static const struct {
+        const char *name, *what;
+        uint64_t subject;
+    } row[] = {{"person", "the same person again", 1}, {"other", "another person", 2}};
+    static const char *const pose_name[] = {"as scanned", "after alignment",
+                                            "at the true pose"};
+    FILE *f = lab_open(lab, "alignment.csv");
+    struct face a = {0}, b = {0};
+    struct measure_work m = {0};
+
+    fprintf(f, "pair,pose,volume mm3,common area mm2,mean gap mm,"
+               "share of the template\n");
+    fprintf(f, "printed in the paper,figure 10: as they were,234254,,,\n");
+    fprintf(f, "printed in the paper,figure 11: after alignment,120238.8,,,\n");
+    scan(1, 0, 0, false, w, &a);
+    both_faces(lab, "template.dat", &a.mesh, NULL);
+    for (int k = 0; k < 2; k++) {
+        const struct measure_surface sa = surface_of(&a);
+        struct measure_surface sb;
+        struct face_result found;
+        double truth[16];
+
+        scan(row[k].subject, 1, 0, true, w, &b);
+        sb = surface_of(&b);
+        lab_must(face_compare(&a, &b, 0, NULL, w, &found));
+        true_pose(truth);
+        for (int i = 0; i < 3; i++) {
+            const double *pose[] = {identity, found.align.transform, truth};
+            struct disparity d;
+            char name[64];
+
+            lab_must(measure_at(&sa, &sb, pose[i], NULL, &m, &d));
+            fprintf(f, "%s,%s,%.1f,%.1f,%.3f,%.3f\n", row[k].what, pose_name[i],
+                    d.volume_mm3, d.area_mm2, d.plain_mm, d.overlap);
+            if (i == 2)
+                continue;
+            (void)snprintf(name, sizeof name, "%s-%s.dat", row[k].name,
+                           i == 1 ? "after" : "before");
+            both_faces(lab, name, &a.mesh, &m.moved);
+            (void)snprintf(name, sizeof name, "%s-%s-gap.dat", row[k].name,
+                           i == 1 ? "after" : "before");
+            gap_map(lab, name, &a, &m);
+        }
+    }
+    lab_close(f);
+    face_free(&a);
+    face_free(&b);
+    measure_work_free(&m);
+}
+
+/* ---- the weight: examples, in the template's coordinates (nose tip near the origin) */
+
+static double one(const void *arg, double x, double y)
+{
+    (void)arg, (void)x, (void)y;
+    return 1;
+}
+
+static double seven(const void *arg, double x, double y)
+{
+    return 7 * one(arg, x, y);
+}
+
+static double nose(const void *arg, double x, double y)
+{
+    const double u = x / LATTICE_PER_MM / 18, v = (y / LATTICE_PER_MM - 15) / 30;
+
+    (void)arg;
+    return exp(-(u * u + v * v) / 2);
+}
+
+static double upper(const void *arg, double x, double y)
+{
+    (void)arg, (void)x;
+    return y > -8 * LATTICE_PER_MM ? 1 : 0.02;
+}
+
+static double lower(const void *arg, double x, double y)
+{
+    (void)arg, (void)x;
+    return y > -8 * LATTICE_PER_MM ? 0.02 : 1;
+}
+
+static double left(const void *arg, double x, double y)
+{
+    (void)arg, (void)y;
+    return x < 0 ? 1 : 0;
+}
+
+/* ratio(a, b): how much farther strangers are than oneself. */
+static void weights(const struct lab *lab, struct face_work *w)
+{
+    static const struct {
+        const char *name;
+        double (*at)(const void *arg, double x, double y);
+    } u[] = {
+        {"u = 1", one},
+        {"u = 7: the same mean; the volume times 7", seven},
+        {"nose: a Gaussian round the bridge", nose},
+        {"upper face: 1 above the upper lip; 0.02 below", upper},
+        {"lower face: the reverse", lower},
+        {"left half alone", left},
+    };
+    enum { KINDS = 3, U = sizeof u / sizeof u[0] };
+    const size_t people = lab->reduced ? 4 : 60;
+    double *mm[U][KINDS];
+    FILE *f = lab_open(lab, "weights.csv");
+    struct face a = {0}, b = {0};
+    struct measure_work m = {0};
+
+    for (int i = 0; i < U; i++)
+        for (int k = 0; k < KINDS; k++)
+            mm[i][k] = lab_alloc(people, sizeof(double));
+    for (size_t s = 0; s < people; s++) {
+        scan(s, 0, 0, false, w, &a);
+        for (int k = 0; k < KINDS; k++) { /* neutral, smiling, somebody else */
+            const struct measure_surface sa = surface_of(&a);
+            struct measure_surface sb;
+            struct face_result found;
+
+            scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
+            sb = surface_of(&b);
+            lab_must(face_compare(&a, &b, 0, NULL, w, &found));
+            for (int i = 0; i < U; i++) {
+                const struct disparity_weight weight = {u[i].at, NULL};
+                struct disparity d;
+
+                lab_must(measure_at(&sa, &sb, found.align.transform, &weight, &m, &d));
+                mm[i][k][s] = d.weighted_mm;
+            }
+        }
+    }
+    fprintf(f, "weight,same person: mean mm,with a smile: mean mm,95 %% of these below,"
+               "somebody else: mean mm,95 %% of these above,"
+               "smile mean / somebody else mean\n");
+    for (int i = 0; i < U; i++) {
+        const struct lab_spread n = lab_spread(mm[i][0], people);
+        const struct lab_spread s = lab_spread(mm[i][1], people);
+        const struct lab_spread o = lab_spread(mm[i][2], people);
+
+        fprintf(f, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f\n", u[i].name, n.mean, s.mean,
+                s.high, o.mean, o.low, s.mean / o.mean);
+    }
+    lab_close(f);
+    for (int i = 0; i < U; i++)
+        for (int k = 0; k < KINDS; k++)
+            free(mm[i][k]);
+    face_free(&a);
+    face_free(&b);
+    measure_work_free(&m);
+}
+
+void faces_run(const struct lab *lab)
+{
+    struct face_work *w = face_work_new(NULL);
+
+    if (w == NULL)
+        lab_must(ST_ENOMEM);
+    figures(lab, w);
+    weights(lab, w);
+    face_work_free(w);
+}

@@ -1,0 +1,32 @@
+# Two face models before and after alignment.
+array title[2] = ['the same person again', 'another person']
+do for [k = 1:2] {
+    who = word('person other', k)
+    name = who; wide = 1000; high = 860
+    load begin
+    set datafile separator whitespace
+    set multiplot layout 2,2 title 'A template (blue) and ' . title[k] . ' (orange): figures 10 and 11'
+    set size ratio -1
+    unset grid
+    unset key
+    do for [pose in 'before after'] {
+        set title (pose eq 'before' ? 'Figure 10: as scanned' : 'Figure 11: after alignment')
+        set xlabel 'across the view, mm'
+        set ylabel 'up the view, mm'
+        set xrange [-82:82]
+        set yrange [-95:95]
+        unset colorbox
+        plot sprintf('%s/%s-%s.dat', dir, who, pose) using 1:2:3:4:5 with rgbimage
+        set title (pose eq 'before' ? 'gap as scanned' : 'gap after alignment')
+        set xlabel 'x, mm'
+        set ylabel 'y, mm'
+        set xrange [-75:75]
+        set yrange [-90:90]
+        set palette defined (-1 '#2166ac', -0.5 '#92c5de', 0 '#f7f7f7', 0.5 '#f4a582', 1 '#b2182b')
+        set cbrange [-4:4]
+        set colorbox
+        set cblabel 'signed gap, second minus template, mm'
+        plot sprintf('%s/%s-%s-gap.dat', dir, who, pose) using 1:2:3 with image pixels
+    }
+    unset multiplot
+}
