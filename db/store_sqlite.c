@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* pthread_mutex_clocklock(), in POSIX since 2024 */
 #include "store_sqlite.h"
 
 #include <errno.h>
@@ -7,11 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "errinfo.h"
 
-#define BUSY_MS     5000
+#define BUSY_MS     5000 /* for other threads and other processes together */
+#define ERASE_MS    200
 #define MAX_READERS 32
 #define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
 
@@ -264,15 +267,36 @@ static enum status set_synced(struct sqlite_store *q, bool synced, struct errinf
     return ST_OK;
 }
 
-enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
-                               struct errinfo *e)
+/* Wait up to ms for the writer's connection.  What is left of that SQLite may then wait for
+ * other processes: else threads would wait for one another's waiting. */
+static enum status lock_writer(struct sqlite_store *q, long ms, struct errinfo *e)
 {
-    struct sqlite_store *q = sqlite_store(s);
-    enum status st;
+    struct timespec until, now;
+    long left;
 
     if (q->writer == NULL)
         return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
-    pthread_mutex_lock(&q->write_lock);
+    (void)clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += ms / 1000;
+    until.tv_nsec += ms % 1000 * 1000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    if (pthread_mutex_clocklock(&q->write_lock, CLOCK_MONOTONIC, &until) != 0)
+        return errinfo_set(e, ST_EBUSY, "%s: other threads are writing", q->path);
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    left = (long)(until.tv_sec - now.tv_sec) * 1000 +
+           (until.tv_nsec - now.tv_nsec) / 1000000;
+    (void)sqlite3_busy_timeout(q->writer->db, left > 0 ? (int)left : 0);
+    return ST_OK;
+}
+
+static enum status begin(struct sqlite_store *q, long ms, bool synced,
+                         struct store_sqlite_conn **c, struct errinfo *e)
+{
+    enum status st = lock_writer(q, ms, e);
+
+    if (st != ST_OK)
+        return st;
     *c = q->writer;
     if ((st = set_synced(q, synced, e)) != ST_OK ||
         (st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
@@ -280,24 +304,16 @@ enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite
     return st;
 }
 
+enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
+                               struct errinfo *e)
+{
+    return begin(sqlite_store(s), BUSY_MS, synced, c, e);
+}
+
 enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
                              struct errinfo *e)
 {
-    struct sqlite_store *q = sqlite_store(s);
-    enum status st;
-
-    if (q->writer == NULL)
-        return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
-    if (pthread_mutex_trylock(&q->write_lock) != 0)
-        return errinfo_set(e, ST_EBUSY, "%s: another thread writes", q->path);
-    *c = q->writer;
-    (void)sqlite3_busy_timeout(q->writer->db, 0);
-    if ((st = set_synced(q, false, e)) == ST_OK)
-        st = run_sql(q->writer, SQL_BEGIN, e);
-    (void)sqlite3_busy_timeout(q->writer->db, BUSY_MS);
-    if (st != ST_OK)
-        pthread_mutex_unlock(&q->write_lock);
-    return st;
+    return begin(sqlite_store(s), 0, false, c, e);
 }
 
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
@@ -318,11 +334,11 @@ void store_sqlite_erase_log(struct store *s)
 {
     struct sqlite_store *q = sqlite_store(s);
 
-    pthread_mutex_lock(&q->write_lock);
-    (void)sqlite3_busy_timeout(q->writer->db, 200); /* another process may be reading */
+    if (lock_writer(q, BUSY_MS, NULL) != ST_OK)
+        return;
+    (void)sqlite3_busy_timeout(q->writer->db, ERASE_MS); /* others may be reading */
     (void)sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
                                     NULL);
-    (void)sqlite3_busy_timeout(q->writer->db, BUSY_MS);
     pthread_mutex_unlock(&q->write_lock);
 }
 

@@ -70,7 +70,7 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
                               struct errinfo *e);
 
 /* store_sqlite_write(s, synced, c, e): wait for the writer's connection and begin a
- * transaction; synced: it is on the disk when it is committed, else it survives a crash of
+ * transaction; ST_EBUSY when other threads and processes are in the way for 5 s; synced: it is on the disk when it is committed, else it survives a crash of
  * the program but the next loss of power perhaps not.
  * After ST_OK store_sqlite_written(s, st, e) must follow: it commits when st is ST_OK,
  * else rolls back, and returns st or why the commit failed. */
