@@ -14,6 +14,7 @@
 #include "address.h"
 #include "app.h"
 #include "auth.h"
+#include "backlog.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "drain.h"
@@ -40,6 +41,10 @@
 #define CONNECTIONS_CLOSING 64
 #define PER_ADDRESS         64
 #define LENGTH_UNKNOWN      UINT64_MAX
+/* On a stop: for the connections to be accepted, and for a client that was answered just
+ * before it to have sent its next request. */
+#define BACKLOG_MS 1000.0
+#define QUIET_MS   100.0
 /* The bodies of all requests may together take this many times the limit of one. */
 #define BODIES_AT_ONCE 8
 
@@ -576,15 +581,22 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
 void http_quiesce(struct http *h, double ms)
 {
     const struct timespec pause = {0, 5 * 1000 * 1000};
-    double end = log_clock_ms() + ms;
+    double now, end, busy;
 
     atomic_store(&h->app->stopping, true);
     if (h->socket.fd >= 0) {
+        if (!h->socket.shared)
+            backlog_empty(h->socket.fd, BACKLOG_MS);
         (void)MHD_quiesce_daemon(h->daemon);
         listen_close(&h->socket);
     }
-    while (atomic_load(&h->exchanges) > 0 && log_clock_ms() < end)
+    now = busy = log_clock_ms();
+    end = now + ms;
+    for (; now < end && now < busy + QUIET_MS; now = log_clock_ms()) {
+        if (atomic_load(&h->exchanges) > 0)
+            busy = now;
         (void)nanosleep(&pause, NULL);
+    }
 }
 
 void http_stop(struct http *h)

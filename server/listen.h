@@ -1,6 +1,7 @@
 /* listen.h -- the socket that the daemon listens on. */
 #ifndef SERVER_LISTEN_H
 #define SERVER_LISTEN_H
+#include <stdbool.h>
 #include <sys/socket.h>
 #include <sys/types.h>
 #include "status.h"
@@ -11,6 +12,7 @@ struct listen_socket {
     int fd;                     /* -1: none */
     struct sockaddr_storage ss; /* with the port that was got */
     socklen_t len;
+    bool shared;  /* it was passed: who did so has it too */
     dev_t device; /* of a Unix socket's file, so that no other's is removed */
     ino_t inode;
 };
