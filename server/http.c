@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 #include <unistd.h>
 #include <microhttpd.h>
@@ -65,6 +66,7 @@ struct exchange {
     enum state state;
     uint64_t length;  /* Content-Length, or LENGTH_UNKNOWN */
     bool has_length;  /* it gives a length, or sends chunks */
+    bool ambiguous;   /* its headers say in two ways where the body ends */
     bool body_sent;   /* the client sends a body, or says so */
     size_t cap;       /* of r.body */
     double queued_ms; /* log_clock_ms() when it was last handed to the workers */
@@ -121,7 +123,7 @@ static struct MHD_Response *make_response(struct exchange *x)
         (void)snprintf(number, sizeof number, "%u", a->retry_after);
         (void)MHD_add_response_header(resp, "Retry-After", number);
     }
-    if (atomic_load(&x->http->app->stopping))
+    if (x->ambiguous || atomic_load(&x->http->app->stopping))
         (void)MHD_add_response_header(resp, "Connection", "close");
     return resp;
 }
@@ -237,7 +239,6 @@ static void look_at_body(struct exchange *x)
     else if (length != NULL)
         x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
     x->body_sent = x->length > 0;
-    x->has_length = length != NULL || coding != NULL;
     x->r.media = request_media(header(x, "Content-Type"));
 }
 
@@ -347,11 +348,21 @@ static enum MHD_Result admit(struct exchange *x)
     return MHD_YES;
 }
 
+/* Content-Length twice, or beside Transfer-Encoding: who stands in front may see another end
+ * of the body, and then another request (RFC 9112 section 11.2).  libmicrohttpd would take
+ * one of them. */
 static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char *name,
                                  const char *value)
 {
+    struct exchange *x = cls;
+
     (void)kind;
-    headers_take(cls, name, value);
+    if (strcasecmp(name, "Content-Length") == 0 ||
+        strcasecmp(name, "Transfer-Encoding") == 0) {
+        x->ambiguous = x->ambiguous || x->has_length;
+        x->has_length = true;
+    }
+    headers_take(&x->r, name, value);
     return MHD_YES;
 }
 
@@ -362,7 +373,13 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
     request_set_id(r, header(x, "X-Request-Id"), ++x->http->serial);
     r->method = request_method(method);
     look_at_body(x);
-    (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, r);
+    (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
+    if (x->ambiguous) {
+        request_problem(r, ST_EINVAL,
+                        "more than one Content-Length or Transfer-Encoding");
+        x->body_sent = true; /* whatever the one that was taken says */
+        return send_early(x);
+    }
     routes_find(r);
     if (r->answer.http != 0)
         return send_early(x);

@@ -55,6 +55,9 @@ req GET /healthz
 is "a ninth" "$STATUS" 000
 let_go
 ok "and again when they are gone" soon answers
+req GET /metrics
+ok "the metrics count it" grep -Eq '^surfaced_connections_closed_total\{reason="too_many"\} [1-9]' "$T/body"
+ok "and those that are open" grep -Eq '^surfaced_connections [1-8]$' "$T/body"
 hold 30 "$idle"
 ok "of thirty, those beyond eight are closed" soon held 'closed 22'
 let_go
@@ -87,6 +90,11 @@ ok "asked for a lot" soon held sent
 ok "takes no answer: closed" soon files "$before"
 let_go
 ok "the log counts them" grep -q 'connections closed.* late=[1-9]' "$LOG"
+req GET /metrics
+for reason in slow_headers slow_body slow_reader; do
+    ok "so do the metrics: $reason" grep -Eq \
+        "^surfaced_connections_closed_total\\{reason=\"$reason\"\\} [1-9]" "$T/body"
+done
 alive "the slow"
 stop_daemon
 
