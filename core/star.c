@@ -54,20 +54,24 @@ bool star_find(const struct mesh *m, uint32_t v, struct star *s)
     return true;
 }
 
+/* The first half-edge of the i-th triangle round the vertex. */
+static uint32_t slot(const struct star *s, uint32_t i)
+{
+    return s->edge[i] - s->edge[i] % 3;
+}
+
 void star_remove(struct mesh *m, const struct star *s)
 {
-    uint32_t outer[STAR_MAX], slot[STAR_MAX];
+    uint32_t outer[STAR_MAX];
 
-    for (uint32_t i = 0; i < s->n; i++) {
+    for (uint32_t i = 0; i < s->n; i++)
         outer[i] = m->twin[s->edge[i]];
-        slot[i] = 3 * (s->edge[i] / 3);
-    }
     for (uint32_t i = s->ntri; i < s->n; i++)
         for (uint32_t k = 0; k < 3; k++)
-            m->org[slot[i] + k] = m->twin[slot[i] + k] = STAR_NONE;
+            m->org[slot(s, i) + k] = m->twin[slot(s, i) + k] = STAR_NONE;
     for (uint32_t t = 0; t < s->ntri; t++)
         for (uint32_t k = 0; k < 3; k++) {
-            const uint32_t h = slot[t] + k, mate = s->mate[t][k];
+            const uint32_t h = slot(s, t) + k, mate = s->mate[t][k];
             const uint32_t v = s->ring[s->corner[t][k]];
 
             m->org[h] = v;
@@ -76,7 +80,7 @@ void star_remove(struct mesh *m, const struct star *s)
                 m->twin[h] = outer[mate - STAR_RING];
                 m->twin[outer[mate - STAR_RING]] = h;
             } else {
-                m->twin[h] = slot[mate / 3] + mate % 3;
+                m->twin[h] = slot(s, mate / 3) + mate % 3;
             }
         }
     m->out[s->v] = STAR_NONE;

@@ -25,7 +25,9 @@ enum { /* options that not every command takes */
        OPT_MODEL = 16384,
        OPT_SCOPE = 32768,
        OPT_EXPIRES = 65536,
-       OPT_GRACE = 131072
+       OPT_GRACE = 131072,
+       OPT_TOLERANCE = 262144,
+       OPT_MEAN = 524288
 };
 
 struct command {
@@ -69,6 +71,14 @@ static const struct command commands[] = {
      "of the face lies over its mirror image to say.",
      "surfacectl asymmetry alice.ply", 1, 1, OPT_UNITS | OPT_MODEL,
      surfacectl_shape_asymmetry},
+    {"simplify", "FILE", "keep the points that a scan's surface needs",
+     "Points are taken out one by one, the least needed first, as long as the surface of the\n"
+     "others stays within --tolerance of the scan's at each of its points; with --mean, in\n"
+     "the mean over its area.  What is left is written to the file --out (PLY, with the\n"
+     "triangles).  Spikes are laid flat first.",
+     "surfacectl simplify alice.ply --tolerance 0.3 --out small.ply", 1, 1,
+     OPT_UNITS | OPT_OUT | OPT_MODEL | OPT_TOLERANCE | OPT_MEAN,
+     surfacectl_shape_simplify},
     {"evaluate", "DIR|MANIFEST", "how well a collection of scans is told apart",
      "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table,\n"
      "with columns file and subject.  Of each subject the scan of kind `enroll`, or else\n"
@@ -161,7 +171,7 @@ static const struct {
      "  --threshold-mm MM   decide by another threshold than the default\n"},
     {OPT_OUT,
      "  --out DIR|FILE      where the files go (./explanation, ./evaluation); of train,\n"
-     "                      the model's file (./faces.model)\n"},
+     "                      the model's file (./faces.model); of simplify, the scan's\n"},
     {OPT_MODEL,
      "  --model FILE        judge by a model that surfacectl train wrote; or set\n"
      "                      SURFACED_MODEL\n"},
@@ -174,6 +184,9 @@ static const struct {
     {OPT_DRY_RUN, "  --dry-run           show, store nothing\n"},
     {OPT_LIST, "  --list              list the calibrations\n"},
     {OPT_RESET, "  --reset             back to the shipped table\n"},
+    {OPT_TOLERANCE, "  --tolerance MM      the largest gap that may open\n"},
+    {OPT_MEAN,
+     "  --mean              the tolerance is for the mean gap, the disparity\n"},
     {OPT_YES, "  --yes               do not ask\n"},
     {OPT_SCOPE,
      "  --scope LIST        what a token may do: enroll,verify,identify,read,delete (all)\n"},
@@ -325,6 +338,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
                    {"--units", OPT_UNITS},
                    {"--label", OPT_LABEL},
                    {"--out", OPT_OUT},
+                   {"-o", OPT_OUT},
+                   {"--tolerance", OPT_TOLERANCE},
                    {"--impostors", OPT_IMPOSTORS},
                    {"--threads", OPT_THREADS},
                    {"--fmr", OPT_FMR},
@@ -343,6 +358,9 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             *ok = usage(&l->c.e, "a value is missing after", name);
         } else if (options[k].option == OPT_DB) {
             l->c.db = value;
+        } else if (options[k].option == OPT_TOLERANCE) {
+            if (!number(value, 999, &l->c.tolerance_mm))
+                *ok = usage(&l->c.e, "a tolerance is millimetres above 0, not", value);
         } else if (options[k].option >= OPT_SCOPE) {
             *ok = read_token_option(options[k].option, value, l);
         } else if (options[k].option == OPT_LABEL) {
@@ -384,7 +402,8 @@ static bool read_option(int argc, char **argv, int *i, struct line *l)
     } flags[] = {
         {"--json", 0, &l->c.json},           {"--yes", OPT_YES, &l->c.yes},
         {"--force", OPT_FORCE, &l->c.force}, {"--dry-run", OPT_DRY_RUN, &l->c.dry_run},
-        {"--list", OPT_LIST, &l->c.list},    {"--reset", OPT_RESET, &l->c.reset}};
+        {"--list", OPT_LIST, &l->c.list},    {"--reset", OPT_RESET, &l->c.reset},
+        {"--mean", OPT_MEAN, &l->c.mean}};
     const char *name = argv[*i];
     bool ok = true, *flag = NULL;
     unsigned option = 0;

@@ -1,7 +1,7 @@
 /* surfacectl.h -- the admin command's parts, among themselves.
  *   surfacectl.c        options, help
  *   surfacectl_face.c   enroll, verify, compare
- *   surfacectl_shape.c  asymmetry: one scan by itself
+ *   surfacectl_shape.c  asymmetry, simplify: one scan by itself
  *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
  *   surfacectl_evaluate.c  evaluate: the rates; surfacectl_trials.h the comparisons,
  *                       surfacectl_report.h what is written
@@ -52,6 +52,7 @@ struct surfacectl { /* what the command line said */
     const char *units; /* NULL: millimetres */
     const char *label;
     const char *dir;     /* --out; NULL: the command's own */
+    double tolerance_mm; /* --tolerance; 0: not given */
     double threshold_mm; /* 0: the default */
     uint32_t impostors;  /* of each probe; 0: as many as are of use */
     uint32_t threads;    /* 0: one a core */
@@ -60,7 +61,7 @@ struct surfacectl { /* what the command line said */
     unsigned scopes;     /* --scope; 0: not given */
     int64_t life_s;      /* --expires; 0: never, negative: not given */
     int64_t grace_s;     /* --grace */
-    bool json, yes, force, dry_run, list, reset;
+    bool json, yes, force, dry_run, list, reset, mean;
     int nargs;
     char **args;                      /* the command's own */
     const char *model_path;           /* --model; NULL: the shipped one */
@@ -78,6 +79,7 @@ int surfacectl_face_enroll(struct surfacectl *c);
 int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
 int surfacectl_shape_asymmetry(struct surfacectl *c);
+int surfacectl_shape_simplify(struct surfacectl *c);
 int surfacectl_explain(struct surfacectl *c);
 int surfacectl_evaluate(struct surfacectl *c);
 int surfacectl_calibrate(struct surfacectl *c);

@@ -1,8 +1,15 @@
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "asymmetry.h"
+#include "lattice.h"
+#include "mem.h"
+#include "simplify.h"
 #include "surfacectl.h"
+#include "surfacectl_dir.h"
 
 static void out_asymmetry(struct surfacectl_out *o, const struct asymmetry *a)
 {
@@ -77,4 +84,105 @@ int surfacectl_shape_asymmetry(struct surfacectl *c)
     if (st != ST_OK)
         return surfacectl_fail(c, st);
     return asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
+}
+
+/* A mesh as PLY, its coordinates to the last digit of the lattice. */
+static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct mesh *m = arg;
+
+    (void)e;
+    (void)fprintf(
+        to,
+        "ply\nformat ascii 1.0\ncomment mm\nelement vertex %u\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
+        m->nv, mesh_real(m));
+    for (uint32_t v = 0; v < m->nv; v++)
+        (void)fprintf(to, "%.3f %.3f %.3f\n", m->xy[v].x / LATTICE_PER_MM,
+                      m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM);
+    for (uint32_t t = 0; t < m->nt; t++)
+        if (!mesh_is_ghost(m, t))
+            (void)fprintf(to, "3 %u %u %u\n", m->org[3 * t], m->org[3 * t + 1],
+                          m->org[3 * t + 2]);
+    return ST_OK;
+}
+
+/* The mesh in the file --out, whose folder is made if it is missing. */
+static enum status write_out(struct surfacectl *c, const struct mesh *m)
+{
+    const char *slash = strrchr(c->dir, '/');
+    const char *name = slash != NULL ? slash + 1 : c->dir;
+    char *folder = strndup(slash != NULL ? c->dir : "./",
+                           slash != NULL ? (size_t)(slash - c->dir) + 1 : 2);
+    enum status st = ST_OK;
+    int dir = -1;
+
+    if (folder == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (*name == '\0')
+        st =
+            errinfo_set(&c->e, ST_EINVAL, "--out is a folder, not a file: %.80s", c->dir);
+    if (st == ST_OK)
+        st = surfacectl_dir_open(folder, &dir, &c->e);
+    if (st == ST_OK)
+        st = surfacectl_dir_write(dir, name, write_mesh, m, &c->e);
+    if (dir >= 0)
+        (void)close(dir);
+    free(folder);
+    return st;
+}
+
+static void tell_simplified(struct surfacectl *c, const struct face *f,
+                            const struct simplify_result *r)
+{
+    const double share = (double)r->kept / f->mesh.nv;
+
+    surfacectl_out_text(c->out, "file", c->dir);
+    surfacectl_out_number(c->out, "points", f->mesh.nv);
+    surfacectl_out_number(c->out, "kept", r->kept);
+    surfacectl_out_number(c->out, "share", share);
+    surfacectl_out_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
+    surfacectl_out_number(c->out, "disparity_mm", r->disparity / LATTICE_PER_MM);
+    if (!c->json)
+        (void)printf("kept         %u of %u points, %.1f %%\n"
+                     "error        %.3f mm at most at one of the scan's points\n"
+                     "disparity    %.4f mm in the mean\n"
+                     "file         %s\n",
+                     r->kept, f->mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
+                     r->disparity / LATTICE_PER_MM, c->dir);
+}
+
+int surfacectl_shape_simplify(struct surfacectl *c)
+{
+    const double tolerance = c->tolerance_mm * LATTICE_PER_MM;
+    const struct simplify_limit limit = {c->mean ? (double)INFINITY : tolerance,
+                                         c->mean ? tolerance : (double)INFINITY, 0};
+    struct face_work *w = face_work_new(c->model);
+    struct simplify_result r;
+    struct scratch scratch = {0};
+    struct mesh small = {0};
+    struct face f = {0};
+    enum status st;
+    int code = EXIT_FINE;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if (c->tolerance_mm <= 0 || c->dir == NULL) {
+        st =
+            errinfo_set(&c->e, ST_EINVAL, "simplify needs --tolerance MM and --out FILE");
+        code = EXIT_USAGE;
+    } else if ((st = surfacectl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
+               (st = simplify_mesh(&f.mesh, f.bridge, &limit, &scratch, &small, NULL,
+                                   &r)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
+    if (st == ST_OK && (st = write_out(c, &small)) == ST_OK)
+        tell_simplified(c, &f, &r);
+    if (st != ST_OK && code == EXIT_FINE)
+        code = surfacectl_fail(c, st);
+    mesh_free(&small);
+    scratch_free(&scratch);
+    face_free(&f);
+    face_work_free(w);
+    return code;
 }
