@@ -11,6 +11,7 @@ void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4,
 void cover_run(const struct lab *lab);   /* faces with parts missing */
 void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
 void removal_run(const struct lab *lab); /* which removals hurt */
+void mirror_run(const struct lab *lab);  /* asymmetry planted and found */
 void missing_run(const struct lab *lab); /* the missing-points paper's figures, tables */
 
 #endif

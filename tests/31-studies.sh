@@ -97,6 +97,11 @@ between "at the true pose: mm" \
 is "a constant weight changes no mean" "$(sed -n 3p "$dir/faces/weights.csv" | cut -d, -f2-)" \
     "$(sed -n 2p "$dir/faces/weights.csv" | cut -d, -f2-)"
 
+# ---- asymmetry
+study mirror
+between "asymmetry follows what was planted" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1
+between "the plane, degrees" "$(value mirror/summary.csv 'plane off: most degrees' 3)" 0 0.8
+
 # ---- which removals hurt
 study removal
 that "every kind of removal hurts the more" grows removal/mean.csv 3
