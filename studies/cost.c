@@ -157,8 +157,9 @@ static void table1(const struct lab *lab)
     for (int r = 0; r < rounds; r++)
         for (int k = 0; k < pairs; k++)
             pass(&p[k], row);
-    fprintf(f, "stage,paper: both from points ms,paper: one stored ms,both from points "
-               "ms,one stored ms,stored / both\n");
+    fprintf(
+        f, "stage,paper: both from points ms,one stored by the paper ms,both from points "
+           "ms,one stored ms,stored / both\n");
     for (int s = 0; s < STAGES; s++) {
         const double ms = timing_median(&row[s]) * (left[s] < 1 ? 2 : 1);
         const double both = s == LOAD ? 0 : ms, one = ms * left[s];
