@@ -31,12 +31,14 @@ function table(file, caption,    line, n, i, field, cell) {
     print "</table></div>"
 }
 
-function figure(base, caption,    command, size, kind) {
+function figure(base, caption,    command, size, kind, name) {
+    name = base
+    sub(/.*\//, "", name)
     command = "wc -c < '" base ".svg'"
     command | getline size
     close(command)
     kind = size < 400000 ? "svg" : "png"
-    printf "<figure><img alt=\"\" src=\"data:image/%s;base64,", kind == "svg" ? "svg+xml" : kind
+    printf "<figure><img alt=\"%s\" src=\"data:image/%s;base64,", name, kind == "svg" ? "svg+xml" : kind
     fflush()
     system("base64 -w 0 '" base "." kind "'")
     print "\"><figcaption>" caption "</figcaption></figure>"
