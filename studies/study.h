@@ -9,6 +9,7 @@ void approx_run(const struct lab *lab);  /* general triangulation against exact 
 void method_run(const struct lab *lab);  /* the disparity paper's figures 1 to 9 */
 void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4, growth */
 void cover_run(const struct lab *lab);   /* faces with parts missing */
+void fewer_run(const struct lab *lab);   /* simplified surfaces and templates */
 void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
 void removal_run(const struct lab *lab); /* which removals hurt */
 void mirror_run(const struct lab *lab);  /* asymmetry planted and found */

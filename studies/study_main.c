@@ -24,6 +24,7 @@ static const struct {
     {"cover", "missing points: faces with parts missing, and verification", cover_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
+    {"fewer", "disparity: simplified surfaces and templates", fewer_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
 };
