@@ -175,7 +175,10 @@ static enum status conn_harden(struct store_sqlite_conn *c, struct errinfo *e)
     (void)sqlite3_limit(c->db, SQLITE_LIMIT_LENGTH, MAX_BYTES);
     (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 0);
     (void)sqlite3_busy_timeout(c->db, BUSY_MS);
-    if (sqlite3_exec(c->db, "PRAGMA cell_size_check=ON", NULL, NULL, NULL) != SQLITE_OK)
+    /* A small cache of pages: a template is read once and then kept decoded elsewhere; the
+     * usual 2 MB of each connection would only be memory that fills. */
+    if (sqlite3_exec(c->db, "PRAGMA cell_size_check=ON; PRAGMA cache_size=-256", NULL,
+                     NULL, NULL) != SQLITE_OK)
         return store_sqlite_fail(c, "cannot configure", e);
     return ST_OK;
 }

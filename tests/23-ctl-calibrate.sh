@@ -139,7 +139,7 @@ problem "a damaged calibration" 500 internal
 send POST /v1/compare "$JSON" "$T/two.json"
 problem "compare" 500 internal
 req GET /readyz
-problem "not ready" 503 busy
+problem "not ready" 503 not_ready
 ctl verify s2 "$T/probe.ply"
 is "surfacectl says so" $CODE 65
 ctl check

@@ -101,7 +101,7 @@ start_daemon --no-auth --model "$m"
 curl -s "$URL/readyz" >"$T/body"
 is "readyz" "$(jq -c '[.calibration.source, .calibration.ignored]' "$T/body")" \
     "[\"shipped\",\"$shipped\"]"
-says "$LOG" "the log" 'level=warn .*calibration 1 is not used'
+says "$LOG" "the log" 'level=warn msg="calibration is not used.* version=1'
 stop_daemon
 
 # ---- refused
