@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* pthread_mutex_clocklock(), in POSIX since 2024 */
 #include "store_sqlite.h"
 
 #include <errno.h>
@@ -24,7 +23,9 @@ struct sqlite_store {
     char *reading; /* what readers open: the path, or a URI */
     int flags;     /* with these */
 
-    pthread_mutex_t write_lock;
+    pthread_mutex_t write_lock;       /* of `writing`, held but a moment */
+    pthread_cond_t write_free;        /* by the monotonic clock */
+    bool writing;                     /* somebody has the writer's connection */
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
     int synced; /* does the writer wait for the disk?  -1: not yet said */
 
@@ -80,6 +81,8 @@ enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *wha
 
     if (st == ST_OK) /* a call failed without leaving an error behind */
         st = ST_EDB;
+    if ((rc & 0xff) == SQLITE_NOTADB)
+        return errinfo_set(e, st, "%s is not a database", path);
     if (st == ST_EBUSY)
         return errinfo_set(e, st, "%s: %s: locked by another process", path, what);
     return errinfo_set(e, st, "%s: %s: %s%s%s", path, what, sqlite3_errmsg(c->db),
@@ -276,6 +279,7 @@ static enum status lock_writer(struct sqlite_store *q, long ms, struct errinfo *
 {
     struct timespec until, now;
     long left;
+    int rc = 0;
 
     if (q->writer == NULL)
         return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", q->path);
@@ -284,13 +288,28 @@ static enum status lock_writer(struct sqlite_store *q, long ms, struct errinfo *
     until.tv_nsec += ms % 1000 * 1000000;
     until.tv_sec += until.tv_nsec / 1000000000;
     until.tv_nsec %= 1000000000;
-    if (pthread_mutex_clocklock(&q->write_lock, CLOCK_MONOTONIC, &until) != 0)
+    pthread_mutex_lock(&q->write_lock);
+    while (q->writing && rc == 0)
+        rc = pthread_cond_timedwait(&q->write_free, &q->write_lock, &until);
+    if (!q->writing)
+        rc = 0;
+    q->writing = true;
+    pthread_mutex_unlock(&q->write_lock);
+    if (rc != 0)
         return errinfo_set(e, ST_EBUSY, "%s: other threads are writing", q->path);
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     left = (long)(until.tv_sec - now.tv_sec) * 1000 +
            (until.tv_nsec - now.tv_nsec) / 1000000;
     (void)sqlite3_busy_timeout(q->writer->db, left > 0 ? (int)left : 0);
     return ST_OK;
+}
+
+static void unlock_writer(struct sqlite_store *q)
+{
+    pthread_mutex_lock(&q->write_lock);
+    q->writing = false;
+    pthread_cond_signal(&q->write_free);
+    pthread_mutex_unlock(&q->write_lock);
 }
 
 static enum status begin(struct sqlite_store *q, long ms, bool synced,
@@ -303,7 +322,7 @@ static enum status begin(struct sqlite_store *q, long ms, bool synced,
     *c = q->writer;
     if ((st = set_synced(q, synced, e)) != ST_OK ||
         (st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
-        pthread_mutex_unlock(&q->write_lock);
+        unlock_writer(q);
     return st;
 }
 
@@ -329,7 +348,7 @@ enum status store_sqlite_written(struct store *s, enum status st, struct errinfo
         (void)run_sql(q->writer, SQL_ROLLBACK,
                       NULL); /* cannot fail in a way that matters:
                                                          nothing was committed */
-    pthread_mutex_unlock(&q->write_lock);
+    unlock_writer(q);
     return st;
 }
 
@@ -342,7 +361,7 @@ void store_sqlite_erase_log(struct store *s)
     (void)sqlite3_busy_timeout(q->writer->db, ERASE_MS); /* others may be reading */
     (void)sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
                                     NULL);
-    pthread_mutex_unlock(&q->write_lock);
+    unlock_writer(q);
 }
 
 /* ---- opening */
@@ -442,6 +461,7 @@ static void sqlite_close(struct store *s)
     conn_close(q->writer); /* last: with it SQLite brings in the log and removes it */
     (void)pthread_cond_destroy(&q->read_free);
     (void)pthread_mutex_destroy(&q->read_lock);
+    (void)pthread_cond_destroy(&q->write_free);
     (void)pthread_mutex_destroy(&q->write_lock);
     free(q->reading);
     free(q->path);
@@ -493,6 +513,7 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
                               struct errinfo *e)
 {
     struct sqlite_store *q;
+    pthread_condattr_t monotonic;
     bool made;
     enum status st;
 
@@ -510,6 +531,10 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
     q->base.engine = &store_sqlite_engine;
     q->synced = -1;
     (void)pthread_mutex_init(&q->write_lock, NULL);
+    (void)pthread_condattr_init(&monotonic);
+    (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(&q->write_free, &monotonic);
+    (void)pthread_condattr_destroy(&monotonic);
     (void)pthread_mutex_init(&q->read_lock, NULL);
     (void)pthread_cond_init(&q->read_free, NULL);
     st = mode == STORE_READ ? ST_OK : open_writer(q, mode, e);

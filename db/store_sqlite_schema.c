@@ -46,11 +46,8 @@ enum status store_sqlite_schema_version(struct store_sqlite_conn *c, const char 
     *version = 0;
     if ((st = query_int(c, "PRAGMA application_id", &application, e)) != ST_OK ||
         (st = query_int(c, "PRAGMA user_version", &user, e)) != ST_OK ||
-        (st = query_int(c, "SELECT count(*) FROM sqlite_schema", &objects, e)) != ST_OK) {
-        if (st == ST_ECORRUPT && sqlite3_errcode(c->db) == SQLITE_NOTADB)
-            return errinfo_set(e, st, "%s is not a database", path);
+        (st = query_int(c, "SELECT count(*) FROM sqlite_schema", &objects, e)) != ST_OK)
         return st;
-    }
     if (application == 0 && user == 0 && objects == 0)
         return ST_OK;
     if (application != APPLICATION)

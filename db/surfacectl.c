@@ -308,8 +308,10 @@ static bool duration(const char *text, bool never, int64_t *out)
     n = strtol(text, &end, 10);
     for (size_t i = 0; i < sizeof units / sizeof *units; i++)
         if (end[0] == units[i].unit && end[1] == '\0') {
+            if (n < 1 || n > STORE_LIFE_MAX / units[i].s)
+                return false;
             *out = n * units[i].s;
-            return n >= 1 && n <= STORE_LIFE_MAX / units[i].s;
+            return true;
         }
     return false;
 }

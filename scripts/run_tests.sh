@@ -12,6 +12,7 @@ export BUILD
 run_one() {
     name=$(basename "$1" .sh)
     log=$BUILD/log/$name.log
+    start=$(date +%s)
     case $1 in
     *.sh) timeout 900 sh "$1" >"$log" 2>&1 ;;
     *) timeout 900 "$1" >"$log" 2>&1 ;;
@@ -26,7 +27,8 @@ run_one() {
     skips=$(grep '^SKIP' "$log" | sed 's/^/        /')
     if [ "$rc" -eq 0 ] && [ "$f" -eq 0 ]; then
         [ "$p" -gt 0 ] || [ -n "$skips" ] || p=1
-        report=$(printf '  ok    %-24s %4d passed' "$name" "$p")
+        report=$(printf '  ok    %-24s %4d passed %4d s' "$name" "$p" \
+            $(($(date +%s) - start)))
     else
         [ "$f" -gt 0 ] || f=1
         report=$(printf '  FAIL  %-24s %4d passed, %d failed (exit %d); %s:\n' \

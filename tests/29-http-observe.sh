@@ -253,7 +253,7 @@ start_daemon --no-auth --max-connections-per-address 1
 } | curl -sSN -m 60 "telnet://${URL#http://}" >"$T/telnet" 2>/dev/null &
 telnet=$!
 tries=0
-while [ "$tries" -lt 500 ] && ! grep -q '"ok"' "$T/telnet"; do
+while [ "$tries" -lt 3000 ] && ! grep -q '"ok"' "$T/telnet"; do
     sleep 0.01
     tries=$((tries + 1))
 done
