@@ -1,4 +1,4 @@
--- schema.sql -- the template database, schema version 3.
+-- schema.sql -- the template database, schema version 4.
 -- Embedded in the programs at build and run in one transaction on an empty database.
 -- A change here is a new user_version, added as a step at the end: a database of version 1
 -- is upgraded by running what follows the line "-- version 2", and so on.  What was there
@@ -111,3 +111,109 @@ CREATE TABLE attempts (
     failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
     at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 ) STRICT;
+
+-- version 4
+
+PRAGMA user_version = 4;
+
+-- All that is known of a person is sealed from here on (db/vault.h, db/store_seal.h): tables
+-- of version 3 get another name until their rows are in the new ones (db/store_sqlite_convert.c).
+ALTER TABLE attempts RENAME TO attempts_3;
+ALTER TABLE templates RENAME TO templates_3;
+ALTER TABLE subjects RENAME TO subjects_3;
+ALTER TABLE events RENAME TO events_3;
+
+-- Where the master key comes from, and what it seals: struct vault_root of db/vault.h.
+CREATE TABLE root (
+    root_key INTEGER PRIMARY KEY CHECK (root_key = 1),
+    kind     INTEGER NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
+    version  INTEGER NOT NULL CHECK (version >= 1),
+    passes   INTEGER NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
+    mib      INTEGER NOT NULL CHECK (mib >= 0),
+    salt     BLOB NOT NULL CHECK (length(salt) = 16),
+    open     BLOB NOT NULL CHECK (length(open) = 32), -- the key itself, for kind 0
+    public   BLOB NOT NULL CHECK (length(public) = 32), -- Ed25519
+    secrets  BLOB NOT NULL CHECK (length(secrets) = 136)
+) STRICT;
+
+-- A person, under the client's own external id, which is sealed and found by a keyed hash.
+CREATE TABLE subjects (
+    subject_key INTEGER PRIMARY KEY AUTOINCREMENT,
+    lookup      BLOB NOT NULL UNIQUE CHECK (length(lookup) = 32),
+    uid         BLOB NOT NULL UNIQUE CHECK (length(uid) = 16),
+    key         BLOB NOT NULL CHECK (length(key) = 72), -- the subject's, wrapped
+    about       BLOB NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
+    created     TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    expires     TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
+    seen        TEXT CHECK (seen IS NULL OR seen GLOB '????-??-??T??:??:??.???Z'),
+    hold        INTEGER NOT NULL DEFAULT 0 CHECK (hold IN (0, 1)),
+    disabled    INTEGER NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1))
+) STRICT;
+
+CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;
+
+-- One enrolled face; never changed, only added and deleted.
+CREATE TABLE templates (
+    template_key INTEGER PRIMARY KEY AUTOINCREMENT,
+    id           TEXT NOT NULL UNIQUE
+                 CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
+    subject_key  INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    same         BLOB NOT NULL CHECK (length(same) = 32), -- keyed hash of the digest
+    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    points       INTEGER NOT NULL CHECK (points BETWEEN 3 AND 2097152),
+    triangles    INTEGER NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
+    about        BLOB NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
+    model        BLOB NOT NULL CHECK (length(model) > 40), -- last: rows are listed without
+                                                           -- reading it
+    UNIQUE (subject_key, same)            -- the same cloud again is the same template
+) STRICT;
+
+CREATE TABLE attempts (
+    subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
+    at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
+) STRICT;
+
+-- Who did what, when, with what outcome: only ever added to.  No biometrics, no tokens; the
+-- subject by a keyed hash, so that nobody is named by it any more who was erased.  Each
+-- entry's hash is of its columns and of the hash before it (db/store_chain.h).
+CREATE TABLE events (
+    seq         INTEGER PRIMARY KEY CHECK (seq >= 1),
+    at          TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
+    kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
+    actor       TEXT NOT NULL CHECK (length(actor) <= 64),
+    subject     BLOB NOT NULL CHECK (length(subject) IN (0, 16)),
+    template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
+    outcome     TEXT NOT NULL CHECK (length(outcome) <= 64),
+    hash        BLOB NOT NULL CHECK (length(hash) = 32)
+) STRICT;
+
+-- The end of the events, so that none can be cut off: a keyed hash of its number and hash.
+CREATE TABLE events_end (
+    events_key INTEGER PRIMARY KEY CHECK (events_key = 1),
+    seq        INTEGER NOT NULL CHECK (seq >= 0),
+    hash       BLOB NOT NULL CHECK (length(hash) = 32),
+    mac        BLOB NOT NULL CHECK (length(mac) = 32)
+) STRICT;
+
+-- Places in the events that were signed, for whoever has no key but the public one.
+CREATE TABLE checkpoints (
+    seq       INTEGER PRIMARY KEY CHECK (seq >= 1),
+    at        TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
+    hash      BLOB NOT NULL CHECK (length(hash) = 32),
+    signature BLOB NOT NULL CHECK (length(signature) = 64)
+) STRICT;
+
+-- Who was erased, by lookup: a backup from before is not to bring them back.
+CREATE TABLE erased (
+    lookup BLOB PRIMARY KEY CHECK (length(lookup) = 32),
+    at     TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z')
+) STRICT, WITHOUT ROWID;
+
+-- convert
+
+DROP TABLE attempts_3;
+DROP TABLE templates_3;
+DROP TABLE subjects_3;
+DROP TABLE events_3;

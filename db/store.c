@@ -13,17 +13,23 @@
 #include "store_rules.h"
 #include "store_sqlite.h"
 
-enum status store_open(const char *path, enum store_mode mode, struct store **out,
-                       struct errinfo *e)
+enum status store_open(const char *path, enum store_mode mode,
+                       const struct store_key *key, struct store **out, struct errinfo *e)
 {
+    static const struct store_key usual = {.make = VAULT_FILE};
     enum status st;
 
     *out = NULL;
     if (sodium_init() < 0)
         return errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
-    if ((st = store_sqlite_open(path, mode, out, e)) == ST_OK)
+    if ((st = store_sqlite_open(path, mode, key != NULL ? key : &usual, out, e)) == ST_OK)
         store_use_model(*out, NULL);
     return st;
+}
+
+enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e)
+{
+    return store_sqlite_kind(path, kind, e);
 }
 
 void store_use_model(struct store *s, const struct model *m)
@@ -75,12 +81,13 @@ static size_t utf8_length(const unsigned char *p)
     return 4;
 }
 
-static bool label_valid(const char *label)
+/* Up to max bytes of UTF-8 without control characters. */
+static bool text_valid(const char *text, size_t max)
 {
-    const unsigned char *p = (const unsigned char *)label;
+    const unsigned char *p = (const unsigned char *)text;
     size_t n;
 
-    if (strnlen(label, STORE_LABEL_MAX + 1) > STORE_LABEL_MAX)
+    if (strnlen(text, max + 1) > max)
         return false;
     for (; *p != '\0'; p += n) {
         if ((n = utf8_length(p)) == 0 || *p < ' ' || *p == 0x7f ||
@@ -114,7 +121,7 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
-    if (!label_valid(label))
+    if (!text_valid(label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
@@ -209,6 +216,38 @@ enum status store_template_list(struct store *s, const char *subject,
 
 /* ---- subjects */
 
+static bool time_valid(const char *at)
+{
+    return strlen(at) == 24 && at[10] == 'T' && at[19] == '.' && at[23] == 'Z';
+}
+
+static enum status need_about(const struct store_subject *s, struct errinfo *e)
+{
+    if (!text_valid(s->reference, STORE_NOTE_MAX) ||
+        !text_valid(s->purpose, STORE_NOTE_MAX))
+        return errinfo_set(e, ST_EINVAL,
+                           "a reference or a purpose is up to %d bytes of UTF-8 without "
+                           "control characters",
+                           STORE_NOTE_MAX);
+    if (s->expires[0] != '\0' && !time_valid(s->expires))
+        return errinfo_set(e, ST_EINVAL, "the end is not a time");
+    return ST_OK;
+}
+
+enum status store_subject_add(struct store *s, const char *actor,
+                              struct store_subject *about, struct errinfo *e)
+{
+    struct store_act by;
+    enum status st;
+
+    if ((st = store_rules_subject(about->id, e)) != ST_OK ||
+        (st = need_about(about, e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK)
+        return st;
+    memcpy(about->created, by.at, sizeof about->created);
+    return s->engine->subject_add(s, &by, about, e);
+}
+
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
@@ -217,14 +256,12 @@ enum status store_subject_get(struct store *s, const char *subject,
     return st != ST_OK ? st : s->engine->subject_get(s, subject, out, e);
 }
 
-enum status store_subject_list(struct store *s, const char *after, size_t limit,
+enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e)
 {
-    enum status st = after[0] == '\0' ? ST_OK : store_rules_subject(after, e);
-
     *out = NULL;
     *n = 0;
-    return st != ST_OK ? st : s->engine->subject_list(s, after, limit, out, n, e);
+    return s->engine->subject_list(s, after, limit, out, n, e);
 }
 
 enum status store_subject_delete(struct store *s, const char *actor, const char *subject,

@@ -17,9 +17,11 @@
 #include <stdint.h>
 #include "face.h"
 #include "status.h"
+#include "vault.h"
 
 struct errinfo;
-struct model; /* model.h */
+struct keyfile; /* keyfile.h */
+struct model;   /* model.h */
 struct store;
 
 #define STORE_SUBJECT_MAX 128 /* A-Z a-z 0-9 . _ - @ : */
@@ -28,16 +30,29 @@ struct store;
 #define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
 
 enum store_mode {
-    STORE_READ,  /* changes are refused with ST_EDENIED */
-    STORE_WRITE, /* the database must be there */
-    STORE_CREATE /* made if it is missing or empty, readable by its owner alone */
+    STORE_READ,   /* changes are refused with ST_EDENIED */
+    STORE_WRITE,  /* the database must be there */
+    STORE_CREATE, /* made if it is missing or empty, readable by its owner alone */
+    STORE_MIGRATE /* the database must be there; one of an older version is upgraded */
 };
 
-/* store_open(path, mode, out, e): ST_ENOTFOUND when there is no such file.  A database of an
- * older version is upgraded in one transaction, but not by STORE_READ. */
-enum status store_open(const char *path, enum store_mode mode, struct store **out,
+struct store_key {               /* where the master key of vault.h comes from */
+    const char *path;            /* its file; NULL: the database's path and ".key" */
+    const struct keyfile *given; /* instead of a file, while the store is open; or NULL */
+    enum vault_kind make;        /* of a database that is made or gets its first key */
+};
+
+/* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
+ * for {NULL, NULL, VAULT_FILE}.  A key's file that is missing is made with a new database.
+ * ST_EDENIED: not the database's key.  ST_EVERSION: of another version than this program's;
+ * STORE_MIGRATE upgrades an older one in one transaction. */
+enum status store_open(const char *path, enum store_mode mode,
+                       const struct store_key *key, struct store **out,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
+
+/* store_kind(path, kind, e): how the database's master key is kept, which takes no key. */
+enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
 
 /* store_use_model(s, m): what is enrolled and calibrated from now on is by this model, which
  * the callers' face_work must be for too.  m is borrowed; NULL, as after store_open():
@@ -97,18 +112,34 @@ enum status store_template_list(struct store *s, const char *subject,
                                 struct store_template **out, size_t *n,
                                 struct errinfo *e);
 
+#define STORE_NOTE_MAX 128 /* bytes of UTF-8, no control characters */
+
 struct store_subject {
+    int64_t key; /* the order of their coming; never used again */
     char id[STORE_SUBJECT_MAX + 1];
+    char reference[STORE_NOTE_MAX + 1]; /* of the consent; "": none */
+    char purpose[STORE_NOTE_MAX + 1];
     char created[32];
+    char expires[32]; /* "": never */
+    char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
+    bool hold;        /* not to be erased */
+    bool disabled;    /* not to be verified or identified */
     uint32_t templates;
 };
+
+/* store_subject_add(s, actor, about, e): a subject without templates: who came with which
+ * consent is known before the first scan is taken.  Of *about: id, reference, purpose and
+ * expires, which are checked; created is set.  ST_EEXISTS. */
+enum status store_subject_add(struct store *s, const char *actor,
+                              struct store_subject *about, struct errinfo *e);
 
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e);
 
-/* store_subject_list(s, after, limit, out, n, e): up to limit subjects in order of id,
- * those after `after` ("" from the start); a new array released by free(). */
-enum status store_subject_list(struct store *s, const char *after, size_t limit,
+/* store_subject_list(s, after, limit, out, n, e): up to limit subjects in the order of
+ * their coming, those whose key is greater than after (0 from the start); a new array
+ * released by free(). */
+enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e);
 
 /* store_subject_delete(s, actor, subject, removed, e): the subject and all its templates;

@@ -51,9 +51,11 @@ struct store_engine {
     enum status (*template_list)(struct store *s, const char *subject,
                                  struct store_template **out, size_t *n,
                                  struct errinfo *e);
+    enum status (*subject_add)(struct store *s, const struct store_act *by,
+                               const struct store_subject *about, struct errinfo *e);
     enum status (*subject_get)(struct store *s, const char *subject,
                                struct store_subject *out, struct errinfo *e);
-    enum status (*subject_list)(struct store *s, const char *after, size_t limit,
+    enum status (*subject_list)(struct store *s, int64_t after, size_t limit,
                                 struct store_subject **out, size_t *n, struct errinfo *e);
     enum status (*subject_delete)(struct store *s, const struct store_act *by,
                                   const char *subject, uint32_t *removed,

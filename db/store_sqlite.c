@@ -22,6 +22,8 @@ struct sqlite_store {
     char *path;
     char *reading; /* what readers open: the path, or a URI */
     int flags;     /* with these */
+    struct store_sqlite_vaults vaults;
+    bool open; /* store_open() has succeeded */
 
     pthread_mutex_t write_lock;       /* of `writing`, held but a moment */
     pthread_cond_t write_free;        /* by the monotonic clock */
@@ -124,28 +126,6 @@ static enum status run_sql(struct store_sqlite_conn *c, enum store_sqlite_sql sq
     return st != ST_OK ? st : store_sqlite_run(c, stmt, e);
 }
 
-bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size)
-{
-    const unsigned char *text;
-    size_t n;
-
-    out[0] = '\0';
-    if (sqlite3_column_type(stmt, col) != SQLITE_TEXT ||
-        (text = sqlite3_column_text(stmt, col)) == NULL)
-        return false;
-    n = (size_t)sqlite3_column_bytes(stmt, col);
-    if (n >= size || memchr(text, '\0', n) != NULL)
-        return false;
-    memcpy(out, text, n);
-    out[n] = '\0';
-    return true;
-}
-
-int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text)
-{
-    return sqlite3_bind_text(stmt, at, text, -1, SQLITE_TRANSIENT);
-}
-
 /* ---- connections */
 
 static void conn_close(struct store_sqlite_conn *c)
@@ -224,10 +204,10 @@ static enum status open_query(struct sqlite_store *q, struct store_sqlite_conn *
     return st;
 }
 
-enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
-                              struct errinfo *e)
+/* A connection at rest, or a new one. */
+static enum status take(struct sqlite_store *q, struct store_sqlite_conn **c,
+                        struct errinfo *e)
 {
-    struct sqlite_store *q = sqlite_store(s);
     enum status st = ST_OK;
 
     pthread_mutex_lock(&q->read_lock);
@@ -247,15 +227,49 @@ enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
     return st;
 }
 
-void store_sqlite_done(struct store *s, struct store_sqlite_conn *c)
+static void give_back(struct sqlite_store *q, struct store_sqlite_conn *c)
 {
-    struct sqlite_store *q = sqlite_store(s);
-
     pthread_mutex_lock(&q->read_lock);
     c->next = q->idle;
     q->idle = c;
     pthread_cond_signal(&q->read_free);
     pthread_mutex_unlock(&q->read_lock);
+}
+
+/* A key that is lost or changed while the store is open is the database's trouble: whoever
+ * asks lacks no permission and has not named what is missing. */
+static enum status use_vault(struct sqlite_store *q, struct store_sqlite_conn *c,
+                             struct errinfo *e)
+{
+    struct errinfo why;
+    const enum status st = store_sqlite_vault_use(&q->vaults, c, &why);
+
+    if (st == ST_OK || !q->open)
+        return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
+    return errinfo_set(e, st == ST_EDENIED || st == ST_ENOTFOUND ? ST_EDB : st, "%s",
+                       why.msg);
+}
+
+enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
+                              struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    enum status st;
+
+    if ((st = take(q, c, e)) != ST_OK)
+        return st;
+    if ((st = run_sql(*c, SQL_BEGIN_READ, e)) == ST_OK)
+        st = use_vault(q, *c, e);
+    if (st != ST_OK)
+        store_sqlite_done(s, *c);
+    return st;
+}
+
+void store_sqlite_done(struct store *s, struct store_sqlite_conn *c)
+{
+    if (!sqlite3_get_autocommit(c->db))
+        (void)run_sql(c, SQL_ROLLBACK, NULL); /* it has changed nothing */
+    give_back(sqlite_store(s), c);
 }
 
 /* ---- transactions */
@@ -271,6 +285,16 @@ static enum status set_synced(struct sqlite_store *q, bool synced, struct errinf
         return store_sqlite_fail(q->writer, "cannot configure", e);
     q->synced = synced ? 1 : 0;
     return ST_OK;
+}
+
+/* The writer's transaction, by the key that holds now. */
+static enum status begin_keyed(struct sqlite_store *q, struct errinfo *e)
+{
+    enum status st = run_sql(q->writer, SQL_BEGIN, e);
+
+    if (st == ST_OK && (st = use_vault(q, q->writer, e)) != ST_OK)
+        (void)run_sql(q->writer, SQL_ROLLBACK, NULL);
+    return st;
 }
 
 /* Wait up to ms for the writer's connection.  What is left of that SQLite may then wait for
@@ -320,8 +344,9 @@ static enum status begin(struct sqlite_store *q, long ms, bool synced,
     if (st != ST_OK)
         return st;
     *c = q->writer;
-    if ((st = set_synced(q, synced, e)) != ST_OK ||
-        (st = run_sql(q->writer, SQL_BEGIN, e)) != ST_OK)
+    if ((st = set_synced(q, synced, e)) == ST_OK)
+        st = begin_keyed(q, e);
+    if (st != ST_OK)
         unlock_writer(q);
     return st;
 }
@@ -400,6 +425,14 @@ static enum status check_file(const char *path, enum store_mode mode, bool *made
     return ST_OK;
 }
 
+static enum status too_old(const struct sqlite_store *q, int version, struct errinfo *e)
+{
+    return errinfo_set(e, ST_EVERSION,
+                       "%s has schema version %d, this program needs %d: "
+                       "surfacectl migrate upgrades it",
+                       q->path, version, STORE_SQLITE_SCHEMA);
+}
+
 static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
                                struct errinfo *e)
 {
@@ -413,8 +446,10 @@ static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
     if (version == 0 && mode != STORE_CREATE)
         return errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
                            q->path);
+    if (version > 0 && version < STORE_SQLITE_SCHEMA && mode != STORE_MIGRATE)
+        return too_old(q, version, e);
     if (version < STORE_SQLITE_SCHEMA &&
-        (st = store_sqlite_schema_make(q->writer, q->path, e)) != ST_OK)
+        (st = store_sqlite_schema_make(q->writer, &q->vaults, q->path, e)) != ST_OK)
         return st;
     /* Deleted bytes are overwritten. */
     if (sqlite3_exec(q->writer->db,
@@ -423,7 +458,7 @@ static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
                      NULL, NULL, NULL) != SQLITE_OK)
         return store_sqlite_fail(q->writer, "cannot configure", e);
     /* Fail now rather than at the first change. */
-    if ((st = run_sql(q->writer, SQL_BEGIN, e)) == ST_OK)
+    if ((st = begin_keyed(q, e)) == ST_OK)
         st = run_sql(q->writer, SQL_ROLLBACK, e);
     return st;
 }
@@ -434,18 +469,18 @@ static enum status open_reader(struct sqlite_store *q, struct errinfo *e)
     int version;
     enum status st;
 
-    if ((st = store_sqlite_read(&q->base, &c, e)) != ST_OK)
+    if ((st = take(q, &c, e)) != ST_OK)
         return st;
     st = store_sqlite_schema_version(c, q->path, &version, e);
+    give_back(q, c);
     if (st == ST_OK && version == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
                          q->path);
     else if (st == ST_OK && version < STORE_SQLITE_SCHEMA)
-        st = errinfo_set(e, ST_EVERSION,
-                         "%s has schema version %d, this program reads %d: upgrade it by "
-                         "opening it for writing (surfacectl init)",
-                         q->path, version, STORE_SQLITE_SCHEMA);
-    store_sqlite_done(&q->base, c);
+        st = too_old(q, version, e);
+    /* Is the key the right one? */
+    if (st == ST_OK && (st = store_sqlite_read(&q->base, &c, e)) == ST_OK)
+        store_sqlite_done(&q->base, c);
     return st;
 }
 
@@ -463,6 +498,7 @@ static void sqlite_close(struct store *s)
     (void)pthread_mutex_destroy(&q->read_lock);
     (void)pthread_cond_destroy(&q->write_free);
     (void)pthread_mutex_destroy(&q->write_lock);
+    store_sqlite_vault_free(&q->vaults);
     free(q->reading);
     free(q->path);
     free(q);
@@ -509,7 +545,8 @@ static bool choose_reading(struct sqlite_store *q, enum store_mode mode)
     return true;
 }
 
-enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
+enum status store_sqlite_open(const char *path, enum store_mode mode,
+                              const struct store_key *key, struct store **out,
                               struct errinfo *e)
 {
     struct sqlite_store *q;
@@ -537,16 +574,41 @@ enum status store_sqlite_open(const char *path, enum store_mode mode, struct sto
     (void)pthread_condattr_destroy(&monotonic);
     (void)pthread_mutex_init(&q->read_lock, NULL);
     (void)pthread_cond_init(&q->read_free, NULL);
-    st = mode == STORE_READ ? ST_OK : open_writer(q, mode, e);
+    st = store_sqlite_vault_init(&q->vaults, path, key, e);
+    if (st == ST_OK && mode != STORE_READ)
+        st = open_writer(q, mode, e);
     if (st == ST_OK)
         st = open_reader(q, e);
-    if (st == ST_OK)
+    if (st == ST_OK) {
+        q->open = true;
         *out = &q->base;
-    else
+    } else {
         sqlite_close(&q->base);
+    }
 out:
     if (st != ST_OK && made)
         (void)unlink(path); /* nothing was ever in it */
+    return st;
+}
+
+enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    int version;
+    bool made;
+    enum status st;
+
+    *kind = VAULT_OPEN;
+    if ((st = check_file(path, STORE_READ, &made, e)) != ST_OK ||
+        (st = conn_open(path, SQLITE_OPEN_READONLY, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_schema_version(c, path, &version, e)) == ST_OK) {
+        if (version == STORE_SQLITE_SCHEMA)
+            st = store_sqlite_vault_kind(c, kind, e);
+        else
+            st = errinfo_set(e, ST_EVERSION, "%s has schema version %d", path, version);
+    }
+    conn_close(c);
     return st;
 }
 
@@ -585,10 +647,11 @@ const struct store_engine store_sqlite_engine = {
     .template_each = store_sqlite_face_each,
     .template_delete = store_sqlite_face_delete,
     .template_list = store_sqlite_face_list,
-    .subject_get = store_sqlite_face_subject,
-    .subject_list = store_sqlite_face_subjects,
-    .subject_delete = store_sqlite_face_erase,
-    .event = store_sqlite_admin_event,
+    .subject_add = store_sqlite_subject_enter,
+    .subject_get = store_sqlite_subject_get,
+    .subject_list = store_sqlite_subject_list,
+    .subject_delete = store_sqlite_subject_delete,
+    .event = store_sqlite_event,
     .token_add = store_sqlite_token_add,
     .token_list = store_sqlite_token_list,
     .token_get = store_sqlite_token_get,

@@ -3,24 +3,35 @@
  * in WAL mode neither waits for the other.  Statements are prepared once a connection.
  *   store_sqlite.c        opening, connections, transactions
  *   store_sqlite_schema.c the tables: made, upgraded, compared
- *   store_sqlite_face.c   subjects and templates
- *   store_sqlite_admin.c  events, statistics, check
+ *   store_sqlite_face.c   templates
+ *   store_sqlite_subject.c  subjects
+ *   store_sqlite_vault.c  keys
+ *   store_sqlite_event.c  events
+ *   store_sqlite_convert.c  the rows of older versions
+ *   store_sqlite_admin.c  statistics, check
  *   store_sqlite_token.c  tokens
  *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
+ *   store_sqlite_rows.c   columns, lists
  *   store_sqlite_sql.c    the statements' text */
 #ifndef DB_STORE_SQLITE_H
 #define DB_STORE_SQLITE_H
+#include <pthread.h>
 #include <sqlite3.h>
 #include "store_engine.h"
+#include "store_seal.h"
 
-#define STORE_SQLITE_SCHEMA 3 /* user_version in schema.sql */
+#define STORE_SQLITE_SCHEMA 4 /* user_version in schema.sql */
 
 enum store_sqlite_sql {
     SQL_BEGIN,
+    SQL_BEGIN_READ,
     SQL_COMMIT,
     SQL_ROLLBACK,
     SQL_VERSION,
+    SQL_ROOT_VERSION,
+    SQL_ROOT_GET,
+    SQL_ROOT_SET,
     SQL_SUBJECT_FIND,
     SQL_SUBJECT_ADD,
     SQL_SUBJECT_GET,
@@ -33,8 +44,13 @@ enum store_sqlite_sql {
     SQL_TEMPLATE_NEWEST,
     SQL_TEMPLATE_LIST,
     SQL_TEMPLATE_EACH,
+    SQL_TEMPLATE_COUNT,
     SQL_TEMPLATE_DELETE,
     SQL_EVENT_ADD,
+    SQL_EVENT_LAST,
+    SQL_EVENT_END,
+    SQL_ERASED_ADD,
+    SQL_ERASED_REMOVE,
     SQL_TOKEN_ADD,
     SQL_TOKEN_LIST,
     SQL_TOKEN_GET,
@@ -57,6 +73,7 @@ enum store_sqlite_sql {
 
 struct store_sqlite_conn {
     sqlite3 *db;
+    const struct vault *vault; /* of what the transaction sees */
     sqlite3_stmt *stmt[SQL_COUNT];
     struct store_sqlite_conn *next; /* in the list of those at rest */
 };
@@ -65,9 +82,45 @@ extern const char *const store_sqlite_sql[SQL_COUNT]; /* their text */
 
 extern const struct store_engine store_sqlite_engine;
 
-/* store_sqlite_open(path, mode, out, e): as store_open(). */
-enum status store_sqlite_open(const char *path, enum store_mode mode, struct store **out,
+/* store_sqlite_open(path, mode, key, out, e): as store_open(). */
+enum status store_sqlite_open(const char *path, enum store_mode mode,
+                              const struct store_key *key, struct store **out,
                               struct errinfo *e);
+
+/* store_sqlite_kind(path, kind, e): as store_kind(). */
+enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
+
+/* store_sqlite_vault.c: vaults are kept until the store is closed, so that a transaction
+ * that began before another process changed the master key ends with the one it knows. */
+#define STORE_SQLITE_VAULTS 64 /* changes of the master key while a store is open */
+
+struct store_sqlite_vaults {
+    pthread_mutex_t lock;
+    struct vault *list[STORE_SQLITE_VAULTS];
+    int n;      /* the newest is the last */
+    char *path; /* of the key */
+    const struct keyfile *given;
+    enum vault_kind make;
+    bool made; /* the key's file is new */
+};
+
+enum status store_sqlite_vault_init(struct store_sqlite_vaults *v, const char *db,
+                                    const struct store_key *key, struct errinfo *e);
+/* store_sqlite_vault_kind(c, kind, e): of the key record. */
+enum status store_sqlite_vault_kind(struct store_sqlite_conn *c, enum vault_kind *kind,
+                                    struct errinfo *e);
+void store_sqlite_vault_free(struct store_sqlite_vaults *v);
+
+/* store_sqlite_vault_new(v, c, e): a first master key for the database, whose transaction
+ * is open; if that is rolled back, store_sqlite_vault_undo(v) removes a new key's file. */
+enum status store_sqlite_vault_new(struct store_sqlite_vaults *v,
+                                   struct store_sqlite_conn *c, struct errinfo *e);
+void store_sqlite_vault_undo(struct store_sqlite_vaults *v);
+
+/* store_sqlite_vault_use(v, c, e): c->vault is the one of what c's transaction sees.
+ * Returns ST_OK, ST_EDENIED: not the key of the database; as keyfile_read(). */
+enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
+                                   struct store_sqlite_conn *c, struct errinfo *e);
 
 /* store_sqlite_write(s, synced, c, e): wait for the writer's connection and begin a
  * transaction; ST_EBUSY when other threads and processes are in the way for 5 s; synced: it is on the disk when it is committed, else it survives a crash of
@@ -87,7 +140,8 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
  * reader is in the way, so that deleted bytes are gone from both. */
 void store_sqlite_erase_log(struct store *s);
 
-/* store_sqlite_read(s, c, e): a reader's connection, given back by store_sqlite_done(). */
+/* store_sqlite_read(s, c, e): a reader's connection in a transaction, so that all it reads
+ * is of one moment; given back by store_sqlite_done(). */
 enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
                               struct errinfo *e);
 void store_sqlite_done(struct store *s, struct store_sqlite_conn *c);
@@ -102,7 +156,8 @@ enum status store_sqlite_run(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
                              struct errinfo *e);
 
 /* Turn the statement's current row into the object at out. */
-typedef enum status store_sqlite_row(sqlite3_stmt *stmt, void *out, struct errinfo *e);
+typedef enum status store_sqlite_row(const struct store_sqlite_conn *c,
+                                     sqlite3_stmt *stmt, void *out, struct errinfo *e);
 
 /* store_sqlite_rows(c, stmt, row, size, what, out, n, e): step a bound statement to its end
  * and reset it; its *n rows as a new array of objects of size bytes, released by free(),
@@ -116,9 +171,9 @@ enum status store_sqlite_rows(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
 enum status store_sqlite_fail(const struct store_sqlite_conn *c, const char *what,
                               struct errinfo *e);
 
-/* store_sqlite_bytes(c, bytes, e): the size of the database, its log not counted. */
-enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
-                               struct errinfo *e);
+/* store_sqlite_size(c, bytes, e): the size of the database, its log not counted. */
+enum status store_sqlite_size(struct store_sqlite_conn *c, uint64_t *bytes,
+                              struct errinfo *e);
 
 /* store_sqlite_schema.c */
 
@@ -128,22 +183,79 @@ enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
 enum status store_sqlite_schema_version(struct store_sqlite_conn *c, const char *path,
                                         int *version, struct errinfo *e);
 
-/* store_sqlite_schema_make(c, path, e): create the tables, or bring those of an older
+/* store_sqlite_schema_make(c, v, path, e): create the tables, or bring those of an older
  * version up to this one, in one transaction; nothing if another process has just done so. */
-enum status store_sqlite_schema_make(struct store_sqlite_conn *c, const char *path,
+enum status store_sqlite_schema_make(struct store_sqlite_conn *c,
+                                     struct store_sqlite_vaults *v, const char *path,
                                      struct errinfo *e);
+
+/* store_sqlite_convert(c, e): rows of version 3 in the tables of this one, c->vault being
+ * there; inside a transaction. */
+enum status store_sqlite_convert(struct store_sqlite_conn *c, struct errinfo *e);
 enum status store_sqlite_schema_check(struct store_sqlite_conn *c, store_report *report,
                                       void *arg, struct errinfo *e);
 
-/* Columns as they should be, or false: a text of 0..size-1 bytes without NUL. */
+/* Columns as they should be, or false: a text of 0..size-1 bytes without NUL (*_or: NULL
+ * reads as ""); exactly n bytes, or min to max of them; a whole number from 0 to max. */
 bool store_sqlite_text(sqlite3_stmt *stmt, int col, char *out, size_t size);
-int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text); /* copied */
+bool store_sqlite_text_or(sqlite3_stmt *stmt, int col, char *out, size_t size);
+bool store_sqlite_bytes(sqlite3_stmt *stmt, int col, void *out, size_t n);
+const void *store_sqlite_blob(sqlite3_stmt *stmt, int col, size_t min, size_t max,
+                              size_t *n);
+bool store_sqlite_count(sqlite3_stmt *stmt, int col, int64_t max, uint32_t *out);
 
-/* Append to the events table, inside a transaction. */
-enum status store_sqlite_admin_add_event(struct store_sqlite_conn *c,
-                                         const struct store_act *by, const char *kind,
-                                         const char *subject, const char *template_id,
-                                         const char *outcome, struct errinfo *e);
+int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text);    /* copied */
+int store_sqlite_bind_or(sqlite3_stmt *stmt, int at, const char *text); /* "" as NULL */
+int store_sqlite_bind_bytes(sqlite3_stmt *stmt, int at, const void *data,
+                            size_t n); /* copied */
+
+/* store_sqlite_event.c */
+
+/* store_sqlite_event_add(c, by, kind, subject, template_id, outcome, e): append to the
+ * events, inside a transaction.  subject: "" for none. */
+enum status store_sqlite_event_add(struct store_sqlite_conn *c,
+                                   const struct store_act *by, const char *kind,
+                                   const char *subject, const char *template_id,
+                                   const char *outcome, struct errinfo *e);
+enum status store_sqlite_event(struct store *s, const struct store_act *by,
+                               const char *kind, const char *subject,
+                               const char *template_id, const char *outcome,
+                               struct errinfo *e);
+
+/* store_sqlite_subject.c */
+
+/* store_sqlite_subject_who(c, stmt, col, s, k): a subject and its key from the columns of
+ * SUBJECT_WHO, which begin at col; s->key and s->templates are 0.  false: damaged. */
+bool store_sqlite_subject_who(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                              int col, struct store_subject *s, struct store_seal_key *k);
+
+/* Bind what a subject is found by. */
+int store_sqlite_bind_subject(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                              int at, const char *subject);
+
+struct store_sqlite_person { /* a subject in a transaction */
+    int64_t row;
+    struct store_seal_key key;
+};
+
+/* store_sqlite_subject_find(c, subject, p, e): ST_ENOTFOUND, ST_ECORRUPT: damaged; then
+ * *p has the row all the same. */
+enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *subject,
+                                      struct store_sqlite_person *p, struct errinfo *e);
+enum status store_sqlite_subject_add(struct store_sqlite_conn *c,
+                                     const struct store_subject *about,
+                                     struct store_sqlite_person *p, struct errinfo *e);
+enum status store_sqlite_subject_enter(struct store *s, const struct store_act *by,
+                                       const struct store_subject *about,
+                                       struct errinfo *e);
+enum status store_sqlite_subject_get(struct store *s, const char *subject,
+                                     struct store_subject *out, struct errinfo *e);
+enum status store_sqlite_subject_list(struct store *s, int64_t after, size_t limit,
+                                      struct store_subject **out, size_t *n,
+                                      struct errinfo *e);
+enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
+                                        const char *subject, uint32_t *removed,
+                                        struct errinfo *e);
 
 /* store_sqlite_face.c */
 enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
@@ -160,14 +272,11 @@ enum status store_sqlite_face_delete(struct store *s, const struct store_act *by
 enum status store_sqlite_face_list(struct store *s, const char *subject,
                                    struct store_template **out, size_t *n,
                                    struct errinfo *e);
-enum status store_sqlite_face_subject(struct store *s, const char *subject,
-                                      struct store_subject *out, struct errinfo *e);
-enum status store_sqlite_face_subjects(struct store *s, const char *after, size_t limit,
-                                       struct store_subject **out, size_t *n,
-                                       struct errinfo *e);
-enum status store_sqlite_face_erase(struct store *s, const struct store_act *by,
-                                    const char *subject, uint32_t *removed,
-                                    struct errinfo *e);
+/* store_sqlite_face_store(c, p, t, model, len, e): add a row, inside a transaction. */
+enum status store_sqlite_face_store(struct store_sqlite_conn *c,
+                                    const struct store_sqlite_person *p,
+                                    const struct store_template *t, const void *model,
+                                    size_t len, struct errinfo *e);
 
 /* store_sqlite_calibration.c */
 enum status store_sqlite_calibration_add(struct store *s, const struct store_act *by,
@@ -184,10 +293,6 @@ enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
                                            struct errinfo *e);
 
 /* store_sqlite_admin.c */
-enum status store_sqlite_admin_event(struct store *s, const struct store_act *by,
-                                     const char *kind, const char *subject,
-                                     const char *template_id, const char *outcome,
-                                     struct errinfo *e);
 enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
                                      struct errinfo *e);
 enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,

@@ -3,46 +3,6 @@
 #include "errinfo.h"
 #include "store_sqlite.h"
 
-/* ---- events */
-
-enum status store_sqlite_admin_add_event(struct store_sqlite_conn *c,
-                                         const struct store_act *by, const char *kind,
-                                         const char *subject, const char *template_id,
-                                         const char *outcome, struct errinfo *e)
-{
-    sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(c, SQL_EVENT_ADD, &stmt, e);
-
-    if (st != ST_OK)
-        return st;
-    if (store_sqlite_bind(stmt, 1, by->at) != SQLITE_OK ||
-        store_sqlite_bind(stmt, 2, kind) != SQLITE_OK ||
-        store_sqlite_bind(stmt, 3, by->actor) != SQLITE_OK ||
-        store_sqlite_bind(stmt, 4, subject) != SQLITE_OK ||
-        store_sqlite_bind(stmt, 5, template_id) != SQLITE_OK ||
-        store_sqlite_bind(stmt, 6, outcome) != SQLITE_OK)
-        st = store_sqlite_fail(c, "cannot add an event", e);
-    else
-        st = store_sqlite_run(c, stmt, e);
-    return st;
-}
-
-enum status store_sqlite_admin_event(struct store *s, const struct store_act *by,
-                                     const char *kind, const char *subject,
-                                     const char *template_id, const char *outcome,
-                                     struct errinfo *e)
-{
-    struct store_sqlite_conn *c;
-    enum status st;
-
-    if ((st = store_sqlite_write(s, false, &c, e)) != ST_OK)
-        return st;
-    st = store_sqlite_admin_add_event(c, by, kind, subject, template_id, outcome, e);
-    return store_sqlite_written(s, st, e);
-}
-
-/* ---- the whole database */
-
 enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
                                      struct errinfo *e)
 {
@@ -64,7 +24,7 @@ enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
             *count[i] = (uint64_t)sqlite3_column_int64(stmt, i);
     (void)sqlite3_reset(stmt);
     if (st == ST_OK)
-        st = store_sqlite_bytes(c, &out->file_bytes, e);
+        st = store_sqlite_size(c, &out->file_bytes, e);
     out->schema = STORE_SQLITE_SCHEMA;
 out:
     store_sqlite_done(s, c);

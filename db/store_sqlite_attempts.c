@@ -1,3 +1,4 @@
+#include <sodium.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -32,7 +33,7 @@ enum status store_sqlite_attempts_get(struct store *s, const char *subject,
         return st;
     if ((st = store_sqlite_prepare(c, SQL_ATTEMPTS_GET, &stmt, e)) != ST_OK)
         goto out;
-    if (store_sqlite_bind(stmt, 1, subject) != SQLITE_OK ||
+    if (store_sqlite_bind_subject(c, stmt, 1, subject) != SQLITE_OK ||
         ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE))
         st = store_sqlite_fail(c, "cannot read the attempts", e);
     else if (rc == SQLITE_DONE)
@@ -45,17 +46,22 @@ out:
     return st;
 }
 
-static enum status read_attempts(sqlite3_stmt *stmt, void *out, struct errinfo *e)
+static enum status read_attempts(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                                 void *out, struct errinfo *e)
 {
     struct store_attempts *a = out;
+    struct store_seal_key k = {0};
+    struct store_subject who;
+    const bool ok = store_sqlite_subject_who(c, stmt, 2, &who, &k);
     int64_t at_ms;
     enum status st;
 
     memset(a, 0, sizeof *a);
-    if (!store_sqlite_text(stmt, 0, a->subject, sizeof a->subject) ||
-        !store_subject_valid(a->subject))
-        return errinfo_set(e, ST_ECORRUPT, "attempts: a subject's id is damaged");
-    if ((st = read_counts(stmt, 1, a->subject, &a->failures, &at_ms, e)) == ST_OK)
+    sodium_memzero(&k, sizeof k);
+    if (!ok)
+        return errinfo_set(e, ST_ECORRUPT, "attempts: a subject's row is damaged");
+    memcpy(a->subject, who.id, sizeof a->subject);
+    if ((st = read_counts(stmt, 0, a->subject, &a->failures, &at_ms, e)) == ST_OK)
         store_rules_time(at_ms, a->at);
     return st;
 }
@@ -89,7 +95,7 @@ static enum status change(struct store_sqlite_conn *c, enum store_sqlite_sql sql
 
     if (st != ST_OK)
         return st;
-    if (store_sqlite_bind(stmt, 1, subject) != SQLITE_OK ||
+    if (store_sqlite_bind_subject(c, stmt, 1, subject) != SQLITE_OK ||
         (sqlite3_bind_parameter_count(stmt) > 1 &&
          sqlite3_bind_int64(stmt, 2, at_ms) != SQLITE_OK))
         return store_sqlite_fail(c, "cannot count an attempt", e);
@@ -132,6 +138,6 @@ enum status store_sqlite_attempts_clear(struct store *s, const struct store_act 
         return st;
     st = change(c, SQL_ATTEMPTS_CLEAR, subject, 0, e);
     if (st == ST_OK && by != NULL)
-        st = store_sqlite_admin_add_event(c, by, "reset_attempts", subject, "", "", e);
+        st = store_sqlite_event_add(c, by, "reset_attempts", subject, "", "", e);
     return store_sqlite_written(s, st, e);
 }

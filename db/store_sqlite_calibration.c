@@ -79,12 +79,14 @@ static bool column_count(sqlite3_stmt *stmt, int col, uint64_t *out)
 
 /* The schema's checks hold for what this program wrote; the file may have been written by
  * anyone, and a forged threshold would open the door: all of it is looked at. */
-static enum status read_calibration(sqlite3_stmt *stmt, void *out, struct errinfo *e)
+static enum status read_calibration(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                                    void *out, struct errinfo *e)
 {
     struct store_calibration *k = out;
     struct decision *d = &k->decision;
     const char *bad = NULL;
 
+    (void)c; /* nothing of it is sealed */
     memset(k, 0, sizeof *k);
     k->version = sqlite3_column_int64(stmt, COL_KEY);
     k->shipped = sqlite3_column_int(stmt, COL_SHIPPED) != 0;
@@ -160,7 +162,7 @@ enum status store_sqlite_calibration_add(struct store *s, const struct store_act
     if ((st = insert(c, k, e)) == ST_OK) {
         k->version = sqlite3_last_insert_rowid(c->db);
         (void)sqlite3_snprintf(sizeof outcome, outcome, "version %lld", k->version);
-        st = store_sqlite_admin_add_event(c, by, "calibrate", "", "", outcome, e);
+        st = store_sqlite_event_add(c, by, "calibrate", "", "", outcome, e);
     }
     return store_sqlite_written(s, st, e);
 }
@@ -178,7 +180,7 @@ enum status store_sqlite_calibration_get(struct store *s, struct store_calibrati
         goto out;
     switch (sqlite3_step(stmt)) {
     case SQLITE_ROW:
-        st = read_calibration(stmt, k, e);
+        st = read_calibration(c, stmt, k, e);
         break;
     case SQLITE_DONE:
         st = errinfo_set(e, ST_ENOTFOUND, "there is no calibration");
@@ -246,7 +248,7 @@ enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
     if (st != ST_OK)
         return st;
     while ((rc = sqlite3_step(stmt)) == SQLITE_ROW)
-        if (read_calibration(stmt, &k, &row) != ST_OK)
+        if (read_calibration(c, stmt, &k, &row) != ST_OK)
             report(arg, row.msg);
     if (rc != SQLITE_DONE)
         st = store_sqlite_fail(c, "cannot read the calibrations", e);

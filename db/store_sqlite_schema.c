@@ -1,6 +1,7 @@
 /* What the database's tables are: is it this program's, of which version, made, upgraded,
  * compared. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -25,8 +26,8 @@ static enum status query_int(struct store_sqlite_conn *c, const char *sql, int64
     return st;
 }
 
-enum status store_sqlite_bytes(struct store_sqlite_conn *c, uint64_t *bytes,
-                               struct errinfo *e)
+enum status store_sqlite_size(struct store_sqlite_conn *c, uint64_t *bytes,
+                              struct errinfo *e)
 {
     int64_t pages = 0, size = 0;
     enum status st;
@@ -75,31 +76,54 @@ static const char *steps_from(int version)
     return strstr(schema_sql, mark);
 }
 
-enum status store_sqlite_schema_make(struct store_sqlite_conn *c, const char *path,
+/* Run the steps from a version on, in an open transaction.  Rows of version 3 become those
+ * of 4 at the line that says so: that takes a key. */
+static enum status run_steps(struct store_sqlite_conn *c, struct store_sqlite_vaults *v,
+                             const char *path, int version, struct errinfo *e)
+{
+    static const char mark[] = "\n-- convert\n";
+    const char *steps = steps_from(version), *what, *turn;
+    char *first;
+    enum status st;
+
+    if (steps == NULL)
+        return errinfo_set(e, ST_EVERSION, "%s has schema version %d: no way leads to %d",
+                           path, version, STORE_SQLITE_SCHEMA);
+    if ((turn = strstr(steps, mark)) == NULL ||
+        (first = strndup(steps, (size_t)(turn - steps))) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    what = version == 0 ? "cannot create the tables" : "cannot upgrade the tables";
+    if (sqlite3_exec(c->db, first, NULL, NULL, NULL) != SQLITE_OK)
+        st = store_sqlite_fail(c, what, e);
+    else if ((st = store_sqlite_vault_new(v, c, e)) == ST_OK &&
+             (st = store_sqlite_convert(c, e)) == ST_OK &&
+             (sqlite3_exec(c->db, turn, NULL, NULL, NULL) != SQLITE_OK ||
+              sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK))
+        st = store_sqlite_fail(c, what, e);
+    free(first);
+    return st;
+}
+
+enum status store_sqlite_schema_make(struct store_sqlite_conn *c,
+                                     struct store_sqlite_vaults *v, const char *path,
                                      struct errinfo *e)
 {
-    const char *steps;
     int version;
     enum status st;
 
-    if (sqlite3_exec(c->db, "PRAGMA journal_mode=WAL; BEGIN EXCLUSIVE", NULL, NULL,
-                     NULL) != SQLITE_OK)
+    /* What is dropped is overwritten. */
+    if (sqlite3_exec(c->db,
+                     "PRAGMA journal_mode=WAL; PRAGMA secure_delete=ON; BEGIN EXCLUSIVE",
+                     NULL, NULL, NULL) != SQLITE_OK)
         return store_sqlite_fail(c, "cannot initialise", e);
     /* Again, now that nobody can change it: another process may just have done the work. */
-    if ((st = store_sqlite_schema_version(c, path, &version, e)) != ST_OK)
-        goto out;
-    steps = version < STORE_SQLITE_SCHEMA ? steps_from(version) : "";
-    if (steps == NULL)
-        st = errinfo_set(e, ST_EVERSION, "%s has schema version %d: no way leads to %d",
-                         path, version, STORE_SQLITE_SCHEMA);
-    else if (sqlite3_exec(c->db, steps, NULL, NULL, NULL) != SQLITE_OK ||
-             sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK)
-        st = store_sqlite_fail(
-            c, version == 0 ? "cannot create the tables" : "cannot upgrade the tables",
-            e);
-out:
+    if ((st = store_sqlite_schema_version(c, path, &version, e)) == ST_OK &&
+        version < STORE_SQLITE_SCHEMA)
+        st = run_steps(c, v, path, version, e);
     if (!sqlite3_get_autocommit(c->db))
         (void)sqlite3_exec(c->db, "ROLLBACK", NULL, NULL, NULL);
+    if (st != ST_OK)
+        store_sqlite_vault_undo(v);
     return st;
 }
 

@@ -1,12 +1,18 @@
 /* Every statement that is prepared. */
 #include "store_sqlite.h"
 
-#define TEMPLATE_COLUMNS                                                                 \
-    "t.id, s.id, t.label, t.created, t.digest, t.engine, t.points, t.triangles, "        \
-    "t.quality, t.coverage, t.density_mm, t.noise_mm"
-#define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
+#define SUBJECT_WHO                                                                      \
+    "s.uid, s.key, s.about, s.created, s.expires, s.seen, s.hold, s.disabled"
 #define SUBJECT_COLUMNS                                                                  \
-    "id, created, (SELECT count(*) FROM templates t WHERE t.subject_key = s.subject_key)"
+    "s.subject_key, (SELECT count(*) FROM templates t WHERE t.subject_key = "            \
+    "s.subject_key), " SUBJECT_WHO
+
+#define TEMPLATE_COLUMNS                                                                 \
+    "t.template_key, t.id, " SUBJECT_WHO                                                 \
+    ", t.created, t.engine, t.points, t.triangles, t.about"
+#define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
+
+#define ATTEMPTS_OF "(SELECT subject_key FROM subjects WHERE lookup = ?1)"
 
 #define TOKEN_COLUMNS "id, name, created, revoked, scopes, expires, used, old_until"
 
@@ -16,35 +22,48 @@
 
 const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_BEGIN] = "BEGIN IMMEDIATE",
+    [SQL_BEGIN_READ] = "BEGIN",
     [SQL_COMMIT] = "COMMIT",
     [SQL_ROLLBACK] = "ROLLBACK",
     [SQL_VERSION] = "PRAGMA user_version",
-    [SQL_SUBJECT_FIND] = "SELECT subject_key FROM subjects WHERE id = ?1",
-    [SQL_SUBJECT_ADD] = "INSERT INTO subjects (id, created) VALUES (?1, ?2)",
-    [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id = ?1",
-    [SQL_SUBJECT_LIST] =
-        "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE id > ?1 ORDER BY id LIMIT ?2",
+    [SQL_ROOT_VERSION] = "SELECT version FROM root",
+    [SQL_ROOT_GET] =
+        "SELECT kind, version, passes, mib, salt, open, public, secrets FROM root",
+    [SQL_ROOT_SET] = "REPLACE INTO root (root_key, kind, version, passes, mib, salt, "
+                     "open, public, secrets) VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+    [SQL_SUBJECT_FIND] = "SELECT subject_key, uid, key FROM subjects WHERE lookup = ?1",
+    [SQL_SUBJECT_ADD] =
+        "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
+        "seen, hold, disabled) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+    [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE s.lookup = ?1",
+    [SQL_SUBJECT_LIST] = "SELECT " SUBJECT_COLUMNS " FROM subjects s "
+                         "WHERE s.subject_key > ?1 ORDER BY s.subject_key LIMIT ?2",
     [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
     [SQL_TEMPLATE_ADD] =
-        "INSERT INTO templates (id, subject_key, label, created, digest, engine, points, "
-        "triangles, quality, coverage, density_mm, noise_mm, model) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
+        "INSERT INTO templates (id, subject_key, same, created, engine, points, "
+        "triangles, about, model) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
     [SQL_TEMPLATE_GET] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM " WHERE t.id = ?1",
     [SQL_TEMPLATE_LOAD] =
         "SELECT " TEMPLATE_COLUMNS ", t.model" TEMPLATE_FROM " WHERE t.id = ?1",
     [SQL_TEMPLATE_SAME] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
-                          " WHERE t.subject_key = ?1 AND t.digest = ?2",
+                          " WHERE t.subject_key = ?1 AND t.same = ?2",
     [SQL_TEMPLATE_NEWEST] = "SELECT id FROM templates WHERE subject_key = ?1 "
                             "ORDER BY template_key DESC LIMIT 1",
     [SQL_TEMPLATE_LIST] = "SELECT " TEMPLATE_COLUMNS TEMPLATE_FROM
                           " WHERE t.subject_key = ?1 ORDER BY t.template_key",
-    [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model, t.template_key "
+    [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model "
                           "FROM templates t LEFT JOIN subjects s USING (subject_key) "
                           "ORDER BY t.template_key",
+    [SQL_TEMPLATE_COUNT] = "SELECT count(*) FROM templates WHERE subject_key = ?1",
     [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
-    [SQL_EVENT_ADD] =
-        "INSERT INTO events (at, kind, actor, subject, template_id, outcome) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+    [SQL_EVENT_ADD] = "INSERT INTO events (seq, at, kind, actor, subject, template_id, "
+                      "outcome, hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+    [SQL_EVENT_LAST] = "SELECT seq, hash FROM events ORDER BY seq DESC LIMIT 1",
+    [SQL_EVENT_END] = "REPLACE INTO events_end (events_key, seq, hash, mac) "
+                      "VALUES (1, ?1, ?2, ?3)",
+    [SQL_ERASED_ADD] = "REPLACE INTO erased (lookup, at) VALUES (?1, ?2)",
+    [SQL_ERASED_REMOVE] = "DELETE FROM erased WHERE lookup = ?1",
     [SQL_TOKEN_ADD] = "INSERT INTO tokens (id, name, hash, created, scopes, expires) "
                       "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
     [SQL_TOKEN_LIST] = "SELECT " TOKEN_COLUMNS " FROM tokens ORDER BY token_key",
@@ -59,20 +78,18 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "SELECT " TOKEN_COLUMNS ", old_hash, 1 FROM tokens WHERE old_hash = ?1",
     [SQL_TOKEN_USE] = "UPDATE tokens SET used = ?2 WHERE id = ?1",
     [SQL_ATTEMPTS_GET] = "SELECT coalesce(failures, 0), coalesce(at_ms, 0) FROM subjects "
-                         "LEFT JOIN attempts USING (subject_key) WHERE id = ?1",
-    [SQL_ATTEMPTS_LIST] = "SELECT id, failures, at_ms FROM attempts "
-                          "JOIN subjects USING (subject_key) ORDER BY id",
+                         "LEFT JOIN attempts USING (subject_key) WHERE lookup = ?1",
+    [SQL_ATTEMPTS_LIST] = "SELECT a.failures, a.at_ms, " SUBJECT_WHO
+                          " FROM attempts a JOIN subjects s USING (subject_key) "
+                          "ORDER BY subject_key",
     [SQL_ATTEMPTS_FAIL] =
         "INSERT INTO attempts (subject_key, failures, at_ms) "
-        "SELECT subject_key, 1, ?2 FROM subjects WHERE id = ?1 "
+        "SELECT subject_key, 1, ?2 FROM subjects WHERE lookup = ?1 "
         "ON CONFLICT (subject_key) DO UPDATE "
         "SET failures = min(failures + 1, 1000000), at_ms = excluded.at_ms",
-    [SQL_ATTEMPTS_SINCE] =
-        "UPDATE attempts SET at_ms = min(at_ms, ?2) "
-        "WHERE subject_key = (SELECT subject_key FROM subjects WHERE id = ?1)",
-    [SQL_ATTEMPTS_CLEAR] =
-        "DELETE FROM attempts "
-        "WHERE subject_key = (SELECT subject_key FROM subjects WHERE id = ?1)",
+    [SQL_ATTEMPTS_SINCE] = "UPDATE attempts SET at_ms = min(at_ms, ?2) "
+                           "WHERE subject_key = " ATTEMPTS_OF,
+    [SQL_ATTEMPTS_CLEAR] = "DELETE FROM attempts WHERE subject_key = " ATTEMPTS_OF,
     [SQL_CALIBRATION_ADD] =
         "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, "
         "low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots) "

@@ -24,11 +24,13 @@ static bool text_or_null(sqlite3_stmt *stmt, int col, char *out, size_t size)
            store_sqlite_text(stmt, col, out, size);
 }
 
-static enum status read_token(sqlite3_stmt *stmt, void *out, struct errinfo *e)
+static enum status read_token(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                              void *out, struct errinfo *e)
 {
     struct store_token *t = out;
     char scopes[STORE_SCOPES_MAX];
 
+    (void)c; /* nothing of it is sealed */
     memset(t, 0, sizeof *t);
     if (!store_sqlite_text(stmt, COL_ID, t->id, sizeof t->id) || !store_id_valid(t->id) ||
         !store_sqlite_text(stmt, COL_NAME, t->name, sizeof t->name) ||
@@ -79,7 +81,7 @@ enum status store_sqlite_token_add(struct store *s, const struct store_act *by,
         bind_or_null(stmt, 6, t->expires) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot add a token", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK)
-        st = store_sqlite_admin_add_event(c, by, "create_token", "", "", t->id, e);
+        st = store_sqlite_event_add(c, by, "create_token", "", "", t->id, e);
 out:
     return store_sqlite_written(s, st, e);
 }
@@ -113,7 +115,7 @@ static enum status change(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
 
     if (st == ST_OK && sqlite3_changes(c->db) == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "there is no token %s", id);
-    return st != ST_OK ? st : store_sqlite_admin_add_event(c, by, kind, "", "", id, e);
+    return st != ST_OK ? st : store_sqlite_event_add(c, by, kind, "", "", id, e);
 }
 
 enum status store_sqlite_token_revoke(struct store *s, const struct store_act *by,
@@ -198,7 +200,7 @@ enum status store_sqlite_token_get(struct store *s, const char *id, struct store
     else if (rc == SQLITE_DONE)
         st = errinfo_set(e, ST_ENOTFOUND, "there is no token %s", id);
     else
-        st = read_token(stmt, t, e);
+        st = read_token(c, stmt, t, e);
     (void)sqlite3_reset(stmt);
 out:
     store_sqlite_done(s, c);
@@ -226,7 +228,7 @@ enum status store_sqlite_token_find(struct store *s,
         st = store_sqlite_fail(c, "cannot read a token", e);
     } else if (rc == SQLITE_DONE) {
         st = errinfo_set(e, ST_ENOTFOUND, "there is no such token");
-    } else if ((st = read_token(stmt, t, e)) == ST_OK) {
+    } else if ((st = read_token(c, stmt, t, e)) == ST_OK) {
         *old = sqlite3_column_int(stmt, COL_OLD) != 0;
         blob = sqlite3_column_blob(stmt, COL_HASH);
         if (blob == NULL || sqlite3_column_bytes(stmt, COL_HASH) != STORE_HASH_LEN)

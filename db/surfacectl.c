@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "keyfile.h"
+
 enum { /* options that not every command takes */
        OPT_DB = 1,
        OPT_UNITS = 2,
@@ -27,7 +29,9 @@ enum { /* options that not every command takes */
        OPT_EXPIRES = 65536,
        OPT_GRACE = 131072,
        OPT_TOLERANCE = 262144,
-       OPT_MEAN = 524288
+       OPT_MEAN = 524288,
+       OPT_INIT = 1048576,
+       OPT_KEY = 2097152
 };
 
 struct command {
@@ -39,9 +43,15 @@ struct command {
 
 static const struct command commands[] = {
     {"init", "", "make a new database",
-     "The file is readable by its owner alone.  A database that is there already is left\n"
-     "as it is, but one of an older version is upgraded.",
-     "surfacectl --db faces.db init", 0, 0, OPT_DB, surfacectl_admin_init},
+     "What it says of people is sealed with a key in the file PATH.key, or --key, which is\n"
+     "made: keep a copy of it elsewhere, since without it nothing in the database can be\n"
+     "read.  --passphrase asks for one instead; --plaintext leaves the key in the database.\n"
+     "A database that is there already is left as it is.",
+     "surfacectl --db faces.db init", 0, 0, OPT_DB | OPT_INIT, surfacectl_admin_init},
+    {"migrate", "", "upgrade a database of an older version",
+     "In one transaction.  What it says of people is sealed from then on, as with init.",
+     "surfacectl --db faces.db migrate", 0, 0, OPT_DB | OPT_INIT,
+     surfacectl_admin_migrate},
     {"enroll", "SUBJECT FILE...", "enroll scans of a subject",
      "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  The same scan\n"
      "again changes nothing.  A scan that matches none of the subject's others, or has too\n"
@@ -162,6 +172,8 @@ static const struct {
     const char *text;
 } option_help[] = {
     {OPT_DB, "  --db PATH           the database; or set SURFACED_DB\n"},
+    {OPT_DB,
+     "  --key FILE          the database's key or passphrase (PATH.key); or set SURFACED_KEY\n"},
     {OPT_UNITS, "  --units mm|cm|m     of the scans' coordinates (mm)\n"},
     {OPT_LABEL,
      "  --label TEXT        a note kept with each template; of train, the model's name\n"},
@@ -188,6 +200,9 @@ static const struct {
     {OPT_MEAN,
      "  --mean              the tolerance is for the mean gap, the disparity\n"},
     {OPT_YES, "  --yes               do not ask\n"},
+    {OPT_INIT,
+     "  --passphrase        seal with a passphrase: asked for, or the line in --key FILE\n"
+     "  --plaintext         leave the key in the database: whoever has the file can read it\n"},
     {OPT_SCOPE,
      "  --scope LIST        what a token may do: enroll,verify,identify,read,delete (all)\n"},
     {OPT_EXPIRES,
@@ -337,6 +352,7 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
         const char *name;
         unsigned option;
     } options[] = {{"--db", OPT_DB},
+                   {"--key", OPT_KEY},
                    {"--units", OPT_UNITS},
                    {"--label", OPT_LABEL},
                    {"--out", OPT_OUT},
@@ -360,6 +376,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             *ok = usage(&l->c.e, "a value is missing after", name);
         } else if (options[k].option == OPT_DB) {
             l->c.db = value;
+        } else if (options[k].option == OPT_KEY) {
+            l->c.key = value;
         } else if (options[k].option == OPT_TOLERANCE) {
             if (!number(value, 999, &l->c.tolerance_mm))
                 *ok = usage(&l->c.e, "a tolerance is millimetres above 0, not", value);
@@ -401,11 +419,15 @@ static bool read_option(int argc, char **argv, int *i, struct line *l)
         const char *name;
         unsigned option; /* 0: every command takes it */
         bool *flag;
-    } flags[] = {
-        {"--json", 0, &l->c.json},           {"--yes", OPT_YES, &l->c.yes},
-        {"--force", OPT_FORCE, &l->c.force}, {"--dry-run", OPT_DRY_RUN, &l->c.dry_run},
-        {"--list", OPT_LIST, &l->c.list},    {"--reset", OPT_RESET, &l->c.reset},
-        {"--mean", OPT_MEAN, &l->c.mean}};
+    } flags[] = {{"--json", 0, &l->c.json},
+                 {"--yes", OPT_YES, &l->c.yes},
+                 {"--force", OPT_FORCE, &l->c.force},
+                 {"--dry-run", OPT_DRY_RUN, &l->c.dry_run},
+                 {"--list", OPT_LIST, &l->c.list},
+                 {"--reset", OPT_RESET, &l->c.reset},
+                 {"--mean", OPT_MEAN, &l->c.mean},
+                 {"--plaintext", OPT_INIT, &l->c.plaintext},
+                 {"--passphrase", OPT_INIT, &l->c.passphrase}};
     const char *name = argv[*i];
     bool ok = true, *flag = NULL;
     unsigned option = 0;
@@ -465,7 +487,7 @@ static bool read_line(int argc, char **argv, struct line *l)
                           l->cmd->args);
         return false;
     }
-    if (l->given & ~(l->cmd->options | OPT_DB)) {
+    if (l->given & ~(l->cmd->options | OPT_DB | OPT_KEY)) {
         (void)errinfo_set(&l->c.e, ST_EINVAL,
                           "an option that %s does not take (surfacectl %s --help)",
                           l->cmd->name, l->cmd->name);
@@ -516,12 +538,15 @@ int main(int argc, char **argv)
     }
     if (ok && (l.cmd->options & OPT_MODEL) && l.c.model_path == NULL)
         l.c.model_path = environment("SURFACED_MODEL");
+    if (ok && l.c.key == NULL)
+        l.c.key = environment("SURFACED_KEY");
     if (ok) {
         const enum status st = surfacectl_model_read(&l.c, &model);
 
         code = st == ST_OK ? l.cmd->run(&l.c) : surfacectl_fail(&l.c, st);
     }
     free(model);
+    keyfile_free(l.c.asked);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);
     if (!surfacectl_out_end(l.c.out, stdout)) {

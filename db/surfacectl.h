@@ -8,7 +8,8 @@
  *   surfacectl_train.c  train
  *   surfacectl_model.c  --model, and the database opened for it
  *   surfacectl_dir.c    files that are there whole or not at all
- *   surfacectl_admin.c  init, list, show, delete, check, stats
+ *   surfacectl_key.c    --key, and the database opened by it
+ *   surfacectl_admin.c  init, migrate, list, show, delete, check, stats
  *   surfacectl_token.c  token
  *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
@@ -25,7 +26,8 @@
 #include "store.h"
 #include "surfacectl_out.h"
 
-struct model; /* model.h */
+struct keyfile; /* keyfile.h */
+struct model;   /* model.h */
 
 #define SURFACECTL_ACTOR "surfacectl" /* in the events table */
 
@@ -49,7 +51,10 @@ enum surfacectl_exit {                /* as in <sysexits.h> where that has one *
 
 struct surfacectl { /* what the command line said */
     const char *db;
-    const char *units; /* NULL: millimetres */
+    const char *key;            /* its file; NULL: the database's path and ".key" */
+    bool plaintext, passphrase; /* instead of a file, for a new database */
+    struct keyfile *asked;      /* a passphrase, once asked for; to be freed */
+    const char *units;          /* NULL: millimetres */
     const char *label;
     const char *dir;     /* --out; NULL: the command's own */
     double tolerance_mm; /* --tolerance; 0: not given */
@@ -85,6 +90,7 @@ int surfacectl_evaluate(struct surfacectl *c);
 int surfacectl_calibrate(struct surfacectl *c);
 int surfacectl_train(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
+int surfacectl_admin_migrate(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);
 int surfacectl_admin_delete(struct surfacectl *c);
@@ -92,6 +98,10 @@ int surfacectl_admin_check(struct surfacectl *c);
 int surfacectl_admin_stats(struct surfacectl *c);
 int surfacectl_token(struct surfacectl *c);
 int surfacectl_attempts(struct surfacectl *c);
+
+/* surfacectl_open(c, mode, s): store_open() by the key that the command line names; a
+ * passphrase is asked for on the terminal, once. */
+enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
 
 /* surfacectl_model_read(c, owned): c->model and c->engine by c->model_path; *owned is for
  * the caller to free() when c is done.  c->e is filled on failure.

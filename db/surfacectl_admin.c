@@ -1,3 +1,4 @@
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,25 +8,75 @@
 
 #define PAGE 1000 /* subjects read at a time */
 
-int surfacectl_admin_init(struct surfacectl *c)
+/* The file of a key that was made, or NULL: it is told where it is, since what it opens is
+ * lost without it. */
+static void tell_key(struct surfacectl *c, const char *path, bool made)
+{
+    surfacectl_out_text(c->out, "key", path);
+    if (made && !c->json)
+        (void)printf(
+            "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
+            "the database can be read.\n",
+            path);
+}
+
+/* Make or upgrade; the key's file is new where there was none before. */
+static enum status open_new(struct surfacectl *c, enum store_mode mode, const char *word)
 {
     struct store *s = NULL;
-    struct errinfo ignored;
-    enum status before = store_open(c->db, STORE_READ, &s, &ignored), st;
-    const bool there = before == ST_OK || before == ST_EVERSION;
+    char usual[PATH_MAX];
+    const char *path = c->key != NULL ? c->key : usual;
+    bool there;
+    enum status st;
 
-    store_close(s);
-    if ((st = store_open(c->db, STORE_CREATE, &s, &c->e)) != ST_OK)
-        return surfacectl_fail(c, st);
+    if (c->plaintext && c->key != NULL)
+        return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
+    (void)snprintf(usual, sizeof usual, "%s.key", c->db);
+    there = access(path, F_OK) == 0;
+    if ((st = surfacectl_open(c, mode, &s)) != ST_OK)
+        return st;
     store_close(s);
     surfacectl_out_text(c->out, "database", c->db);
-    surfacectl_out_flag(c->out, "created", !there);
-    surfacectl_out_flag(c->out, "upgraded", before == ST_EVERSION);
     if (!c->json)
-        (void)printf("%s: %s\n", c->db,
-                     before == ST_EVERSION ? "upgraded to this version"
-                     : there               ? "was initialised before"
-                                           : "initialised");
+        (void)printf("%s: %s\n", c->db, word);
+    if (access(path, F_OK) == 0)
+        tell_key(c, path, !there);
+    return ST_OK;
+}
+
+/* Is there a database at all, of whatever version? */
+static bool is_there(const struct surfacectl *c, bool *old)
+{
+    enum vault_kind kind;
+    const enum status st = store_kind(c->db, &kind, NULL);
+
+    *old = st == ST_EVERSION;
+    return st == ST_OK;
+}
+
+int surfacectl_admin_init(struct surfacectl *c)
+{
+    bool old;
+    const bool there = is_there(c, &old);
+    const enum status st =
+        open_new(c, STORE_CREATE, there ? "was initialised before" : "initialised");
+
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_flag(c->out, "created", !there);
+    return EXIT_FINE;
+}
+
+int surfacectl_admin_migrate(struct surfacectl *c)
+{
+    bool old;
+    const bool there = is_there(c, &old);
+    const enum status st = open_new(
+        c, STORE_MIGRATE, there ? "is of this version" : "upgraded to this version");
+
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_flag(c->out, "upgraded", old);
     return EXIT_FINE;
 }
 
@@ -33,9 +84,9 @@ int surfacectl_admin_list(struct surfacectl *c)
 {
     struct store_subject *page = NULL;
     struct store *s = NULL;
-    char after[STORE_SUBJECT_MAX + 1] = "";
+    int64_t after = 0;
     size_t n = 0, total = 0;
-    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
+    enum status st = surfacectl_open(c, STORE_READ, &s);
 
     if (st != ST_OK)
         return surfacectl_fail(c, st);
@@ -55,7 +106,7 @@ int surfacectl_admin_list(struct surfacectl *c)
                              page[i].created);
         }
         total += n;
-        memcpy(after, page[n - 1].id, sizeof after);
+        after = page[n - 1].key;
         free(page);
     }
     surfacectl_out_close(c->out);
@@ -147,7 +198,7 @@ int surfacectl_admin_show(struct surfacectl *c)
     struct store_template t;
     struct store *s = NULL;
     bool subject;
-    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
+    enum status st = surfacectl_open(c, STORE_READ, &s);
 
     if (st == ST_OK && (st = find(c, s, c->args[0], &one, &t, &subject)) == ST_OK) {
         if (subject)
@@ -186,7 +237,7 @@ int surfacectl_admin_delete(struct surfacectl *c)
     uint32_t removed = 1;
     bool subject = false;
     char what[256];
-    enum status st = store_open(c->db, STORE_WRITE, &s, &c->e);
+    enum status st = surfacectl_open(c, STORE_WRITE, &s);
 
     if (st != ST_OK || (st = find(c, s, id, &one, &t, &subject)) != ST_OK)
         goto out;
@@ -229,7 +280,7 @@ int surfacectl_admin_check(struct surfacectl *c)
 {
     struct store_check found;
     struct store *s = NULL;
-    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
+    enum status st = surfacectl_open(c, STORE_READ, &s);
 
     surfacectl_out_array(c->out, "problems");
     if (st == ST_OK)
@@ -264,7 +315,7 @@ int surfacectl_admin_stats(struct surfacectl *c)
 {
     struct store_stats t;
     struct store *s = NULL;
-    enum status st = store_open(c->db, STORE_READ, &s, &c->e);
+    enum status st = surfacectl_open(c, STORE_READ, &s);
 
     if (st == ST_OK)
         st = store_stats(s, &t, &c->e);

@@ -56,7 +56,7 @@ int surfacectl_attempts(struct surfacectl *c)
                           "it is 'attempts list' or 'attempts reset SUBJECT'");
         return EXIT_USAGE;
     }
-    if ((st = store_open(c->db, one ? STORE_WRITE : STORE_READ, &s, &c->e)) == ST_OK)
+    if ((st = surfacectl_open(c, one ? STORE_WRITE : STORE_READ, &s)) == ST_OK)
         st = one ? reset(c, s) : list(c, s);
     store_close(s);
     return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);

@@ -26,7 +26,7 @@ enum status surfacectl_model_store(struct surfacectl *c, enum store_mode mode,
                                    struct store **s)
 {
     struct store_calibration k;
-    enum status st = store_open(c->db, mode, s, &c->e);
+    enum status st = surfacectl_open(c, mode, s);
 
     if (st != ST_OK)
         return st;

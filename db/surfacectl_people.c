@@ -24,7 +24,7 @@ static enum status list_people(struct surfacectl *c, struct store *s,
                                struct surfacectl_person **out, uint32_t *count)
 {
     struct store_subject *page = NULL;
-    char after[STORE_SUBJECT_MAX + 1] = "";
+    int64_t after = 0;
     size_t n = 0;
     enum status st;
 
@@ -40,7 +40,7 @@ static enum status list_people(struct surfacectl *c, struct store *s,
         for (size_t i = 0; i < n; i++)
             if (page[i].templates > 0)
                 memcpy((*out)[(*count)++].id, page[i].id, sizeof page[i].id);
-        memcpy(after, page[n - 1].id, sizeof after);
+        after = page[n - 1].key;
         free(page);
     }
     return st;

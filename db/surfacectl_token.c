@@ -163,7 +163,7 @@ int surfacectl_token(struct surfacectl *c)
                               verbs[i].verb);
             return EXIT_USAGE;
         }
-        if ((st = store_open(c->db, verbs[i].mode, &s, &c->e)) == ST_OK)
+        if ((st = surfacectl_open(c, verbs[i].mode, &s)) == ST_OK)
             st = verbs[i].run(c, s);
         store_close(s);
         return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);

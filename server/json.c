@@ -478,6 +478,7 @@ char *json_subjects(const struct store_subject *s, size_t n, bool more)
 {
     cJSON *o = cJSON_CreateObject();
     cJSON *list = cJSON_AddArrayToObject(o, "subjects");
+    char cursor[24];
     bool ok = list != NULL;
 
     for (size_t i = 0; i < n && ok; i++) {
@@ -491,8 +492,9 @@ char *json_subjects(const struct store_subject *s, size_t n, bool more)
         else
             cJSON_Delete(x);
     }
-    return print(o,
-                 ok && add_string(o, "next_cursor", more && n > 0 ? s[n - 1].id : NULL));
+    if (more && n > 0)
+        (void)snprintf(cursor, sizeof cursor, "%lld", (long long)s[n - 1].key);
+    return print(o, ok && add_string(o, "next_cursor", more && n > 0 ? cursor : NULL));
 }
 
 char *json_removed(const char *subject, uint32_t templates, const char *when)

@@ -18,6 +18,8 @@
 static const struct setting table[] = {
     {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
      "the database; made if it is missing"},
+    {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
+     "the database's key or passphrase (PATH.key)"},
     {"model", SETTING_FILE, NULL, offsetof(struct options, model), 0, 0, "FILE",
      "judge by a model that surfacectl train wrote"},
     {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),

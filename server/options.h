@@ -16,6 +16,7 @@ struct settings; /* settings.h */
  * given. */
 struct options {
     const char *db;
+    const char *key;         /* its master key; NULL: beside it */
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;

@@ -1,6 +1,8 @@
 #include "subjects.h"
 
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "app.h"
@@ -16,17 +18,31 @@
 #define PAGE_DEFAULT 100
 #define PAGE_MAX     1000
 
+#define SUBJECTS_CURSOR 24 /* digits of a key */
+
+/* The key of the page's last subject; none at all is the first page. */
+static enum status read_cursor(const char *text, int64_t *after)
+{
+    if (strspn(text, "0123456789") != strlen(text))
+        return ST_EINVAL;
+    errno = 0;
+    *after = text[0] == '\0' ? 0 : strtoll(text, NULL, 10);
+    return errno == 0 ? ST_OK : ST_EINVAL;
+}
+
 void subjects_list(struct request *r, struct worker *w)
 {
-    char after[STORE_SUBJECT_MAX + 1];
+    char cursor[SUBJECTS_CURSOR];
     struct store_subject *s = NULL;
     struct errinfo e = {0};
     size_t n = 0, limit = PAGE_DEFAULT;
-    enum status st = request_query(r, "cursor", after, sizeof after);
+    int64_t after = 0;
+    enum status st = request_query(r, "cursor", cursor, sizeof cursor);
 
     (void)w;
-    if ((st != ST_OK && st != ST_ENOTFOUND) ||
-        (after[0] != '\0' && !store_subject_valid(after))) {
+    if (st == ST_OK)
+        st = read_cursor(cursor, &after);
+    if (st != ST_OK && st != ST_ENOTFOUND) {
         request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
         return;
     }

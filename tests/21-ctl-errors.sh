@@ -123,15 +123,16 @@ that "a full output is told" [ $? -eq 74 ]
 
 # a byte changed in the middle of the model: told by check and by verify, as text and JSON
 cp f.db damaged.db
+cp f.db.key damaged.db.key
 printf 'x' | dd of=damaged.db bs=1 seek=$(($(stat -c %s f.db) - 30000)) conv=notrunc 2>err
 "$ctl" --db damaged.db check >out 2>err
 that "check finds it" [ $? -eq 1 ]
 that "check counts it" grep -q 'NOT ok: 1 templates, 1 bad' out
-that "check says what" grep -q 'its checksum is wrong' out
+that "check says what" grep -q 'its model is damaged' out
 "$ctl" --db damaged.db check --json >out 2>err
 that "check --json finds it" [ $? -eq 1 ]
 that "check --json says so" grep -q '"ok":.*false' out
-refuse 65 'checksum' "$ctl" --db damaged.db verify alice good.ply
+refuse 65 'damaged' "$ctl" --db damaged.db verify alice good.ply
 "$ctl" --db damaged.db verify alice good.ply --json >out 2>err
 that "verify --json refuses" [ $? -eq 65 ]
 that "verify --json says so" grep -q '"exit":.*65' out

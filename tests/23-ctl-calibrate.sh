@@ -150,21 +150,21 @@ send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
 is "is the way out" "$STATUS" 200
 stop_daemon
 
-# ---- a database of version 1, which has no calibrations
-old='DROP TABLE calibrations; DROP TABLE attempts; DROP INDEX tokens_old_hash;
-ALTER TABLE tokens DROP COLUMN scopes; ALTER TABLE tokens DROP COLUMN expires;
-ALTER TABLE tokens DROP COLUMN used; ALTER TABLE tokens DROP COLUMN old_hash;
-ALTER TABLE tokens DROP COLUMN old_until; PRAGMA user_version = 1'
-sqlite3 "$DB" "$old"
+# ---- a database of version 1, which had no calibrations
+rm -f "$DB" "$DB.key"
+sed '/^-- version 2$/,$d' schema.sql >"$T/version1.sql"
+sqlite3 "$DB" <"$T/version1.sql"
 ctl list
 is "version 1 is not read as it is" $CODE 65
-ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*init'
+ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*migrate'
 ctl init
-is "it is upgraded" "$CODE $(said '[.created, .upgraded] | @csv')" "0 false,true"
+is "nor made anew" $CODE 65
+ctl migrate
+is "it is upgraded" "$CODE $(said .upgraded)" "0 true"
 ctl check
 is "to what a new one is" $CODE 0
-sqlite3 "$DB" "$old"
-start_daemon --no-auth
-send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
-is "the daemon upgrades too" "$STATUS $(get .decision)" "200 match"
+ctl migrate
+is "only once" "$CODE $(said .upgraded)" "0 false"
+ctl calibrate --list
+is "and has no calibration" "$CODE $(said '.calibrations | length')" "0 0"
 finish

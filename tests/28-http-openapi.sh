@@ -231,8 +231,8 @@ each 500 '.responses["500"]' -d x
 sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM subjects
-    WHERE id = 'carol'"
+sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM templates
+    WHERE id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
 put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"
 AUTH=0123456789abcdef

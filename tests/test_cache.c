@@ -62,7 +62,7 @@ static int set_up(void **state)
     (void)snprintf(dir, sizeof dir, "/tmp/surfaced-test.XXXXXX");
     assert_non_null(mkdtemp(dir));
     (void)snprintf(path, sizeof path, "%s/db", dir);
-    assert_int_equal(store_open(path, STORE_CREATE, &store, &e), ST_OK);
+    assert_int_equal(store_open(path, STORE_CREATE, NULL, &store, &e), ST_OK);
     work = face_work_new(NULL);
     assert_non_null(work);
     for (uint64_t i = 0; i < FACES; i++) {
@@ -80,7 +80,7 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm"};
+    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
     char name[128];
 
     (void)state;
@@ -88,7 +88,7 @@ static int tear_down(void **state)
         face_free(&faces[i]);
     face_work_free(work);
     store_close(store);
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 4; i++) {
         (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
         (void)unlink(name);
     }
@@ -387,7 +387,7 @@ static void test_gone_beside(void **state)
     struct store *beside;
 
     (void)state;
-    assert_int_equal(store_open(path, STORE_WRITE, &beside, &e), ST_OK);
+    assert_int_equal(store_open(path, STORE_WRITE, NULL, &beside, &e), ST_OK);
     run_going(beside);
     cache_free(going.cache);
     store_close(beside);

@@ -27,10 +27,10 @@ static struct errinfo e;
 
 static void remove_database(void)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm"};
+    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
     char name[128];
 
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 4; i++) {
         (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
         (void)unlink(name);
     }
@@ -40,7 +40,7 @@ static struct store *open_store(enum store_mode mode)
 {
     struct store *s = NULL;
 
-    if (store_open(path, mode, &s, &e) != ST_OK)
+    if (store_open(path, mode, NULL, &s, &e) != ST_OK)
         fail_msg("%s", e.msg);
     return s;
 }
@@ -359,13 +359,13 @@ static void test_upgraded(void **state)
     (void)state;
     remove_database();
     sql(version_1);
-    assert_int_equal(store_open(path, STORE_READ, &s, &e), ST_EVERSION);
+    assert_int_equal(store_open(path, STORE_READ, NULL, &s, &e), ST_EVERSION);
     assert_null(s);
     print_message("%s\n", e.msg);
-    assert_non_null(strstr(e.msg, "init"));
+    assert_non_null(strstr(e.msg, "migrate"));
     assert_int_equal(count("PRAGMA user_version"), 1);
-    s = open_store(STORE_WRITE);
-    assert_int_equal(count("PRAGMA user_version"), 3);
+    s = open_store(STORE_MIGRATE);
+    assert_int_equal(count("PRAGMA user_version"), 4);
     assert_int_equal(store_ready(s, &e), ST_OK);
     assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
     add(s, &k);
@@ -384,7 +384,7 @@ static void test_not_upgraded(void **state)
     remove_database();
     sql(version_1);
     sql("CREATE TABLE calibrations (nonsense TEXT)");
-    assert_int_equal(store_open(path, STORE_WRITE, &s, &e), ST_EDB);
+    assert_int_equal(store_open(path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
     assert_null(s);
     print_message("%s\n", e.msg);
     assert_non_null(strstr(e.msg, "upgrade"));

@@ -21,10 +21,10 @@ static struct errinfo e;
 
 static void remove_database(void)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm"};
+    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
     char name[128];
 
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 4; i++) {
         (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
         (void)unlink(name);
     }
@@ -34,7 +34,7 @@ static struct store *open_store(enum store_mode mode)
 {
     struct store *s = NULL;
 
-    if (store_open(path, mode, &s, &e) != ST_OK)
+    if (store_open(path, mode, NULL, &s, &e) != ST_OK)
         fail_msg("%s", e.msg);
     return s;
 }
@@ -328,8 +328,12 @@ static void test_damaged(void **state)
 
 /* ---- failed verifications */
 
-#define ADD_ALICE                                                                        \
-    "INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z')"
+static void add_alice(struct store *s)
+{
+    struct store_subject alice = {.id = "alice"};
+
+    assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
+}
 
 static struct store_attempts attempts(struct store *s)
 {
@@ -350,7 +354,7 @@ static void test_attempts(void **state)
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_ENOTFOUND);
     assert_int_equal(store_attempts_clear(s, "alice", &e), ST_ENOTFOUND);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
-    sql(ADD_ALICE);
+    add_alice(s);
     assert_int_equal(attempts(s).failures, 0);
     for (unsigned i = 1; i <= 5; i++) {
         assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
@@ -372,7 +376,7 @@ static void test_attempts(void **state)
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
     assert_int_equal(attempts(s).failures, 0);
     assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
-                           "AND subject = 'alice' AND actor = 'test'"),
+                           "AND actor = 'test'"),
                      1);
     /* It stops counting somewhere, and goes with the subject. */
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
@@ -392,7 +396,7 @@ static void test_clock_back(void **state)
     struct store_attempts a;
 
     (void)state;
-    sql(ADD_ALICE);
+    add_alice(s);
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
     sql("UPDATE attempts SET at_ms = 253402300799999");
     a = attempts(s);
@@ -420,7 +424,7 @@ static void test_threads(void **state)
     pthread_t thread[4];
 
     (void)state;
-    sql(ADD_ALICE);
+    add_alice(s);
     for (int i = 0; i < 4; i++)
         assert_int_equal(pthread_create(&thread[i], NULL, fail_often, s), 0);
     for (int i = 0; i < 4; i++) {
@@ -448,7 +452,7 @@ static void make_version_2(void)
     text[n] = '\0';
     remove_database();
     sql(text);
-    sql(ADD_ALICE);
+    sql("INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z')");
 }
 
 static void test_upgraded(void **state)
@@ -478,10 +482,11 @@ static void test_upgraded(void **state)
     sql(insert);
 
     s = NULL;
-    assert_int_equal(store_open(path, STORE_READ, &s, &e), ST_EVERSION);
+    assert_int_equal(store_open(path, STORE_READ, NULL, &s, &e), ST_EVERSION);
     assert_int_equal(count("PRAGMA user_version"), 2);
-    s = open_store(STORE_WRITE);
-    assert_int_equal(count("PRAGMA user_version"), 3);
+    assert_int_equal(store_open(path, STORE_WRITE, NULL, &s, &e), ST_EVERSION);
+    s = open_store(STORE_MIGRATE);
+    assert_int_equal(count("PRAGMA user_version"), 4);
     assert_int_equal(problems(s),
                      0); /* its tables are word for word those of a new one */
     assert_int_equal(store_token_check(s, secret, &t, &e), ST_OK);
@@ -499,7 +504,7 @@ static void test_not_upgraded(void **state)
     (void)state;
     make_version_2();
     sql("CREATE TABLE attempts (nonsense TEXT)");
-    assert_int_equal(store_open(path, STORE_WRITE, &s, &e), ST_EDB);
+    assert_int_equal(store_open(path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
     assert_null(s);
     assert_int_equal(count("PRAGMA user_version"), 2);
     assert_int_equal(

@@ -1,0 +1,153 @@
+#include "keyfile.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+
+/* The name of a new file is on the disk once its directory is. */
+static int sync_directory(const char *path)
+{
+    char dir[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    int fd, rc;
+
+    (void)snprintf(dir, sizeof dir, "%.*s",
+                   slash == NULL   ? 1
+                   : slash == path ? 1
+                                   : (int)(slash - path),
+                   slash == NULL ? "." : path);
+    if ((fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
+        return -1;
+    rc = fsync(fd);
+    (void)close(fd);
+    return rc;
+}
+
+enum status keyfile_make(const char *path, struct errinfo *e)
+{
+    unsigned char key[VAULT_KEY];
+    char line[2 * VAULT_KEY + 2];
+    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    int err = 0;
+
+    if (fd < 0)
+        return errno == EEXIST
+                   ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path)
+                   : errinfo_set(e, ST_EIO, "cannot create %.160s: %s", path,
+                                 strerror(errno));
+    randombytes_buf(key, sizeof key);
+    (void)sodium_bin2hex(line, sizeof line, key, sizeof key);
+    line[2 * VAULT_KEY] = '\n';
+    if (write(fd, line, 2 * VAULT_KEY + 1) != 2 * VAULT_KEY + 1 || fsync(fd) != 0)
+        err = errno;
+    sodium_memzero(key, sizeof key);
+    sodium_memzero(line, sizeof line);
+    if (close(fd) != 0 && err == 0)
+        err = errno;
+    if (err == 0 && sync_directory(path) != 0)
+        err = errno;
+    if (err != 0) {
+        (void)unlink(path);
+        return errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(err));
+    }
+    return ST_OK;
+}
+
+static enum status read_line(int fd, const char *path, struct keyfile *k,
+                             struct errinfo *e)
+{
+    ssize_t n = 0;
+
+    k->len = 0;
+    while (k->len < sizeof k->text &&
+           (n = read(fd, k->text + k->len, sizeof k->text - k->len)) > 0)
+        k->len += (size_t)n;
+    if (n < 0)
+        return errinfo_set(e, ST_EIO, "cannot read %.160s: %s", path, strerror(errno));
+    if (k->len > 0 && k->text[k->len - 1] == '\n')
+        k->len--;
+    if (k->len == 0 || k->len > VAULT_SECRET_MAX ||
+        memchr(k->text, '\n', k->len) != NULL || memchr(k->text, '\0', k->len) != NULL)
+        return errinfo_set(e, ST_EINVAL,
+                           "%.160s: a key is one line of up to %d characters", path,
+                           VAULT_SECRET_MAX);
+    k->text[k->len] = '\0';
+    return ST_OK;
+}
+
+enum status keyfile_read(const char *path, struct keyfile **out, struct errinfo *e)
+{
+    struct keyfile *k = NULL;
+    struct stat sb;
+    int fd;
+    enum status st;
+
+    *out = NULL;
+    if ((fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) < 0)
+        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO,
+                           "cannot read the key %.160s: %s", path, strerror(errno));
+    if (fstat(fd, &sb) != 0)
+        st = errinfo_set(e, ST_EIO, "cannot read the key %.160s: %s", path,
+                         strerror(errno));
+    else if (S_ISREG(sb.st_mode) && (sb.st_mode & 027) != 0)
+        st = errinfo_set(e, ST_EDENIED,
+                         "the key %.160s may be read or changed by others "
+                         "(mode %03o): chmod 600",
+                         path, (unsigned)sb.st_mode & 0777);
+    else if ((k = sodium_malloc(sizeof *k)) == NULL)
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    else
+        st = read_line(fd, path, k, e);
+    (void)close(fd);
+    if (st != ST_OK) {
+        keyfile_free(k);
+        return st;
+    }
+    *out = k;
+    return ST_OK;
+}
+
+void keyfile_free(struct keyfile *k)
+{
+    sodium_free(k);
+}
+
+enum status keyfile_key(const struct keyfile *k, const char *path,
+                        unsigned char key[VAULT_KEY], struct errinfo *e)
+{
+    size_t n = 0;
+
+    if (k->len == 2 * VAULT_KEY &&
+        sodium_hex2bin(key, VAULT_KEY, k->text, k->len, NULL, &n, NULL) == 0 &&
+        n == VAULT_KEY)
+        return ST_OK;
+    return errinfo_set(e, ST_EINVAL, "%.160s: a key has %d hexadecimal digits", path,
+                       2 * VAULT_KEY);
+}
+
+enum status keyfile_open(const struct keyfile *k, const char *path,
+                         const struct vault_root *root, struct vault **out,
+                         struct errinfo *e)
+{
+    unsigned char key[VAULT_KEY];
+    struct errinfo why;
+    enum status st;
+
+    *out = NULL;
+    if (root->kind != VAULT_FILE)
+        st = vault_open(root, k->text, k->len, out, &why);
+    else if ((st = keyfile_key(k, path, key, e)) != ST_OK)
+        return st;
+    else
+        st = vault_open(root, key, sizeof key, out, &why);
+    sodium_memzero(key, sizeof key);
+    return st == ST_OK ? st : errinfo_set(e, st, "%.100s: %.120s", path, why.msg);
+}

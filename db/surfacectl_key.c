@@ -1,0 +1,97 @@
+/* The database's master key: --key, or a passphrase asked for on the terminal. */
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "keyfile.h"
+#include "surfacectl.h"
+
+/* One line from the terminal, which does not show it. */
+static enum status ask(struct surfacectl *c, const char *what, struct keyfile **out)
+{
+    struct termios was, hidden;
+    struct keyfile *k;
+    FILE *tty = fopen("/dev/tty", "r+");
+    char *end;
+
+    *out = NULL;
+    if (tty == NULL || tcgetattr(fileno(tty), &was) != 0) {
+        if (tty != NULL)
+            (void)fclose(tty);
+        return errinfo_set(&c->e, ST_EINVAL,
+                           "%.160s asks for a passphrase: give a file with it to --key",
+                           c->db);
+    }
+    if ((k = sodium_malloc(sizeof *k)) == NULL) {
+        (void)fclose(tty);
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    }
+    (void)setvbuf(tty, NULL, _IONBF, 0); /* no copy of it is left in a buffer */
+    hidden = was;
+    hidden.c_lflag &= ~(tcflag_t)ECHO;
+    (void)fprintf(tty, "%s: ", what);
+    (void)tcsetattr(fileno(tty), TCSAFLUSH, &hidden);
+    if (fgets(k->text, sizeof k->text, tty) == NULL)
+        k->text[0] = '\0';
+    (void)tcsetattr(fileno(tty), TCSAFLUSH, &was);
+    (void)fprintf(tty, "\n");
+    (void)fclose(tty);
+    if ((end = strchr(k->text, '\n')) != NULL)
+        *end = '\0';
+    if ((k->len = strlen(k->text)) == 0) {
+        keyfile_free(k);
+        return errinfo_set(&c->e, ST_EINVAL, "no passphrase was given");
+    }
+    *out = k;
+    return ST_OK;
+}
+
+/* A new passphrase, twice, so that a slip of the finger does not lock everybody out. */
+static enum status ask_new(struct surfacectl *c, struct keyfile **out)
+{
+    struct keyfile *again = NULL;
+    enum status st;
+
+    if ((st = ask(c, "New passphrase", out)) != ST_OK)
+        return st;
+    if ((st = ask(c, "The same again", &again)) == ST_OK &&
+        strcmp((*out)->text, again->text) != 0)
+        st = errinfo_set(&c->e, ST_EINVAL, "the two passphrases differ");
+    keyfile_free(again);
+    if (st != ST_OK) {
+        keyfile_free(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s)
+{
+    struct store_key key = {.path = c->key, .make = VAULT_FILE};
+    enum vault_kind kind;
+    enum status st;
+
+    *s = NULL;
+    if (sodium_init() < 0)
+        return errinfo_set(&c->e, ST_EINTERNAL,
+                           "the cryptographic library does not start");
+    if (c->plaintext)
+        key.make = VAULT_OPEN;
+    else if (c->passphrase)
+        key.make = VAULT_PASSPHRASE;
+    if (c->key == NULL && c->asked == NULL) {
+        st = store_kind(c->db, &kind, NULL);
+        if (st == ST_OK && kind == VAULT_PASSPHRASE)
+            st = ask(c, "Passphrase", &c->asked);
+        else if (st != ST_OK && c->passphrase)
+            st = ask_new(c, &c->asked);
+        else
+            st = ST_OK; /* what is wrong with the database, opening it tells better */
+        if (st != ST_OK)
+            return st;
+    }
+    key.given = c->asked;
+    return store_open(c->db, mode, &key, s, &c->e);
+}
