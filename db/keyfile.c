@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,25 +10,7 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-
-/* The name of a new file is on the disk once its directory is. */
-static int sync_directory(const char *path)
-{
-    char dir[PATH_MAX];
-    const char *slash = strrchr(path, '/');
-    int fd, rc;
-
-    (void)snprintf(dir, sizeof dir, "%.*s",
-                   slash == NULL   ? 1
-                   : slash == path ? 1
-                                   : (int)(slash - path),
-                   slash == NULL ? "." : path);
-    if ((fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
-        return -1;
-    rc = fsync(fd);
-    (void)close(fd);
-    return rc;
-}
+#include "newfile.h"
 
 enum status keyfile_make(const char *path, struct errinfo *e)
 {
@@ -52,7 +33,7 @@ enum status keyfile_make(const char *path, struct errinfo *e)
     sodium_memzero(line, sizeof line);
     if (close(fd) != 0 && err == 0)
         err = errno;
-    if (err == 0 && sync_directory(path) != 0)
+    if (err == 0 && newfile_sync_directory(path) != 0)
         err = errno;
     if (err != 0) {
         (void)unlink(path);

@@ -45,7 +45,8 @@ struct store_key {               /* where the master key of vault.h comes from *
 /* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
  * for {NULL, NULL, VAULT_FILE}.  A key's file that is missing is made with a new database.
  * ST_EDENIED: not the database's key.  ST_EVERSION: of another version than this program's;
- * STORE_MIGRATE upgrades an older one in one transaction. */
+ * STORE_MIGRATE upgrades an older one in one transaction, of which a verified copy is kept:
+ * PATH.v3.bak, in which all stands open that did. */
 enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out,
                        struct errinfo *e);
@@ -53,6 +54,14 @@ void store_close(struct store *s); /* NULL is allowed */
 
 /* store_kind(path, kind, e): how the database's master key is kept, which takes no key. */
 enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
+
+struct store_look {
+    int version, newest; /* of the schema, 0: it is empty; what this program makes */
+    uint64_t subjects, templates, bytes;
+};
+
+/* store_look(path, out, e): how old a database is, and how large, which takes no key. */
+enum status store_look(const char *path, struct store_look *out, struct errinfo *e);
 
 /* store_use_model(s, m): what is enrolled and calibrated from now on is by this model, which
  * the callers' face_work must be for too.  m is borrowed; NULL, as after store_open():
@@ -292,5 +301,36 @@ struct store_check {
  * minimal, its digest and counts right.  report() is called once a problem with one line of text. */
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e);
+
+struct store_copied { /* what is in a copy that was verified */
+    uint64_t subjects, templates, events, bytes;
+};
+
+/* store_backup(s, path, key, out, e): a copy of one moment while others write, whole or not
+ * at all and readable by its owner alone.  Before it gets its name it is verified: pages,
+ * every subject and template opened with its key, the end of the events.  An older backup of
+ * that name is replaced; another file is not (ST_EEXISTS).  key: as the store was opened by,
+ * with its path.  Of the database's other errors ST_ECORRUPT: what is damaged in it. */
+enum status store_backup(struct store *s, const char *path, const struct store_key *key,
+                         struct store_copied *out, struct errinfo *e);
+
+struct store_restored {
+    struct store_copied backup; /* as it was verified, before anybody was erased again */
+    bool was_there;             /* there was a database, and it is PATH.before-restore */
+    uint64_t had_subjects, had_templates; /* it had so many */
+    uint64_t lost;    /* subjects of it that the backup does not have */
+    uint64_t erased;  /* subjects of the backup that were erased since */
+    uint64_t revoked; /* tokens of the backup that were revoked since */
+};
+
+/* store_restore(path, from, key, actor, dry, out, e): the backup in the place of the
+ * database, which is kept as PATH.before-restore, or with dry nothing but *out.  Who was
+ * erased since, and came again or not, is erased; tokens keep the secrets that they have, and
+ * are revoked if they are.  A database that is missing is made.
+ * ST_EBUSY: another process has the database open; ST_EMISMATCH: it is another database's
+ * backup; ST_EEXISTS: there is a PATH.before-restore; as store_open() and store_backup(). */
+enum status store_restore(const char *path, const char *from, const struct store_key *key,
+                          const char *actor, bool dry, struct store_restored *out,
+                          struct errinfo *e);
 
 #endif

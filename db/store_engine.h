@@ -114,6 +114,9 @@ struct store_engine {
                                     size_t *n, struct errinfo *e);
 
     enum status (*stats)(struct store *s, struct store_stats *out, struct errinfo *e);
+    /* As store_backup(). */
+    enum status (*backup)(struct store *s, const char *path, const struct store_key *key,
+                          struct store_copied *out, struct errinfo *e);
     /* The database's own structure (pages, indexes, references, schema), and the rows of
      * calibrations. */
     enum status (*check)(struct store *s, store_report *report, void *arg,

@@ -128,7 +128,7 @@ static enum status run_sql(struct store_sqlite_conn *c, enum store_sqlite_sql sq
 
 /* ---- connections */
 
-static void conn_close(struct store_sqlite_conn *c)
+void store_sqlite_disconnect(struct store_sqlite_conn *c)
 {
     if (c == NULL)
         return;
@@ -166,8 +166,26 @@ static enum status conn_harden(struct store_sqlite_conn *c, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status conn_open(const char *path, int flags, struct store_sqlite_conn **out,
-                             struct errinfo *e)
+/* Before anything is read: a log that is opened for sharing stays shared.  Who has opened
+ * the database holds a lock on its file, also at rest. */
+static enum status lock_out(struct store_sqlite_conn *c, const char *path,
+                            struct errinfo *e)
+{
+    enum status st;
+
+    if (sqlite3_exec(c->db, "PRAGMA locking_mode=EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT",
+                     NULL, NULL, NULL) == SQLITE_OK)
+        return ST_OK;
+    st = store_sqlite_fail(c, "cannot lock", e);
+    return st == ST_EBUSY ? errinfo_set(e, st,
+                                        "%s is open in another process: stop surfaced "
+                                        "first",
+                                        path)
+                          : st;
+}
+
+enum status store_sqlite_connect(const char *path, int flags, bool alone,
+                                 struct store_sqlite_conn **out, struct errinfo *e)
 {
     struct store_sqlite_conn *c = calloc(1, sizeof *c);
     enum status st;
@@ -181,24 +199,26 @@ static enum status conn_open(const char *path, int flags, struct store_sqlite_co
                            : store_sqlite_fail(c, "cannot open", e);
         goto out;
     }
+    if (alone && (st = lock_out(c, path, e)) != ST_OK)
+        goto out;
     if ((st = conn_harden(c, e)) != ST_OK)
         goto out;
     *out = c;
     c = NULL;
 out:
-    conn_close(c);
+    store_sqlite_disconnect(c);
     return st;
 }
 
 static enum status open_query(struct sqlite_store *q, struct store_sqlite_conn **c,
                               struct errinfo *e)
 {
-    enum status st = conn_open(q->reading, q->flags, c, e);
+    enum status st = store_sqlite_connect(q->reading, q->flags, false, c, e);
 
     if (st == ST_OK &&
         sqlite3_exec((*c)->db, "PRAGMA query_only=ON", NULL, NULL, NULL) != SQLITE_OK) {
         st = store_sqlite_fail(*c, "cannot configure", e);
-        conn_close(*c);
+        store_sqlite_disconnect(*c);
         *c = NULL;
     }
     return st;
@@ -439,7 +459,8 @@ static enum status open_writer(struct sqlite_store *q, enum store_mode mode,
     int version;
     enum status st;
 
-    if ((st = conn_open(q->path, SQLITE_OPEN_READWRITE, &q->writer, e)) != ST_OK)
+    if ((st = store_sqlite_connect(q->path, SQLITE_OPEN_READWRITE, false, &q->writer,
+                                   e)) != ST_OK)
         return st;
     if ((st = store_sqlite_schema_version(q->writer, q->path, &version, e)) != ST_OK)
         return st;
@@ -491,9 +512,10 @@ static void sqlite_close(struct store *s)
 
     while ((c = q->idle) != NULL) {
         q->idle = c->next;
-        conn_close(c);
+        store_sqlite_disconnect(c);
     }
-    conn_close(q->writer); /* last: with it SQLite brings in the log and removes it */
+    store_sqlite_disconnect(
+        q->writer); /* last: with it SQLite brings in the log and removes it */
     (void)pthread_cond_destroy(&q->read_free);
     (void)pthread_mutex_destroy(&q->read_lock);
     (void)pthread_cond_destroy(&q->write_free);
@@ -600,7 +622,7 @@ enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct er
 
     *kind = VAULT_OPEN;
     if ((st = check_file(path, STORE_READ, &made, e)) != ST_OK ||
-        (st = conn_open(path, SQLITE_OPEN_READONLY, &c, e)) != ST_OK)
+        (st = store_sqlite_connect(path, SQLITE_OPEN_READONLY, false, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_schema_version(c, path, &version, e)) == ST_OK) {
         if (version == STORE_SQLITE_SCHEMA)
@@ -608,7 +630,7 @@ enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct er
         else
             st = errinfo_set(e, ST_EVERSION, "%s has schema version %d", path, version);
     }
-    conn_close(c);
+    store_sqlite_disconnect(c);
     return st;
 }
 
@@ -669,5 +691,6 @@ const struct store_engine store_sqlite_engine = {
     .calibration_version = store_sqlite_calibration_version,
     .calibration_list = store_sqlite_calibration_list,
     .stats = store_sqlite_admin_stats,
+    .backup = store_sqlite_backup,
     .check = store_sqlite_admin_check,
 };

@@ -9,6 +9,8 @@
  *   store_sqlite_event.c  events
  *   store_sqlite_convert.c  the rows of older versions
  *   store_sqlite_admin.c  statistics, check
+ *   store_sqlite_backup.c  copies, verified
+ *   store_sqlite_restore.c  a copy in the place of the database
  *   store_sqlite_token.c  tokens
  *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
@@ -89,6 +91,13 @@ enum status store_sqlite_open(const char *path, enum store_mode mode,
 
 /* store_sqlite_kind(path, kind, e): as store_kind(). */
 enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
+
+/* store_sqlite_connect(path, flags, alone, out, e): a connection outside of any store, to be
+ * closed by store_sqlite_disconnect() (NULL is allowed).  alone: nobody else has the database
+ * open, or can read it while this connection is; ST_EBUSY. */
+enum status store_sqlite_connect(const char *path, int flags, bool alone,
+                                 struct store_sqlite_conn **out, struct errinfo *e);
+void store_sqlite_disconnect(struct store_sqlite_conn *c);
 
 /* store_sqlite_vault.c: vaults are kept until the store is closed, so that a transaction
  * that began before another process changed the master key ends with the one it knows. */
@@ -297,6 +306,38 @@ enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
                                      struct errinfo *e);
 enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
                                      struct errinfo *e);
+
+/* store_sqlite_backup.c */
+
+struct newfile; /* newfile.h */
+
+/* store_sqlite_pages(from, to, e): all pages of one database over another's, which is then
+ * of one transaction.
+ * store_sqlite_copy(from, n, e): into the part of a new file, as one file without a log. */
+enum status store_sqlite_pages(struct store_sqlite_conn *from,
+                               struct store_sqlite_conn *to, struct errinfo *e);
+enum status store_sqlite_copy(struct store_sqlite_conn *from, const struct newfile *n,
+                              struct errinfo *e);
+
+/* store_sqlite_verify(path, key, found, e): every page, and every subject and template
+ * opened with its key, and the end of the events.  ST_ECORRUPT. */
+enum status store_sqlite_verify(const char *path, const struct store_key *key,
+                                struct store_copied *found, struct errinfo *e);
+
+/* As store_backup(), store_restore() and store_look(). */
+enum status store_sqlite_backup(struct store *s, const char *path,
+                                const struct store_key *key, struct store_copied *out,
+                                struct errinfo *e);
+enum status store_sqlite_restore(const char *path, const char *from,
+                                 const struct store_key *key, const struct store_act *by,
+                                 bool dry, struct store_restored *out, struct errinfo *e);
+enum status store_sqlite_look(const char *path, struct store_look *out,
+                              struct errinfo *e);
+
+/* store_sqlite_backup_old(path, version, n, e): a verified copy of a database of that
+ * version, for PATH.vVERSION.bak; the caller gives it its name, and closes it in any case. */
+enum status store_sqlite_backup_old(const char *path, int version, struct newfile *n,
+                                    struct errinfo *e);
 
 /* store_sqlite_token.c */
 enum status store_sqlite_token_add(struct store *s, const struct store_act *by,

@@ -3,8 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "errinfo.h"
+#include "newfile.h"
 #include "schema_sql.h"
 #include "store_sqlite.h"
 
@@ -76,7 +78,7 @@ static const char *steps_from(int version)
     return strstr(schema_sql, mark);
 }
 
-/* Run the steps from a version on, in an open transaction.  Rows of version 3 become those
+/* Run the steps from a version on, inside a transaction.  Rows of version 3 become those
  * of 4 at the line that says so: that takes a key. */
 static enum status run_steps(struct store_sqlite_conn *c, struct store_sqlite_vaults *v,
                              const char *path, int version, struct errinfo *e)
@@ -97,10 +99,32 @@ static enum status run_steps(struct store_sqlite_conn *c, struct store_sqlite_va
         st = store_sqlite_fail(c, what, e);
     else if ((st = store_sqlite_vault_new(v, c, e)) == ST_OK &&
              (st = store_sqlite_convert(c, e)) == ST_OK &&
-             (sqlite3_exec(c->db, turn, NULL, NULL, NULL) != SQLITE_OK ||
-              sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK))
+             sqlite3_exec(c->db, turn, NULL, NULL, NULL) != SQLITE_OK)
         st = store_sqlite_fail(c, what, e);
     free(first);
+    return st;
+}
+
+/* The steps from a version on, and with them a backup of what there was, or neither: it gets
+ * its name when the steps have been gone and before they count. */
+static enum status upgrade(struct store_sqlite_conn *c, struct store_sqlite_vaults *v,
+                           const char *path, int version, struct errinfo *e)
+{
+    struct newfile old = NEWFILE_NONE;
+    enum status st = ST_OK;
+
+    if (version > 0)
+        st = store_sqlite_backup_old(path, version, &old, e);
+    if (st == ST_OK)
+        st = run_steps(c, v, path, version, e);
+    if (st == ST_OK && version > 0)
+        st = newfile_commit(&old, e);
+    if (st == ST_OK && sqlite3_exec(c->db, "COMMIT", NULL, NULL, NULL) != SQLITE_OK) {
+        st = store_sqlite_fail(c, "cannot write", e);
+        if (version > 0)
+            (void)unlink(old.path);
+    }
+    newfile_close(&old);
     return st;
 }
 
@@ -119,7 +143,7 @@ enum status store_sqlite_schema_make(struct store_sqlite_conn *c,
     /* Again, now that nobody can change it: another process may just have done the work. */
     if ((st = store_sqlite_schema_version(c, path, &version, e)) == ST_OK &&
         version < STORE_SQLITE_SCHEMA)
-        st = run_steps(c, v, path, version, e);
+        st = upgrade(c, v, path, version, e);
     if (!sqlite3_get_autocommit(c->db))
         (void)sqlite3_exec(c->db, "ROLLBACK", NULL, NULL, NULL);
     if (st != ST_OK)

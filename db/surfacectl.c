@@ -49,8 +49,10 @@ static const struct command commands[] = {
      "A database that is there already is left as it is.",
      "surfacectl --db faces.db init", 0, 0, OPT_DB | OPT_INIT, surfacectl_admin_init},
     {"migrate", "", "upgrade a database of an older version",
-     "In one transaction.  What it says of people is sealed from then on, as with init.",
-     "surfacectl --db faces.db migrate", 0, 0, OPT_DB | OPT_INIT,
+     "In one transaction.  What it says of people is sealed from then on, as with init.  A\n"
+     "verified copy of the old database is kept as PATH.v3.bak: what stood open in it still\n"
+     "does there.  Delete it when all is well.",
+     "surfacectl --db faces.db migrate --dry-run", 0, 0, OPT_DB | OPT_INIT | OPT_DRY_RUN,
      surfacectl_admin_migrate},
     {"enroll", "SUBJECT FILE...", "enroll scans of a subject",
      "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  The same scan\n"
@@ -133,6 +135,18 @@ static const struct command commands[] = {
      OPT_DB | OPT_UNITS | OPT_THREADS | OPT_FMR | OPT_GENUINE | OPT_DRY_RUN | OPT_LIST |
          OPT_RESET | OPT_MODEL,
      surfacectl_calibrate},
+    {"backup", "FILE", "copy the database, also while the daemon runs",
+     "A copy of one moment, verified before it gets its name: every page, every subject and\n"
+     "template opened with the key, the end of the events.  FILE is whole or not there; an\n"
+     "older backup of that name is replaced.  The key is not in it.",
+     "surfacectl --db faces.db backup faces-monday.db", 1, 1, OPT_DB, surfacectl_backup},
+    {"restore", "FILE", "put a backup in the place of the database",
+     "FILE is verified first.  Whoever was erased since is erased in it too; tokens keep the\n"
+     "secrets that they have now, and revoked ones stay revoked.  The database that is there\n"
+     "is kept as PATH.before-restore.  Stop the daemon first.  --dry-run says what would\n"
+     "change.",
+     "surfacectl --db faces.db restore faces-monday.db --dry-run", 1, 1,
+     OPT_DB | OPT_DRY_RUN, surfacectl_backup_restore},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
     {"token", "create [NAME] | list | rotate ID | revoke ID",

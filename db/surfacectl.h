@@ -10,6 +10,7 @@
  *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_key.c    --key, and the database opened by it
  *   surfacectl_admin.c  init, migrate, list, show, delete, check, stats
+ *   surfacectl_backup.c  backup, restore
  *   surfacectl_token.c  token
  *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
@@ -91,6 +92,8 @@ int surfacectl_calibrate(struct surfacectl *c);
 int surfacectl_train(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_migrate(struct surfacectl *c);
+int surfacectl_backup(struct surfacectl *c);
+int surfacectl_backup_restore(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);
 int surfacectl_admin_delete(struct surfacectl *c);
@@ -99,8 +102,10 @@ int surfacectl_admin_stats(struct surfacectl *c);
 int surfacectl_token(struct surfacectl *c);
 int surfacectl_attempts(struct surfacectl *c);
 
-/* surfacectl_open(c, mode, s): store_open() by the key that the command line names; a
- * passphrase is asked for on the terminal, once. */
+/* surfacectl_key(c, db, key): the key that the command line names for the database; a
+ * passphrase is asked for on the terminal, once.
+ * surfacectl_open(c, mode, s): store_open() by the key for c->db. */
+enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key);
 enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
 
 /* surfacectl_model_read(c, owned): c->model and c->engine by c->model_path; *owned is for

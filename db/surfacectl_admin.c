@@ -44,20 +44,10 @@ static enum status open_new(struct surfacectl *c, enum store_mode mode, const ch
     return ST_OK;
 }
 
-/* Is there a database at all, of whatever version? */
-static bool is_there(const struct surfacectl *c, bool *old)
-{
-    enum vault_kind kind;
-    const enum status st = store_kind(c->db, &kind, NULL);
-
-    *old = st == ST_EVERSION;
-    return st == ST_OK;
-}
-
 int surfacectl_admin_init(struct surfacectl *c)
 {
-    bool old;
-    const bool there = is_there(c, &old);
+    enum vault_kind kind;
+    const bool there = store_kind(c->db, &kind, NULL) == ST_OK;
     const enum status st =
         open_new(c, STORE_CREATE, there ? "was initialised before" : "initialised");
 
@@ -67,16 +57,51 @@ int surfacectl_admin_init(struct surfacectl *c)
     return EXIT_FINE;
 }
 
+/* What an upgrade would do. */
+static int migrate_dry(struct surfacectl *c, const struct store_look *l, bool old)
+{
+    surfacectl_out_flag(c->out, "upgraded", false);
+    surfacectl_out_flag(c->out, "would_upgrade", old);
+    surfacectl_out_number(c->out, "schema", l->version);
+    surfacectl_out_number(c->out, "subjects", (double)l->subjects);
+    surfacectl_out_number(c->out, "templates", (double)l->templates);
+    if (!c->json && old)
+        (void)printf(
+            "%s: schema version %d, would be upgraded to %d: %llu subjects, %llu "
+            "templates; the old one would be kept as %s.v%d.bak\n",
+            c->db, l->version, l->newest, (unsigned long long)l->subjects,
+            (unsigned long long)l->templates, c->db, l->version);
+    else if (!c->json)
+        (void)printf("%s: is of this version\n", c->db);
+    return EXIT_FINE;
+}
+
 int surfacectl_admin_migrate(struct surfacectl *c)
 {
+    struct store_look l;
+    char backup[PATH_MAX];
     bool old;
-    const bool there = is_there(c, &old);
-    const enum status st = open_new(
-        c, STORE_MIGRATE, there ? "is of this version" : "upgraded to this version");
+    enum status st = store_look(c->db, &l, &c->e);
 
     if (st != ST_OK)
         return surfacectl_fail(c, st);
+    old = l.version > 0 && l.version < l.newest;
+    if (c->dry_run)
+        return migrate_dry(c, &l, old);
+    st = open_new(c, STORE_MIGRATE,
+                  old ? "upgraded to this version" : "is of this version");
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
     surfacectl_out_flag(c->out, "upgraded", old);
+    if (old) {
+        (void)snprintf(backup, sizeof backup, "%s.v%d.bak", c->db, l.version);
+        surfacectl_out_text(c->out, "backup", backup);
+        if (!c->json)
+            (void)printf(
+                "The old database is %s.  What stood open in it still does there: "
+                "delete it when all is well.\n",
+                backup);
+    }
     return EXIT_FINE;
 }
 

@@ -67,22 +67,21 @@ static enum status ask_new(struct surfacectl *c, struct keyfile **out)
     return st;
 }
 
-enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s)
+enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key)
 {
-    struct store_key key = {.path = c->key, .make = VAULT_FILE};
     enum vault_kind kind;
     enum status st;
 
-    *s = NULL;
+    *key = (struct store_key){.path = c->key, .make = VAULT_FILE};
     if (sodium_init() < 0)
         return errinfo_set(&c->e, ST_EINTERNAL,
                            "the cryptographic library does not start");
     if (c->plaintext)
-        key.make = VAULT_OPEN;
+        key->make = VAULT_OPEN;
     else if (c->passphrase)
-        key.make = VAULT_PASSPHRASE;
+        key->make = VAULT_PASSPHRASE;
     if (c->key == NULL && c->asked == NULL) {
-        st = store_kind(c->db, &kind, NULL);
+        st = store_kind(db, &kind, NULL);
         if (st == ST_OK && kind == VAULT_PASSPHRASE)
             st = ask(c, "Passphrase", &c->asked);
         else if (st != ST_OK && c->passphrase)
@@ -92,6 +91,15 @@ enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct s
         if (st != ST_OK)
             return st;
     }
-    key.given = c->asked;
-    return store_open(c->db, mode, &key, s, &c->e);
+    key->given = c->asked;
+    return ST_OK;
+}
+
+enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s)
+{
+    struct store_key key;
+    const enum status st = surfacectl_key(c, c->db, &key);
+
+    *s = NULL;
+    return st != ST_OK ? st : store_open(c->db, mode, &key, s, &c->e);
 }

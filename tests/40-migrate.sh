@@ -46,11 +46,23 @@ sqlite3 "$DB" "PRAGMA ignore_check_constraints = ON; UPDATE templates SET digest
 ctl migrate
 is "a damaged row is not sealed" $CODE 65
 is "and the version stays" "$(sqlite3 "$DB" 'PRAGMA user_version')" 3
+ok "no copy is left of it" test ! -e "$DB.v3.bak" -a ! -e "$DB.v3.bak.part"
 cp "$T/before" "$DB"
+
+# ---- what would be done
+ctl migrate --dry-run
+is "it can be asked" "$CODE $(said '.would_upgrade, .schema, .subjects' | tr '\n' ' ')" \
+    "0 true 3 2 "
+is "and nothing is" "$(sqlite3 "$DB" 'PRAGMA user_version')" 3
+ok "nor made" test ! -e "$DB.key" -a ! -e "$DB.v3.bak"
 
 # ---- upgraded
 ctl migrate
 is "upgraded" "$CODE $(said .upgraded)" "0 true"
+is "the old one is kept" "$(said .backup)" "$DB.v3.bak"
+is "for its owner alone" "$(stat -c %a "$DB.v3.bak")" 600
+is "as it was" "$(sqlite3 "$DB.v3.bak" 'PRAGMA integrity_check; PRAGMA user_version;
+    SELECT id FROM subjects')" "$(printf 'ok\n3\nalice\nbob')"
 is "its key is its owner's" "$(stat -c %a "$DB.key")" 600
 ok "nothing stands open any more" sh -c "! grep -aq 'left camera\|alice' '$DB'"
 if holds "$model"; then found=yes; else found=no; fi

@@ -27,10 +27,11 @@ static struct errinfo e;
 
 static void remove_database(void)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
+    static const char *const suffix[] = {"",     "-wal",    "-shm",
+                                         ".key", ".v1.bak", ".v2.bak"};
     char name[128];
 
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
         (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
         (void)unlink(name);
     }

@@ -1,0 +1,374 @@
+/* A backup in the place of the database.  It is copied and verified beside it first; what
+ * must not be undone by going back in time is carried over from the database that is there:
+ * who was erased, and which secrets of tokens count.  Then its pages replace the others' in
+ * one transaction, in the same file: whoever waits for it does not end up with the old one. */
+#include <errno.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "newfile.h"
+#include "store_sqlite.h"
+
+struct restoring {
+    struct store_sqlite_conn *held; /* the database that is there; NULL: there is none */
+    struct store_sqlite_conn *c;    /* the backup's copy, in a transaction */
+    const struct store_act *by;
+    struct store_restored *out;
+};
+
+typedef enum status restore_row(struct restoring *r, sqlite3_stmt *row,
+                                struct errinfo *e);
+
+/* Each row of the database that is there. */
+static enum status each(struct restoring *r, const char *sql, restore_row *use,
+                        struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+    int rc = SQLITE_DONE;
+
+    if (sqlite3_prepare_v2(r->held->db, sql, -1, &stmt, NULL) != SQLITE_OK)
+        return store_sqlite_fail(r->held, "cannot read", e);
+    while (st == ST_OK && (rc = sqlite3_step(stmt)) == SQLITE_ROW)
+        st = use(r, stmt, e);
+    if (st == ST_OK && rc != SQLITE_DONE)
+        st = store_sqlite_fail(r->held, "cannot read", e);
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+/* ---- who was erased */
+
+/* The subject that this finds in the copy: its row, 0 for none, and its id, "" where its row
+ * is damaged, which does not keep it from being erased. */
+static enum status find(struct restoring *r, sqlite3_value *lookup, int64_t *row,
+                        char id[STORE_SUBJECT_MAX + 1], struct errinfo *e)
+{
+    struct store_seal_key k = {0};
+    struct store_subject who;
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(r->c, SQL_SUBJECT_GET, &stmt, e);
+    int rc;
+
+    *row = 0;
+    id[0] = '\0';
+    if (st != ST_OK)
+        return st;
+    if (sqlite3_bind_value(stmt, 1, lookup) != SQLITE_OK ||
+        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
+        st = store_sqlite_fail(r->c, "cannot read a subject", e);
+    } else if (rc == SQLITE_ROW) {
+        *row = sqlite3_column_int64(stmt, 0);
+        if (store_sqlite_subject_who(r->c, stmt, 2, &who, &k))
+            memcpy(id, who.id, sizeof who.id);
+    }
+    sodium_memzero(&k, sizeof k);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+static enum status erase(struct restoring *r, int64_t row, const char *id,
+                         struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(r->c, SQL_SUBJECT_DELETE, &stmt, e);
+
+    if (st != ST_OK)
+        return st;
+    if (sqlite3_bind_int64(stmt, 1, row) != SQLITE_OK)
+        return store_sqlite_fail(r->c, "cannot erase a subject", e);
+    if ((st = store_sqlite_run(r->c, stmt, e)) != ST_OK)
+        return st;
+    r->out->erased++;
+    return store_sqlite_event_add(r->c, r->by, "delete_subject", id, "", "erased again",
+                                  e);
+}
+
+/* A row of `erased` for the copy too, and nobody there whom it names. */
+static enum status erase_again(struct restoring *r, sqlite3_value *lookup,
+                               sqlite3_value *at, struct errinfo *e)
+{
+    char id[STORE_SUBJECT_MAX + 1];
+    sqlite3_stmt *stmt;
+    int64_t row;
+    enum status st = store_sqlite_prepare(r->c, SQL_ERASED_ADD, &stmt, e);
+
+    if (st != ST_OK)
+        return st;
+    if (sqlite3_bind_value(stmt, 1, lookup) != SQLITE_OK ||
+        (at != NULL ? sqlite3_bind_value(stmt, 2, at)
+                    : store_sqlite_bind(stmt, 2, r->by->at)) != SQLITE_OK)
+        return store_sqlite_fail(r->c, "cannot erase a subject", e);
+    if ((st = store_sqlite_run(r->c, stmt, e)) == ST_OK &&
+        (st = find(r, lookup, &row, id, e)) == ST_OK && row != 0)
+        st = erase(r, row, id, e);
+    sodium_memzero(id, sizeof id);
+    return st;
+}
+
+static enum status was_erased(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
+{
+    return erase_again(r, sqlite3_column_value(row, 0), sqlite3_column_value(row, 1), e);
+}
+
+/* Who is there under the same id with other random bytes was erased and has come again. */
+static enum status is_there(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
+{
+    unsigned char now[STORE_SEAL_UID], then[STORE_SEAL_UID];
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(r->c, SQL_SUBJECT_FIND, &stmt, e);
+    bool found, same = false;
+    int rc;
+
+    if (st != ST_OK)
+        return st;
+    r->out->had_subjects++;
+    if (sqlite3_bind_value(stmt, 1, sqlite3_column_value(row, 0)) != SQLITE_OK ||
+        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
+        st = store_sqlite_fail(r->c, "cannot read a subject", e);
+        (void)sqlite3_reset(stmt);
+        return st;
+    }
+    found = rc == SQLITE_ROW;
+    same = found && store_sqlite_bytes(stmt, 1, then, sizeof then) &&
+           store_sqlite_bytes(row, 1, now, sizeof now) &&
+           memcmp(now, then, sizeof now) == 0;
+    (void)sqlite3_reset(stmt);
+    if (!same)
+        r->out->lost++;
+    return found && !same ? erase_again(r, sqlite3_column_value(row, 0), NULL, e) : ST_OK;
+}
+
+/* ---- tokens */
+
+/* One that was revoked stays so, and a secret that was replaced stays replaced. */
+static enum status token(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
+{
+    static const char revoke[] = "UPDATE tokens SET revoked = ?2 WHERE id = ?1 AND "
+                                 "revoked IS NULL AND ?2 IS NOT NULL",
+                      rotate[] = "UPDATE tokens SET hash = ?3, old_hash = ?4, "
+                                 "old_until = ?5, expires = ?6 WHERE id = ?1";
+    static const char *const sql[] = {revoke, rotate};
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        if (sqlite3_prepare_v2(r->c->db, sql[i], -1, &stmt, NULL) != SQLITE_OK)
+            st = store_sqlite_fail(r->c, "cannot change a token", e);
+        for (int k = 1; st == ST_OK && k <= sqlite3_bind_parameter_count(stmt); k++)
+            if (sqlite3_bind_value(stmt, k, sqlite3_column_value(row, k - 1)) !=
+                SQLITE_OK)
+                st = store_sqlite_fail(r->c, "cannot change a token", e);
+        if (st == ST_OK && sqlite3_step(stmt) != SQLITE_DONE)
+            st = store_sqlite_fail(r->c, "cannot change a token", e);
+        if (st == ST_OK && i == 0)
+            r->out->revoked += (uint64_t)sqlite3_changes(r->c->db);
+        (void)sqlite3_finalize(stmt);
+        stmt = NULL;
+    }
+    return st;
+}
+
+/* ---- all of it */
+
+static enum status public_key(struct store_sqlite_conn *c, unsigned char out[VAULT_KEY],
+                              struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+
+    if (sqlite3_prepare_v2(c->db, "SELECT public FROM root", -1, &stmt, NULL) !=
+            SQLITE_OK ||
+        sqlite3_step(stmt) != SQLITE_ROW || !store_sqlite_bytes(stmt, 0, out, VAULT_KEY))
+        st = errinfo_set(e, ST_ECORRUPT, "the key record cannot be read");
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+static enum status need_same(struct restoring *r, const char *path, struct errinfo *e)
+{
+    unsigned char now[VAULT_KEY], then[VAULT_KEY];
+    enum status st;
+
+    if ((st = public_key(r->held, now, e)) != ST_OK ||
+        (st = public_key(r->c, then, e)) != ST_OK)
+        return st;
+    if (memcmp(now, then, sizeof now) != 0)
+        return errinfo_set(e, ST_EMISMATCH,
+                           "it is a backup of another database than %.160s: move that "
+                           "away first",
+                           path);
+    return ST_OK;
+}
+
+static enum status count_templates(struct restoring *r, sqlite3_stmt *row,
+                                   struct errinfo *e)
+{
+    (void)e;
+    r->out->had_templates = (uint64_t)sqlite3_column_int64(row, 0);
+    return ST_OK;
+}
+
+static enum status carry(struct restoring *r, const char *path, struct errinfo *e)
+{
+    enum status st;
+
+    if ((st = need_same(r, path, e)) != ST_OK ||
+        (st = each(r, "SELECT count(*) FROM templates", count_templates, e)) != ST_OK ||
+        (st = each(r, "SELECT lookup, at FROM erased", was_erased, e)) != ST_OK ||
+        (st = each(r, "SELECT lookup, uid FROM subjects", is_there, e)) != ST_OK)
+        return st;
+    return each(r, "SELECT id, revoked, hash, old_hash, old_until, expires FROM tokens",
+                token, e);
+}
+
+/* What the copy has to take over, in one transaction. */
+static enum status amend(struct restoring *r, const char *path, const char *part,
+                         const struct store_key *key, struct errinfo *e)
+{
+    struct store *s;
+    enum status st;
+
+    if ((st = store_sqlite_open(part, STORE_WRITE, key, &s, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_write(s, true, &r->c, e)) == ST_OK) {
+        if (r->held != NULL)
+            st = carry(r, path, e);
+        if (st == ST_OK)
+            st = store_sqlite_event_add(r->c, r->by, "restore", "", "", "restored", e);
+        st = store_sqlite_written(s, st, e);
+    }
+    s->engine->close(s);
+    return st;
+}
+
+/* The database that is there, which nobody else has open, or for a dry run may have. */
+static enum status hold(const char *path, bool dry, struct store_sqlite_conn **held,
+                        struct errinfo *e)
+{
+    struct errinfo why;
+    int version = 0;
+    enum status st;
+
+    *held = NULL;
+    if (access(path, F_OK) != 0 && errno == ENOENT)
+        return ST_OK;
+    st = store_sqlite_connect(path, SQLITE_OPEN_READWRITE, !dry, held, &why);
+    if (st == ST_OK)
+        st = store_sqlite_schema_version(*held, path, &version, &why);
+    if (st == ST_OK && version < STORE_SQLITE_SCHEMA)
+        st =
+            errinfo_set(&why, ST_EVERSION, "%.120s has schema version %d", path, version);
+    if (st == ST_ECORRUPT || st == ST_EVERSION)
+        return errinfo_set(e, st,
+                           "%.150s: move it away first; then those who were erased since "
+                           "the backup are back",
+                           why.msg);
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
+}
+
+static enum status is_other(const char *path, const char *from, struct errinfo *e)
+{
+    struct stat a, b;
+
+    if (stat(path, &a) == 0 && stat(from, &b) == 0 && a.st_dev == b.st_dev &&
+        a.st_ino == b.st_ino)
+        return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
+    return ST_OK;
+}
+
+static enum status copy_backup(const char *from, const struct store_key *key,
+                               const struct newfile *n, struct store_copied *found,
+                               struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    struct store *s;
+    enum status st;
+
+    if ((st = store_sqlite_open(from, STORE_READ, key, &s, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_read(s, &c, e)) == ST_OK) {
+        st = store_sqlite_copy(c, n, e);
+        store_sqlite_done(s, c);
+    }
+    s->engine->close(s);
+    return st == ST_OK ? store_sqlite_verify(n->part, key, found, e) : st;
+}
+
+/* The pages of the part in the database that is there, which is kept aside first. */
+static enum status replace(struct store_sqlite_conn *held, const char *part,
+                           const char *aside, struct errinfo *e)
+{
+    struct newfile old = NEWFILE_NONE;
+    struct store_sqlite_conn *c;
+    enum status st;
+
+    if ((st = newfile_open(aside, &old, e)) == ST_OK &&
+        (st = store_sqlite_copy(held, &old, e)) == ST_OK)
+        st = newfile_keep(&old, e);
+    newfile_close(&old);
+    if (st != ST_OK)
+        return st;
+    if ((st = store_sqlite_connect(part, SQLITE_OPEN_READWRITE, true, &c, e)) == ST_OK) {
+        st = store_sqlite_pages(c, held, e);
+        store_sqlite_disconnect(c);
+    }
+    if (st != ST_OK)
+        (void)unlink(aside);
+    return st;
+}
+
+/* Where nothing is in the way: the part as the database. */
+static enum status place(struct newfile *n, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    enum status st = store_sqlite_connect(n->part, SQLITE_OPEN_READWRITE, true, &c, e);
+
+    if (st != ST_OK)
+        return st;
+    if (sqlite3_exec(c->db, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot write", e);
+    store_sqlite_disconnect(c);
+    return st == ST_OK ? newfile_keep(n, e) : st;
+}
+
+enum status store_sqlite_restore(const char *path, const char *from,
+                                 const struct store_key *key, const struct store_act *by,
+                                 bool dry, struct store_restored *out, struct errinfo *e)
+{
+    struct restoring r = {.by = by, .out = out};
+    struct newfile n = NEWFILE_NONE;
+    const size_t len = strlen(path) + sizeof ".before-restore";
+    char *aside = malloc(len);
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if (aside == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    (void)snprintf(aside, len, "%s.before-restore", path);
+    if (!dry && access(aside, F_OK) == 0) {
+        st = errinfo_set(e, ST_EEXISTS,
+                         "%.160s is there from an earlier restore: move or delete it",
+                         aside);
+        goto out;
+    }
+    if ((st = is_other(path, from, e)) != ST_OK ||
+        (st = newfile_open(path, &n, e)) != ST_OK ||
+        (st = hold(path, dry, &r.held, e)) != ST_OK ||
+        (st = copy_backup(from, key, &n, &out->backup, e)) != ST_OK ||
+        (st = amend(&r, path, n.part, key, e)) != ST_OK)
+        goto out;
+    out->was_there = r.held != NULL;
+    if (!dry)
+        st = r.held != NULL ? replace(r.held, n.part, aside, e) : place(&n, e);
+out:
+    store_sqlite_disconnect(r.held); /* NULL is allowed; brings in the log */
+    newfile_close(&n);
+    free(aside);
+    return st;
+}
