@@ -237,7 +237,10 @@ install: all
 	    packaging/surface.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/surface.pc"
 	sed 's|=/usr/sbin/|=$(PREFIX)/sbin/|' packaging/surfaced.service \
 	    > "$(DESTDIR)$(UNITDIR)/surfaced.service"
-	install -m 644 packaging/surfaced.socket "$(DESTDIR)$(UNITDIR)/"
+	sed 's|/usr/bin/|$(PREFIX)/bin/|' packaging/surfaced-backup.service \
+	    > "$(DESTDIR)$(UNITDIR)/surfaced-backup.service"
+	install -m 644 packaging/surfaced.socket packaging/surfaced-backup.timer \
+	    "$(DESTDIR)$(UNITDIR)/"
 	install -m 644 packaging/surfaced.sysusers \
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d/surfaced.conf"
 	[ -e "$(DESTDIR)/etc/surfaced.conf" ] || \

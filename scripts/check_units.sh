@@ -1,5 +1,5 @@
 #!/bin/sh
-# check_units.sh: systemd understands the units, and the service's may leave it open to
+# check_units.sh: systemd understands the units, and the services' may leave it open to
 # little: `systemd-analyze security` may say 2.0 at most.
 set -eu
 cd "$(dirname "$0")/.."
@@ -7,9 +7,13 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 program=$(realpath "${BUILD:-build}/surfaced")
 sed "s|=/usr/sbin/surfaced|=$program|" packaging/surfaced.service >"$place/surfaced.service"
-cp packaging/surfaced.socket "$place/"
-if systemd-analyze verify --man=no "$place/surfaced.service" "$place/surfaced.socket" 2>&1 |
-    grep .; then
+sed "s|/usr/bin/surfacectl|${program%ed}ectl|" packaging/surfaced-backup.service \
+    >"$place/surfaced-backup.service"
+cp packaging/surfaced.socket packaging/surfaced-backup.timer "$place/"
+if systemd-analyze verify --man=no "$place"/surfaced* 2>&1 | grep .; then
     exit 1 # a word is a complaint
 fi
-systemd-analyze security --offline=true --no-pager --threshold=20 packaging/surfaced.service
+for unit in surfaced surfaced-backup; do
+    systemd-analyze security --offline=true --no-pager --threshold=20 \
+        "packaging/$unit.service"
+done
