@@ -267,15 +267,26 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
                                  uint32_t *removed, struct errinfo *e)
 {
+    struct store_receipt r;
+    const enum status st = store_subject_erase(s, actor, subject, &r, e);
+
+    if (removed != NULL)
+        *removed = st == ST_OK ? r.templates : 0;
+    store_receipt_free(&r);
+    return st;
+}
+
+enum status store_subject_erase(struct store *s, const char *actor, const char *subject,
+                                struct store_receipt *out, struct errinfo *e)
+{
     struct store_act by;
     enum status st;
 
-    if (removed != NULL)
-        *removed = 0;
+    memset(out, 0, sizeof *out);
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
-    return s->engine->subject_delete(s, &by, subject, removed, e);
+    return s->engine->subject_delete(s, &by, subject, out, e);
 }
 
 /* ---- events */

@@ -156,6 +156,26 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
                                  uint32_t *removed, struct errinfo *e);
 
+/* What is left of a subject that was erased, for whoever asked for it: signed, so that it
+ * can be shown to somebody else (db/FORMAT.md). */
+struct store_receipt {
+    char subject[STORE_SUBJECT_MAX + 1];
+    char at[32];
+    char (*template_id)[STORE_ID_LEN + 1]; /* [templates], oldest first */
+    uint32_t templates;
+    char digest[65]; /* SHA-256 of all of the above */
+    uint64_t seq;    /* of its entry in the audit log, and that one's hash */
+    char hash[65];
+    char signature[129]; /* Ed25519 of digest, seq and hash */
+    char public_key[65]; /* that it is verified with */
+};
+
+/* store_subject_erase(s, actor, subject, out, e): as store_subject_delete(); *out is to be
+ * released by store_receipt_free(), also on failure. */
+enum status store_subject_erase(struct store *s, const char *actor, const char *subject,
+                                struct store_receipt *out, struct errinfo *e);
+void store_receipt_free(struct store_receipt *r);
+
 /* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
  * table; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
  * outcome may be "".  Changes (enroll, delete, tokens) write their own.
@@ -163,6 +183,75 @@ enum status store_subject_delete(struct store *s, const char *actor, const char 
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,
                         struct errinfo *e);
+
+/* The events are the audit log: a chain of hashes, whose end is proved by the database's
+ * key and which is signed here and there (store_chain.h). */
+struct store_audit_entry {
+    uint64_t seq; /* 1, 2, ... */
+    char at[32];
+    char kind[STORE_NAME_MAX + 1];
+    char actor[STORE_NAME_MAX + 1];
+    char subject[STORE_SUBJECT_MAX + 1]; /* "": none, or not here, or names not wanted */
+    char ref[33];                        /* keyed hash of the subject's id; "": none */
+    char template_id[STORE_ID_LEN + 1];
+    char outcome[STORE_NAME_MAX + 1];
+    char hash[65];
+};
+
+struct store_audit_filter { /* all zero: everything */
+    uint64_t after;         /* greater numbers alone */
+    size_t limit;           /* 0: as many as there are */
+    bool newest;            /* the last ones of them, else the first */
+    bool names;             /* find subjects by ref, which takes reading them all */
+    const char *subject;    /* also one who was erased */
+    const char *kind;
+    const char *since; /* RFC 3339, or its beginning */
+};
+
+/* store_audit_list(s, filter, out, n, e): entries in their order; a new array released by
+ * free().  Nothing of them is verified. */
+enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
+                             struct store_audit_entry **out, size_t *n,
+                             struct errinfo *e);
+
+struct store_audit_mark { /* a checkpoint: an entry that is signed */
+    uint64_t seq;
+    char at[32];
+    char hash[65];
+    char signature[129];
+};
+
+/* store_audit_sign(s, actor, kind, out, e): add an event of this kind ("checkpoint" or
+ * "export_audit") and sign it.
+ * store_audit_marks(s, out, n, e): all that there are, in their order; released by free().
+ * store_audit_public(s, public_key, e): what signatures are verified with. */
+enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
+                             struct store_audit_mark *out, struct errinfo *e);
+enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
+                              struct errinfo *e);
+enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e);
+
+struct store_audit {
+    uint64_t entries, checkpoints, problems;
+    uint64_t first; /* the least entry that a problem is about, 0 without any */
+};
+
+/* store_audit_verify(s, report, arg, out, e): read-only: every entry and checkpoint as it
+ * was written, in its place, none missing.  report() is called once a problem, with the
+ * entry that it is about.  About 2 us an entry. */
+enum status store_audit_verify(struct store *s,
+                               void (*report)(void *arg, uint64_t seq, const char *line),
+                               void *arg, struct store_audit *out, struct errinfo *e);
+
+struct store_erased { /* who was erased, by a keyed hash of the id */
+    char lookup[65];
+    char at[32];
+};
+
+/* store_audit_erased(s, subject, out, n, e): everybody, in order of time, or subject alone
+ * where it is not NULL; a new array released by free(). */
+enum status store_audit_erased(struct store *s, const char *subject,
+                               struct store_erased **out, size_t *n, struct errinfo *e);
 
 enum store_scope { /* what a token may do, a bit each */
                    STORE_SCOPE_ENROLL = 1,
@@ -293,12 +382,12 @@ struct store_stats {
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
 
 struct store_check {
-    uint64_t templates, bad_templates, problems;
+    uint64_t templates, bad_templates, events, problems;
 };
 
 /* store_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys,
  * every calibration valid, every template decoded, its triangulation Delaunay and its tree
- * minimal, its digest and counts right.  report() is called once a problem with one line of text. */
+ * minimal, its digest and counts right, the audit log (store_audit_verify()).  report() is called once a problem with one line of text. */
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e);
 

@@ -1,9 +1,9 @@
 #include "store_chain.h"
 
+#include <inttypes.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <string.h>
-
-#include "vault.h"
 
 static void add_number(crypto_generichash_state *h, uint64_t v, size_t bytes)
 {
@@ -50,4 +50,170 @@ void store_chain_end(const struct vault *v, uint64_t seq,
         data[16 + i] = (unsigned char)(seq >> 8 * i);
     memcpy(data + 24, hash, STORE_CHAIN_HASH);
     vault_mac(v, data, sizeof data, mac);
+}
+
+/* ---- marks */
+
+#define MARK_TEXT 160
+
+/* What is signed, as text, so that it can be made by hand. */
+static size_t mark_text(const struct store_chain_mark *m, char out[MARK_TEXT])
+{
+    char hash[2 * STORE_CHAIN_HASH + 1];
+
+    (void)sodium_bin2hex(hash, sizeof hash, m->hash, sizeof m->hash);
+    return (size_t)snprintf(out, MARK_TEXT, "surface checkpoint 1\n%" PRIu64 "\n%s\n%s\n",
+                            m->seq, m->at, hash);
+}
+
+bool store_chain_due(uint64_t seq, const char *kind)
+{
+    return seq % STORE_CHAIN_EVERY == 0 || strcmp(kind, STORE_CHAIN_SIGN) == 0 ||
+           strcmp(kind, STORE_CHAIN_EXPORT) == 0;
+}
+
+void store_chain_sign(const struct vault *v, struct store_chain_mark *m)
+{
+    char text[MARK_TEXT];
+
+    vault_sign(v, text, mark_text(m, text), m->signature);
+}
+
+bool store_chain_signed(const unsigned char public[VAULT_KEY],
+                        const struct store_chain_mark *m)
+{
+    char text[MARK_TEXT];
+
+    return vault_verify(public, text, mark_text(m, text), m->signature);
+}
+
+/* ---- a walk */
+
+void store_chain_walk(struct store_chain_walk *w, const unsigned char public[VAULT_KEY],
+                      store_chain_report *report, void *arg)
+{
+    memset(w, 0, sizeof *w);
+    w->report = report;
+    w->arg = arg;
+    memcpy(w->public, public, VAULT_KEY);
+}
+
+void store_chain_problem(struct store_chain_walk *w, uint64_t seq, const char *line)
+{
+    w->problems++;
+    if (w->first == 0 || seq < w->first)
+        w->first = seq;
+    w->report(w->arg, seq, line);
+}
+
+/* "entry 5 is", "entries 5 to 9 are", and what is said of them. */
+static void tell(struct store_chain_walk *w, uint64_t from, uint64_t to, const char *what)
+{
+    char line[160];
+
+    if (from == to)
+        (void)snprintf(line, sizeof line, "entry %" PRIu64 " is %s", from, what);
+    else
+        (void)snprintf(line, sizeof line, "entries %" PRIu64 " to %" PRIu64 " are %s",
+                       from, to, what);
+    store_chain_problem(w, from, line);
+}
+
+/* The run of wrong entries, if there is one, ends with the last. */
+static void end_run(struct store_chain_walk *w)
+{
+    if (w->bad != 0)
+        tell(w, w->bad, w->seq, "not what was written");
+    w->bad = 0;
+}
+
+/* Is it the next one?  What lies between is missing. */
+static bool come_to(struct store_chain_walk *w, uint64_t seq)
+{
+    if (seq <= w->seq) {
+        end_run(w);
+        tell(w, seq, seq, "not in its place");
+        return false;
+    }
+    if (seq > w->seq + 1) {
+        end_run(w);
+        tell(w, w->seq + 1, seq - 1, "missing");
+        w->lost = true;
+    }
+    return true;
+}
+
+void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,
+                      const unsigned char hash[STORE_CHAIN_HASH])
+{
+    unsigned char made[STORE_CHAIN_HASH];
+    bool follows;
+
+    if (!come_to(w, entry->seq))
+        return;
+    store_chain_next(w->hash, entry, made);
+    follows = w->lost || memcmp(made, hash, sizeof made) == 0;
+    if (!follows) {
+        /* Was it the hash alone of the one before that is another? */
+        unsigned char other[STORE_CHAIN_HASH];
+
+        store_chain_next(w->made, entry, other);
+        follows = memcmp(other, hash, sizeof other) == 0;
+    }
+    if (follows)
+        end_run(w);
+    else if (w->bad == 0)
+        w->bad = entry->seq;
+    memcpy(w->hash, hash, sizeof w->hash);
+    memcpy(w->made, w->lost ? hash : made, sizeof w->made);
+    w->lost = false;
+    w->seq = entry->seq;
+}
+
+void store_chain_damaged(struct store_chain_walk *w, uint64_t seq)
+{
+    if (!come_to(w, seq))
+        return;
+    if (w->bad == 0)
+        w->bad = seq;
+    w->lost = true;
+    w->seq = seq;
+}
+
+void store_chain_pass(struct store_chain_walk *w, const struct store_chain_mark *m)
+{
+    char line[160];
+
+    if (!store_chain_signed(w->public, m)) {
+        (void)snprintf(line, sizeof line,
+                       "the checkpoint of entry %" PRIu64 " is not signed by this key",
+                       m->seq);
+    } else if (m->seq != w->seq) {
+        (void)snprintf(line, sizeof line, "entry %" PRIu64 " was signed and is not there",
+                       m->seq);
+    } else if (memcmp(m->hash, w->hash, sizeof m->hash) != 0 &&
+               memcmp(m->hash, w->made, sizeof m->hash) != 0) {
+        (void)snprintf(line, sizeof line,
+                       "entry %" PRIu64 " is not the one that was signed: it, or others "
+                       "after entry %" PRIu64 ", were written anew",
+                       m->seq, w->marked);
+    } else {
+        w->marks++;
+        w->marked = m->seq;
+        return;
+    }
+    store_chain_problem(w, m->seq, line);
+}
+
+void store_chain_stop(struct store_chain_walk *w, uint64_t seq,
+                      const unsigned char hash[STORE_CHAIN_HASH])
+{
+    end_run(w);
+    if (w->seq < seq)
+        tell(w, w->seq + 1, seq, "cut off the end");
+    else if (w->seq > seq)
+        tell(w, seq + 1, w->seq, "behind the end");
+    else if (memcmp(hash, w->hash, sizeof w->hash) != 0 &&
+             memcmp(hash, w->made, sizeof w->made) != 0)
+        tell(w, seq, seq, "not the one that was the last");
 }

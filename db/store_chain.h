@@ -1,14 +1,20 @@
 /* store_chain.h -- the chain of events: each entry's hash is of the entry and of the hash
  * before it, so that none can be removed, changed or moved without all that follow.  The
- * first follows 32 zero bytes.  Layout of what is hashed: db/FORMAT.md. */
+ * first follows 32 zero bytes.  Marks are places in the chain that are signed: they bind it
+ * for who has no key but the public one.  Layout of what is hashed: db/FORMAT.md. */
 #ifndef DB_STORE_CHAIN_H
 #define DB_STORE_CHAIN_H
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "vault.h"
 
-#define STORE_CHAIN_HASH 32
+#define STORE_CHAIN_HASH  32
+#define STORE_CHAIN_EVERY 1000 /* entries from one mark to the next */
 
-struct vault; /* vault.h */
+/* Kinds of events that are marked too. */
+#define STORE_CHAIN_SIGN   "checkpoint"
+#define STORE_CHAIN_EXPORT "export_audit"
 
 struct store_chain_entry {
     uint64_t seq; /* 1, 2, ... */
@@ -27,5 +33,56 @@ void store_chain_next(const unsigned char before[STORE_CHAIN_HASH],
 void store_chain_end(const struct vault *v, uint64_t seq,
                      const unsigned char hash[STORE_CHAIN_HASH],
                      unsigned char mac[STORE_CHAIN_HASH]);
+
+struct store_chain_mark {
+    uint64_t seq;
+    char at[32];
+    unsigned char hash[STORE_CHAIN_HASH]; /* of the entry */
+    unsigned char signature[VAULT_SIGN];
+};
+
+/* store_chain_due(seq, kind): must this entry have a mark?
+ * store_chain_sign(v, m): its signature; store_chain_signed(public, m): is it the one? */
+bool store_chain_due(uint64_t seq, const char *kind);
+void store_chain_sign(const struct vault *v, struct store_chain_mark *m);
+bool store_chain_signed(const unsigned char public[VAULT_KEY],
+                        const struct store_chain_mark *m);
+
+/* A walk along the chain that reports what is not as it was written: the entry that it is
+ * about, and a line of text.  All is set by store_chain_walk(). */
+typedef void store_chain_report(void *arg, uint64_t seq, const char *line);
+
+struct store_chain_walk {
+    store_chain_report *report;
+    void *arg;
+    unsigned char public[VAULT_KEY];
+    uint64_t seq;                         /* of the last entry, 0: there was none */
+    unsigned char hash[STORE_CHAIN_HASH]; /* that it has, */
+    unsigned char made[STORE_CHAIN_HASH]; /* and that it should have */
+    bool lost;         /* neither is known: what was there is missing */
+    uint64_t bad;      /* the first of the entries that are wrong just now, or 0 */
+    uint64_t marked;   /* the last entry with a good mark, 0: none */
+    uint64_t marks;    /* good ones */
+    uint64_t problems; /* reported */
+    uint64_t first;    /* the least entry that one is about */
+};
+
+void store_chain_walk(struct store_chain_walk *w, const unsigned char public[VAULT_KEY],
+                      store_chain_report *report, void *arg);
+
+/* store_chain_step(w, entry, hash): the next entry and the hash that it has.  Each is held
+ * against the one before; a run of wrong ones is one report.
+ * store_chain_damaged(w, seq): an entry that cannot be read.
+ * store_chain_pass(w, m): a mark of the entry just stepped to.
+ * store_chain_stop(w, seq, hash): the chain should end here (store_chain_end()). */
+void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,
+                      const unsigned char hash[STORE_CHAIN_HASH]);
+void store_chain_damaged(struct store_chain_walk *w, uint64_t seq);
+void store_chain_pass(struct store_chain_walk *w, const struct store_chain_mark *m);
+void store_chain_stop(struct store_chain_walk *w, uint64_t seq,
+                      const unsigned char hash[STORE_CHAIN_HASH]);
+
+/* store_chain_problem(w, seq, line): report a problem of the caller's own. */
+void store_chain_problem(struct store_chain_walk *w, uint64_t seq, const char *line);
 
 #endif

@@ -1,4 +1,5 @@
 /* store_check() of store.h: is everything in the database as it was written? */
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -75,17 +76,29 @@ static enum status check_template(void *arg, const struct store_template *t,
     return ST_OK;
 }
 
+static void count_event(void *arg, uint64_t seq, const char *line)
+{
+    char text[240];
+
+    (void)snprintf(text, sizeof text, "audit log, entry %" PRIu64 ": %s", seq, line);
+    count_problem(arg, text);
+}
+
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e)
 {
     struct checking c = {.found = out, .report = report, .arg = arg};
+    struct store_audit audit;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((c.work = face_work_new(store_model(s))) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK)
+    if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK &&
+        (st = store_audit_verify(s, count_event, &c, &audit, e)) == ST_OK) {
+        out->events = audit.entries;
         st = s->engine->template_each(s, check_template, count_template, &c, e);
+    }
     face_free(&c.face);
     face_work_free(c.work);
     return st;

@@ -58,12 +58,26 @@ struct store_engine {
     enum status (*subject_list)(struct store *s, int64_t after, size_t limit,
                                 struct store_subject **out, size_t *n, struct errinfo *e);
     enum status (*subject_delete)(struct store *s, const struct store_act *by,
-                                  const char *subject, uint32_t *removed,
+                                  const char *subject, struct store_receipt *out,
                                   struct errinfo *e);
 
     enum status (*event)(struct store *s, const struct store_act *by, const char *kind,
                          const char *subject, const char *template_id,
                          const char *outcome, struct errinfo *e);
+    enum status (*audit_list)(struct store *s, const struct store_audit_filter *filter,
+                              struct store_audit_entry **out, size_t *n,
+                              struct errinfo *e);
+    enum status (*audit_sign)(struct store *s, const struct store_act *by,
+                              const char *kind, struct store_audit_mark *out,
+                              struct errinfo *e);
+    enum status (*audit_marks)(struct store *s, struct store_audit_mark **out, size_t *n,
+                               struct errinfo *e);
+    enum status (*audit_public)(struct store *s, char public_key[65], struct errinfo *e);
+    enum status (*audit_verify)(struct store *s,
+                                void (*report)(void *arg, uint64_t seq, const char *line),
+                                void *arg, struct store_audit *out, struct errinfo *e);
+    enum status (*audit_erased)(struct store *s, const char *subject,
+                                struct store_erased **out, size_t *n, struct errinfo *e);
     enum status (*token_add)(struct store *s, const struct store_act *by,
                              const struct store_token *t,
                              const unsigned char hash[STORE_HASH_LEN], struct errinfo *e);

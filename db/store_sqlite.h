@@ -6,7 +6,8 @@
  *   store_sqlite_face.c   templates
  *   store_sqlite_subject.c  subjects
  *   store_sqlite_vault.c  keys
- *   store_sqlite_event.c  events
+ *   store_sqlite_event.c  events: the end of the chain
+ *   store_sqlite_audit.c  events read and verified
  *   store_sqlite_convert.c  the rows of older versions
  *   store_sqlite_admin.c  statistics, check
  *   store_sqlite_backup.c  copies, verified
@@ -20,6 +21,7 @@
 #define DB_STORE_SQLITE_H
 #include <pthread.h>
 #include <sqlite3.h>
+#include "store_chain.h"
 #include "store_engine.h"
 #include "store_seal.h"
 
@@ -38,6 +40,7 @@ enum store_sqlite_sql {
     SQL_SUBJECT_ADD,
     SQL_SUBJECT_GET,
     SQL_SUBJECT_LIST,
+    SQL_SUBJECT_ALL,
     SQL_SUBJECT_DELETE,
     SQL_TEMPLATE_ADD,
     SQL_TEMPLATE_GET,
@@ -46,11 +49,19 @@ enum store_sqlite_sql {
     SQL_TEMPLATE_NEWEST,
     SQL_TEMPLATE_LIST,
     SQL_TEMPLATE_EACH,
-    SQL_TEMPLATE_COUNT,
+    SQL_TEMPLATE_IDS,
     SQL_TEMPLATE_DELETE,
     SQL_EVENT_ADD,
-    SQL_EVENT_LAST,
     SQL_EVENT_END,
+    SQL_EVENT_SET_END,
+    SQL_EVENT_LIST,
+    SQL_EVENT_NEWEST,
+    SQL_EVENT_EACH,
+    SQL_MARK_ADD,
+    SQL_MARK_GET,
+    SQL_MARK_LIST,
+    SQL_MARK_ALONE,
+    SQL_ERASED_LIST,
     SQL_ERASED_ADD,
     SQL_ERASED_REMOVE,
     SQL_TOKEN_ADD,
@@ -220,8 +231,16 @@ int store_sqlite_bind_bytes(sqlite3_stmt *stmt, int at, const void *data,
 
 /* store_sqlite_event.c */
 
-/* store_sqlite_event_add(c, by, kind, subject, template_id, outcome, e): append to the
- * events, inside a transaction.  subject: "" for none. */
+/* store_sqlite_event_begin(c, e): the end of the events of a new database, which has none.
+ * store_sqlite_event_end(c, seq, hash, e): number and hash of the last event; ST_ECORRUPT:
+ * the end is missing, or not proved by c->vault.
+ * store_sqlite_event_add(c, by, kind, subject, template_id, outcome, e): append to the
+ * events, inside a transaction, and sign where that is due.  subject: "" for none.  It
+ * follows on what the end says, so that the loss of entries can never be covered up. */
+enum status store_sqlite_event_begin(struct store_sqlite_conn *c, struct errinfo *e);
+enum status store_sqlite_event_end(struct store_sqlite_conn *c, uint64_t *seq,
+                                   unsigned char hash[STORE_CHAIN_HASH],
+                                   struct errinfo *e);
 enum status store_sqlite_event_add(struct store_sqlite_conn *c,
                                    const struct store_act *by, const char *kind,
                                    const char *subject, const char *template_id,
@@ -230,6 +249,25 @@ enum status store_sqlite_event(struct store *s, const struct store_act *by,
                                const char *kind, const char *subject,
                                const char *template_id, const char *outcome,
                                struct errinfo *e);
+
+/* store_sqlite_audit.c */
+enum status store_sqlite_audit_list(struct store *s,
+                                    const struct store_audit_filter *filter,
+                                    struct store_audit_entry **out, size_t *n,
+                                    struct errinfo *e);
+enum status store_sqlite_audit_sign(struct store *s, const struct store_act *by,
+                                    const char *kind, struct store_audit_mark *out,
+                                    struct errinfo *e);
+enum status store_sqlite_audit_marks(struct store *s, struct store_audit_mark **out,
+                                     size_t *n, struct errinfo *e);
+enum status store_sqlite_audit_public(struct store *s, char public_key[65],
+                                      struct errinfo *e);
+enum status store_sqlite_audit_verify(struct store *s, store_chain_report *report,
+                                      void *arg, struct store_audit *out,
+                                      struct errinfo *e);
+enum status store_sqlite_audit_erased(struct store *s, const char *subject,
+                                      struct store_erased **out, size_t *n,
+                                      struct errinfo *e);
 
 /* store_sqlite_subject.c */
 
@@ -263,7 +301,7 @@ enum status store_sqlite_subject_list(struct store *s, int64_t after, size_t lim
                                       struct store_subject **out, size_t *n,
                                       struct errinfo *e);
 enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
-                                        const char *subject, uint32_t *removed,
+                                        const char *subject, struct store_receipt *out,
                                         struct errinfo *e);
 
 /* store_sqlite_face.c */

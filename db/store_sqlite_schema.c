@@ -8,6 +8,7 @@
 #include "errinfo.h"
 #include "newfile.h"
 #include "schema_sql.h"
+#include "store_rules.h"
 #include "store_sqlite.h"
 
 #define APPLICATION 0x53524644 /* application_id in schema.sql */
@@ -78,6 +79,21 @@ static const char *steps_from(int version)
     return strstr(schema_sql, mark);
 }
 
+/* A database has its first key: by whom is not known here. */
+static enum status tell_key(const struct store_sqlite_vaults *v,
+                            struct store_sqlite_conn *c, struct errinfo *e)
+{
+    static const char *const kept[] = {[VAULT_OPEN] = "plaintext",
+                                       [VAULT_FILE] = "file",
+                                       [VAULT_PASSPHRASE] = "passphrase"};
+    struct store_act by;
+    const enum status st = store_rules_act(&by, "", e);
+
+    return st != ST_OK
+               ? st
+               : store_sqlite_event_add(c, &by, "create_key", "", "", kept[v->make], e);
+}
+
 /* Run the steps from a version on, inside a transaction.  Rows of version 3 become those
  * of 4 at the line that says so: that takes a key. */
 static enum status run_steps(struct store_sqlite_conn *c, struct store_sqlite_vaults *v,
@@ -98,7 +114,9 @@ static enum status run_steps(struct store_sqlite_conn *c, struct store_sqlite_va
     if (sqlite3_exec(c->db, first, NULL, NULL, NULL) != SQLITE_OK)
         st = store_sqlite_fail(c, what, e);
     else if ((st = store_sqlite_vault_new(v, c, e)) == ST_OK &&
+             (st = store_sqlite_event_begin(c, e)) == ST_OK &&
              (st = store_sqlite_convert(c, e)) == ST_OK &&
+             (st = tell_key(v, c, e)) == ST_OK &&
              sqlite3_exec(c->db, turn, NULL, NULL, NULL) != SQLITE_OK)
         st = store_sqlite_fail(c, what, e);
     free(first);

@@ -16,6 +16,12 @@
 
 #define TOKEN_COLUMNS "id, name, created, revoked, scopes, expires, used, old_until"
 
+#define EVENT_COLUMNS                                                                    \
+    "seq, e.at, e.kind, e.actor, e.subject, e.template_id, e.outcome, e.hash"
+#define EVENT_WANTED                                                                     \
+    " FROM events e WHERE seq > ?1 AND (?2 IS NULL OR subject = ?2) "                    \
+    "AND (?3 IS NULL OR kind = ?3) AND (?4 IS NULL OR at >= ?4) "
+
 #define CALIBRATION_COLUMNS                                                              \
     "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
     "high_mm, subjects, impostors, genuine, halving_mm, knots"
@@ -39,6 +45,7 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_SUBJECT_GET] = "SELECT " SUBJECT_COLUMNS " FROM subjects s WHERE s.lookup = ?1",
     [SQL_SUBJECT_LIST] = "SELECT " SUBJECT_COLUMNS " FROM subjects s "
                          "WHERE s.subject_key > ?1 ORDER BY s.subject_key LIMIT ?2",
+    [SQL_SUBJECT_ALL] = "SELECT " SUBJECT_WHO " FROM subjects s",
     [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
     [SQL_TEMPLATE_ADD] =
         "INSERT INTO templates (id, subject_key, same, created, engine, points, "
@@ -55,13 +62,27 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model "
                           "FROM templates t LEFT JOIN subjects s USING (subject_key) "
                           "ORDER BY t.template_key",
-    [SQL_TEMPLATE_COUNT] = "SELECT count(*) FROM templates WHERE subject_key = ?1",
+    [SQL_TEMPLATE_IDS] =
+        "SELECT id FROM templates WHERE subject_key = ?1 ORDER BY template_key",
     [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
     [SQL_EVENT_ADD] = "INSERT INTO events (seq, at, kind, actor, subject, template_id, "
                       "outcome, hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
-    [SQL_EVENT_LAST] = "SELECT seq, hash FROM events ORDER BY seq DESC LIMIT 1",
-    [SQL_EVENT_END] = "REPLACE INTO events_end (events_key, seq, hash, mac) "
-                      "VALUES (1, ?1, ?2, ?3)",
+    [SQL_EVENT_END] = "SELECT seq, hash, mac FROM events_end",
+    [SQL_EVENT_SET_END] = "REPLACE INTO events_end (events_key, seq, hash, mac) "
+                          "VALUES (1, ?1, ?2, ?3)",
+    [SQL_EVENT_LIST] = "SELECT " EVENT_COLUMNS EVENT_WANTED "ORDER BY seq LIMIT ?5",
+    [SQL_EVENT_NEWEST] = "SELECT * FROM (SELECT " EVENT_COLUMNS EVENT_WANTED
+                         "ORDER BY seq DESC LIMIT ?5) ORDER BY seq",
+    [SQL_EVENT_EACH] = "SELECT " EVENT_COLUMNS ", c.at, c.hash, c.signature "
+                       "FROM events e LEFT JOIN checkpoints c USING (seq) ORDER BY seq",
+    [SQL_MARK_ADD] =
+        "INSERT INTO checkpoints (seq, at, hash, signature) VALUES (?1, ?2, ?3, ?4)",
+    [SQL_MARK_GET] = "SELECT seq, at, hash, signature FROM checkpoints WHERE seq = ?1",
+    [SQL_MARK_LIST] = "SELECT seq, at, hash, signature FROM checkpoints ORDER BY seq",
+    [SQL_MARK_ALONE] = "SELECT seq, at, hash, signature FROM checkpoints "
+                       "WHERE seq NOT IN (SELECT seq FROM events) ORDER BY seq",
+    [SQL_ERASED_LIST] = "SELECT lookup, at FROM erased WHERE ?1 IS NULL OR lookup = ?1 "
+                        "ORDER BY at, lookup",
     [SQL_ERASED_ADD] = "REPLACE INTO erased (lookup, at) VALUES (?1, ?2)",
     [SQL_ERASED_REMOVE] = "DELETE FROM erased WHERE lookup = ?1",
     [SQL_TOKEN_ADD] = "INSERT INTO tokens (id, name, hash, created, scopes, expires) "

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "errinfo.h"
+#include "store_receipt.h"
 #include "store_sqlite.h"
 
 enum { /* the columns of SUBJECT_WHO, from the first of them on */
@@ -251,29 +252,62 @@ static enum status remember_erased(struct store_sqlite_conn *c,
     return store_sqlite_run(c, stmt, e);
 }
 
-static enum status count_templates(struct store_sqlite_conn *c, int64_t row, uint32_t *n,
-                                   struct errinfo *e)
+static enum status read_id(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                           void *out, struct errinfo *e)
+{
+    char *id = out;
+
+    (void)c;
+    (void)e;
+    if (!store_sqlite_text(stmt, 0, id, STORE_ID_LEN + 1) || !store_id_valid(id)) {
+        memset(id, '?', STORE_ID_LEN); /* no reason to keep it */
+        id[STORE_ID_LEN] = '\0';
+    }
+    return ST_OK;
+}
+
+static enum status list_templates(struct store_sqlite_conn *c, int64_t row,
+                                  struct store_receipt *out, struct errinfo *e)
 {
     sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(c, SQL_TEMPLATE_COUNT, &stmt, e);
+    void *list = NULL;
+    size_t n = 0;
+    enum status st = store_sqlite_prepare(c, SQL_TEMPLATE_IDS, &stmt, e);
 
     if (st != ST_OK)
         return st;
-    if (sqlite3_bind_int64(stmt, 1, row) != SQLITE_OK || sqlite3_step(stmt) != SQLITE_ROW)
-        st = store_sqlite_fail(c, "cannot count the templates", e);
-    else
-        *n = (uint32_t)sqlite3_column_int64(stmt, 0);
-    (void)sqlite3_reset(stmt);
+    if (sqlite3_bind_int64(stmt, 1, row) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot read the templates", e);
+    st = store_sqlite_rows(c, stmt, read_id, sizeof *out->template_id,
+                           "cannot read the templates", &list, &n, e);
+    out->template_id = list;
+    out->templates = (uint32_t)n;
     return st;
 }
 
+/* The receipt of what has just been done, while the transaction is open. */
+static enum status give_receipt(struct store_sqlite_conn *c, const struct store_act *by,
+                                const char *subject, struct store_receipt *out,
+                                struct errinfo *e)
+{
+    unsigned char hash[STORE_CHAIN_HASH];
+    const enum status st = store_sqlite_event_end(c, &out->seq, hash, e);
+
+    if (st != ST_OK)
+        return st;
+    (void)sodium_bin2hex(out->hash, sizeof out->hash, hash, sizeof hash);
+    memcpy(out->subject, subject, strlen(subject) + 1);
+    memcpy(out->at, by->at, sizeof out->at);
+    store_receipt_sign(c->vault, out);
+    return ST_OK;
+}
+
 enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
-                                        const char *subject, uint32_t *removed,
+                                        const char *subject, struct store_receipt *out,
                                         struct errinfo *e)
 {
     struct store_sqlite_person p = {0};
     struct store_sqlite_conn *c;
-    uint32_t n = 0;
     sqlite3_stmt *stmt;
     enum status st;
 
@@ -282,20 +316,20 @@ enum status store_sqlite_subject_delete(struct store *s, const struct store_act 
     /* Who is damaged can be erased too. */
     if (((st = store_sqlite_subject_find(c, subject, &p, e)) != ST_OK &&
          st != ST_ECORRUPT) ||
-        (st = count_templates(c, p.row, &n, e)) != ST_OK ||
+        (st = list_templates(c, p.row, out, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_DELETE, &stmt, e)) != ST_OK)
         goto out;
     if (sqlite3_bind_int64(stmt, 1, p.row) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot delete a subject", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK &&
-             (st = remember_erased(c, by, subject, e)) == ST_OK)
-        st = store_sqlite_event_add(c, by, "delete_subject", subject, "", "deleted", e);
+             (st = remember_erased(c, by, subject, e)) == ST_OK &&
+             (st = store_sqlite_event_add(c, by, "delete_subject", subject, "", "deleted",
+                                          e)) == ST_OK)
+        st = give_receipt(c, by, subject, out, e);
 out:
     sodium_memzero(&p, sizeof p);
     st = store_sqlite_written(s, st, e);
     if (st == ST_OK)
         store_sqlite_erase_log(s);
-    if (removed != NULL)
-        *removed = st == ST_OK ? n : 0;
     return st;
 }

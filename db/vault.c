@@ -258,6 +258,11 @@ void vault_mac(const struct vault *v, const void *data, size_t n,
     (void)crypto_generichash(out, VAULT_HASH, data, n, v->secrets.mac, VAULT_KEY);
 }
 
+void vault_public(const struct vault *v, unsigned char out[VAULT_KEY])
+{
+    (void)crypto_sign_ed25519_sk_to_pk(out, v->sign);
+}
+
 void vault_sign(const struct vault *v, const void *data, size_t n,
                 unsigned char out[VAULT_SIGN])
 {

@@ -89,6 +89,8 @@ void vault_lookup(const struct vault *v, const char *what, const void *data, siz
 void vault_mac(const struct vault *v, const void *data, size_t n,
                unsigned char out[VAULT_HASH]);
 
+/* vault_public(v, out): what vault_verify() takes for the signatures of vault_sign(). */
+void vault_public(const struct vault *v, unsigned char out[VAULT_KEY]);
 void vault_sign(const struct vault *v, const void *data, size_t n,
                 unsigned char out[VAULT_SIGN]);
 _Bool vault_verify(const unsigned char public[VAULT_KEY], const void *data, size_t n,

@@ -250,6 +250,14 @@ static bool add_number(cJSON *o, const char *name, double value)
     return cJSON_AddNumberToObject(o, name, value) != NULL;
 }
 
+static bool add_item(cJSON *list, cJSON *item)
+{
+    if (item != NULL && cJSON_AddItemToArray(list, item))
+        return true;
+    cJSON_Delete(item);
+    return false;
+}
+
 static bool add_flag(cJSON *o, const char *name, bool value)
 {
     return cJSON_AddBoolToObject(o, name, value) != NULL;
@@ -497,13 +505,22 @@ char *json_subjects(const struct store_subject *s, size_t n, bool more)
     return print(o, ok && add_string(o, "next_cursor", more && n > 0 ? cursor : NULL));
 }
 
-char *json_removed(const char *subject, uint32_t templates, const char *when)
+char *json_erased(const struct store_receipt *r)
 {
-    cJSON *o = cJSON_CreateObject();
+    cJSON *o = cJSON_CreateObject(), *ids, *entry;
+    bool ok = add_string(o, "subject", r->subject) &&
+              add_number(o, "templates_removed", r->templates);
 
-    return print(o, add_string(o, "subject", subject) &&
-                        add_number(o, "templates_removed", templates) &&
-                        add_string(o, "erased_at", when));
+    ids = cJSON_AddArrayToObject(o, "template_ids");
+    for (uint32_t i = 0; ok && i < r->templates; i++)
+        ok = add_item(ids, cJSON_CreateString(r->template_id[i]));
+    ok = ok && ids != NULL && add_string(o, "erased_at", r->at) &&
+         add_string(o, "digest", r->digest);
+    entry = cJSON_AddObjectToObject(o, "audit");
+    return print(o, ok && add_number(entry, "seq", (double)r->seq) &&
+                        add_string(entry, "hash", r->hash) &&
+                        add_string(o, "signature", r->signature) &&
+                        add_string(o, "public_key", r->public_key));
 }
 
 char *json_state(const char *state)

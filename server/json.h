@@ -16,6 +16,7 @@ struct frame;
 struct face;
 struct face_result;
 struct store_calibration;
+struct store_receipt;
 struct store_subject;
 struct store_template;
 
@@ -80,7 +81,7 @@ char *json_subject(const struct store_subject *s, const struct store_template *t
 
 /* json_subjects(s, n, more): one page; more: another one follows. */
 char *json_subjects(const struct store_subject *s, size_t n, bool more);
-char *json_removed(const char *subject, uint32_t templates, const char *when);
+char *json_erased(const struct store_receipt *r);
 char *json_state(const char *state);                 /* {"status": state} */
 char *json_ready(const struct store_calibration *k); /* {"status": "ready", ...} */
 char *json_version(const char *version, const char *engine, const char *compiler);

@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "app.h"
 #include "cache.h"
@@ -74,30 +73,20 @@ void subjects_show(struct request *r, struct worker *w)
 
 void subjects_delete(struct request *r, struct worker *w)
 {
-    struct store_template *t = NULL;
+    struct store_receipt receipt;
     struct errinfo e = {0};
-    char when[32];
-    struct tm tm;
-    time_t now;
-    size_t n = 0;
-    uint32_t removed = 0;
 
     (void)w;
-    if (store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK ||
-        store_subject_delete(r->app->store, r->actor, r->subject, &removed, &e) !=
-            ST_OK) {
+    if (store_subject_erase(r->app->store, r->actor, r->subject, &receipt, &e) != ST_OK) {
         request_fail(r, &e);
         goto out;
     }
-    for (size_t i = 0; i < n; i++)
-        cache_forget(r->app->cache, t[i].id);
+    for (uint32_t i = 0; i < receipt.templates; i++)
+        cache_forget(r->app->cache, receipt.template_id[i]);
     idempotency_erase(r->app->idempotency, r->subject);
-    now = time(NULL);
-    (void)gmtime_r(&now, &tm);
-    (void)strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", &tm);
-    request_written(r, 200, json_removed(r->subject, removed, when));
+    request_written(r, 200, json_erased(&receipt));
 out:
-    free(t);
+    store_receipt_free(&receipt);
 }
 
 void subjects_template(struct request *r, struct worker *w)

@@ -207,6 +207,11 @@ req DELETE /v1/subjects/alice
 is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
 fits erase Erased
 is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
+is "what was removed" "$(get '.template_ids | @csv')" "\"$id\""
+is "its digest" "$(get .digest)" \
+    "$(get '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+is "its entry in the audit log" "$(sqlite3 "$DB" "SELECT kind, at, lower(hex(hash)) FROM events
+    WHERE seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
 req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found
 fits "an error" Problem

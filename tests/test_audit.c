@@ -1,0 +1,460 @@
+/* The audit log: whatever another program does to its rows is found, at the right place; what
+ * is signed can be verified without the database. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include <sqlite3.h>
+
+#include "errinfo.h"
+#include "store.h"
+#include "store_chain.h"
+#include "store_receipt.h"
+
+#define ENTRIES 12 /* of the log that is tampered with; the sixth is signed */
+
+static char dir[64], path[96];
+static struct errinfo e;
+
+static void remove_database(const char *name)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm"};
+    char file[128];
+
+    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
+        (void)snprintf(file, sizeof file, "%s%s", name, suffix[i]);
+        (void)unlink(file);
+    }
+}
+
+static struct store *again(enum store_mode mode)
+{
+    const struct store_key key = {.make = VAULT_FILE};
+    struct store *s = NULL;
+
+    if (store_open(path, mode, &key, &s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return s;
+}
+
+static struct store *fresh(void)
+{
+    remove_database(path);
+    return again(STORE_CREATE);
+}
+
+/* As another program would; what the tables forbid is allowed to it. */
+static void sql(const char *text)
+{
+    sqlite3 *db;
+    char *why = NULL;
+
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_exec(db, "PRAGMA ignore_check_constraints = ON", NULL, NULL, NULL),
+        SQLITE_OK);
+    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
+        fail_msg("%s: %s", text, why);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+struct found {
+    char lines[20][200];
+    unsigned n;
+};
+
+static void note(void *arg, uint64_t seq, const char *line)
+{
+    struct found *f = arg;
+
+    assert_true(seq > 0 || f->n > 0 || line[0] != '\0');
+    if (f->n < 20)
+        (void)snprintf(f->lines[f->n], sizeof f->lines[0], "%llu: %s",
+                       (unsigned long long)seq, line);
+    f->n++;
+}
+
+static struct store_audit verify(struct store *s, struct found *f)
+{
+    struct store_audit a;
+
+    memset(f, 0, sizeof *f);
+    if (store_audit_verify(s, note, f, &a, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(a.problems, f->n);
+    assert_true((a.first > 0) == (f->n > 0));
+    return a;
+}
+
+static void event(struct store *s, const char *kind, const char *subject)
+{
+    if (store_event(s, kind, "door", subject, "", "match", &e) != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+/* Entry 1 is the key's, the sixth a checkpoint. */
+static struct store *written(void)
+{
+    struct store *s = fresh();
+    struct store_audit_mark m;
+
+    for (int i = 2; i <= ENTRIES; i++) {
+        if (i == 6)
+            assert_int_equal(store_audit_sign(s, "test", "checkpoint", &m, &e), ST_OK);
+        else
+            event(s, "verify", i % 2 == 0 ? "alice" : "bob");
+    }
+    return s;
+}
+
+static void count_line(void *arg, const char *line)
+{
+    unsigned *lines = arg;
+
+    (*lines)++;
+    assert_non_null(strstr(line, "audit log"));
+}
+
+/* ---- what was done to it, and the least entry that is found */
+
+static void test_tampered(void **state)
+{
+    static const struct {
+        const char *sql;
+        uint64_t first;
+        const char *line; /* one of those that are reported */
+    } cases[] = {
+        {"UPDATE events SET outcome = 'no_match' WHERE seq = 4", 4,
+         "entry 4 is not what was written"},
+        {"UPDATE events SET at = '2020-01-01T00:00:00.000Z' WHERE seq = 2", 2, NULL},
+        {"UPDATE events SET kind = 'compare' WHERE seq = 3", 3, NULL},
+        {"UPDATE events SET actor = 'nobody' WHERE seq = 8", 8, NULL},
+        {"UPDATE events SET subject = x'' WHERE seq = 8", 8, NULL},
+        {"UPDATE events SET template_id = 'x' WHERE seq = 12", 12, NULL},
+        {"UPDATE events SET outcome = '' WHERE seq = 12", 12, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 1", 1,
+         "entry 1 is not what was written"},
+        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 7", 7, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 12", 12, NULL},
+        {"UPDATE events SET hash = zeroblob(31) WHERE seq = 7", 7, NULL},
+        {"UPDATE events SET outcome = 'x' WHERE seq BETWEEN 3 AND 5", 3,
+         "entries 3 to 5 are not what was written"},
+        {"DELETE FROM events WHERE seq = 1", 1, "entry 1 is missing"},
+        {"DELETE FROM events WHERE seq = 4", 4, "entry 4 is missing"},
+        {"DELETE FROM events WHERE seq BETWEEN 4 AND 8", 4, "entries 4 to 8 are missing"},
+        {"DELETE FROM events WHERE seq = 12", 12, "entry 12 is cut off the end"},
+        {"DELETE FROM events WHERE seq > 9", 10, "entries 10 to 12 are cut off the end"},
+        {"DELETE FROM events", 1, "entries 1 to 12 are cut off the end"},
+        {"DELETE FROM events WHERE seq = 4; UPDATE events SET seq = seq - 1 WHERE seq > 4",
+         4, "entries 4 to 11 are not what was written"},
+        {"UPDATE events SET seq = 99 WHERE seq = 4; UPDATE events SET seq = 4 WHERE seq = 9;"
+         "UPDATE events SET seq = 9 WHERE seq = 99",
+         4, NULL},
+        {"INSERT INTO events SELECT 13, at, kind, actor, subject, template_id, outcome, "
+         "hash FROM events WHERE seq = 12",
+         13, "entry 13 is behind the end"},
+        {"DELETE FROM events_end", 12, "the end of the audit log is missing"},
+        {"UPDATE events_end SET seq = 11", 12, "the end of the audit log is not"},
+        {"UPDATE events_end SET hash = zeroblob(32)", 12, NULL},
+        {"UPDATE events_end SET mac = zeroblob(32)", 12, NULL},
+        {"DELETE FROM events WHERE seq > 9; UPDATE events_end SET seq = 9, "
+         "hash = (SELECT hash FROM events WHERE seq = 9)",
+         9, "the end of the audit log is not"},
+        {"DELETE FROM checkpoints", 6, "its checkpoint is missing"},
+        {"UPDATE checkpoints SET at = '2020-01-01T00:00:00.000Z'", 6, "not signed"},
+        {"UPDATE checkpoints SET hash = zeroblob(32)", 6, "not signed"},
+        {"UPDATE checkpoints SET signature = zeroblob(64)", 6, "not signed"},
+        {"UPDATE checkpoints SET seq = 7", 6, "its checkpoint is missing"},
+        {"UPDATE checkpoints SET seq = 40", 6, "not signed by this key"},
+        {"DELETE FROM events WHERE seq > 4", 5, "entry 6 was signed and is not there"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct store *s = written();
+        struct store_check check;
+        struct store_audit a;
+        struct found f;
+        unsigned lines = 0;
+        bool told = cases[i].line == NULL;
+
+        a = verify(s, &f);
+        if (f.n > 0)
+            fail_msg("before: %s", f.lines[0]);
+        assert_int_equal(a.entries, ENTRIES);
+        assert_int_equal(a.checkpoints, 1);
+        sql(cases[i].sql);
+        a = verify(s, &f);
+        for (unsigned k = 0; k < f.n && k < 20; k++)
+            told = told || strstr(f.lines[k], cases[i].line) != NULL;
+        if (a.first != cases[i].first || !told)
+            fail_msg("%s: entry %llu: %s", cases[i].sql, (unsigned long long)a.first,
+                     f.n > 0 ? f.lines[0] : "nothing");
+        if (strstr(cases[i].sql, "zeroblob(31)") == NULL) { /* the table forbids it too */
+            assert_int_equal(store_check(s, count_line, &lines, &check, &e), ST_OK);
+            assert_int_equal(check.problems, a.problems);
+            assert_int_equal(lines, a.problems);
+        }
+        store_close(s);
+    }
+}
+
+/* What is written afterwards does not cover it up, and nothing is written behind an end
+ * that is not proved. */
+static void test_after(void **state)
+{
+    struct store *s = written();
+    struct store_audit a;
+    struct found f;
+
+    (void)state;
+    sql("DELETE FROM events WHERE seq > 9");
+    event(s, "verify", "alice");
+    a = verify(s, &f);
+    assert_int_equal(a.first, 10);
+    assert_non_null(strstr(f.lines[0], "entries 10 to 12 are missing"));
+    assert_int_equal(f.n, 1);
+    sql("UPDATE events_end SET mac = zeroblob(32)");
+    assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
+    assert_non_null(strstr(e.msg, "the end of the audit log"));
+    sql("DELETE FROM events_end; DELETE FROM events; DELETE FROM checkpoints");
+    assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
+    store_close(s);
+}
+
+/* Entries made anew, with hashes that fit, but without the keys: the signature tells. */
+static void test_made_anew(void **state)
+{
+    unsigned char hash[STORE_CHAIN_HASH] = {0}, public[VAULT_KEY] = {1};
+    struct store_chain_entry entry = {.at = "now",
+                                      .kind = "verify",
+                                      .actor = "",
+                                      .template_id = "",
+                                      .outcome = "match"};
+    struct store_chain_walk w;
+    struct store_chain_mark m = {.seq = 3};
+    struct found f = {0};
+
+    (void)state;
+    store_chain_walk(&w, public, note, &f);
+    for (entry.seq = 1; entry.seq <= 3; entry.seq++) {
+        store_chain_next(hash, &entry, hash);
+        store_chain_step(&w, &entry, hash);
+    }
+    assert_int_equal(f.n, 0);
+    memcpy(m.hash, hash, sizeof hash);
+    store_chain_pass(&w, &m);
+    assert_int_equal(f.n, 1);
+    assert_non_null(strstr(f.lines[0], "not signed by this key"));
+    entry.seq = 2; /* again, out of its place */
+    store_chain_step(&w, &entry, hash);
+    assert_int_equal(f.n, 2);
+    assert_non_null(strstr(f.lines[1], "not in its place"));
+    store_chain_stop(&w, 3, hash);
+    assert_int_equal(f.n, 2);
+}
+
+/* Every thousandth entry is signed by itself. */
+static void test_signed(void **state)
+{
+    struct store *s = fresh();
+    struct store_audit_mark *marks, m;
+    struct store_chain_mark chain = {0};
+    unsigned char public[VAULT_KEY];
+    struct store_audit a;
+    struct found f;
+    char text[65];
+    size_t n;
+
+    (void)state;
+    for (int i = 1; i < 2 * STORE_CHAIN_EVERY + 10; i++)
+        event(s, "verify", "alice");
+    assert_int_equal(store_audit_sign(s, "test", "export_audit", &m, &e), ST_OK);
+    assert_int_equal(m.seq, 2 * STORE_CHAIN_EVERY + 11);
+    assert_int_equal(store_audit_sign(s, "test", "verify", &m, &e), ST_EINVAL);
+    assert_int_equal(store_audit_marks(s, &marks, &n, &e), ST_OK);
+    assert_int_equal(n, 3);
+    assert_int_equal(marks[0].seq, STORE_CHAIN_EVERY);
+    assert_int_equal(marks[2].seq, 2 * STORE_CHAIN_EVERY + 11);
+    a = verify(s, &f);
+    assert_int_equal(a.entries, 2 * STORE_CHAIN_EVERY + 11);
+    assert_int_equal(a.checkpoints, 3);
+    assert_int_equal(f.n, 0);
+
+    /* By the public key alone. */
+    assert_int_equal(store_audit_public(s, text, &e), ST_OK);
+    for (size_t i = 0; i < VAULT_KEY; i++)
+    public[i] =
+        (unsigned char)strtoul((char[]){text[2 * i], text[2 * i + 1], '\0'}, NULL, 16);
+    chain.seq = marks[0].seq;
+    memcpy(chain.at, marks[0].at, sizeof chain.at);
+    for (size_t i = 0; i < STORE_CHAIN_HASH; i++)
+        chain.hash[i] = (unsigned char)strtoul(
+            (char[]){marks[0].hash[2 * i], marks[0].hash[2 * i + 1], '\0'}, NULL, 16);
+    for (size_t i = 0; i < VAULT_SIGN; i++)
+        chain.signature[i] = (unsigned char)strtoul(
+            (char[]){marks[0].signature[2 * i], marks[0].signature[2 * i + 1], '\0'},
+            NULL, 16);
+    assert_true(store_chain_signed(public, &chain));
+    chain.seq++;
+    assert_false(store_chain_signed(public, &chain));
+    free(marks);
+
+    sql("DELETE FROM checkpoints WHERE seq = 1000");
+    a = verify(s, &f);
+    assert_int_equal(a.first, 1000);
+    store_close(s);
+}
+
+static size_t list(struct store *s, const struct store_audit_filter *filter,
+                   struct store_audit_entry **out)
+{
+    size_t n;
+
+    if (store_audit_list(s, filter, out, &n, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return n;
+}
+
+static void test_list(void **state)
+{
+    struct store *s = fresh();
+    struct store_subject alice = {.id = "alice"};
+    struct store_audit_entry *a;
+    size_t n;
+
+    (void)state;
+    assert_int_equal(store_subject_add(s, "token-1", &alice, &e), ST_OK); /* 2 */
+    event(s, "verify", "alice");
+    event(s, "verify", "bob"); /* who is not here */
+    event(s, "compare", "");   /* 5 */
+    assert_int_equal(list(s, &(struct store_audit_filter){.names = true}, &a), 5);
+    assert_string_equal(a[0].kind, "create_key");
+    assert_string_equal(a[1].kind, "add_subject");
+    assert_string_equal(a[1].actor, "token-1");
+    assert_string_equal(a[1].subject, "alice");
+    assert_string_equal(a[2].ref, a[1].ref);
+    assert_string_not_equal(a[3].ref, a[2].ref);
+    assert_string_equal(a[3].subject, "");
+    assert_string_equal(a[4].ref, "");
+    assert_int_equal(a[4].seq, 5);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.after = 3}, &a), 2);
+    assert_int_equal(a[0].seq, 4);
+    assert_string_equal(a[0].subject, "");
+    free(a);
+    n = list(s, &(struct store_audit_filter){.newest = true, .limit = 2}, &a);
+    assert_int_equal(n, 2);
+    assert_int_equal(a[0].seq, 4);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.limit = 2}, &a), 2);
+    assert_int_equal(a[1].seq, 2);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.kind = "verify"}, &a), 2);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.subject = "bob"}, &a), 1);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.since = "2020"}, &a), 5);
+    free(a);
+    assert_int_equal(list(s, &(struct store_audit_filter){.since = "9000-01"}, &a), 0);
+    free(a);
+    assert_int_equal(
+        store_audit_list(s, &(struct store_audit_filter){.since = "tuesday"}, &a, &n, &e),
+        ST_EINVAL);
+    assert_int_equal(
+        store_audit_list(s, &(struct store_audit_filter){.subject = "a b"}, &a, &n, &e),
+        ST_EINVAL);
+    store_close(s);
+}
+
+static void test_receipt(void **state)
+{
+    struct store *s = fresh();
+    struct store_subject alice = {.id = "alice"};
+    struct store_audit_entry *a;
+    struct store_erased *erased;
+    struct store_receipt r;
+    char key[65];
+    size_t n;
+
+    (void)state;
+    assert_int_equal(store_subject_erase(s, "test", "alice", &r, &e), ST_ENOTFOUND);
+    store_receipt_free(&r);
+    assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
+    assert_int_equal(store_subject_erase(s, "test", "alice", &r, &e), ST_OK);
+    assert_string_equal(r.subject, "alice");
+    assert_int_equal(r.templates, 0);
+    assert_int_equal(r.seq, 3);
+    assert_int_equal(list(s, &(struct store_audit_filter){.after = 2}, &a), 1);
+    assert_string_equal(a->hash, r.hash);
+    assert_string_equal(a->kind, "delete_subject");
+    assert_string_equal(a->at, r.at);
+    assert_string_equal(a->actor, "test");
+    free(a);
+    assert_int_equal(store_audit_public(s, key, &e), ST_OK);
+    assert_string_equal(key, r.public_key);
+    assert_true(store_receipt_true(&r));
+    r.seq++;
+    assert_false(store_receipt_true(&r));
+    r.seq--;
+    r.at[3]++;
+    assert_false(store_receipt_true(&r));
+    r.at[3]--;
+    r.subject[0] = 'b';
+    assert_false(store_receipt_true(&r));
+    r.subject[0] = 'a';
+    r.signature[0] = r.signature[0] == '0' ? '1' : '0';
+    assert_false(store_receipt_true(&r));
+
+    assert_int_equal(store_audit_erased(s, NULL, &erased, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    assert_string_equal(erased->at, r.at);
+    free(erased);
+    assert_int_equal(store_audit_erased(s, "alice", &erased, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    free(erased);
+    assert_int_equal(store_audit_erased(s, "bob", &erased, &n, &e), ST_OK);
+    assert_int_equal(n, 0);
+    assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK); /* again */
+    assert_int_equal(store_audit_erased(s, NULL, &erased, &n, &e), ST_OK);
+    assert_int_equal(n, 0);
+    store_receipt_free(&r);
+    store_close(s);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/test_audit.XXXXXX");
+    if (mkdtemp(dir) == NULL)
+        return 1;
+    (void)snprintf(path, sizeof path, "%s/faces.db", dir);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char key[128];
+
+    (void)state;
+    remove_database(path);
+    (void)snprintf(key, sizeof key, "%s.key", path);
+    (void)unlink(key);
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_tampered),  cmocka_unit_test(test_after),
+        cmocka_unit_test(test_made_anew), cmocka_unit_test(test_signed),
+        cmocka_unit_test(test_list),      cmocka_unit_test(test_receipt),
+    };
+
+    return cmocka_run_group_tests_name("audit", tests, set_up, tear_down);
+}
