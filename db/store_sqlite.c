@@ -505,7 +505,7 @@ static enum status open_reader(struct sqlite_store *q, struct errinfo *e)
     return st;
 }
 
-static void sqlite_close(struct store *s)
+void store_sqlite_close(struct store *s)
 {
     struct sqlite_store *q = sqlite_store(s);
     struct store_sqlite_conn *c;
@@ -605,7 +605,7 @@ enum status store_sqlite_open(const char *path, enum store_mode mode,
         q->open = true;
         *out = &q->base;
     } else {
-        sqlite_close(&q->base);
+        store_sqlite_close(&q->base);
     }
 out:
     if (st != ST_OK && made)
@@ -634,7 +634,7 @@ enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct er
     return st;
 }
 
-static enum status sqlite_ready(struct store *s, struct errinfo *e)
+enum status store_sqlite_ready(struct store *s, struct errinfo *e)
 {
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
@@ -660,43 +660,3 @@ out:
     store_sqlite_done(s, c);
     return st;
 }
-
-const struct store_engine store_sqlite_engine = {
-    .close = sqlite_close,
-    .ready = sqlite_ready,
-    .template_add = store_sqlite_face_add,
-    .template_read = store_sqlite_face_read,
-    .template_each = store_sqlite_face_each,
-    .template_delete = store_sqlite_face_delete,
-    .template_list = store_sqlite_face_list,
-    .subject_add = store_sqlite_subject_enter,
-    .subject_get = store_sqlite_subject_get,
-    .subject_list = store_sqlite_subject_list,
-    .subject_delete = store_sqlite_subject_delete,
-    .event = store_sqlite_event,
-    .audit_list = store_sqlite_audit_list,
-    .audit_sign = store_sqlite_audit_sign,
-    .audit_marks = store_sqlite_audit_marks,
-    .audit_public = store_sqlite_audit_public,
-    .audit_verify = store_sqlite_audit_verify,
-    .audit_erased = store_sqlite_audit_erased,
-    .token_add = store_sqlite_token_add,
-    .token_list = store_sqlite_token_list,
-    .token_get = store_sqlite_token_get,
-    .token_revoke = store_sqlite_token_revoke,
-    .token_rotate = store_sqlite_token_rotate,
-    .token_find = store_sqlite_token_find,
-    .token_use = store_sqlite_token_use,
-    .attempts_get = store_sqlite_attempts_get,
-    .attempts_list = store_sqlite_attempts_list,
-    .attempts_fail = store_sqlite_attempts_fail,
-    .attempts_since = store_sqlite_attempts_since,
-    .attempts_clear = store_sqlite_attempts_clear,
-    .calibration_add = store_sqlite_calibration_add,
-    .calibration_get = store_sqlite_calibration_get,
-    .calibration_version = store_sqlite_calibration_version,
-    .calibration_list = store_sqlite_calibration_list,
-    .stats = store_sqlite_admin_stats,
-    .backup = store_sqlite_backup,
-    .check = store_sqlite_admin_check,
-};

@@ -2,6 +2,7 @@
  * One connection writes, under a lock; readers have a connection each while they read, and
  * in WAL mode neither waits for the other.  Statements are prepared once a connection.
  *   store_sqlite.c        opening, connections, transactions
+ *   store_sqlite_engine.c the table of all calls
  *   store_sqlite_schema.c the tables: made, upgraded, compared
  *   store_sqlite_face.c   templates
  *   store_sqlite_subject.c  subjects
@@ -99,6 +100,9 @@ extern const struct store_engine store_sqlite_engine;
 enum status store_sqlite_open(const char *path, enum store_mode mode,
                               const struct store_key *key, struct store **out,
                               struct errinfo *e);
+
+void store_sqlite_close(struct store *s);
+enum status store_sqlite_ready(struct store *s, struct errinfo *e);
 
 /* store_sqlite_kind(path, kind, e): as store_kind(). */
 enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
