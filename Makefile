@@ -138,9 +138,9 @@ $(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(call linkflags,tests/$*.c) -lcmocka $(LIBS)
 
-$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(CORE_A)
+$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) $(CORE_A)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(DB_LIBS)
 
 $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(call say,LD)

@@ -205,6 +205,18 @@ CREATE TABLE checkpoints (
     signature BLOB NOT NULL CHECK (length(signature) = 64)
 ) STRICT;
 
+-- Who can write the file but has no key is not to say who is let in: each row of these has a
+-- keyed hash (db/FORMAT.md).  The number of the newest calibration has one too, so that the
+-- one in force cannot be taken away.
+ALTER TABLE tokens ADD COLUMN mac BLOB CHECK (mac IS NULL OR length(mac) = 32);
+ALTER TABLE calibrations ADD COLUMN mac BLOB CHECK (mac IS NULL OR length(mac) = 32);
+
+CREATE TABLE calibrations_end (
+    calibrations_key INTEGER PRIMARY KEY CHECK (calibrations_key = 1),
+    version          INTEGER NOT NULL CHECK (version >= 0), -- 0: there never was one
+    mac              BLOB CHECK (mac IS NULL OR length(mac) = 32)
+) STRICT;
+
 -- Who was erased, by lookup: a backup from before is not to bring them back.
 CREATE TABLE erased (
     lookup BLOB PRIMARY KEY CHECK (length(lookup) = 32),

@@ -16,7 +16,7 @@
  *   store_sqlite_token.c  tokens
  *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
- *   store_sqlite_rows.c   columns, lists
+ *   store_sqlite_rows.c   columns, proofs, lists
  *   store_sqlite_sql.c    the statements' text */
 #ifndef DB_STORE_SQLITE_H
 #define DB_STORE_SQLITE_H
@@ -71,6 +71,7 @@ enum store_sqlite_sql {
     SQL_TOKEN_REVOKE,
     SQL_TOKEN_ROTATE,
     SQL_TOKEN_FIND,
+    SQL_TOKEN_PROVE,
     SQL_TOKEN_USE,
     SQL_ATTEMPTS_GET,
     SQL_ATTEMPTS_LIST,
@@ -79,6 +80,9 @@ enum store_sqlite_sql {
     SQL_ATTEMPTS_CLEAR,
     SQL_CALIBRATION_ADD,
     SQL_CALIBRATION_GET,
+    SQL_CALIBRATION_PROVE,
+    SQL_CALIBRATION_END,
+    SQL_CALIBRATION_END_PROVE,
     SQL_CALIBRATION_VERSION,
     SQL_CALIBRATION_LIST,
     SQL_STATS,
@@ -228,6 +232,16 @@ const void *store_sqlite_blob(sqlite3_stmt *stmt, int col, size_t min, size_t ma
                               size_t *n);
 bool store_sqlite_count(sqlite3_stmt *stmt, int col, int64_t max, uint32_t *out);
 
+/* Rows that are not sealed but proved: a keyed hash of the statement's first n columns is in
+ * the one after them.  what: 16 bytes that keep one table from another.  The first column
+ * names the row for store_sqlite_prove(), which sets the hash of the current one by the
+ * statement `set`, inside a transaction.  Layout: db/FORMAT.md. */
+bool store_sqlite_proved(const struct store_sqlite_conn *c, const char what[16],
+                         sqlite3_stmt *stmt, int n);
+enum status store_sqlite_prove(struct store_sqlite_conn *c, const char what[16],
+                               sqlite3_stmt *stmt, int n, enum store_sqlite_sql set,
+                               struct errinfo *e);
+
 int store_sqlite_bind(sqlite3_stmt *stmt, int at, const char *text);    /* copied */
 int store_sqlite_bind_or(sqlite3_stmt *stmt, int at, const char *text); /* "" as NULL */
 int store_sqlite_bind_bytes(sqlite3_stmt *stmt, int at, const void *data,
@@ -338,6 +352,9 @@ enum status store_sqlite_calibration_version(struct store *s, int64_t *version,
                                              struct errinfo *e);
 enum status store_sqlite_calibration_list(struct store *s, struct store_calibration **out,
                                           size_t *n, struct errinfo *e);
+/* store_sqlite_calibration_prove(c, e): all of them, inside a transaction, as they are. */
+enum status store_sqlite_calibration_prove(struct store_sqlite_conn *c,
+                                           struct errinfo *e);
 /* Every row that is damaged is reported. */
 enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
                                            store_report *report, void *arg,
@@ -382,6 +399,12 @@ enum status store_sqlite_backup_old(const char *path, int version, struct newfil
                                     struct errinfo *e);
 
 /* store_sqlite_token.c */
+
+/* store_sqlite_token_prove(c, e): all of them, inside a transaction, as they are. */
+enum status store_sqlite_token_prove(struct store_sqlite_conn *c, struct errinfo *e);
+/* Every row that is damaged is reported. */
+enum status store_sqlite_token_check(struct store_sqlite_conn *c, store_report *report,
+                                     void *arg, struct errinfo *e);
 enum status store_sqlite_token_add(struct store *s, const struct store_act *by,
                                    const struct store_token *t,
                                    const unsigned char hash[STORE_HASH_LEN],

@@ -81,7 +81,8 @@ enum status store_sqlite_admin_check(struct store *s, store_report *report, void
             ST_OK &&
         (st = check_pragma(c, "PRAGMA foreign_key_check", "reference", report, arg, e)) ==
             ST_OK &&
-        (st = store_sqlite_schema_check(c, report, arg, e)) == ST_OK)
+        (st = store_sqlite_schema_check(c, report, arg, e)) == ST_OK &&
+        (st = store_sqlite_token_check(c, report, arg, e)) == ST_OK)
         st = store_sqlite_calibration_check(c, report, arg, e);
     store_sqlite_done(s, c);
     return st;

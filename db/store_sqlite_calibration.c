@@ -17,10 +17,13 @@ enum { /* the columns of CALIBRATION_COLUMNS */
        COL_IMPOSTORS,
        COL_GENUINE,
        COL_HALVING,
-       COL_KNOTS
+       COL_KNOTS,
+       COL_MAC
 };
 
 #define KNOT_BYTES 16
+
+static const char proof[16] = "surface measure", proof_end[16] = "surface newest";
 
 /* ---- the knots' bytes */
 
@@ -86,7 +89,6 @@ static enum status read_calibration(const struct store_sqlite_conn *c, sqlite3_s
     struct decision *d = &k->decision;
     const char *bad = NULL;
 
-    (void)c; /* nothing of it is sealed */
     memset(k, 0, sizeof *k);
     k->version = sqlite3_column_int64(stmt, COL_KEY);
     k->shipped = sqlite3_column_int(stmt, COL_SHIPPED) != 0;
@@ -109,6 +111,8 @@ static enum status read_calibration(const struct store_sqlite_conn *c, sqlite3_s
              !column_number(stmt, COL_HALVING, 0, 1e3, &d->halving_mm) ||
              !read_knots(stmt, d) || !decision_valid(d))
         bad = "table";
+    else if (!store_sqlite_proved(c, proof, stmt, COL_MAC))
+        bad = "proof";
     if (bad != NULL)
         return errinfo_set(e, ST_ECORRUPT, "calibration %lld: its row is damaged (%s)",
                            (long long)k->version, bad);
@@ -150,6 +154,53 @@ static enum status insert(struct store_sqlite_conn *c, const struct store_calibr
     return st;
 }
 
+/* Prove the rows of a statement, one after the other. */
+static enum status prove_rows(struct store_sqlite_conn *c, enum store_sqlite_sql rows,
+                              const char what[16], int n, enum store_sqlite_sql set,
+                              struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, rows, &stmt, e);
+    int rc = SQLITE_DONE;
+
+    if (st != ST_OK)
+        return st;
+    while (st == ST_OK && (rc = sqlite3_step(stmt)) == SQLITE_ROW)
+        st = store_sqlite_prove(c, what, stmt, n, set, e);
+    if (st == ST_OK && rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot prove the calibrations", e);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+/* The newest one is the newest. */
+static enum status prove_end(struct store_sqlite_conn *c, struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_END, &stmt, e);
+
+    if (st != ST_OK || (st = store_sqlite_run(c, stmt, e)) != ST_OK)
+        return st;
+    return prove_rows(c, SQL_CALIBRATION_VERSION, proof_end, 1, SQL_CALIBRATION_END_PROVE,
+                      e);
+}
+
+static enum status prove_newest(struct store_sqlite_conn *c, struct errinfo *e)
+{
+    enum status st =
+        prove_rows(c, SQL_CALIBRATION_GET, proof, COL_MAC, SQL_CALIBRATION_PROVE, e);
+
+    return st != ST_OK ? st : prove_end(c, e);
+}
+
+enum status store_sqlite_calibration_prove(struct store_sqlite_conn *c, struct errinfo *e)
+{
+    enum status st =
+        prove_rows(c, SQL_CALIBRATION_LIST, proof, COL_MAC, SQL_CALIBRATION_PROVE, e);
+
+    return st != ST_OK ? st : prove_end(c, e);
+}
+
 enum status store_sqlite_calibration_add(struct store *s, const struct store_act *by,
                                          struct store_calibration *k, struct errinfo *e)
 {
@@ -161,10 +212,40 @@ enum status store_sqlite_calibration_add(struct store *s, const struct store_act
         return st;
     if ((st = insert(c, k, e)) == ST_OK) {
         k->version = sqlite3_last_insert_rowid(c->db);
+        st = prove_newest(c, e);
+    }
+    if (st == ST_OK) {
         (void)sqlite3_snprintf(sizeof outcome, outcome, "version %lld", k->version);
         st = store_sqlite_event_add(c, by, "calibrate", "", "", outcome, e);
     }
     return store_sqlite_written(s, st, e);
+}
+
+/* The number of the newest one, as proved: 0 where there never was one. */
+static enum status read_end(struct store_sqlite_conn *c, int64_t *version,
+                            struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_VERSION, &stmt, e);
+    int rc;
+
+    if (st != ST_OK)
+        return st;
+    if ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot read the calibrations", e);
+    else if (rc == SQLITE_DONE || !store_sqlite_proved(c, proof_end, stmt, 1))
+        st = errinfo_set(e, ST_ECORRUPT,
+                         "calibrations: the record of the newest is damaged");
+    else
+        *version = sqlite3_column_int64(stmt, 0);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+static enum status not_newest(int64_t newest, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ECORRUPT, "calibration %lld, the newest, is not there",
+                       (long long)newest);
 }
 
 enum status store_sqlite_calibration_get(struct store *s, struct store_calibration *k,
@@ -172,18 +253,22 @@ enum status store_sqlite_calibration_get(struct store *s, struct store_calibrati
 {
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
+    int64_t newest;
     enum status st;
 
     if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;
-    if ((st = store_sqlite_prepare(c, SQL_CALIBRATION_GET, &stmt, e)) != ST_OK)
+    if ((st = read_end(c, &newest, e)) != ST_OK ||
+        (st = store_sqlite_prepare(c, SQL_CALIBRATION_GET, &stmt, e)) != ST_OK)
         goto out;
     switch (sqlite3_step(stmt)) {
     case SQLITE_ROW:
-        st = read_calibration(c, stmt, k, e);
+        if ((st = read_calibration(c, stmt, k, e)) == ST_OK && k->version != newest)
+            st = not_newest(newest, e);
         break;
     case SQLITE_DONE:
-        st = errinfo_set(e, ST_ENOTFOUND, "there is no calibration");
+        st = newest == 0 ? errinfo_set(e, ST_ENOTFOUND, "there is no calibration")
+                         : not_newest(newest, e);
         break;
     default:
         st = store_sqlite_fail(c, "cannot read a calibration", e);
@@ -198,19 +283,11 @@ enum status store_sqlite_calibration_version(struct store *s, int64_t *version,
                                              struct errinfo *e)
 {
     struct store_sqlite_conn *c;
-    sqlite3_stmt *stmt;
     enum status st;
 
     if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;
-    if ((st = store_sqlite_prepare(c, SQL_CALIBRATION_VERSION, &stmt, e)) != ST_OK)
-        goto out;
-    if (sqlite3_step(stmt) != SQLITE_ROW)
-        st = store_sqlite_fail(c, "cannot read a calibration", e);
-    else
-        *version = sqlite3_column_int64(stmt, 0); /* NULL is 0 */
-    (void)sqlite3_reset(stmt);
-out:
+    st = read_end(c, version, e);
     store_sqlite_done(s, c);
     return st;
 }
@@ -239,9 +316,10 @@ enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
                                            store_report *report, void *arg,
                                            struct errinfo *e)
 {
-    struct store_calibration k;
+    struct store_calibration k = {0};
     struct errinfo row;
     sqlite3_stmt *stmt;
+    int64_t newest;
     enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_LIST, &stmt, e);
     int rc;
 
@@ -253,5 +331,13 @@ enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
     if (rc != SQLITE_DONE)
         st = store_sqlite_fail(c, "cannot read the calibrations", e);
     (void)sqlite3_reset(stmt);
-    return st;
+    if (st != ST_OK)
+        return st;
+    if ((st = read_end(c, &newest, &row)) == ST_OK && k.version != newest)
+        st = not_newest(newest, &row);
+    if (st != ST_OK && st != ST_ECORRUPT)
+        return errinfo_set(e, st, "%s", row.msg);
+    if (st != ST_OK)
+        report(arg, row.msg);
+    return ST_OK;
 }

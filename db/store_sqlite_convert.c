@@ -141,7 +141,9 @@ enum status store_sqlite_convert(struct store_sqlite_conn *c, struct errinfo *e)
     enum status st;
 
     if ((st = each(c, subjects_3, convert_subject, e)) == ST_OK &&
-        (st = each(c, templates_3, convert_template, e)) == ST_OK)
-        st = each(c, events_3, convert_event, e);
+        (st = each(c, templates_3, convert_template, e)) == ST_OK &&
+        (st = each(c, events_3, convert_event, e)) == ST_OK &&
+        (st = store_sqlite_token_prove(c, e)) == ST_OK)
+        st = store_sqlite_calibration_prove(c, e);
     return st;
 }

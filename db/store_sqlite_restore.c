@@ -146,13 +146,14 @@ static enum status is_there(struct restoring *r, sqlite3_stmt *row, struct errin
 
 /* ---- tokens */
 
-/* One that was revoked stays so, and a secret that was replaced stays replaced. */
+/* One that was revoked stays so, and a secret that was replaced stays replaced.  What else
+ * is proved of it never changes, so that its proof is as good here. */
 static enum status token(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
 {
     static const char revoke[] = "UPDATE tokens SET revoked = ?2 WHERE id = ?1 AND "
                                  "revoked IS NULL AND ?2 IS NOT NULL",
                       rotate[] = "UPDATE tokens SET hash = ?3, old_hash = ?4, "
-                                 "old_until = ?5, expires = ?6 WHERE id = ?1";
+                                 "old_until = ?5, expires = ?6, mac = ?7 WHERE id = ?1";
     static const char *const sql[] = {revoke, rotate};
     sqlite3_stmt *stmt = NULL;
     enum status st = ST_OK;
@@ -223,7 +224,8 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
         (st = each(r, "SELECT lookup, at FROM erased", was_erased, e)) != ST_OK ||
         (st = each(r, "SELECT lookup, uid FROM subjects", is_there, e)) != ST_OK)
         return st;
-    return each(r, "SELECT id, revoked, hash, old_hash, old_until, expires FROM tokens",
+    return each(r,
+                "SELECT id, revoked, hash, old_hash, old_until, expires, mac FROM tokens",
                 token, e);
 }
 

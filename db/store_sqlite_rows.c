@@ -1,3 +1,4 @@
+#include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +82,106 @@ int store_sqlite_bind_bytes(sqlite3_stmt *stmt, int at, const void *data, size_t
 {
     return n == 0 ? sqlite3_bind_zeroblob(stmt, at, 0)
                   : sqlite3_bind_blob64(stmt, at, data, n, SQLITE_TRANSIENT);
+}
+
+/* ---- proofs */
+
+#define PROVED_MAX 4096 /* bytes: no row that this program wrote has more */
+
+struct proved {
+    size_t n;
+    unsigned char bytes[PROVED_MAX];
+};
+
+static bool put(struct proved *p, const void *from, size_t n)
+{
+    if (n > sizeof p->bytes - p->n)
+        return false;
+    if (n > 0)
+        memcpy(p->bytes + p->n, from, n);
+    p->n += n;
+    return true;
+}
+
+static bool put_number(struct proved *p, uint64_t v, int n)
+{
+    unsigned char bytes[8];
+
+    for (int i = 0; i < n; i++)
+        bytes[i] = (unsigned char)(v >> 8 * i);
+    return put(p, bytes, (size_t)n);
+}
+
+/* Its type, and its value or length and bytes: no two different columns give the same. */
+static bool put_column(struct proved *p, sqlite3_stmt *stmt, int col)
+{
+    const void *data = NULL;
+    uint64_t bits;
+    double real;
+    int n;
+
+    switch (sqlite3_column_type(stmt, col)) {
+    case SQLITE_NULL:
+        return put_number(p, 0, 1);
+    case SQLITE_INTEGER:
+        return put_number(p, 1, 1) &&
+               put_number(p, (uint64_t)sqlite3_column_int64(stmt, col), 8);
+    case SQLITE_FLOAT:
+        real = sqlite3_column_double(stmt, col);
+        memcpy(&bits, &real, sizeof bits);
+        return put_number(p, 2, 1) && put_number(p, bits, 8);
+    case SQLITE_TEXT:
+        data = sqlite3_column_text(stmt, col);
+        n = sqlite3_column_bytes(stmt, col);
+        return data != NULL && put_number(p, 3, 1) && put_number(p, (uint64_t)n, 4) &&
+               put(p, data, (size_t)n);
+    default:
+        data = sqlite3_column_blob(stmt, col); /* NULL where it is empty */
+        n = sqlite3_column_bytes(stmt, col);
+        return put_number(p, 4, 1) && put_number(p, (uint64_t)n, 4) &&
+               put(p, data, data != NULL ? (size_t)n : 0);
+    }
+}
+
+static bool prove(const struct store_sqlite_conn *c, const char what[16],
+                  sqlite3_stmt *stmt, int n, unsigned char mac[VAULT_HASH])
+{
+    struct proved p = {.n = 0};
+
+    if (!put(&p, what, 16))
+        return false;
+    for (int i = 0; i < n; i++)
+        if (!put_column(&p, stmt, i))
+            return false;
+    vault_mac(c->vault, p.bytes, p.n, mac);
+    return true;
+}
+
+bool store_sqlite_proved(const struct store_sqlite_conn *c, const char what[16],
+                         sqlite3_stmt *stmt, int n)
+{
+    unsigned char mac[VAULT_HASH], stored[VAULT_HASH];
+
+    return store_sqlite_bytes(stmt, n, stored, sizeof stored) &&
+           prove(c, what, stmt, n, mac) && sodium_memcmp(mac, stored, sizeof mac) == 0;
+}
+
+enum status store_sqlite_prove(struct store_sqlite_conn *c, const char what[16],
+                               sqlite3_stmt *stmt, int n, enum store_sqlite_sql set,
+                               struct errinfo *e)
+{
+    unsigned char mac[VAULT_HASH];
+    sqlite3_stmt *update;
+    enum status st = store_sqlite_prepare(c, set, &update, e);
+
+    if (st != ST_OK)
+        return st;
+    if (!prove(c, what, stmt, n, mac))
+        return errinfo_set(e, ST_ECORRUPT, "a row that is too long");
+    if (sqlite3_bind_value(update, 1, sqlite3_column_value(stmt, 0)) != SQLITE_OK ||
+        store_sqlite_bind_bytes(update, 2, mac, sizeof mac) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot prove a row", e);
+    return store_sqlite_run(c, update, e);
 }
 
 /* ---- lists */

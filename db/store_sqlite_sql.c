@@ -14,7 +14,8 @@
 
 #define ATTEMPTS_OF "(SELECT subject_key FROM subjects WHERE lookup = ?1)"
 
-#define TOKEN_COLUMNS "id, name, created, revoked, scopes, expires, used, old_until"
+#define TOKEN_COLUMNS                                                                    \
+    "id, name, created, revoked, scopes, expires, old_until, hash, old_hash, mac, used"
 
 #define EVENT_COLUMNS                                                                    \
     "seq, e.at, e.kind, e.actor, e.subject, e.template_id, e.outcome, e.hash"
@@ -24,7 +25,7 @@
 
 #define CALIBRATION_COLUMNS                                                              \
     "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
-    "high_mm, subjects, impostors, genuine, halving_mm, knots"
+    "high_mm, subjects, impostors, genuine, halving_mm, knots, mac"
 
 const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_BEGIN] = "BEGIN IMMEDIATE",
@@ -37,7 +38,8 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "SELECT kind, version, passes, mib, salt, open, public, secrets FROM root",
     [SQL_ROOT_SET] = "REPLACE INTO root (root_key, kind, version, passes, mib, salt, "
                      "open, public, secrets) VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
-    [SQL_SUBJECT_FIND] = "SELECT subject_key, uid, key FROM subjects WHERE lookup = ?1",
+    [SQL_SUBJECT_FIND] =
+        "SELECT s.subject_key, " SUBJECT_WHO " FROM subjects s WHERE s.lookup = ?1",
     [SQL_SUBJECT_ADD] =
         "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
         "seen, hold, disabled) "
@@ -95,8 +97,9 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
                          "old_until = ?3, hash = ?2, expires = ?4 "
                          "WHERE id = ?1 AND revoked IS NULL",
     [SQL_TOKEN_FIND] =
-        "SELECT " TOKEN_COLUMNS ", hash, 0 FROM tokens WHERE hash = ?1 UNION ALL "
-        "SELECT " TOKEN_COLUMNS ", old_hash, 1 FROM tokens WHERE old_hash = ?1",
+        "SELECT " TOKEN_COLUMNS ", 0 FROM tokens WHERE hash = ?1 UNION ALL "
+        "SELECT " TOKEN_COLUMNS ", 1 FROM tokens WHERE old_hash = ?1",
+    [SQL_TOKEN_PROVE] = "UPDATE tokens SET mac = ?2 WHERE id = ?1",
     [SQL_TOKEN_USE] = "UPDATE tokens SET used = ?2 WHERE id = ?1",
     [SQL_ATTEMPTS_GET] = "SELECT coalesce(failures, 0), coalesce(at_ms, 0) FROM subjects "
                          "LEFT JOIN attempts USING (subject_key) WHERE lookup = ?1",
@@ -117,7 +120,14 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
     [SQL_CALIBRATION_GET] = "SELECT " CALIBRATION_COLUMNS " FROM calibrations "
                             "ORDER BY calibration_key DESC LIMIT 1",
-    [SQL_CALIBRATION_VERSION] = "SELECT max(calibration_key) FROM calibrations",
+    [SQL_CALIBRATION_PROVE] =
+        "UPDATE calibrations SET mac = ?2 WHERE calibration_key = ?1",
+    [SQL_CALIBRATION_END] =
+        "REPLACE INTO calibrations_end (calibrations_key, version) "
+        "SELECT 1, coalesce(max(calibration_key), 0) FROM calibrations",
+    [SQL_CALIBRATION_END_PROVE] =
+        "UPDATE calibrations_end SET mac = ?2 WHERE version = ?1",
+    [SQL_CALIBRATION_VERSION] = "SELECT version, mac FROM calibrations_end",
     [SQL_CALIBRATION_LIST] =
         "SELECT " CALIBRATION_COLUMNS " FROM calibrations ORDER BY calibration_key",
     [SQL_STATS] = "SELECT (SELECT count(*) FROM subjects), count(*), "

@@ -84,9 +84,17 @@ static enum status bind_lookup(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
                : store_sqlite_fail(c, "cannot look for a subject", e);
 }
 
+/* By what a row is found is not sealed with it: somebody may have exchanged two. */
+static enum status not_theirs(const char *subject, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ECORRUPT, "subject %s: the row found is somebody else's",
+                       subject);
+}
+
 enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *subject,
                                       struct store_sqlite_person *p, struct errinfo *e)
 {
+    struct store_subject who;
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_SUBJECT_FIND, &stmt, e);
 
@@ -96,9 +104,13 @@ enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *s
         switch (sqlite3_step(stmt)) {
         case SQLITE_ROW:
             p->row = sqlite3_column_int64(stmt, 0);
-            if (!read_key(c, stmt, 1, &p->key))
-                st = errinfo_set(e, ST_ECORRUPT, "subject %s: its key is damaged",
+            if (!store_sqlite_subject_who(c, stmt, 1, &who, &p->key))
+                st = errinfo_set(e, ST_ECORRUPT, "subject %s: its row is damaged",
                                  subject);
+            else if (strcmp(who.id, subject) != 0) {
+                p->row = 0;
+                st = not_theirs(subject, e);
+            }
             break;
         case SQLITE_DONE:
             st = errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject);
@@ -191,6 +203,8 @@ static enum status read_one(struct store_sqlite_conn *c, const char *subject,
         else
             st = store_sqlite_fail(c, "cannot read a subject", e);
     }
+    if (st == ST_OK && strcmp(out->id, subject) != 0)
+        st = not_theirs(subject, e);
     (void)sqlite3_reset(stmt);
     return st;
 }
@@ -315,7 +329,7 @@ enum status store_sqlite_subject_delete(struct store *s, const struct store_act 
         return st;
     /* Who is damaged can be erased too. */
     if (((st = store_sqlite_subject_find(c, subject, &p, e)) != ST_OK &&
-         st != ST_ECORRUPT) ||
+         (st != ST_ECORRUPT || p.row == 0)) ||
         (st = list_templates(c, p.row, out, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_DELETE, &stmt, e)) != ST_OK)
         goto out;

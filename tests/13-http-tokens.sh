@@ -124,7 +124,10 @@ ctl token create --expires 1h short
 AUTH=$(jq -r .token "$T/ctl")
 req GET /v1/subjects
 is "before it expires" "$STATUS" 200
-sqlite3 "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
+sqlite3 "$DB" "UPDATE tokens SET expires = NULL WHERE name = 'short'"
+req GET /v1/subjects
+problem "a life that its row has got from elsewhere" 500 internal
+"$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
 req GET /v1/subjects
 problem "expired, at once" 401 unauthorized
 ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h

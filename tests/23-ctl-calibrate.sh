@@ -97,7 +97,7 @@ is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE ki
     'surfacectl|version 1'
 
 # A threshold that nothing is below: enrolment is judged by it too.
-sqlite3 "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, low_mm,
+"$BUILD/forge" "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, low_mm,
     high_mm, subjects, impostors, genuine, halving_mm, knots) SELECT created, actor, engine, shipped,
     fmr, 0.0001, 0, 1, subjects, impostors, genuine, halving_mm, knots FROM calibrations"
 send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
@@ -131,7 +131,7 @@ is "two ids of one person are found" "$(said '.suspicious | map([.a, .b] | join(
 ok "as text too" grep -q 's7  s7b' "$T/text"
 
 # ---- damaged: nobody decides, until there is another
-sqlite3 "$DB" "UPDATE calibrations SET threshold_mm = 5000 WHERE calibration_key = 3"
+sqlite3 "$DB" "UPDATE calibrations SET threshold_mm = threshold_mm + 1 WHERE calibration_key = 3"
 stop_daemon
 start_daemon --no-auth
 send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"

@@ -16,6 +16,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "facegen.h"
+#include "forge.h"
 #include "model.h"
 #include "rates.h"
 #include "store.h"
@@ -241,8 +242,12 @@ static void test_followed(void **state)
     k.shipped =
         false; /* of another measure: it says nothing about this one's disparities */
     add(s, &k);
-    sql("UPDATE calibrations SET engine = 'surfaced/0.0.1 measure/0' "
-        "WHERE calibration_key = (SELECT max(calibration_key) FROM calibrations)");
+    assert_int_equal(forge_sql(path,
+                               "UPDATE calibrations SET engine = "
+                               "'surfaced/0.0.1 measure/0' WHERE calibration_key = "
+                               "(SELECT max(calibration_key) FROM calibrations)",
+                               &e),
+                     ST_OK);
     assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
     assert_int_equal(version, k.version);
     assert_int_equal(compare().decision, FACE_NO_MATCH);
@@ -308,6 +313,14 @@ static void test_damaged(void **state)
         "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET engine ="
         " CAST(zeroblob(100) AS TEXT)",
         "UPDATE calibrations SET calibration_key = -5",
+        "UPDATE calibrations SET calibration_key = 5",
+        "UPDATE calibrations SET threshold_mm = threshold_mm + 1",
+        "UPDATE calibrations SET shipped = 1",
+        "UPDATE calibrations SET actor = 'nobody'",
+        "UPDATE calibrations SET mac = NULL",
+        "INSERT INTO calibrations SELECT 7, created, actor, engine, shipped, fmr, 8,"
+        " low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots, mac"
+        " FROM calibrations",
     };
 
     (void)state;

@@ -14,6 +14,7 @@
 #include <sqlite3.h>
 
 #include "errinfo.h"
+#include "forge.h"
 #include "store.h"
 
 static char dir[64], path[96];
@@ -57,6 +58,13 @@ static void sql(const char *text)
     if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
         fail_msg("%s: %s", text, why);
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+/* The same with rows that are proved. */
+static void forge(const char *text)
+{
+    if (forge_sql(path, text, &e) != ST_OK)
+        fail_msg("%s: %s", text, e.msg);
 }
 
 static uint64_t count(const char *text)
@@ -190,7 +198,7 @@ static void test_expires(void **state)
               "FROM tokens"),
         1000);
     assert_int_equal(check(s, secret), ST_OK);
-    sql("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z'");
+    forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z'");
     assert_int_equal(check(s, secret), ST_EDENIED);
     assert_non_null(strstr(e.msg, "expired"));
     assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
@@ -234,11 +242,11 @@ static void test_rotated(void **state)
     assert_int_equal(store_token_check(s, second, &got, &e), ST_OK);
     assert_string_equal(got.id, t.id);
     assert_int_equal(check(s, third), ST_OK);
-    sql("UPDATE tokens SET old_until = '2026-01-01T00:00:00.000Z'");
+    forge("UPDATE tokens SET old_until = '2026-01-01T00:00:00.000Z'");
     assert_int_equal(check(s, second), ST_EDENIED);
     assert_int_equal(check(s, third), ST_OK);
     /* Revoked: neither, and no way back. */
-    sql("UPDATE tokens SET old_until = '9026-01-01T00:00:00.000Z'");
+    forge("UPDATE tokens SET old_until = '9026-01-01T00:00:00.000Z'");
     assert_int_equal(check(s, second), ST_OK);
     assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
     assert_int_equal(check(s, second), ST_EDENIED);
@@ -310,21 +318,56 @@ static void test_damaged(void **state)
         "UPDATE tokens SET scopes = ''",
         UNCHECKED "UPDATE tokens SET expires = CAST(zeroblob(100) AS TEXT)",
         UNCHECKED "UPDATE tokens SET id = 'x'",
+        "UPDATE tokens SET id = '0123456789abcdef0123456789abcdef'",
+        "UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete'",
+        "UPDATE tokens SET expires = '2126-01-01T00:00:00.000Z'",
+        "UPDATE tokens SET expires = NULL",
+        "UPDATE tokens SET old_hash = zeroblob(32), old_until = expires",
+        "UPDATE tokens SET mac = NULL",
+        "UPDATE tokens SET mac = zeroblob(32)",
     };
     struct store_token t, *list;
-    char secret[65];
+    char secret[65], other[65];
     size_t n;
 
     (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         struct store *s = fresh();
 
-        create(s, "gate", STORE_SCOPE_ALL, 0, secret, &t);
+        create(s, "gate", STORE_SCOPE_VERIFY, 60, secret, &t);
         sql(damage[i]);
         assert_int_equal(check(s, secret), ST_ECORRUPT);
         assert_int_equal(store_token_list(s, &list, &n, &e), ST_ECORRUPT);
+        assert_true(problems(s) >= 1);
+        assert_true(store_token_rotate(s, "test", t.id, 0, 0, other, &t, &e) != ST_OK);
         store_close(s);
     }
+}
+
+/* What was forged does not become true by what is done to it after. */
+static void test_forged(void **state)
+{
+    struct store *s = fresh();
+    struct store_token t, *list;
+    char secret[65];
+    size_t n;
+
+    (void)state;
+    create(s, "gate", STORE_SCOPE_VERIFY, 0, secret, &t);
+    sql("INSERT INTO tokens (id, name, hash, created, scopes, mac) SELECT "
+        "'0123456789abcdef0123456789abcdef', 'mine', zeroblob(32), created, scopes, mac "
+        "FROM tokens");
+    assert_int_equal(check(s, secret), ST_OK); /* the others go on */
+    assert_int_equal(problems(s), 1);
+    assert_int_equal(
+        store_token_revoke(s, "test", "0123456789abcdef0123456789abcdef", &e), ST_OK);
+    assert_int_equal(problems(s), 0);
+    assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
+    assert_true(n == 2 && list[1].revoked);
+    free(list);
+    sql("UPDATE tokens SET revoked = NULL WHERE name = 'mine'");
+    assert_int_equal(problems(s), 1);
+    store_close(s);
 }
 
 /* ---- failed verifications */
@@ -533,12 +576,12 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scopes),       cmocka_unit_test(test_tokens),
-        cmocka_unit_test(test_expires),      cmocka_unit_test(test_rotated),
-        cmocka_unit_test(test_used),         cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_attempts),     cmocka_unit_test(test_clock_back),
-        cmocka_unit_test(test_threads),      cmocka_unit_test(test_upgraded),
-        cmocka_unit_test(test_not_upgraded),
+        cmocka_unit_test(test_scopes),     cmocka_unit_test(test_tokens),
+        cmocka_unit_test(test_expires),    cmocka_unit_test(test_rotated),
+        cmocka_unit_test(test_used),       cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_forged),     cmocka_unit_test(test_attempts),
+        cmocka_unit_test(test_clock_back), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_upgraded),   cmocka_unit_test(test_not_upgraded),
     };
 
     return cmocka_run_group_tests_name("tokens", tests, set_up, tear_down);

@@ -1,0 +1,14 @@
+/* forge.h -- rows as this program never wrote them, but proved as if it had: for tests of
+ * times gone by and of settings that cannot be reached otherwise.  It takes the database's
+ * key, as whoever can do this outside the tests has. */
+#ifndef TESTS_FORGE_H
+#define TESTS_FORGE_H
+#include "status.h"
+
+struct errinfo;
+
+/* forge_sql(path, sql, e): run statements on a database, in one transaction, and prove all
+ * tokens and calibrations as they are then. */
+enum status forge_sql(const char *path, const char *sql, struct errinfo *e);
+
+#endif

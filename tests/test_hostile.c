@@ -1,0 +1,353 @@
+/* A database that somebody changed who has no key: every byte of it in turn, and many at
+ * once.  Whatever is answered is the truth or an error: never another face, subject, token
+ * or threshold, never a crash. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include <sqlite3.h>
+
+#include "brute.h"
+#include "errinfo.h"
+#include "face.h"
+#include "facegen.h"
+#include "store.h"
+
+#define POINTS    110
+#define THRESHOLD 0.4321
+#define SEED      5
+#define PROCESSES 3
+
+static char dir[64], path[96], key[96];
+static const struct store_key by_key = {.path = key, .make = VAULT_FILE};
+static unsigned char *file; /* as it was written */
+static size_t size;
+static struct face_work *work;
+static struct face face, loaded;
+static struct store_template tmpl;
+static char secret[65], revoked[65];
+static struct errinfo e;
+
+static void remove_logs(void)
+{
+    static const char *const suffix[] = {"-wal", "-shm", "-journal"};
+    char name[128];
+
+    for (size_t i = 0; i < 3; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+}
+
+static void write_file(const unsigned char *bytes, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+static void read_file(void)
+{
+    struct stat sb;
+    FILE *f = fopen(path, "rb");
+
+    assert_non_null(f);
+    assert_int_equal(fstat(fileno(f), &sb), 0);
+    size = (size_t)sb.st_size;
+    assert_non_null(file = malloc(size));
+    assert_int_equal(fread(file, 1, size, f), size);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* ---- one of everything */
+
+static void fill(struct store *s)
+{
+    struct store_calibration k = {
+        .fmr = 0.001,
+        .low_mm = 0.4,
+        .high_mm = 0.5,
+        .subjects = 80,
+        .impostors = 6320,
+        .decision = {.threshold_mm = THRESHOLD,
+                     .halving_mm = 0.03,
+                     .n = 2,
+                     .knot = {{THRESHOLD, 0.001}, {5, 1}}},
+    };
+    struct store_token t;
+    bool created;
+
+    assert_int_equal(
+        store_enroll(s, "test", "alice", "front", &face, &tmpl, &created, &e), ST_OK);
+    assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
+    assert_int_equal(
+        store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e),
+        ST_OK);
+    assert_int_equal(
+        store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e),
+        ST_OK);
+    assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
+}
+
+/* Small pages leave few bytes that mean nothing. */
+static void shrink(void)
+{
+    sqlite3 *db;
+
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db,
+                                  "PRAGMA journal_mode=DELETE; PRAGMA page_size=512;"
+                                  "VACUUM; PRAGMA journal_mode=WAL",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+/* ---- what may be answered */
+
+/* Ends the process, which may be a child. */
+#define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
+
+static void broken(const char *what, int line)
+{
+    (void)fprintf(stderr, "test_hostile.c:%d: not %s\n", line, what);
+    abort();
+}
+
+static void check_template(struct store *s, const struct store_template *t)
+{
+    struct store_template got;
+
+    MUST(memcmp(t, &tmpl, sizeof tmpl) == 0);
+    if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
+        return;
+    MUST(memcmp(&got, &tmpl, sizeof tmpl) == 0);
+    MUST(loaded.mesh.nv == face.mesh.nv && loaded.mesh.nt == face.mesh.nt);
+    MUST(memcmp(loaded.mesh.xy, face.mesh.xy, face.mesh.nv * sizeof *face.mesh.xy) == 0);
+    MUST(memcmp(loaded.mesh.z, face.mesh.z, face.mesh.nv * sizeof *face.mesh.z) == 0);
+}
+
+/* Ask all that decides who is let in.  Returns how many questions were answered. */
+static unsigned ask(struct store *s)
+{
+    struct store_template *list;
+    struct store_subject one;
+    struct store_calibration k;
+    struct store_token t;
+    int64_t version;
+    unsigned answers = 0;
+    size_t n;
+    enum status st;
+
+    if (store_token_check(s, secret, &t, &e) == ST_OK) {
+        MUST(t.scopes == STORE_SCOPE_VERIFY && t.expires[0] == '\0');
+        answers++;
+    }
+    MUST(store_token_check(s, revoked, &t, &e) != ST_OK);
+    if ((st = store_calibration_get(s, &k, &e)) == ST_OK) {
+        MUST(k.decision.threshold_mm == THRESHOLD && !k.shipped);
+        answers++;
+    }
+    MUST(st != ST_ENOTFOUND);
+    if (store_calibration_version(s, &version, &e) == ST_OK) {
+        MUST(version == 1);
+        answers++;
+    }
+    if (store_subject_get(s, "alice", &one, &e) == ST_OK) {
+        MUST(strcmp(one.id, "alice") == 0 && !one.disabled);
+        answers++;
+    }
+    MUST(store_subject_get(s, "bob", &one, &e) != ST_OK);
+    if (store_template_list(s, "alice", &list, &n, &e) == ST_OK) {
+        MUST(n <= 1);
+        if (n == 1)
+            check_template(s, &list[0]);
+        free(list);
+        answers++;
+    }
+    MUST(store_template_list(s, "bob", &list, &n, &e) != ST_OK);
+    return answers;
+}
+
+struct tally {
+    unsigned files, refused, whole; /* not opened; every question answered */
+};
+
+static void try_file(struct tally *t)
+{
+    struct store *s;
+
+    t->files++;
+    if (store_open(path, STORE_READ, &by_key, &s, &e) != ST_OK) {
+        t->refused++;
+        MUST(e.msg[0] != '\0');
+        return;
+    }
+    t->whole += ask(s) == 5;
+    store_close(s);
+}
+
+static void print_tally(const char *what, const struct tally *t)
+{
+    print_message("%s: %u files, %u not opened, %u answer everything\n", what, t->files,
+                  t->refused, t->whole);
+}
+
+/* ---- the tests */
+
+static void test_as_written(void **state)
+{
+    struct tally t = {0};
+
+    (void)state;
+    try_file(&t);
+    assert_int_equal(t.whole, 1);
+}
+
+/* Every PROCESSES-th byte from the first on, in a copy of the file. */
+static void flip(size_t first, struct tally *t)
+{
+    int fd;
+
+    (void)snprintf(path + strlen(path), 8, "-%zu", first);
+    write_file(file, size);
+    MUST((fd = open(path, O_WRONLY)) >= 0);
+    for (size_t i = first; i < size; i += PROCESSES) {
+        const unsigned char flipped =
+            (unsigned char)(file[i] ^ (i / PROCESSES % 2 == 0 ? 0xff : 1U << i % 8));
+
+        MUST(pwrite(fd, &flipped, 1, (off_t)i) == 1);
+        try_file(t);
+        MUST(pwrite(fd, &file[i], 1, (off_t)i) == 1);
+        remove_logs();
+    }
+    (void)close(fd);
+    (void)unlink(path);
+}
+
+static void test_every_byte(void **state)
+{
+    pid_t child[PROCESSES];
+    int status;
+
+    (void)state;
+    for (size_t i = 0; i < PROCESSES; i++) {
+        assert_true((child[i] = fork()) >= 0);
+        if (child[i] == 0) {
+            struct tally t = {0};
+
+            flip(i, &t);
+            print_tally("every byte, a part", &t);
+            (void)fflush(stdout);
+            _exit(t.refused > 0 && t.refused < t.files ? 0 : 1);
+        }
+    }
+    for (size_t i = 0; i < PROCESSES; i++) {
+        assert_int_equal(waitpid(child[i], &status, 0), child[i]);
+        assert_int_equal(status, 0);
+    }
+}
+
+/* Pieces overwritten, exchanged, cut off. */
+static void test_many_bytes(void **state)
+{
+    unsigned char *bytes = malloc(size);
+    struct brute_rng rng = {SEED};
+    struct tally t = {0};
+
+    (void)state;
+    assert_non_null(bytes);
+    print_message("seed %d\n", SEED);
+    for (int round = 0; round < 500; round++) {
+        size_t n = size;
+
+        memcpy(bytes, file, size);
+        for (uint64_t k = 1 + brute_rand(&rng) % 6; k > 0; k--) {
+            const size_t from = (size_t)(brute_rand(&rng) % size),
+                         to = (size_t)(brute_rand(&rng) % size),
+                         most = size - (from > to ? from : to),
+                         len = (size_t)(brute_rand(&rng) % (most < 600 ? most : 600));
+
+            switch (brute_rand(&rng) % 4) {
+            case 0:
+                bytes[to] = (unsigned char)brute_rand(&rng);
+                break;
+            case 1:
+                memmove(bytes + to, bytes + from, len);
+                break;
+            case 2: /* whole pages */
+                memcpy(bytes + to / 512 * 512, file + from / 512 * 512, 512);
+                break;
+            default:
+                n = brute_rand(&rng) % 8 == 0 ? 1 + to : n;
+            }
+        }
+        write_file(bytes, n);
+        try_file(&t);
+        remove_logs();
+    }
+    print_tally("many bytes", &t);
+    free(bytes);
+    write_file(file, size);
+}
+
+static int set_up(void **state)
+{
+    static struct dvec3 pts[POINTS];
+    struct facegen_scan scan;
+    struct store *s;
+
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/test_hostile.XXXXXX");
+    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
+        return 1;
+    (void)snprintf(path, sizeof path, "%s/db", dir);
+    (void)snprintf(key, sizeof key, "%s/key", dir);
+    facegen_default(&scan);
+    scan.points = POINTS;
+    if (face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK ||
+        store_open(path, STORE_CREATE, &by_key, &s, &e) != ST_OK) {
+        print_message("%s\n", e.msg);
+        return 1;
+    }
+    fill(s);
+    store_close(s);
+    shrink();
+    read_file();
+    print_message("%zu bytes\n", size);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    remove_logs();
+    (void)unlink(path);
+    (void)unlink(key);
+    free(file);
+    face_free(&face);
+    face_free(&loaded);
+    face_work_free(work);
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_as_written),
+        cmocka_unit_test(test_every_byte),
+        cmocka_unit_test(test_many_bytes),
+    };
+
+    return cmocka_run_group_tests_name("hostile", tests, set_up, tear_down);
+}
