@@ -122,60 +122,31 @@ static enum status verify_subjects(struct store *s, struct store_copied *found,
     return st;
 }
 
-/* The events end where the key says they do. */
-static enum status verify_end(struct store_sqlite_conn *c, struct store_copied *found,
-                              struct errinfo *e)
+static void log_problem(void *arg, uint64_t seq, const char *line)
 {
-    static const char sql[] =
-        "SELECT (SELECT count(*) FROM events), (SELECT max(seq) FROM events), "
-        "n.seq, n.hash, n.mac, e.hash FROM (SELECT 1) "
-        "LEFT JOIN events_end n LEFT JOIN events e ON e.seq = n.seq";
-    unsigned char end[STORE_CHAIN_HASH], mac[STORE_CHAIN_HASH], hash[STORE_CHAIN_HASH],
-        want[STORE_CHAIN_HASH];
-    sqlite3_stmt *stmt = NULL;
-    enum status st = ST_OK;
-    bool ok;
+    char text[240];
 
-    if (sqlite3_prepare_v2(c->db, sql, -1, &stmt, NULL) != SQLITE_OK ||
-        sqlite3_step(stmt) != SQLITE_ROW) {
-        st = store_sqlite_fail(c, "cannot read the events", e);
-        goto out;
-    }
-    found->events = (uint64_t)sqlite3_column_int64(stmt, 0);
-    if (found->events == 0) {
-        ok = sqlite3_column_int64(stmt, 2) == 0; /* also where there is none */
-    } else {
-        ok = sqlite3_column_int64(stmt, 1) == sqlite3_column_int64(stmt, 2) &&
-             store_sqlite_bytes(stmt, 3, end, sizeof end) &&
-             store_sqlite_bytes(stmt, 4, mac, sizeof mac) &&
-             store_sqlite_bytes(stmt, 5, hash, sizeof hash) &&
-             memcmp(end, hash, sizeof end) == 0;
-        if (ok) {
-            store_chain_end(c->vault, (uint64_t)sqlite3_column_int64(stmt, 2), end, want);
-            ok = memcmp(mac, want, sizeof mac) == 0;
-        }
-    }
-    if (!ok)
-        st = errinfo_set(e, ST_ECORRUPT, "the events do not end where they did");
-out:
-    (void)sqlite3_finalize(stmt);
-    return st;
+    (void)sqlite3_snprintf(sizeof text, text, "audit log, entry %llu: %s",
+                           (unsigned long long)seq, line);
+    problem(arg, text);
 }
 
 static enum status verify_store(struct store *s, struct store_copied *found,
                                 struct errinfo *e)
 {
     struct verifying v = {.found = found};
+    struct store_audit audit = {0};
     struct store_sqlite_conn *c;
     enum status st;
 
     if ((st = store_sqlite_admin_check(s, problem, &v, e)) != ST_OK ||
         (st = verify_subjects(s, found, e)) != ST_OK ||
         (st = store_sqlite_face_each(s, count_template, problem, &v, e)) != ST_OK ||
+        (st = store_sqlite_audit_verify(s, log_problem, &v, &audit, e)) != ST_OK ||
         (st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;
-    if ((st = verify_end(c, found, e)) == ST_OK)
-        st = store_sqlite_size(c, &found->bytes, e);
+    found->events = audit.entries;
+    st = store_sqlite_size(c, &found->bytes, e);
     store_sqlite_done(s, c);
     if (st == ST_OK && v.first.code != ST_OK)
         st = errinfo_set(e, ST_ECORRUPT, "%s", v.first.msg);
