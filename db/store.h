@@ -8,8 +8,8 @@
  * actor: who asks, for the events table: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
  * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row or file, not a database),
- * ST_EVERSION (database of a newer version, or of an older one and opened for reading), ST_EBUSY (locked by another process for
- * longer than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
+ * ST_EVERSION (database of another version), ST_EBUSY (locked by another process for longer
+ * than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
 #ifndef DB_STORE_H
 #define DB_STORE_H
 #include <stdbool.h>
@@ -334,8 +334,8 @@ enum status store_attempts_clear(struct store *s, const char *subject, struct er
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e);
 
-/* store_attempts_list(s, out, n, e): of all subjects that have some, in order of id; a new
- * array released by free(). */
+/* store_attempts_list(s, out, n, e): of all subjects that have some, in the order of their
+ * coming; a new array released by free(). */
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e);
 
@@ -387,7 +387,8 @@ struct store_check {
 
 /* store_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys,
  * every calibration valid, every template decoded, its triangulation Delaunay and its tree
- * minimal, its digest and counts right, the audit log (store_audit_verify()).  report() is called once a problem with one line of text. */
+ * minimal, its digest and counts right, the audit log (store_audit_verify()).  report() is
+ * called once a problem with one line of text. */
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e);
 

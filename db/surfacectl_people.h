@@ -19,7 +19,7 @@ struct surfacectl_person {
 };
 
 struct surfacectl_people {
-    struct surfacectl_person *person; /* those with templates, in order of id */
+    struct surfacectl_person *person; /* with templates, as they came */
     uint32_t nperson;
     uint32_t nsubject; /* that have templates: nperson, or more than are in memory */
     struct face *face; /* [ntemplate] */
