@@ -6,16 +6,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "errinfo.h"
 #include "newfile.h"
 
-enum status keyfile_make(const char *path, struct errinfo *e)
+/* A new file of one line, n bytes with its end. */
+static enum status create(const char *path, const char *line, size_t n, struct errinfo *e)
 {
-    unsigned char key[VAULT_KEY];
-    char line[2 * VAULT_KEY + 2];
     const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     int err = 0;
 
@@ -24,13 +24,9 @@ enum status keyfile_make(const char *path, struct errinfo *e)
                    ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path)
                    : errinfo_set(e, ST_EIO, "cannot create %.160s: %s", path,
                                  strerror(errno));
-    randombytes_buf(key, sizeof key);
-    (void)sodium_bin2hex(line, sizeof line, key, sizeof key);
-    line[2 * VAULT_KEY] = '\n';
-    if (write(fd, line, 2 * VAULT_KEY + 1) != 2 * VAULT_KEY + 1 || fsync(fd) != 0)
+    errno = ENOSPC; /* what a write that was cut short does not say */
+    if (write(fd, line, n) != (ssize_t)n || fsync(fd) != 0)
         err = errno;
-    sodium_memzero(key, sizeof key);
-    sodium_memzero(line, sizeof line);
     if (close(fd) != 0 && err == 0)
         err = errno;
     if (err == 0 && newfile_sync_directory(path) != 0)
@@ -39,6 +35,60 @@ enum status keyfile_make(const char *path, struct errinfo *e)
         (void)unlink(path);
         return errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(err));
     }
+    return ST_OK;
+}
+
+enum status keyfile_make(const char *path, struct errinfo *e)
+{
+    unsigned char key[VAULT_KEY];
+    char line[2 * VAULT_KEY + 2];
+    enum status st;
+
+    randombytes_buf(key, sizeof key);
+    (void)sodium_bin2hex(line, sizeof line, key, sizeof key);
+    line[2 * VAULT_KEY] = '\n';
+    st = create(path, line, 2 * VAULT_KEY + 1, e);
+    sodium_memzero(key, sizeof key);
+    sodium_memzero(line, sizeof line);
+    return st;
+}
+
+enum status keyfile_copy(const struct keyfile *k, const char *path, struct errinfo *e)
+{
+    char line[VAULT_SECRET_MAX + 1];
+    enum status st;
+
+    memcpy(line, k->text, k->len);
+    line[k->len] = '\n';
+    st = create(path, line, k->len + 1, e);
+    sodium_memzero(line, sizeof line);
+    return st;
+}
+
+enum status keyfile_lock(const char *path, int *fd, struct errinfo *e)
+{
+    int rc;
+
+    if ((*fd = newfile_open_directory(path)) < 0)
+        return errinfo_set(e, ST_EIO, "cannot open the folder of %.160s: %s", path,
+                           strerror(errno));
+    do
+        rc = flock(*fd, LOCK_EX);
+    while (rc != 0 && errno == EINTR);
+    if (rc == 0)
+        return ST_OK;
+    (void)errinfo_set(e, ST_EIO, "cannot lock the folder of %.160s: %s", path,
+                      strerror(errno));
+    (void)close(*fd);
+    *fd = -1;
+    return ST_EIO;
+}
+
+enum status keyfile_move(const char *from, const char *to, struct errinfo *e)
+{
+    if (rename(from, to) != 0 || newfile_sync_directory(to) != 0)
+        return errinfo_set(e, ST_EIO, "cannot rename %.100s to %.100s: %s", from, to,
+                           strerror(errno));
     return ST_OK;
 }
 

@@ -17,6 +17,16 @@ struct keyfile { /* in locked memory */
  * the disk.  Returns ST_OK; ST_EEXISTS: there is such a file; ST_EIO. */
 enum status keyfile_make(const char *path, struct errinfo *e);
 
+/* keyfile_copy(k, path, e): the same as keyfile_make() with what k says. */
+enum status keyfile_copy(const struct keyfile *k, const char *path, struct errinfo *e);
+
+/* keyfile_lock(path, fd, e): wait until nobody else who asks changes the keys in that file's
+ * folder; given back by close(fd). */
+enum status keyfile_lock(const char *path, int *fd, struct errinfo *e);
+
+/* keyfile_move(from, to, e): in the place of what was there, and on the disk. */
+enum status keyfile_move(const char *from, const char *to, struct errinfo *e);
+
 /* keyfile_read(path, out, e): the file's one line; *out is released by keyfile_free().
  * A file that strangers may read or change is refused: ST_EDENIED.  ST_ENOTFOUND; ST_EINVAL:
  * empty, too long or more than a line; ST_EIO, ST_ENOMEM. */

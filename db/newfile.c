@@ -12,18 +12,25 @@
 
 #include "errinfo.h"
 
-int newfile_sync_directory(const char *path)
+int newfile_open_directory(const char *path)
 {
     char dir[PATH_MAX];
     const char *slash = strrchr(path, '/');
-    int fd, rc;
 
     (void)snprintf(dir, sizeof dir, "%.*s",
                    slash == NULL   ? 1
                    : slash == path ? 1
                                    : (int)(slash - path),
                    slash == NULL ? "." : path);
-    if ((fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
+    return open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+int newfile_sync_directory(const char *path)
+{
+    const int fd = newfile_open_directory(path);
+    int rc;
+
+    if (fd < 0)
         return -1;
     rc = fsync(fd);
     (void)close(fd);

@@ -30,7 +30,9 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e);
 /* newfile_close(n): the part is removed, where it has not got its name. */
 void newfile_close(struct newfile *n);
 
-/* newfile_sync_directory(path): the name of a new file is on the disk.  0, or -1 and errno. */
+/* newfile_sync_directory(path): the name of a new file is on the disk.  0, or -1 and errno.
+ * newfile_open_directory(path): the folder of a file; or -1 and errno. */
 int newfile_sync_directory(const char *path);
+int newfile_open_directory(const char *path);
 
 #endif

@@ -353,6 +353,22 @@ enum status store_calibration_list(struct store *s, struct store_calibration **o
     return s->engine->calibration_list(s, out, n, e);
 }
 
+/* ---- keys */
+
+enum status store_rekey(struct store *s, const char *actor, const struct store_rekey *to,
+                        struct errinfo *e)
+{
+    struct store_act by;
+    enum status st;
+
+    if ((to->kind == VAULT_PASSPHRASE && to->given == NULL) ||
+        (to->kind == VAULT_OPEN && to->given != NULL))
+        return errinfo_set(e, ST_EINVAL, "a key of another kind");
+    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
+        return st;
+    return s->engine->rekey(s, &by, to, e);
+}
+
 /* ---- statistics */
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)

@@ -63,6 +63,23 @@ struct store_look {
 /* store_look(path, out, e): how old a database is, and how large, which takes no key. */
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e);
 
+struct store_rekey {             /* another master key */
+    enum vault_kind kind;        /* of it */
+    const struct keyfile *given; /* it, or the passphrase; NULL: a random key, or none */
+    bool in_file; /* given is kept in the key's file, in place of the old */
+    bool keep;    /* the old key's file stays, as PATH.old */
+};
+
+/* store_rekey(s, actor, to, e): every subject's key under another master key, in one
+ * transaction; an event with it.  The new key lies in PATH.new, on the disk, before that is
+ * committed and takes the place of PATH after: whoever opens the database finds it in either,
+ * whatever happens in between.  A random key goes into PATH too; the file of an old key that
+ * is not replaced is removed.  What was plain before is written anew (VACUUM).
+ * ST_EEXISTS: there is PATH.new of a change that was not made, PATH.old, or a PATH that is not
+ * this database's key; nothing was changed.  After ST_EIO the text says what was. */
+enum status store_rekey(struct store *s, const char *actor, const struct store_rekey *to,
+                        struct errinfo *e);
+
 /* store_use_model(s, m): what is enrolled and calibrated from now on is by this model, which
  * the callers' face_work must be for too.  m is borrowed; NULL, as after store_open():
  * model_default.  Before other threads use s.
@@ -71,7 +88,8 @@ void store_use_model(struct store *s, const struct model *m);
 const struct model *store_model(const struct store *s);
 const char *store_made_by(const struct store *s);
 
-/* store_ready(s, e): can the database be reached, and is its schema this program's? */
+/* store_ready(s, e): can the database be reached, and is its schema this program's?
+ * ST_EDENIED: its master key was changed since, and the new one is not known here. */
 enum status store_ready(struct store *s, struct errinfo *e);
 
 bool store_subject_valid(const char *subject);

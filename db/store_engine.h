@@ -32,6 +32,9 @@ struct store_engine {
     void (*close)(struct store *s);
     enum status (*ready)(struct store *s, struct errinfo *e);
 
+    enum status (*rekey)(struct store *s, const struct store_act *by,
+                         const struct store_rekey *to, struct errinfo *e);
+
     /* Add *t, complete, and its subject where it is new; or, where the subject has its
      * digest already, make *t the template that is there and *created false.
      * newest: NULL, or the id that the subject's newest template must have ("": none). */

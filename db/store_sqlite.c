@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,8 @@ struct sqlite_store {
     char *reading; /* what readers open: the path, or a URI */
     int flags;     /* with these */
     struct store_sqlite_vaults vaults;
-    bool open; /* store_open() has succeeded */
+    bool open;           /* store_open() has succeeded */
+    atomic_bool keyless; /* the key was changed since, and is not known */
 
     pthread_mutex_t write_lock;       /* of `writing`, held but a moment */
     pthread_cond_t write_free;        /* by the monotonic clock */
@@ -40,6 +42,11 @@ struct sqlite_store {
 static struct sqlite_store *sqlite_store(struct store *s)
 {
     return (struct sqlite_store *)(void *)s; /* base is its first member */
+}
+
+struct store_sqlite_vaults *store_sqlite_vaults(struct store *s)
+{
+    return &sqlite_store(s)->vaults;
 }
 
 /* ---- errors */
@@ -263,11 +270,14 @@ static enum status use_vault(struct sqlite_store *q, struct store_sqlite_conn *c
 {
     struct errinfo why;
     const enum status st = store_sqlite_vault_use(&q->vaults, c, &why);
+    const bool keyless = st == ST_EDENIED || st == ST_ENOTFOUND || st == ST_EINVAL;
 
-    if (st == ST_OK || !q->open)
-        return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
-    return errinfo_set(e, st == ST_EDENIED || st == ST_ENOTFOUND ? ST_EDB : st, "%s",
-                       why.msg);
+    atomic_store(&q->keyless, keyless);
+    if (st == ST_OK)
+        return ST_OK;
+    if (!q->open || !keyless)
+        return errinfo_set(e, st, "%s", why.msg);
+    return errinfo_set(e, ST_EDB, "the database's key was changed: %.200s", why.msg);
 }
 
 enum status store_sqlite_read(struct store *s, struct store_sqlite_conn **c,
@@ -407,6 +417,21 @@ void store_sqlite_erase_log(struct store *s)
     (void)sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
                                     NULL);
     unlock_writer(q);
+}
+
+enum status store_sqlite_rewrite(struct store *s, struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+    enum status st = lock_writer(q, BUSY_MS, e);
+
+    if (st != ST_OK)
+        return st;
+    (void)sqlite3_limit(q->writer->db, SQLITE_LIMIT_ATTACHED, 1); /* its own copy */
+    if (sqlite3_exec(q->writer->db, "VACUUM", NULL, NULL, NULL) != SQLITE_OK)
+        st = store_sqlite_fail(q->writer, "cannot write the file anew", e);
+    (void)sqlite3_limit(q->writer->db, SQLITE_LIMIT_ATTACHED, 0);
+    unlock_writer(q);
+    return st;
 }
 
 /* ---- opening */
@@ -638,11 +663,13 @@ enum status store_sqlite_ready(struct store *s, struct errinfo *e)
 {
     struct store_sqlite_conn *c;
     sqlite3_stmt *stmt;
+    struct errinfo why;
     int moved = 0;
     enum status st;
 
-    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
-        return st;
+    if ((st = store_sqlite_read(s, &c, &why)) != ST_OK)
+        return errinfo_set(e, atomic_load(&sqlite_store(s)->keyless) ? ST_EDENIED : st,
+                           "%s", why.msg);
     if ((st = store_sqlite_prepare(c, SQL_VERSION, &stmt, e)) != ST_OK)
         goto out;
     if (sqlite3_step(stmt) != SQLITE_ROW)

@@ -7,6 +7,7 @@
  *   store_sqlite_face.c   templates
  *   store_sqlite_subject.c  subjects
  *   store_sqlite_vault.c  keys
+ *   store_sqlite_rekey.c  another master key
  *   store_sqlite_event.c  events: the end of the chain
  *   store_sqlite_audit.c  events read and verified
  *   store_sqlite_convert.c  the rows of older versions
@@ -37,6 +38,8 @@ enum store_sqlite_sql {
     SQL_ROOT_VERSION,
     SQL_ROOT_GET,
     SQL_ROOT_SET,
+    SQL_KEY_LIST,
+    SQL_KEY_SET,
     SQL_SUBJECT_FIND,
     SQL_SUBJECT_ADD,
     SQL_SUBJECT_GET,
@@ -125,8 +128,9 @@ void store_sqlite_disconnect(struct store_sqlite_conn *c);
 struct store_sqlite_vaults {
     pthread_mutex_t lock;
     struct vault *list[STORE_SQLITE_VAULTS];
-    int n;      /* the newest is the last */
-    char *path; /* of the key */
+    int n; /* the newest is the last */
+    char *
+        path; /* of the key; and ".new", where the next one is until it is in its place */
     const struct keyfile *given;
     enum vault_kind make;
     bool made; /* the key's file is new */
@@ -150,6 +154,23 @@ void store_sqlite_vault_undo(struct store_sqlite_vaults *v);
 enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
                                    struct store_sqlite_conn *c, struct errinfo *e);
 
+struct store_sqlite_vaults *store_sqlite_vaults(struct store *s);
+
+/* store_sqlite_vault_read(c, r, e), ..._write(c, r, e): the key record.
+ * store_sqlite_vault_fits(path, r): does the file open it?
+ * store_sqlite_vault_keep(v, vault, e): is the one of its version from now on; taken over. */
+enum status store_sqlite_vault_read(struct store_sqlite_conn *c, struct vault_root *r,
+                                    struct errinfo *e);
+enum status store_sqlite_vault_write(struct store_sqlite_conn *c,
+                                     const struct vault_root *r, struct errinfo *e);
+bool store_sqlite_vault_fits(const char *path, const struct vault_root *r);
+enum status store_sqlite_vault_keep(struct store_sqlite_vaults *v, struct vault *vault,
+                                    struct errinfo *e);
+
+/* store_sqlite_rekey.c */
+enum status store_sqlite_rekey(struct store *s, const struct store_act *by,
+                               const struct store_rekey *to, struct errinfo *e);
+
 /* store_sqlite_write(s, synced, c, e): wait for the writer's connection and begin a
  * transaction; ST_EBUSY when other threads and processes are in the way for 5 s; synced: it is on the disk when it is committed, else it survives a crash of
  * the program but the next loss of power perhaps not.
@@ -167,6 +188,9 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
 /* store_sqlite_erase_log(s): bring the log into the database file and empty it, where no
  * reader is in the way, so that deleted bytes are gone from both. */
 void store_sqlite_erase_log(struct store *s);
+
+/* store_sqlite_rewrite(s, e): the whole file anew, so that nothing is in it but its rows. */
+enum status store_sqlite_rewrite(struct store *s, struct errinfo *e);
 
 /* store_sqlite_read(s, c, e): a reader's connection in a transaction, so that all it reads
  * is of one moment; given back by store_sqlite_done(). */

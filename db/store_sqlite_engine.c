@@ -4,6 +4,7 @@
 const struct store_engine store_sqlite_engine = {
     .close = store_sqlite_close,
     .ready = store_sqlite_ready,
+    .rekey = store_sqlite_rekey,
     .template_add = store_sqlite_face_add,
     .template_read = store_sqlite_face_read,
     .template_each = store_sqlite_face_each,

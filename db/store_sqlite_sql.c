@@ -38,6 +38,8 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
         "SELECT kind, version, passes, mib, salt, open, public, secrets FROM root",
     [SQL_ROOT_SET] = "REPLACE INTO root (root_key, kind, version, passes, mib, salt, "
                      "open, public, secrets) VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+    [SQL_KEY_LIST] = "SELECT subject_key, uid, key FROM subjects ORDER BY subject_key",
+    [SQL_KEY_SET] = "UPDATE subjects SET key = ?2 WHERE subject_key = ?1",
     [SQL_SUBJECT_FIND] =
         "SELECT s.subject_key, " SUBJECT_WHO " FROM subjects s WHERE s.lookup = ?1",
     [SQL_SUBJECT_ADD] =

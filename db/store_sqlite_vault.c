@@ -35,8 +35,8 @@ void store_sqlite_vault_free(struct store_sqlite_vaults *v)
 
 /* ---- the row */
 
-static enum status read_root(struct store_sqlite_conn *c, struct vault_root *r,
-                             struct errinfo *e)
+enum status store_sqlite_vault_read(struct store_sqlite_conn *c, struct vault_root *r,
+                                    struct errinfo *e)
 {
     sqlite3_stmt *stmt;
     uint32_t kind = 0;
@@ -66,14 +66,14 @@ enum status store_sqlite_vault_kind(struct store_sqlite_conn *c, enum vault_kind
                                     struct errinfo *e)
 {
     struct vault_root root;
-    const enum status st = read_root(c, &root, e);
+    const enum status st = store_sqlite_vault_read(c, &root, e);
 
     *kind = root.kind;
     return st;
 }
 
-static enum status write_root(struct store_sqlite_conn *c, const struct vault_root *r,
-                              struct errinfo *e)
+enum status store_sqlite_vault_write(struct store_sqlite_conn *c,
+                                     const struct vault_root *r, struct errinfo *e)
 {
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_ROOT_SET, &stmt, e);
@@ -107,6 +107,37 @@ static enum status open_by_file(const char *path, const struct vault_root *r,
     return st;
 }
 
+bool store_sqlite_vault_fits(const char *path, const struct vault_root *r)
+{
+    struct vault *vault = NULL;
+    const bool fits =
+        r->kind != VAULT_OPEN && open_by_file(path, r, &vault, NULL) == ST_OK;
+
+    vault_free(vault);
+    return fits;
+}
+
+/* Somebody may have changed the key and not put it in its place yet, or just now. */
+static enum status open_by_files(const char *path, const struct vault_root *r,
+                                 struct vault **out, struct errinfo *e)
+{
+    const size_t n = strlen(path) + sizeof ".new";
+    enum status st = open_by_file(path, r, out, e);
+    char *next;
+
+    if (st != ST_EDENIED && st != ST_ENOTFOUND && st != ST_EINVAL)
+        return st;
+    if ((next = malloc(n)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    (void)snprintf(next, n, "%s.new", path);
+    if (open_by_file(next, r, out, NULL) == ST_OK)
+        st = ST_OK;
+    else
+        st = open_by_file(path, r, out, e);
+    free(next);
+    return st;
+}
+
 static enum status open_root(const struct store_sqlite_vaults *v,
                              const struct vault_root *r, struct vault **out,
                              struct errinfo *e)
@@ -115,7 +146,7 @@ static enum status open_root(const struct store_sqlite_vaults *v,
         return vault_open(r, NULL, 0, out, e);
     if (v->given != NULL)
         return keyfile_open(v->given, "the key", r, out, e);
-    return open_by_file(v->path, r, out, e);
+    return open_by_files(v->path, r, out, e);
 }
 
 static enum status root_version(struct store_sqlite_conn *c, int64_t *version,
@@ -138,6 +169,7 @@ static enum status root_version(struct store_sqlite_conn *c, int64_t *version,
     return st;
 }
 
+/* In v's lock, or before other threads use v. */
 static enum status keep(struct store_sqlite_vaults *v, struct vault *vault,
                         struct errinfo *e)
 {
@@ -147,6 +179,17 @@ static enum status keep(struct store_sqlite_vaults *v, struct vault *vault,
     }
     v->list[v->n++] = vault;
     return ST_OK;
+}
+
+enum status store_sqlite_vault_keep(struct store_sqlite_vaults *v, struct vault *vault,
+                                    struct errinfo *e)
+{
+    enum status st;
+
+    pthread_mutex_lock(&v->lock);
+    st = keep(v, vault, e);
+    pthread_mutex_unlock(&v->lock);
+    return st;
 }
 
 enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
@@ -165,7 +208,7 @@ enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
     for (int i = 0; i < v->n; i++)
         if (vault_version(v->list[i]) == version)
             c->vault = v->list[i];
-    if (c->vault == NULL && (st = read_root(c, &root, e)) == ST_OK &&
+    if (c->vault == NULL && (st = store_sqlite_vault_read(c, &root, e)) == ST_OK &&
         (st = open_root(v, &root, &vault, e)) == ST_OK &&
         (st = keep(v, vault, e)) == ST_OK)
         c->vault = vault;
@@ -212,7 +255,7 @@ enum status store_sqlite_vault_new(struct store_sqlite_vaults *v,
         (st = keep(v, vault, e)) != ST_OK)
         return st;
     c->vault = vault;
-    return write_root(c, &root, e);
+    return store_sqlite_vault_write(c, &root, e);
 }
 
 void store_sqlite_vault_undo(struct store_sqlite_vaults *v)

@@ -31,7 +31,9 @@ enum { /* options that not every command takes */
        OPT_TOLERANCE = 262144,
        OPT_MEAN = 524288,
        OPT_INIT = 1048576,
-       OPT_KEY = 2097152
+       OPT_KEY = 2097152,
+       OPT_NEW_KEY = 4194304,
+       OPT_KEEP_OLD = 8388608
 };
 
 struct command {
@@ -147,6 +149,13 @@ static const struct command commands[] = {
      "change.",
      "surfacectl --db faces.db restore faces-monday.db --dry-run", 1, 1,
      OPT_DB | OPT_DRY_RUN, surfacectl_backup_restore},
+    {"rekey", "", "another key for the database",
+     "A new random key takes the place of the old one in PATH.key, or --key; or the one in the\n"
+     "file --new-key does.  With --passphrase it is a passphrase, asked for or in --new-key;\n"
+     "with --plaintext it lies in the database.  A running daemon reads it from the file by\n"
+     "itself.  Backups are still opened by the key that they were made with: --keep-old.",
+     "surfacectl --db faces.db rekey", 0, 0,
+     OPT_DB | OPT_INIT | OPT_NEW_KEY | OPT_KEEP_OLD, surfacectl_rekey},
     {"stats", "", "how much there is of everything", "Counts and sizes.",
      "surfacectl --db faces.db stats", 0, 0, OPT_DB, surfacectl_admin_stats},
     {"token", "create [NAME] | list | rotate ID | revoke ID",
@@ -217,6 +226,9 @@ static const struct {
     {OPT_INIT,
      "  --passphrase        seal with a passphrase: asked for, or the line in --key FILE\n"
      "  --plaintext         leave the key in the database: whoever has the file can read it\n"},
+    {OPT_NEW_KEY,
+     "  --new-key FILE      the new key, or passphrase, is this file's line\n"},
+    {OPT_KEEP_OLD, "  --keep-old          keep the old key's file, as FILE.old\n"},
     {OPT_SCOPE,
      "  --scope LIST        what a token may do: enroll,verify,identify,read,delete (all)\n"},
     {OPT_EXPIRES,
@@ -367,6 +379,7 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
         unsigned option;
     } options[] = {{"--db", OPT_DB},
                    {"--key", OPT_KEY},
+                   {"--new-key", OPT_NEW_KEY},
                    {"--units", OPT_UNITS},
                    {"--label", OPT_LABEL},
                    {"--out", OPT_OUT},
@@ -392,6 +405,8 @@ static unsigned read_valued(int argc, char **argv, int *i, struct line *l, bool 
             l->c.db = value;
         } else if (options[k].option == OPT_KEY) {
             l->c.key = value;
+        } else if (options[k].option == OPT_NEW_KEY) {
+            l->c.new_key = value;
         } else if (options[k].option == OPT_TOLERANCE) {
             if (!number(value, 999, &l->c.tolerance_mm))
                 *ok = usage(&l->c.e, "a tolerance is millimetres above 0, not", value);
@@ -440,6 +455,7 @@ static bool read_option(int argc, char **argv, int *i, struct line *l)
                  {"--list", OPT_LIST, &l->c.list},
                  {"--reset", OPT_RESET, &l->c.reset},
                  {"--mean", OPT_MEAN, &l->c.mean},
+                 {"--keep-old", OPT_KEEP_OLD, &l->c.keep_old},
                  {"--plaintext", OPT_INIT, &l->c.plaintext},
                  {"--passphrase", OPT_INIT, &l->c.passphrase}};
     const char *name = argv[*i];

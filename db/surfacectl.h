@@ -10,6 +10,7 @@
  *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_key.c    --key, and the database opened by it
  *   surfacectl_admin.c  init, migrate, list, show, delete, check, stats
+ *   surfacectl_rekey.c  rekey
  *   surfacectl_backup.c  backup, restore
  *   surfacectl_token.c  token
  *   surfacectl_attempts.c  attempts
@@ -54,6 +55,7 @@ struct surfacectl { /* what the command line said */
     const char *db;
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
+    const char *new_key;        /* --new-key, or NULL */
     struct keyfile *asked;      /* a passphrase, once asked for; to be freed */
     const char *units;          /* NULL: millimetres */
     const char *label;
@@ -67,7 +69,7 @@ struct surfacectl { /* what the command line said */
     unsigned scopes;     /* --scope; 0: not given */
     int64_t life_s;      /* --expires; 0: never, negative: not given */
     int64_t grace_s;     /* --grace */
-    bool json, yes, force, dry_run, list, reset, mean;
+    bool json, yes, force, dry_run, list, reset, mean, keep_old;
     int nargs;
     char **args;                      /* the command's own */
     const char *model_path;           /* --model; NULL: the shipped one */
@@ -92,6 +94,7 @@ int surfacectl_calibrate(struct surfacectl *c);
 int surfacectl_train(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_migrate(struct surfacectl *c);
+int surfacectl_rekey(struct surfacectl *c);
 int surfacectl_backup(struct surfacectl *c);
 int surfacectl_backup_restore(struct surfacectl *c);
 int surfacectl_admin_list(struct surfacectl *c);
@@ -104,7 +107,9 @@ int surfacectl_attempts(struct surfacectl *c);
 
 /* surfacectl_key(c, db, key): the key that the command line names for the database; a
  * passphrase is asked for on the terminal, once.
+ * surfacectl_key_new(c, out): a new passphrase, typed twice there; for keyfile_free().
  * surfacectl_open(c, mode, s): store_open() by the key for c->db. */
+enum status surfacectl_key_new(struct surfacectl *c, struct keyfile **out);
 enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key);
 enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
 

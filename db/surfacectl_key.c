@@ -49,7 +49,7 @@ static enum status ask(struct surfacectl *c, const char *what, struct keyfile **
 }
 
 /* A new passphrase, twice, so that a slip of the finger does not lock everybody out. */
-static enum status ask_new(struct surfacectl *c, struct keyfile **out)
+enum status surfacectl_key_new(struct surfacectl *c, struct keyfile **out)
 {
     struct keyfile *again = NULL;
     enum status st;
@@ -85,7 +85,7 @@ enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_ke
         if (st == ST_OK && kind == VAULT_PASSPHRASE)
             st = ask(c, "Passphrase", &c->asked);
         else if (st != ST_OK && c->passphrase)
-            st = ask_new(c, &c->asked);
+            st = surfacectl_key_new(c, &c->asked);
         else
             st = ST_OK; /* what is wrong with the database, opening it tells better */
         if (st != ST_OK)

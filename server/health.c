@@ -19,6 +19,8 @@ static const char *reason(enum status st)
         return "the database has another schema than this program's";
     case ST_EBUSY:
         return "the database is locked by another process";
+    case ST_EDENIED:
+        return "the database's key was changed: the daemon has to be started with it";
     case ST_ENOMEM:
         return "out of memory";
     default:

@@ -1,0 +1,206 @@
+/* Another master key.  Two things change, the database and the key's file, and either may be
+ * the last that did: so the new key is on the disk, beside the old one, from before the
+ * database's commit until it is in its place (store_sqlite_vault.c looks in both). */
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "keyfile.h"
+#include "store_sqlite.h"
+
+struct files {
+    const char *key;
+    char *next, *old; /* KEY.new, KEY.old */
+    bool fits;        /* KEY is the database's key */
+    bool wanted;      /* the new key goes into KEY */
+    bool made;        /* KEY.new, by this change */
+};
+
+static enum status name_files(struct store_sqlite_vaults *v, const struct store_rekey *to,
+                              struct files *f, struct errinfo *e)
+{
+    const size_t n = strlen(v->path) + sizeof ".new";
+
+    *f = (struct files){.key = v->path, .next = malloc(n), .old = malloc(n)};
+    f->wanted = to->kind == VAULT_FILE || to->in_file;
+    if (f->next == NULL || f->old == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    (void)snprintf(f->next, n, "%s.new", v->path);
+    (void)snprintf(f->old, n, "%s.old", v->path);
+    return ST_OK;
+}
+
+static bool is_there(const char *path)
+{
+    return access(path, F_OK) == 0;
+}
+
+/* What an earlier change has left, and whether anything is in the way of this one. */
+static enum status settle(struct files *f, const struct vault_root *root, bool keep,
+                          struct errinfo *e)
+{
+    enum status st;
+
+    if (is_there(f->next)) {
+        if (!store_sqlite_vault_fits(f->next, root))
+            return errinfo_set(
+                e, ST_EEXISTS,
+                "there is %.140s, of a change that was not made: remove it", f->next);
+        if ((st = keyfile_move(f->next, f->key, e)) != ST_OK)
+            return st;
+    }
+    f->fits = store_sqlite_vault_fits(f->key, root);
+    if (f->wanted && !f->fits && is_there(f->key))
+        return errinfo_set(e, ST_EEXISTS,
+                           "there is %.140s already, which is not this database's key",
+                           f->key);
+    if (keep && is_there(f->old))
+        return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", f->old);
+    return ST_OK;
+}
+
+/* The new key's file, and the root and vault under that key. */
+static enum status make_vault(struct store_sqlite_conn *c, const struct store_rekey *to,
+                              const struct vault_root *from, struct files *f,
+                              struct vault_root *root, struct vault **out,
+                              struct errinfo *e)
+{
+    unsigned char key[VAULT_KEY];
+    const struct keyfile *k = to->given;
+    struct keyfile *read = NULL;
+    enum status st = ST_OK;
+
+    if (f->wanted) {
+        st = k != NULL ? keyfile_copy(k, f->next, e) : keyfile_make(f->next, e);
+        f->made = st == ST_OK;
+        if (st == ST_OK && (st = keyfile_read(f->next, &read, e)) == ST_OK)
+            k = read; /* as it will be read */
+    }
+    if (st == ST_OK && to->kind == VAULT_FILE) {
+        if ((st = keyfile_key(k, f->next, key, e)) == ST_OK)
+            st = vault_change(c->vault, from, to->kind, key, sizeof key, root, out, e);
+    } else if (st == ST_OK) {
+        st = vault_change(c->vault, from, to->kind, k != NULL ? k->text : NULL,
+                          k != NULL ? k->len : 0, root, out, e);
+    }
+    sodium_memzero(key, sizeof key);
+    keyfile_free(read);
+    return st;
+}
+
+static enum status wrap(struct store_sqlite_conn *c, const struct vault *next,
+                        sqlite3_stmt *row, struct errinfo *e)
+{
+    unsigned char uid[STORE_SEAL_UID], wrapped[VAULT_WRAPPED];
+    const int64_t number = sqlite3_column_int64(row, 0);
+    struct store_seal_key k;
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_KEY_SET, &stmt, e);
+
+    if (st != ST_OK)
+        return st;
+    if (!store_sqlite_bytes(row, 1, uid, sizeof uid) ||
+        !store_sqlite_bytes(row, 2, wrapped, sizeof wrapped) ||
+        !store_seal_key(c->vault, uid, wrapped, &k))
+        return errinfo_set(e, ST_ECORRUPT, "a subject's key is damaged (row %lld)",
+                           (long long)number);
+    vault_wrap(next, uid, k.key, wrapped);
+    sodium_memzero(&k, sizeof k);
+    if (sqlite3_bind_int64(stmt, 1, number) != SQLITE_OK ||
+        store_sqlite_bind_bytes(stmt, 2, wrapped, sizeof wrapped) != SQLITE_OK)
+        return store_sqlite_fail(c, "cannot change a key", e);
+    return store_sqlite_run(c, stmt, e);
+}
+
+static enum status wrap_all(struct store_sqlite_conn *c, const struct vault *next,
+                            struct errinfo *e)
+{
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(c, SQL_KEY_LIST, &stmt, e);
+    int rc = SQLITE_DONE;
+
+    if (st != ST_OK)
+        return st;
+    while (st == ST_OK && (rc = sqlite3_step(stmt)) == SQLITE_ROW)
+        st = wrap(c, next, stmt, e);
+    if (st == ST_OK && rc != SQLITE_DONE)
+        st = store_sqlite_fail(c, "cannot read the keys", e);
+    (void)sqlite3_reset(stmt);
+    return st;
+}
+
+/* The database's part, as one transaction.  *plain: it was plaintext before. */
+static enum status change(struct store *s, const struct store_act *by,
+                          const struct store_rekey *to, struct files *f, bool *plain,
+                          struct errinfo *e)
+{
+    static const char *const word[] = {"plaintext", "file", "passphrase"};
+    struct vault_root from, root;
+    struct store_sqlite_conn *c;
+    struct vault *next = NULL;
+    struct errinfo why;
+    enum status st, committed;
+
+    if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_vault_read(c, &from, e)) == ST_OK &&
+        (st = settle(f, &from, to->keep, e)) == ST_OK &&
+        (st = make_vault(c, to, &from, f, &root, &next, e)) == ST_OK &&
+        (st = wrap_all(c, next, e)) == ST_OK &&
+        (st = store_sqlite_vault_write(c, &root, e)) == ST_OK)
+        st = store_sqlite_event_add(c, by, "rekey", "", "", word[to->kind], e);
+    *plain = st == ST_OK && from.kind == VAULT_OPEN;
+    committed = store_sqlite_written(s, st, &why);
+    if (committed == ST_OK)
+        return store_sqlite_vault_keep(store_sqlite_vaults(s), next, e);
+    if (st == ST_OK) /* it may be on the disk all the same */
+        st = errinfo_set(e, committed, "%.150s%s%.90s", why.msg, f->made ? "; keep " : "",
+                         f->made ? f->next : "");
+    else if (f->made)
+        (void)unlink(f->next);
+    vault_free(next);
+    return st;
+}
+
+/* The new key in its place, the old one out of it. */
+static enum status place(const struct files *f, bool keep, struct errinfo *e)
+{
+    struct errinfo why;
+    enum status st = ST_OK;
+
+    if (f->fits && keep)
+        st = keyfile_move(f->key, f->old, &why);
+    else if (f->fits && !f->wanted && unlink(f->key) != 0)
+        st = errinfo_set(&why, ST_EIO, "%.160s cannot be removed", f->key);
+    if (st == ST_OK && f->made)
+        st = keyfile_move(f->next, f->key, &why);
+    return st == ST_OK ? st : errinfo_set(e, st, "the key was changed, but %s", why.msg);
+}
+
+enum status store_sqlite_rekey(struct store *s, const struct store_act *by,
+                               const struct store_rekey *to, struct errinfo *e)
+{
+    struct store_sqlite_vaults *v = store_sqlite_vaults(s);
+    struct files f;
+    struct errinfo why;
+    bool plain = false;
+    int lock = -1;
+    enum status st;
+
+    if ((st = name_files(v, to, &f, e)) == ST_OK &&
+        (st = keyfile_lock(v->path, &lock, e)) == ST_OK &&
+        (st = change(s, by, to, &f, &plain, e)) == ST_OK)
+        st = place(&f, to->keep, e);
+    if (lock >= 0)
+        (void)close(lock);
+    free(f.next);
+    free(f.old);
+    if (st == ST_OK && plain && (st = store_sqlite_rewrite(s, &why)) != ST_OK)
+        (void)errinfo_set(e, st, "the key was changed, but the old one may be left: %s",
+                          why.msg);
+    store_sqlite_erase_log(s);
+    return st;
+}
