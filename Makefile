@@ -153,7 +153,9 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(BUILD)/study
 .PHONY: test unit
 test: tests
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) \
-	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out tests/25-% tests/30-%,$(BLACK_BOX)),$(BLACK_BOX))
+	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX))
+# Minutes under a sanitizer, of code that the unit tests take there too.
+LONG := tests/24-% tests/25-% tests/30-% tests/31-studies%
 
 ## unit: the unit tests alone
 unit: tests

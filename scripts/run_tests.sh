@@ -1,5 +1,6 @@
 #!/bin/sh
-# run_tests.sh TEST...: run each test, $JOBS (one per core) at a time, and add up.  A test
+# run_tests.sh TEST...: run each test, $JOBS (one per core and one more, since those against
+# the daemon wait much) at a time, and add up.  A test
 # is a cmocka program or a black-box script; a script that counts for itself ends with
 # "N passed, N failed".  What a test prints goes to $BUILD/log/NAME.log and is shown when the
 # test fails; a line that begins with SKIP is always shown.  The totals are added to the
@@ -46,7 +47,7 @@ if [ "${1:-}" = --one ]; then
 fi
 mkdir -p "$BUILD/log"
 rm -f "$BUILD"/log/*.counts
-[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(nproc)}" -n 1 "$0" --one
+[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(($(nproc) + 1))}" -n 1 "$0" --one
 counts=$(cat "$BUILD"/log/*.counts /dev/null |
     awk '{ p += $1; f += $2; n++ } END { print p + 0, f + 0, n + 0 }')
 done=${counts##* } counts=${counts% *}
