@@ -59,44 +59,6 @@ enum status store_ready(struct store *s, struct errinfo *e)
     return s->engine->ready(s, e);
 }
 
-/* ---- what may be stored */
-
-/* utf8_length(p): bytes of the well-formed character at p (RFC 3629), 0 if it is none. */
-static size_t utf8_length(const unsigned char *p)
-{
-    const unsigned char c = p[0];
-
-    if (c < 0x80)
-        return 1;
-    if (c < 0xc2 || c > 0xf4 || (p[1] & 0xc0) != 0x80)
-        return 0;
-    if (c < 0xe0)
-        return 2;
-    if ((p[2] & 0xc0) != 0x80 || (c == 0xe0 && p[1] < 0xa0) || (c == 0xed && p[1] > 0x9f))
-        return 0;
-    if (c < 0xf0)
-        return 3;
-    if ((p[3] & 0xc0) != 0x80 || (c == 0xf0 && p[1] < 0x90) || (c == 0xf4 && p[1] > 0x8f))
-        return 0;
-    return 4;
-}
-
-/* Up to max bytes of UTF-8 without control characters. */
-static bool text_valid(const char *text, size_t max)
-{
-    const unsigned char *p = (const unsigned char *)text;
-    size_t n;
-
-    if (strnlen(text, max + 1) > max)
-        return false;
-    for (; *p != '\0'; p += n) {
-        if ((n = utf8_length(p)) == 0 || *p < ' ' || *p == 0x7f ||
-            (*p == 0xc2 && p[1] < 0xa0)) /* control characters of either set */
-            return false;
-    }
-    return true;
-}
-
 /* ---- templates */
 
 enum status store_enroll(struct store *s, const char *actor, const char *subject,
@@ -121,7 +83,7 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
-    if (!text_valid(label, STORE_LABEL_MAX))
+    if (!store_rules_text(label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
@@ -214,81 +176,6 @@ enum status store_template_list(struct store *s, const char *subject,
     return st != ST_OK ? st : s->engine->template_list(s, subject, out, n, e);
 }
 
-/* ---- subjects */
-
-static bool time_valid(const char *at)
-{
-    return strlen(at) == 24 && at[10] == 'T' && at[19] == '.' && at[23] == 'Z';
-}
-
-static enum status need_about(const struct store_subject *s, struct errinfo *e)
-{
-    if (!text_valid(s->reference, STORE_NOTE_MAX) ||
-        !text_valid(s->purpose, STORE_NOTE_MAX))
-        return errinfo_set(e, ST_EINVAL,
-                           "a reference or a purpose is up to %d bytes of UTF-8 without "
-                           "control characters",
-                           STORE_NOTE_MAX);
-    if (s->expires[0] != '\0' && !time_valid(s->expires))
-        return errinfo_set(e, ST_EINVAL, "the end is not a time");
-    return ST_OK;
-}
-
-enum status store_subject_add(struct store *s, const char *actor,
-                              struct store_subject *about, struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
-
-    if ((st = store_rules_subject(about->id, e)) != ST_OK ||
-        (st = need_about(about, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
-    memcpy(about->created, by.at, sizeof about->created);
-    return s->engine->subject_add(s, &by, about, e);
-}
-
-enum status store_subject_get(struct store *s, const char *subject,
-                              struct store_subject *out, struct errinfo *e)
-{
-    enum status st = store_rules_subject(subject, e);
-
-    return st != ST_OK ? st : s->engine->subject_get(s, subject, out, e);
-}
-
-enum status store_subject_list(struct store *s, int64_t after, size_t limit,
-                               struct store_subject **out, size_t *n, struct errinfo *e)
-{
-    *out = NULL;
-    *n = 0;
-    return s->engine->subject_list(s, after, limit, out, n, e);
-}
-
-enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
-                                 uint32_t *removed, struct errinfo *e)
-{
-    struct store_receipt r;
-    const enum status st = store_subject_erase(s, actor, subject, &r, e);
-
-    if (removed != NULL)
-        *removed = st == ST_OK ? r.templates : 0;
-    store_receipt_free(&r);
-    return st;
-}
-
-enum status store_subject_erase(struct store *s, const char *actor, const char *subject,
-                                struct store_receipt *out, struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
-    return s->engine->subject_delete(s, &by, subject, out, e);
-}
-
 /* ---- events */
 
 enum status store_event(struct store *s, const char *kind, const char *actor,
@@ -369,7 +256,12 @@ enum status store_rekey(struct store *s, const char *actor, const struct store_r
     return s->engine->rekey(s, &by, to, e);
 }
 
-/* ---- statistics */
+/* ---- statistics, room */
+
+enum status store_vacuum(struct store *s, struct errinfo *e)
+{
+    return s->engine->vacuum(s, e);
+}
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)
 {

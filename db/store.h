@@ -129,7 +129,8 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e);
 
-/* store_template_delete(s, actor, id, e): the subject stays, even without templates. */
+/* store_template_delete(s, actor, id, e): the subject stays, even without templates.
+ * ST_EHELD: it is on hold. */
 enum status store_template_delete(struct store *s, const char *actor, const char *id,
                                   struct errinfo *e);
 
@@ -169,8 +170,40 @@ enum status store_subject_get(struct store *s, const char *subject,
 enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e);
 
+/* store_subject_set(s, actor, subject, reference, purpose, expires, e): what is NULL stays
+ * as it is; expires "": never. */
+enum status store_subject_set(struct store *s, const char *actor, const char *subject,
+                              const char *reference, const char *purpose,
+                              const char *expires, struct errinfo *e);
+
+/* store_subject_rename(s, actor, subject, to, e): another id; all that is known of it stays.
+ * ST_EEXISTS: there is one of that id, be it this one. */
+enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
+                                 const char *to, struct errinfo *e);
+
+/* store_subject_hold(s, actor, subject, hold, e): from now on neither it nor a template of
+ * it can be deleted; or again.  store_subject_disable() likewise: it is the callers' to
+ * verify nobody who is disabled.  ST_OK also where it is so already. */
+enum status store_subject_hold(struct store *s, const char *actor, const char *subject,
+                               bool hold, struct errinfo *e);
+enum status store_subject_disable(struct store *s, const char *actor, const char *subject,
+                                  bool disabled, struct errinfo *e);
+
+/* store_subject_seen(s, one): as it was read, it is seen now.  Noted at most once a minute,
+ * and only where that waits neither for the disk nor for anybody who writes. */
+void store_subject_seen(struct store *s, const struct store_subject *one);
+
+/* store_subject_due(s, out, n, e): those that have expired, also those on hold, the longest
+ * ago first; a new array released by free(). */
+enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
+                              struct errinfo *e);
+
 /* store_subject_delete(s, actor, subject, removed, e): the subject and all its templates;
- * the bytes are overwritten.  removed: how many templates went; may be NULL. */
+ * the bytes are overwritten.  removed: how many templates went; may be NULL.
+ * ST_EHELD: it is on hold.
+ * store_subject_purge(s, actor, subject, e): the same if it has expired; else ST_ENOTFOUND. */
+enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
+                                struct errinfo *e);
 enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
                                  uint32_t *removed, struct errinfo *e);
 
@@ -398,6 +431,10 @@ struct store_stats {
 };
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
+
+/* store_vacuum(s, e): write the database anew, without the room that deleted rows left, while
+ * others read it; who writes waits, up to 5 s. */
+enum status store_vacuum(struct store *s, struct errinfo *e);
 
 struct store_check {
     uint64_t templates, bad_templates, events, problems;

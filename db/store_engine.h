@@ -26,6 +26,12 @@ struct store_act { /* who changes something, and when */
 typedef enum status store_use(void *arg, const struct store_template *t,
                               const void *model, size_t len, struct errinfo *e);
 
+struct store_edit { /* of a subject; what is NULL stays as it is */
+    const char *event, *outcome;
+    const char *id, *reference, *purpose, *expires;
+    const bool *hold, *disabled;
+};
+
 typedef void store_report(void *arg, const char *line);
 
 struct store_engine {
@@ -60,9 +66,20 @@ struct store_engine {
                                struct store_subject *out, struct errinfo *e);
     enum status (*subject_list)(struct store *s, int64_t after, size_t limit,
                                 struct store_subject **out, size_t *n, struct errinfo *e);
+    /* With an event of it; ST_EEXISTS: another has the new id. */
+    enum status (*subject_edit)(struct store *s, const struct store_act *by,
+                                const char *subject, const struct store_edit *edit,
+                                struct errinfo *e);
+    /* Note that it was seen; not when that would have to wait for anyone. */
+    enum status (*subject_seen)(struct store *s, const char *subject, const char *at,
+                                struct errinfo *e);
+    /* Those whose end is not after that time, in the order of their ends. */
+    enum status (*subject_due)(struct store *s, const char *at,
+                               struct store_subject **out, size_t *n, struct errinfo *e);
+    /* due: only if its end is not after by->at, or ST_ENOTFOUND.  ST_EHELD. */
     enum status (*subject_delete)(struct store *s, const struct store_act *by,
-                                  const char *subject, struct store_receipt *out,
-                                  struct errinfo *e);
+                                  const char *subject, bool due,
+                                  struct store_receipt *out, struct errinfo *e);
 
     enum status (*event)(struct store *s, const struct store_act *by, const char *kind,
                          const char *subject, const char *template_id,
@@ -130,6 +147,7 @@ struct store_engine {
     enum status (*calibration_list)(struct store *s, struct store_calibration **out,
                                     size_t *n, struct errinfo *e);
 
+    enum status (*vacuum)(struct store *s, struct errinfo *e);
     enum status (*stats)(struct store *s, struct store_stats *out, struct errinfo *e);
     /* As store_backup(). */
     enum status (*backup)(struct store *s, const char *path, const struct store_key *key,

@@ -40,6 +40,41 @@ bool store_rules_printable(const char *text, size_t min, size_t max)
     return n >= min && n <= max;
 }
 
+/* utf8_length(p): bytes of the well-formed character at p (RFC 3629), 0 if it is none. */
+static size_t utf8_length(const unsigned char *p)
+{
+    const unsigned char c = p[0];
+
+    if (c < 0x80)
+        return 1;
+    if (c < 0xc2 || c > 0xf4 || (p[1] & 0xc0) != 0x80)
+        return 0;
+    if (c < 0xe0)
+        return 2;
+    if ((p[2] & 0xc0) != 0x80 || (c == 0xe0 && p[1] < 0xa0) || (c == 0xed && p[1] > 0x9f))
+        return 0;
+    if (c < 0xf0)
+        return 3;
+    if ((p[3] & 0xc0) != 0x80 || (c == 0xf0 && p[1] < 0x90) || (c == 0xf4 && p[1] > 0x8f))
+        return 0;
+    return 4;
+}
+
+bool store_rules_text(const char *text, size_t max)
+{
+    const unsigned char *p = (const unsigned char *)text;
+    size_t n;
+
+    if (strnlen(text, max + 1) > max)
+        return false;
+    for (; *p != '\0'; p += n) {
+        if ((n = utf8_length(p)) == 0 || *p < ' ' || *p == 0x7f ||
+            (*p == 0xc2 && p[1] < 0xa0)) /* control characters of either set */
+            return false;
+    }
+    return true;
+}
+
 enum status store_rules_subject(const char *subject, struct errinfo *e)
 {
     if (store_subject_valid(subject))

@@ -17,6 +17,9 @@ bool store_rules_consist(const char *text, const char *set, size_t min, size_t m
 /* min to max characters of printable ASCII. */
 bool store_rules_printable(const char *text, size_t min, size_t max);
 
+/* Up to max bytes of UTF-8 without control characters. */
+bool store_rules_text(const char *text, size_t max);
+
 /* ST_OK, or ST_EINVAL with the rule as text; what: "template", "token". */
 enum status store_rules_subject(const char *subject, struct errinfo *e);
 enum status store_rules_id(const char *id, const char *what, struct errinfo *e);

@@ -6,6 +6,7 @@
  *   store_sqlite_schema.c the tables: made, upgraded, compared
  *   store_sqlite_face.c   templates
  *   store_sqlite_subject.c  subjects
+ *   store_sqlite_edit.c   subjects changed
  *   store_sqlite_vault.c  keys
  *   store_sqlite_rekey.c  another master key
  *   store_sqlite_event.c  events: the end of the chain
@@ -45,6 +46,9 @@ enum store_sqlite_sql {
     SQL_SUBJECT_GET,
     SQL_SUBJECT_LIST,
     SQL_SUBJECT_ALL,
+    SQL_SUBJECT_DUE,
+    SQL_SUBJECT_EDIT,
+    SQL_SUBJECT_SEEN,
     SQL_SUBJECT_DELETE,
     SQL_TEMPLATE_ADD,
     SQL_TEMPLATE_GET,
@@ -343,8 +347,30 @@ enum status store_sqlite_subject_list(struct store *s, int64_t after, size_t lim
                                       struct store_subject **out, size_t *n,
                                       struct errinfo *e);
 enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
-                                        const char *subject, struct store_receipt *out,
+                                        const char *subject, bool due,
+                                        struct store_receipt *out, struct errinfo *e);
+
+/* store_sqlite_subject_return(c, subject, e): nobody is among the erased who has come
+ * again; in a transaction. */
+enum status store_sqlite_subject_return(struct store_sqlite_conn *c, const char *subject,
                                         struct errinfo *e);
+
+/* store_sqlite_subject_read(c, subject, out, e): in a transaction. */
+enum status store_sqlite_subject_read(struct store_sqlite_conn *c, const char *subject,
+                                      struct store_subject *out, struct errinfo *e);
+enum status store_sqlite_subject_due(struct store *s, const char *at,
+                                     struct store_subject **out, size_t *n,
+                                     struct errinfo *e);
+
+/* store_sqlite_edit.c: subjects changed. */
+enum status store_sqlite_edit(struct store *s, const struct store_act *by,
+                              const char *subject, const struct store_edit *edit,
+                              struct errinfo *e);
+enum status store_sqlite_edit_seen(struct store *s, const char *subject, const char *at,
+                                   struct errinfo *e);
+/* store_sqlite_edit_see(c, subject, at, e): the same, inside a transaction. */
+enum status store_sqlite_edit_see(struct store_sqlite_conn *c, const char *subject,
+                                  const char *at, struct errinfo *e);
 
 /* store_sqlite_face.c */
 enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
@@ -387,6 +413,7 @@ enum status store_sqlite_calibration_check(struct store_sqlite_conn *c,
 /* store_sqlite_admin.c */
 enum status store_sqlite_admin_stats(struct store *s, struct store_stats *out,
                                      struct errinfo *e);
+enum status store_sqlite_admin_vacuum(struct store *s, struct errinfo *e);
 enum status store_sqlite_admin_check(struct store *s, store_report *report, void *arg,
                                      struct errinfo *e);
 

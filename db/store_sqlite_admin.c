@@ -31,6 +31,24 @@ out:
     return st;
 }
 
+/* It does not go inside a transaction: out of the writer's, and into one that has nothing to
+ * do.  SQLite writes into a database of its own, which it has to attach, and copies it back. */
+enum status store_sqlite_admin_vacuum(struct store *s, struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    enum status st = store_sqlite_write(s, true, &c, e);
+
+    if (st != ST_OK)
+        return st;
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 1);
+    if (sqlite3_exec(c->db, "COMMIT; VACUUM; BEGIN", NULL, NULL, NULL) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot write it anew", e);
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 0);
+    if ((st = store_sqlite_written(s, st, e)) == ST_OK)
+        store_sqlite_erase_log(s);
+    return st;
+}
+
 /* Every row of a pragma that names a problem a row, as "name: a, b, c". */
 static enum status check_pragma(struct store_sqlite_conn *c, const char *sql,
                                 const char *name, store_report *report, void *arg,

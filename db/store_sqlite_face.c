@@ -210,7 +210,8 @@ enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
     if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     st = need_subject(c, by, t->subject, &p, &added, e);
-    if (st == ST_OK && !added)
+    if (st == ST_OK && !added &&
+        (st = store_sqlite_edit_see(c, t->subject, by->at, e)) == ST_OK)
         st = find_same(c, &p, t, &found, e);
     if (st == ST_OK && !found && newest != NULL)
         st = expect_newest(c, p.row, newest, e);
@@ -300,6 +301,18 @@ out:
     return st;
 }
 
+/* Nothing of a subject on hold is deleted; a damaged row can be. */
+static enum status may_delete(struct store_sqlite_conn *c, const struct store_template *t,
+                              struct errinfo *e)
+{
+    struct store_subject one;
+
+    if (!store_subject_valid(t->subject) ||
+        store_sqlite_subject_read(c, t->subject, &one, NULL) != ST_OK || !one.hold)
+        return ST_OK;
+    return errinfo_set(e, ST_EHELD, "subject %s is on hold", t->subject);
+}
+
 enum status store_sqlite_face_delete(struct store *s, const struct store_act *by,
                                      const char *id, struct errinfo *e)
 {
@@ -327,7 +340,7 @@ enum status store_sqlite_face_delete(struct store *s, const struct store_act *by
         }
     }
     (void)sqlite3_reset(stmt);
-    if (st != ST_OK ||
+    if (st != ST_OK || (st = may_delete(c, &t, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_TEMPLATE_DELETE, &stmt, e)) != ST_OK)
         goto out;
     if (store_sqlite_bind(stmt, 1, id) != SQLITE_OK)

@@ -50,6 +50,11 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_SUBJECT_LIST] = "SELECT " SUBJECT_COLUMNS " FROM subjects s "
                          "WHERE s.subject_key > ?1 ORDER BY s.subject_key LIMIT ?2",
     [SQL_SUBJECT_ALL] = "SELECT " SUBJECT_WHO " FROM subjects s",
+    [SQL_SUBJECT_DUE] = "SELECT " SUBJECT_COLUMNS " FROM subjects s "
+                        "WHERE s.expires <= ?1 ORDER BY s.expires, s.subject_key",
+    [SQL_SUBJECT_EDIT] = "UPDATE subjects SET lookup = ?2, about = ?3, expires = ?4, "
+                         "hold = ?5, disabled = ?6 WHERE subject_key = ?1",
+    [SQL_SUBJECT_SEEN] = "UPDATE subjects SET seen = ?2 WHERE lookup = ?1",
     [SQL_SUBJECT_DELETE] = "DELETE FROM subjects WHERE subject_key = ?1",
     [SQL_TEMPLATE_ADD] =
         "INSERT INTO templates (id, subject_key, same, created, engine, points, "

@@ -123,9 +123,8 @@ enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *s
     return st;
 }
 
-/* Nobody is among the erased who has come again. */
-static enum status come_again(struct store_sqlite_conn *c, const char *subject,
-                              struct errinfo *e)
+enum status store_sqlite_subject_return(struct store_sqlite_conn *c, const char *subject,
+                                        struct errinfo *e)
 {
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_ERASED_REMOVE, &stmt, e);
@@ -144,7 +143,7 @@ enum status store_sqlite_subject_add(struct store_sqlite_conn *c,
     size_t n;
     enum status st;
 
-    if ((st = come_again(c, about->id, e)) != ST_OK ||
+    if ((st = store_sqlite_subject_return(c, about->id, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_ADD, &stmt, e)) != ST_OK)
         return st;
     store_seal_new(c->vault, &p->key, wrapped);
@@ -186,8 +185,8 @@ enum status store_sqlite_subject_enter(struct store *s, const struct store_act *
 
 /* ---- reading */
 
-static enum status read_one(struct store_sqlite_conn *c, const char *subject,
-                            struct store_subject *out, struct errinfo *e)
+enum status store_sqlite_subject_read(struct store_sqlite_conn *c, const char *subject,
+                                      struct store_subject *out, struct errinfo *e)
 {
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_SUBJECT_GET, &stmt, e);
@@ -217,7 +216,7 @@ enum status store_sqlite_subject_get(struct store *s, const char *subject,
 
     if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;
-    st = read_one(c, subject, out, e);
+    st = store_sqlite_subject_read(c, subject, out, e);
     store_sqlite_done(s, c);
     return st;
 }
@@ -250,7 +249,49 @@ out:
     return st;
 }
 
+enum status store_sqlite_subject_due(struct store *s, const char *at,
+                                     struct store_subject **out, size_t *n,
+                                     struct errinfo *e)
+{
+    struct store_sqlite_conn *c;
+    sqlite3_stmt *stmt;
+    void *list = NULL;
+    enum status st;
+
+    if ((st = store_sqlite_read(s, &c, e)) != ST_OK)
+        return st;
+    if ((st = store_sqlite_prepare(c, SQL_SUBJECT_DUE, &stmt, e)) != ST_OK)
+        goto out;
+    if (store_sqlite_bind(stmt, 1, at) != SQLITE_OK)
+        st = store_sqlite_fail(c, "cannot read the subjects", e);
+    else
+        st = store_sqlite_rows(c, stmt, read_subject, sizeof **out,
+                               "cannot read the subjects", &list, n, e);
+    *out = list;
+out:
+    store_sqlite_done(s, c);
+    return st;
+}
+
 /* ---- erasing */
+
+/* May it be?  Who is damaged can be erased too, but not for being due. */
+static enum status may_erase(struct store_sqlite_conn *c, const struct store_act *by,
+                             const char *subject, bool due, struct errinfo *e)
+{
+    struct store_subject one;
+    enum status st = store_sqlite_subject_read(c, subject, &one, e);
+
+    if (st == ST_ECORRUPT && !due)
+        return ST_OK;
+    if (st != ST_OK)
+        return st;
+    if (one.hold)
+        return errinfo_set(e, ST_EHELD, "subject %s is on hold", subject);
+    if (due && (one.expires[0] == '\0' || strcmp(one.expires, by->at) > 0))
+        return errinfo_set(e, ST_ENOTFOUND, "subject %s has not expired", subject);
+    return ST_OK;
+}
 
 static enum status remember_erased(struct store_sqlite_conn *c,
                                    const struct store_act *by, const char *subject,
@@ -317,8 +358,8 @@ static enum status give_receipt(struct store_sqlite_conn *c, const struct store_
 }
 
 enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
-                                        const char *subject, struct store_receipt *out,
-                                        struct errinfo *e)
+                                        const char *subject, bool due,
+                                        struct store_receipt *out, struct errinfo *e)
 {
     struct store_sqlite_person p = {0};
     struct store_sqlite_conn *c;
@@ -327,9 +368,9 @@ enum status store_sqlite_subject_delete(struct store *s, const struct store_act 
 
     if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
-    /* Who is damaged can be erased too. */
     if (((st = store_sqlite_subject_find(c, subject, &p, e)) != ST_OK &&
          (st != ST_ECORRUPT || p.row == 0)) ||
+        (st = may_erase(c, by, subject, due, e)) != ST_OK ||
         (st = list_templates(c, p.row, out, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_DELETE, &stmt, e)) != ST_OK)
         goto out;

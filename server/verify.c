@@ -127,6 +127,22 @@ static bool settle(struct request *r, const char *subject,
     return attempts_settle(r->app->attempts, r, subject, passed);
 }
 
+/* May the subject be verified at all?  *one: what is known of it. */
+static bool admit(struct request *r, const char *subject, struct store_subject *one)
+{
+    struct errinfo e = {0};
+
+    if (store_subject_get(r->app->store, subject, one, &e) != ST_OK) {
+        request_fail(r, &e);
+        return false;
+    }
+    if (one->disabled) {
+        request_problem(r, ERRMAP_DISABLED, "the subject is disabled");
+        return false;
+    }
+    return attempts_admit(r->app->attempts, r, subject);
+}
+
 /* The probe of the body against templates t[0..n-1] of one subject. */
 static void verify(struct request *r, struct worker *w, const struct store_template *t,
                    size_t n)
@@ -135,11 +151,12 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     struct errinfo e = {0};
     struct cloud c = {0};
     struct verify_best best;
+    struct store_subject one;
     bool map = false;
     enum status st;
 
     if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
-        !attempts_admit(r->app->attempts, r, t->subject) || cloud_read(r, &c) != ST_OK)
+        !admit(r, t->subject, &one) || cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
@@ -160,6 +177,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
         goto out;
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);
+    store_subject_seen(r->app->store, &one);
     request_answer(r, 200,
                    json_verdict(&(struct json_verdict){
                        .result = &best.result,

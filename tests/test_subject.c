@@ -1,0 +1,403 @@
+/* What is known of a subject, and how it changes: set, renamed, held, disabled, seen, due;
+ * each change is there whole with its event, or not at all. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include <sqlite3.h>
+
+#include "errinfo.h"
+#include "face.h"
+#include "facegen.h"
+#include "store.h"
+
+static char dir[64], path[96];
+static struct face face;
+static struct face_work *work;
+static struct errinfo e;
+
+static struct store *fresh(void)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm"};
+    struct store *s = NULL;
+    char name[128];
+
+    for (size_t i = 0; i < 3; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+    if (store_open(path, STORE_CREATE, NULL, &s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return s;
+}
+
+/* SQL on the file, as another program would; the first number that comes of it. */
+static int64_t sql(const char *text)
+{
+    sqlite3 *db;
+    sqlite3_stmt *stmt;
+    int64_t n = 0;
+    int rc;
+
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    (void)sqlite3_busy_timeout(db, 5000);
+    assert_int_equal(sqlite3_prepare_v2(db, text, -1, &stmt, NULL), SQLITE_OK);
+    if ((rc = sqlite3_step(stmt)) == SQLITE_ROW)
+        n = sqlite3_column_int64(stmt, 0);
+    assert_true(rc == SQLITE_ROW || rc == SQLITE_DONE);
+    (void)sqlite3_finalize(stmt);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    return n;
+}
+
+static void enroll(struct store *s, const char *subject, struct store_template *t)
+{
+    bool created;
+
+    if (store_enroll(s, "test", subject, "a label", &face, t, &created, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_true(created);
+}
+
+static struct store_subject get(struct store *s, const char *subject)
+{
+    struct store_subject one;
+
+    if (store_subject_get(s, subject, &one, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return one;
+}
+
+static int64_t events(const char *kind)
+{
+    char text[128];
+
+    (void)snprintf(text, sizeof text, "SELECT count(*) FROM events WHERE kind = '%s'",
+                   kind);
+    return sql(text);
+}
+
+static void test_set(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_subject one;
+    char longer[STORE_NOTE_MAX + 2];
+
+    (void)state;
+    enroll(s, "alice", &t);
+    assert_int_equal(store_subject_set(s, "me", "alice", "C-17", "the door",
+                                       "2031-01-02T03:04:05.678Z", &e),
+                     ST_OK);
+    one = get(s, "alice");
+    assert_string_equal(one.reference, "C-17");
+    assert_string_equal(one.purpose, "the door");
+    assert_string_equal(one.expires, "2031-01-02T03:04:05.678Z");
+    assert_int_equal(one.templates, 1);
+    assert_int_equal(store_subject_set(s, "me", "alice", NULL, "", "", &e), ST_OK);
+    one = get(s, "alice");
+    assert_string_equal(one.reference, "C-17");
+    assert_string_equal(one.purpose, "");
+    assert_string_equal(one.expires, "");
+    assert_int_equal(events("set_subject"), 2);
+    /* Its templates are read by the same key as before. */
+    assert_int_equal(store_template_get(s, t.id, &t, &e), ST_OK);
+    assert_string_equal(t.subject, "alice");
+    assert_string_equal(t.label, "a label");
+
+    memset(longer, 'x', sizeof longer - 1);
+    longer[sizeof longer - 1] = '\0';
+    assert_int_equal(store_subject_set(s, "me", "alice", longer, NULL, NULL, &e),
+                     ST_EINVAL);
+    assert_int_equal(store_subject_set(s, "me", "alice", NULL, "a\nb", NULL, &e),
+                     ST_EINVAL);
+    assert_int_equal(store_subject_set(s, "me", "alice", NULL, NULL, "tomorrow", &e),
+                     ST_EINVAL);
+    assert_int_equal(store_subject_set(s, "me", "nobody", "x", NULL, NULL, &e),
+                     ST_ENOTFOUND);
+    assert_int_equal(store_subject_set(s, "me", "no body", "x", NULL, NULL, &e),
+                     ST_EINVAL);
+    assert_string_equal(get(s, "alice").reference, "C-17");
+    assert_int_equal(events("set_subject"), 2);
+    store_close(s);
+}
+
+static void test_rename(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t, *list;
+    struct store_subject one;
+    size_t n;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    enroll(s, "bob", &t);
+    assert_int_equal(store_subject_set(s, "", "alice", "C-17", NULL, NULL, &e), ST_OK);
+    assert_int_equal(store_subject_rename(s, "me", "alice", "bob", &e), ST_EEXISTS);
+    assert_int_equal(store_subject_rename(s, "me", "alice", "alice", &e), ST_EEXISTS);
+    assert_int_equal(store_subject_rename(s, "me", "alice", "a b", &e), ST_EINVAL);
+    assert_int_equal(store_subject_rename(s, "me", "nobody", "carol", &e), ST_ENOTFOUND);
+    assert_int_equal(events("rename_subject"), 0);
+    assert_int_equal(store_subject_rename(s, "me", "alice", "carol", &e), ST_OK);
+    /* Two, so that it is found under either id. */
+    assert_int_equal(events("rename_subject"), 2);
+    assert_int_equal(sql("SELECT count(DISTINCT subject) FROM events "
+                         "WHERE kind = 'rename_subject'"),
+                     2);
+    assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ENOTFOUND);
+    one = get(s, "carol");
+    assert_string_equal(one.id, "carol");
+    assert_string_equal(one.reference, "C-17");
+    assert_int_equal(store_template_list(s, "carol", &list, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    assert_string_equal(list[0].subject, "carol");
+    free(list);
+
+    /* Another may have the old id; and who was erased may be named again. */
+    enroll(s, "alice", &t);
+    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    assert_int_equal(sql("SELECT count(*) FROM erased"), 1);
+    assert_int_equal(store_subject_rename(s, "", "carol", "alice", &e), ST_OK);
+    assert_int_equal(sql("SELECT count(*) FROM erased"), 0);
+    store_close(s);
+}
+
+static void test_hold(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_subject one;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    assert_int_equal(store_subject_hold(s, "me", "alice", true, &e), ST_OK);
+    assert_int_equal(store_subject_hold(s, "me", "alice", true, &e), ST_OK);
+    assert_true(get(s, "alice").hold);
+    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_EHELD);
+    assert_int_equal(store_template_delete(s, "", t.id, &e), ST_EHELD);
+    assert_int_equal(
+        store_subject_set(s, "", "alice", NULL, NULL, "2001-01-01T00:00:00.000Z", &e),
+        ST_OK);
+    assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_EHELD);
+    assert_int_equal(get(s, "alice").templates, 1);
+    /* The bit alone, without the key, is no release: the row is damaged then. */
+    (void)sql("UPDATE subjects SET hold = 0");
+    assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ECORRUPT);
+    (void)sql("UPDATE subjects SET hold = 1");
+    assert_int_equal(store_subject_hold(s, "me", "alice", false, &e), ST_OK);
+    assert_int_equal(events("hold_subject"), 2);
+    assert_int_equal(events("release_subject"), 1);
+    assert_int_equal(store_template_delete(s, "", t.id, &e), ST_OK);
+    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    store_close(s);
+}
+
+static void test_disable(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    assert_false(get(s, "alice").disabled);
+    assert_int_equal(store_subject_disable(s, "me", "alice", true, &e), ST_OK);
+    assert_true(get(s, "alice").disabled);
+    assert_false(get(s, "alice").hold);
+    assert_int_equal(store_subject_disable(s, "me", "alice", false, &e), ST_OK);
+    assert_false(get(s, "alice").disabled);
+    assert_int_equal(events("disable_subject"), 1);
+    assert_int_equal(events("enable_subject"), 1);
+    assert_int_equal(store_subject_disable(s, "me", "nobody", true, &e), ST_ENOTFOUND);
+    store_close(s);
+}
+
+static void test_seen(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_subject one;
+    bool created;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    one = get(s, "alice");
+    assert_string_equal(one.seen, t.created);
+    (void)sql("UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'");
+    one = get(s, "alice");
+    store_subject_seen(s, &one);
+    assert_true(strcmp(get(s, "alice").seen, t.created) >= 0);
+    /* Once a minute; but a time that is still to come is a mistake. */
+    one = get(s, "alice");
+    (void)sql("UPDATE subjects SET seen = NULL");
+    store_subject_seen(s, &one);
+    assert_string_equal(get(s, "alice").seen, "");
+    (void)sql("UPDATE subjects SET seen = '9026-01-01T00:00:00.000Z'");
+    one = get(s, "alice");
+    store_subject_seen(s, &one);
+    assert_true(get(s, "alice").seen[0] == '2');
+    /* The same scan again is a visit too. */
+    (void)sql("UPDATE subjects SET seen = NULL");
+    assert_int_equal(store_enroll(s, "", "alice", "", &face, &t, &created, &e), ST_OK);
+    assert_false(created);
+    assert_true(get(s, "alice").seen[0] == '2');
+    assert_int_equal(events("enroll"), 1);
+    store_close(s);
+}
+
+/* Nobody waits for it to be noted. */
+static void test_seen_locked(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_subject one;
+    sqlite3 *db;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    (void)sql("UPDATE subjects SET seen = NULL");
+    one = get(s, "alice");
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    store_subject_seen(s, &one);
+    assert_string_equal(get(s, "alice").seen, "");
+    assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    store_subject_seen(s, &one);
+    assert_true(get(s, "alice").seen[0] == '2');
+    store_close(s);
+}
+
+static void test_due(void **state)
+{
+    static const struct {
+        const char *id, *expires;
+    } some[] = {{"never", ""},
+                {"later", "9031-01-01T00:00:00.000Z"},
+                {"second", "2002-01-01T00:00:00.000Z"},
+                {"first", "2001-01-01T00:00:00.000Z"},
+                {"held", "2003-01-01T00:00:00.000Z"}};
+    struct store *s = fresh();
+    struct store_subject *due, one;
+    size_t n;
+
+    (void)state;
+    assert_int_equal(store_subject_due(s, &due, &n, &e), ST_OK);
+    assert_int_equal(n, 0);
+    free(due);
+    for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+        memset(&one, 0, sizeof one);
+        (void)snprintf(one.id, sizeof one.id, "%s", some[i].id);
+        (void)snprintf(one.expires, sizeof one.expires, "%s", some[i].expires);
+        assert_int_equal(store_subject_add(s, "", &one, &e), ST_OK);
+    }
+    assert_int_equal(store_subject_hold(s, "", "held", true, &e), ST_OK);
+    assert_int_equal(store_subject_due(s, &due, &n, &e), ST_OK);
+    assert_int_equal(n, 3);
+    assert_string_equal(due[0].id, "first");
+    assert_string_equal(due[1].id, "second");
+    assert_string_equal(due[2].id, "held");
+    assert_true(due[2].hold);
+    free(due);
+    assert_int_equal(store_subject_purge(s, "", "never", &e), ST_ENOTFOUND);
+    assert_int_equal(store_subject_purge(s, "", "later", &e), ST_ENOTFOUND);
+    assert_int_equal(store_subject_purge(s, "", "nobody", &e), ST_ENOTFOUND);
+    assert_int_equal(store_subject_purge(s, "", "first", &e), ST_OK);
+    assert_int_equal(store_subject_get(s, "first", &one, &e), ST_ENOTFOUND);
+    assert_int_equal(events("delete_subject"), 1);
+    store_close(s);
+}
+
+/* A damaged row is not changed; what is damaged can still be deleted. */
+static void test_damaged(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    (void)sql("UPDATE subjects SET about = zeroblob(length(about))");
+    assert_int_equal(store_subject_set(s, "", "alice", "x", NULL, NULL, &e), ST_ECORRUPT);
+    assert_int_equal(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
+    assert_int_equal(store_subject_hold(s, "", "alice", true, &e), ST_ECORRUPT);
+    assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
+    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    store_close(s);
+}
+
+static void test_vacuum(void **state)
+{
+    struct store *s = fresh(), *reader = NULL;
+    struct store_stats before, after;
+    struct store_template t;
+    char id[32];
+
+    (void)state;
+    for (int i = 0; i < 20; i++) {
+        (void)snprintf(id, sizeof id, "s%d", i);
+        enroll(s, id, &t);
+    }
+    for (int i = 0; i < 19; i++) {
+        (void)snprintf(id, sizeof id, "s%d", i);
+        assert_int_equal(store_subject_delete(s, "", id, NULL, &e), ST_OK);
+    }
+    assert_int_equal(store_stats(s, &before, &e), ST_OK);
+    if (store_vacuum(s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(store_stats(s, &after, &e), ST_OK);
+    assert_true(after.file_bytes < before.file_bytes / 2);
+    assert_int_equal(get(s, "s19").templates, 1);
+    enroll(s, "after", &t);
+    assert_int_equal(store_open(path, STORE_READ, NULL, &reader, &e), ST_OK);
+    assert_int_equal(store_vacuum(reader, &e), ST_EDENIED);
+    store_close(reader);
+    store_close(s);
+}
+
+static int setup(void **state)
+{
+    static struct dvec3 pts[1500];
+    struct facegen_scan scan;
+
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/surfaced-subject-XXXXXX");
+    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
+        return -1;
+    (void)snprintf(path, sizeof path, "%s/faces.db", dir);
+    facegen_default(&scan);
+    scan.points = 1500;
+    return face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) == ST_OK ? 0
+                                                                                   : -1;
+}
+
+static int teardown(void **state)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
+    char name[128];
+
+    (void)state;
+    for (size_t i = 0; i < 4; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+    face_free(&face);
+    face_work_free(work);
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_set),    cmocka_unit_test(test_rename),
+        cmocka_unit_test(test_hold),   cmocka_unit_test(test_disable),
+        cmocka_unit_test(test_seen),   cmocka_unit_test(test_seen_locked),
+        cmocka_unit_test(test_due),    cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_vacuum),
+    };
+
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
