@@ -1,6 +1,11 @@
 /* surfacectl.h -- the admin command's parts, among themselves.
- *   surfacectl.c        options, help
- *   surfacectl_face.c   enroll, verify, compare
+ *   surfacectl.c        the command line
+ *   surfacectl_command.c  the commands, a row each: who adds one begins there
+ *   surfacectl_option.c the options, a row each
+ *   surfacectl_help.c   help texts
+ *   surfacectl_completion.c  the same for the shell
+ *   surfacectl_enroll.c enroll: files of a subject; surfacectl_crowd.h whole collections
+ *   surfacectl_face.c   verify, compare
  *   surfacectl_shape.c  asymmetry, simplify: one scan by itself
  *   surfacectl_explain.c  explain; its parts are in surfacectl_explain.h
  *   surfacectl_evaluate.c  evaluate: the rates; surfacectl_trials.h the comparisons,
@@ -9,13 +14,16 @@
  *   surfacectl_model.c  --model, and the database opened for it
  *   surfacectl_dir.c    files that are there whole or not at all
  *   surfacectl_key.c    --key, and the database opened by it
- *   surfacectl_admin.c  init, migrate, list, show, delete, check, stats
+ *   surfacectl_admin.c  init, migrate, show, delete, check, stats, vacuum
  *   surfacectl_rekey.c  rekey
  *   surfacectl_backup.c  backup, restore
+ *   surfacectl_subject.c  subject; purge
+ *   surfacectl_template.c  template
  *   surfacectl_token.c  token
  *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
  *   surfacectl_scan.c   a scan's file to a face model
+ *   surfacectl_ask.c    what a person has to confirm
  *   surfacectl_fail.c   a status to an exit code
  *   surfacectl_out.c    JSON */
 #ifndef DB_SURFACECTL_H
@@ -51,6 +59,12 @@ enum surfacectl_exit {                /* as in <sysexits.h> where that has one *
                        EXIT_NOPERM = 77
 };
 
+struct surfacectl_expires { /* --expires */
+    bool given;
+    int64_t life_s; /* from now on; 0: never.  Not above 0 where at_s is: in the past */
+    int64_t at_s;   /* since 1970; 0: never */
+};
+
 struct surfacectl { /* what the command line said */
     const char *db;
     const char *key;            /* its file; NULL: the database's path and ".key" */
@@ -59,6 +73,7 @@ struct surfacectl { /* what the command line said */
     struct keyfile *asked;      /* a passphrase, once asked for; to be freed */
     const char *units;          /* NULL: millimetres */
     const char *label;
+    const char *kind;    /* of the scans of a collection; NULL: all */
     const char *dir;     /* --out; NULL: the command's own */
     double tolerance_mm; /* --tolerance; 0: not given */
     double threshold_mm; /* 0: the default */
@@ -67,9 +82,11 @@ struct surfacectl { /* what the command line said */
     double fmr;          /* that is wanted; 0: the default */
     const char *genuine; /* a manifest, or NULL */
     unsigned scopes;     /* --scope; 0: not given */
-    int64_t life_s;      /* --expires; 0: never, negative: not given */
-    int64_t grace_s;     /* --grace */
-    bool json, yes, force, dry_run, list, reset, mean, keep_old;
+    struct surfacectl_expires expires;
+    int64_t grace_s;                 /* --grace */
+    const char *reference, *purpose; /* of a consent; NULL: not given */
+    bool json, yes, force, dry_run, list, reset, mean, due, keep_old;
+    bool help, version;
     int nargs;
     char **args;                      /* the command's own */
     const char *model_path;           /* --model; NULL: the shipped one */
@@ -83,7 +100,7 @@ struct surfacectl { /* what the command line said */
 int surfacectl_fail(struct surfacectl *c, enum status st);
 
 /* The commands: each returns an exit code, and fills c->e where that is above 2. */
-int surfacectl_face_enroll(struct surfacectl *c);
+int surfacectl_enroll(struct surfacectl *c);
 int surfacectl_face_verify(struct surfacectl *c);
 int surfacectl_face_compare(struct surfacectl *c);
 int surfacectl_shape_asymmetry(struct surfacectl *c);
@@ -97,13 +114,56 @@ int surfacectl_admin_migrate(struct surfacectl *c);
 int surfacectl_rekey(struct surfacectl *c);
 int surfacectl_backup(struct surfacectl *c);
 int surfacectl_backup_restore(struct surfacectl *c);
-int surfacectl_admin_list(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);
 int surfacectl_admin_delete(struct surfacectl *c);
 int surfacectl_admin_check(struct surfacectl *c);
 int surfacectl_admin_stats(struct surfacectl *c);
-int surfacectl_token(struct surfacectl *c);
-int surfacectl_attempts(struct surfacectl *c);
+int surfacectl_admin_vacuum(struct surfacectl *c);
+int surfacectl_subject_list(struct surfacectl *c);
+int surfacectl_subject_show(struct surfacectl *c);
+int surfacectl_subject_set(struct surfacectl *c);
+int surfacectl_subject_rename(struct surfacectl *c);
+int surfacectl_subject_disable(struct surfacectl *c);
+int surfacectl_subject_enable(struct surfacectl *c);
+int surfacectl_subject_hold(struct surfacectl *c);
+int surfacectl_subject_release(struct surfacectl *c);
+int surfacectl_subject_erase(struct surfacectl *c);
+int surfacectl_purge(struct surfacectl *c);
+int surfacectl_template_list(struct surfacectl *c);
+int surfacectl_template_show(struct surfacectl *c);
+int surfacectl_template_export(struct surfacectl *c);
+int surfacectl_template_delete(struct surfacectl *c);
+int surfacectl_token_create(struct surfacectl *c);
+int surfacectl_token_list(struct surfacectl *c);
+int surfacectl_token_rotate(struct surfacectl *c);
+int surfacectl_token_revoke(struct surfacectl *c);
+int surfacectl_attempts_list(struct surfacectl *c);
+int surfacectl_attempts_reset(struct surfacectl *c);
+int surfacectl_completion(struct surfacectl *c);
+
+/* surfacectl_usage(c, ...): EXIT_USAGE, with the text in c->e. */
+__attribute__((format(printf, 2, 3))) int surfacectl_usage(struct surfacectl *c,
+                                                           const char *fmt, ...);
+
+/* surfacectl_confirmed(c, what, word): --yes, or a person on a terminal types the word after
+ * being told what will be done ("This erases ..."); else EXIT_USAGE is due, and c->e says
+ * so. */
+bool surfacectl_confirmed(struct surfacectl *c, const char *what, const char *word);
+
+/* Bytes as people read them: "1.5 MB". */
+const char *surfacectl_bytes(uint64_t n, char out[32]);
+
+/* A subject or a template, as JSON and text. */
+enum status surfacectl_subject_tell(struct surfacectl *c, struct store *s,
+                                    const struct store_subject *one);
+void surfacectl_template_tell(struct surfacectl *c, const struct store_template *t);
+
+/* surfacectl_subject_remove(c, s, one), surfacectl_template_remove(c, s, t): for good, once
+ * that is confirmed; an exit code. */
+int surfacectl_subject_remove(struct surfacectl *c, struct store *s,
+                              const struct store_subject *one);
+int surfacectl_template_remove(struct surfacectl *c, struct store *s,
+                               const struct store_template *t);
 
 /* surfacectl_key(c, db, key): the key that the command line names for the database; a
  * passphrase is asked for on the terminal, once.

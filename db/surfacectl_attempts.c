@@ -1,7 +1,6 @@
 /* Failed verifications of subjects: listed, forgotten. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "surfacectl.h"
 
@@ -34,30 +33,35 @@ static enum status list(struct surfacectl *c, struct store *s)
 
 static enum status reset(struct surfacectl *c, struct store *s)
 {
-    enum status st = store_attempts_reset(s, SURFACECTL_ACTOR, c->args[1], &c->e);
+    enum status st = store_attempts_reset(s, SURFACECTL_ACTOR, c->args[0], &c->e);
 
     if (st != ST_OK)
         return st;
-    surfacectl_out_text(c->out, "subject", c->args[1]);
+    surfacectl_out_text(c->out, "subject", c->args[0]);
     surfacectl_out_number(c->out, "failures", 0);
     if (!c->json)
-        (void)printf("%s: no failed verifications any more\n", c->args[1]);
+        (void)printf("%s: no failed verifications any more\n", c->args[0]);
     return ST_OK;
 }
 
-int surfacectl_attempts(struct surfacectl *c)
+static int run(struct surfacectl *c, enum store_mode mode,
+               enum status (*what)(struct surfacectl *, struct store *))
 {
-    const bool one = strcmp(c->args[0], "reset") == 0;
     struct store *s = NULL;
-    enum status st;
+    enum status st = surfacectl_open(c, mode, &s);
 
-    if ((!one && strcmp(c->args[0], "list") != 0) || c->nargs != (one ? 2 : 1)) {
-        (void)errinfo_set(&c->e, ST_EINVAL,
-                          "it is 'attempts list' or 'attempts reset SUBJECT'");
-        return EXIT_USAGE;
-    }
-    if ((st = surfacectl_open(c, one ? STORE_WRITE : STORE_READ, &s)) == ST_OK)
-        st = one ? reset(c, s) : list(c, s);
+    if (st == ST_OK)
+        st = what(c, s);
     store_close(s);
     return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_attempts_list(struct surfacectl *c)
+{
+    return run(c, STORE_READ, list);
+}
+
+int surfacectl_attempts_reset(struct surfacectl *c)
+{
+    return run(c, STORE_WRITE, reset);
 }

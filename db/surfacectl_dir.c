@@ -3,9 +3,13 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "lattice.h"
+#include "mesh.h"
 
 static enum status fail(struct errinfo *e, const char *name)
 {
@@ -58,4 +62,49 @@ out:
 enum status surfacectl_dir_remove(int dir, const char *name, struct errinfo *e)
 {
     return unlinkat(dir, name, 0) == 0 || errno == ENOENT ? ST_OK : fail(e, name);
+}
+
+/* A mesh as PLY, its coordinates to the last digit of the lattice. */
+static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct mesh *m = arg;
+
+    (void)e;
+    (void)fprintf(
+        to,
+        "ply\nformat ascii 1.0\ncomment mm\nelement vertex %u\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
+        m->nv, mesh_real(m));
+    for (uint32_t v = 0; v < m->nv; v++)
+        (void)fprintf(to, "%.3f %.3f %.3f\n", m->xy[v].x / LATTICE_PER_MM,
+                      m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM);
+    for (uint32_t t = 0; t < m->nt; t++)
+        if (!mesh_is_ghost(m, t))
+            (void)fprintf(to, "3 %u %u %u\n", m->org[3 * t], m->org[3 * t + 1],
+                          m->org[3 * t + 2]);
+    return ST_OK;
+}
+
+enum status surfacectl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    char *folder = strndup(slash != NULL ? path : "./",
+                           slash != NULL ? (size_t)(slash - path) + 1 : 2);
+    enum status st = ST_OK;
+    int dir = -1;
+
+    if (folder == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (*name == '\0')
+        st = errinfo_set(e, ST_EINVAL, "--out is a folder, not a file: %.80s", path);
+    if (st == ST_OK)
+        st = surfacectl_dir_open(folder, &dir, e);
+    if (st == ST_OK)
+        st = surfacectl_dir_write(dir, name, write_mesh, m, e);
+    if (dir >= 0)
+        (void)close(dir);
+    free(folder);
+    return st;
 }

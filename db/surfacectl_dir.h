@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include "errinfo.h"
 
+struct mesh; /* mesh.h */
+
 /* surfacectl_dir_open(path, dir, e): make the folder, unless it is there, and open it; *dir
  * is closed by the caller.  ST_EIO, ST_EDENIED. */
 enum status surfacectl_dir_open(const char *path, int *dir, struct errinfo *e);
@@ -16,6 +18,11 @@ enum status surfacectl_dir_write(int dir, const char *name,
                                  enum status (*write)(FILE *to, const void *arg,
                                                       struct errinfo *e),
                                  const void *arg, struct errinfo *e);
+
+/* surfacectl_dir_mesh(path, m, e): the mesh in a file, PLY in millimetres; its folder is made
+ * if it is missing. */
+enum status surfacectl_dir_mesh(const char *path, const struct mesh *m,
+                                struct errinfo *e);
 
 /* surfacectl_dir_remove(dir, name, e): of a former run, where there is one. */
 enum status surfacectl_dir_remove(int dir, const char *name, struct errinfo *e);

@@ -207,110 +207,6 @@ static void print_result(struct surfacectl *c, const struct face_result *r,
     (void)printf("time         %.1f ms\n", ms);
 }
 
-/* A further sample must match the nearest of the subject's templates. */
-static enum status check_fit(struct surfacectl *c, struct store *s, const char *subject,
-                             const char *path, struct face_work *w, const struct face *f,
-                             char newest[STORE_ID_LEN + 1])
-{
-    struct surfacectl_nearest best;
-    const struct face_result *r = &best.result;
-    enum status st = surfacectl_face_nearest(c, s, subject, f, w, &best);
-
-    memcpy(newest, best.newest, sizeof best.newest);
-    if (st == ST_ENOTFOUND)
-        return ST_OK; /* the first one */
-    if (st != ST_OK || r->decision == FACE_MATCH)
-        return st;
-    if (r->decision == FACE_INCONCLUSIVE)
-        return errinfo_set(&c->e, ST_EMISMATCH,
-                           "%s: too little in common with %s's other samples to tell "
-                           "whether it fits (--force enrolls it all the same)",
-                           path, subject);
-    return errinfo_set(&c->e, ST_EMISMATCH,
-                       "%s: does not fit %s's other samples: disparity %.3f mm, "
-                       "threshold %.3f mm (--force enrolls it all the same)",
-                       path, subject, r->disparity_mm, r->threshold_mm);
-}
-
-static enum status enroll_file(struct surfacectl *c, struct store *s, const char *subject,
-                               const char *path, struct face_work *w, struct face *f)
-{
-    struct surfacectl_out *o = c->out;
-    struct store_template t;
-    char newest[STORE_ID_LEN + 1];
-    bool created;
-    enum status st = surfacectl_scan_read(c, path, w, f);
-
-    if (st == ST_OK)
-        do { /* again only when another enrolment came in between */
-            if (!c->force && (st = check_fit(c, s, subject, path, w, f, newest)) != ST_OK)
-                break;
-            st = store_enroll_after(s, SURFACECTL_ACTOR, subject,
-                                    c->label != NULL ? c->label : "", f,
-                                    c->force ? NULL : newest, &t, &created, &c->e);
-        } while (st == ST_EEXISTS);
-    surfacectl_out_object(o, NULL);
-    surfacectl_out_text(o, "file", path);
-    if (st == ST_OK) {
-        surfacectl_out_text(o, "template_id", t.id);
-        surfacectl_out_flag(o, "created", created);
-        surfacectl_out_number(o, "points", t.points);
-        surfacectl_out_number(o, "triangles", t.triangles);
-        surfacectl_out_text(o, "digest", t.digest);
-        surfacectl_face_quality(o, "quality", &t.quality, &f->frame);
-        if (!c->json) {
-            (void)printf("%s  %s  %u points, quality %.2f%s", t.id, path, t.points,
-                         t.quality.score, created ? "" : " (was there already)");
-            surfacectl_face_reasons(stdout, f);
-        }
-    } else {
-        surfacectl_out_text(o, "error", c->e.msg);
-        (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
-    }
-    surfacectl_out_close(o);
-    return st;
-}
-
-int surfacectl_face_enroll(struct surfacectl *c)
-{
-    const char *subject = c->args[0];
-    struct face_work *w = face_work_new(c->model);
-    struct face f = {0};
-    struct store *s = NULL;
-    int failed = 0, code = EXIT_FINE;
-    enum status st;
-
-    if (w == NULL)
-        return surfacectl_fail(c, errinfo_set(&c->e, ST_ENOMEM, "out of memory"));
-    if (!store_subject_valid(subject))
-        st = errinfo_set(&c->e, ST_EINVAL,
-                         "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
-                         subject, STORE_SUBJECT_MAX);
-    else
-        st = surfacectl_model_store(c, STORE_WRITE, &s);
-    if (st != ST_OK) {
-        code = surfacectl_fail(c, st);
-        goto out;
-    }
-    surfacectl_out_text(c->out, "subject", subject);
-    surfacectl_out_array(c->out, "templates");
-    for (int i = 1; i < c->nargs; i++) /* one bad scan does not stop the others */
-        if ((st = enroll_file(c, s, subject, c->args[i], w, &f)) != ST_OK) {
-            failed++;
-            code = surfacectl_fail(c, st);
-        }
-    surfacectl_out_close(c->out);
-    surfacectl_out_number(c->out, "failed", failed);
-    if (failed > 0)
-        (void)errinfo_set(&c->e, c->e.code, "%d of %d scans were not enrolled", failed,
-                          c->nargs - 1);
-out:
-    store_close(s);
-    face_free(&f);
-    face_work_free(w);
-    return code;
-}
-
 int surfacectl_face_verify(struct surfacectl *c)
 {
     const char *subject = c->args[0];
@@ -318,6 +214,7 @@ int surfacectl_face_verify(struct surfacectl *c)
     struct face probe = {0};
     struct store *s = NULL;
     struct surfacectl_nearest best;
+    struct store_subject one;
     double start = 0;
     enum status st;
 
@@ -326,6 +223,10 @@ int surfacectl_face_verify(struct surfacectl *c)
     else
         st = surfacectl_model_store(c, STORE_WRITE, &s);
     start = clock_ms();
+    if (st == ST_OK && (st = store_subject_get(s, subject, &one, &c->e)) == ST_OK &&
+        one.disabled)
+        st = errinfo_set(&c->e, ST_EDENIED,
+                         "subject %s is disabled (surfacectl subject enable)", subject);
     if (st == ST_OK)
         st = surfacectl_scan_read(c, c->args[1], w, &probe);
     if (st == ST_OK)
@@ -334,6 +235,7 @@ int surfacectl_face_verify(struct surfacectl *c)
         st = store_event(s, "verify", SURFACECTL_ACTOR, subject, best.tmpl.id,
                          surfacectl_face_decision(best.result.decision), &c->e);
     if (st == ST_OK) {
+        store_subject_seen(s, &one);
         surfacectl_out_text(c->out, "subject", subject);
         surfacectl_out_text(c->out, "template_id", best.tmpl.id);
         surfacectl_out_number(c->out, "templates_compared", best.compared);

@@ -86,53 +86,6 @@ int surfacectl_shape_asymmetry(struct surfacectl *c)
     return asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
 }
 
-/* A mesh as PLY, its coordinates to the last digit of the lattice. */
-static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
-{
-    const struct mesh *m = arg;
-
-    (void)e;
-    (void)fprintf(
-        to,
-        "ply\nformat ascii 1.0\ncomment mm\nelement vertex %u\n"
-        "property float x\nproperty float y\nproperty float z\n"
-        "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
-        m->nv, mesh_real(m));
-    for (uint32_t v = 0; v < m->nv; v++)
-        (void)fprintf(to, "%.3f %.3f %.3f\n", m->xy[v].x / LATTICE_PER_MM,
-                      m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM);
-    for (uint32_t t = 0; t < m->nt; t++)
-        if (!mesh_is_ghost(m, t))
-            (void)fprintf(to, "3 %u %u %u\n", m->org[3 * t], m->org[3 * t + 1],
-                          m->org[3 * t + 2]);
-    return ST_OK;
-}
-
-/* The mesh in the file --out, whose folder is made if it is missing. */
-static enum status write_out(struct surfacectl *c, const struct mesh *m)
-{
-    const char *slash = strrchr(c->dir, '/');
-    const char *name = slash != NULL ? slash + 1 : c->dir;
-    char *folder = strndup(slash != NULL ? c->dir : "./",
-                           slash != NULL ? (size_t)(slash - c->dir) + 1 : 2);
-    enum status st = ST_OK;
-    int dir = -1;
-
-    if (folder == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if (*name == '\0')
-        st =
-            errinfo_set(&c->e, ST_EINVAL, "--out is a folder, not a file: %.80s", c->dir);
-    if (st == ST_OK)
-        st = surfacectl_dir_open(folder, &dir, &c->e);
-    if (st == ST_OK)
-        st = surfacectl_dir_write(dir, name, write_mesh, m, &c->e);
-    if (dir >= 0)
-        (void)close(dir);
-    free(folder);
-    return st;
-}
-
 static void tell_simplified(struct surfacectl *c, const struct face *f,
                             const struct simplify_result *r)
 {
@@ -176,7 +129,7 @@ int surfacectl_shape_simplify(struct surfacectl *c)
                (st = simplify_mesh(&f.mesh, f.bridge, &limit, &scratch, &small, NULL,
                                    &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
-    if (st == ST_OK && (st = write_out(c, &small)) == ST_OK)
+    if (st == ST_OK && (st = surfacectl_dir_mesh(c->dir, &small, &c->e)) == ST_OK)
         tell_simplified(c, &f, &r);
     if (st != ST_OK && code == EXIT_FINE)
         code = surfacectl_fail(c, st);

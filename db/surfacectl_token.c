@@ -59,10 +59,10 @@ static enum status create(struct surfacectl *c, struct store *s)
 {
     struct store_token t;
     char secret[65];
-    const char *name = c->nargs > 1 ? c->args[1] : "unnamed";
+    const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
     enum status st = store_token_create(s, SURFACECTL_ACTOR, name,
                                         c->scopes != 0 ? c->scopes : STORE_SCOPE_ALL,
-                                        c->life_s > 0 ? c->life_s : 0, secret, &t, &c->e);
+                                        c->expires.life_s, secret, &t, &c->e);
 
     if (st == ST_OK)
         out_secret(c, &t, secret);
@@ -73,8 +73,9 @@ static enum status rotate(struct surfacectl *c, struct store *s)
 {
     struct store_token t;
     char secret[65];
-    enum status st = store_token_rotate(s, SURFACECTL_ACTOR, c->args[1], c->grace_s,
-                                        c->life_s, secret, &t, &c->e);
+    enum status st =
+        store_token_rotate(s, SURFACECTL_ACTOR, c->args[0], c->grace_s,
+                           c->expires.given ? c->expires.life_s : -1, secret, &t, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -126,50 +127,47 @@ static enum status list(struct surfacectl *c, struct store *s)
 
 static enum status revoke(struct surfacectl *c, struct store *s)
 {
-    enum status st = store_token_revoke(s, SURFACECTL_ACTOR, c->args[1], &c->e);
+    enum status st = store_token_revoke(s, SURFACECTL_ACTOR, c->args[0], &c->e);
 
     if (st != ST_OK)
         return st;
-    surfacectl_out_text(c->out, "id", c->args[1]);
+    surfacectl_out_text(c->out, "id", c->args[0]);
     surfacectl_out_flag(c->out, "revoked", true);
     if (!c->json)
-        (void)printf("revoked %s\n", c->args[1]);
+        (void)printf("revoked %s\n", c->args[0]);
     return ST_OK;
 }
 
-int surfacectl_token(struct surfacectl *c)
+static int run(struct surfacectl *c, enum store_mode mode,
+               enum status (*what)(struct surfacectl *, struct store *))
 {
-    static const struct {
-        const char *verb;
-        int min, max;
-        bool scope, expires, grace; /* the options it takes */
-        enum store_mode mode;
-        enum status (*run)(struct surfacectl *, struct store *);
-    } verbs[] = {{"create", 1, 2, true, true, false, STORE_WRITE, create},
-                 {"list", 1, 1, false, false, false, STORE_READ, list},
-                 {"rotate", 2, 2, false, true, true, STORE_WRITE, rotate},
-                 {"revoke", 2, 2, false, false, false, STORE_WRITE, revoke}};
     struct store *s = NULL;
     enum status st;
 
-    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
-        if (strcmp(c->args[0], verbs[i].verb) != 0 || c->nargs < verbs[i].min ||
-            c->nargs > verbs[i].max)
-            continue;
-        if ((c->scopes != 0 && !verbs[i].scope) ||
-            (c->life_s >= 0 && !verbs[i].expires) ||
-            (c->grace_s > 0 && !verbs[i].grace)) {
-            (void)errinfo_set(&c->e, ST_EINVAL, "an option that token %s does not take",
-                              verbs[i].verb);
-            return EXIT_USAGE;
-        }
-        if ((st = surfacectl_open(c, verbs[i].mode, &s)) == ST_OK)
-            st = verbs[i].run(c, s);
-        store_close(s);
-        return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
-    }
-    (void)errinfo_set(&c->e, ST_EINVAL,
-                      "it is 'token create [NAME]', 'token list', 'token rotate ID' or "
-                      "'token revoke ID'");
-    return EXIT_USAGE;
+    if (c->expires.at_s > 0 && c->expires.life_s <= 0)
+        return surfacectl_usage(c, "--expires is in the past");
+    if ((st = surfacectl_open(c, mode, &s)) == ST_OK)
+        st = what(c, s);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_token_create(struct surfacectl *c)
+{
+    return run(c, STORE_WRITE, create);
+}
+
+int surfacectl_token_list(struct surfacectl *c)
+{
+    return run(c, STORE_READ, list);
+}
+
+int surfacectl_token_rotate(struct surfacectl *c)
+{
+    return run(c, STORE_WRITE, rotate);
+}
+
+int surfacectl_token_revoke(struct surfacectl *c)
+{
+    return run(c, STORE_WRITE, revoke);
 }

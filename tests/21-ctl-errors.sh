@@ -70,7 +70,10 @@ refuse 64 '--grace is' "$ctl" --db f.db token rotate 000000000000000000000000000
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
 refuse 64 'token rotate does not take' "$ctl" --db f.db token rotate --scope read a
 refuse 64 'token list does not take' "$ctl" --db f.db token list --expires 1h
-refuse 64 'attempts list' "$ctl" --db f.db attempts reset
+refuse 64 'attempts reset SUBJECT' "$ctl" --db f.db attempts reset
+refuse 64 'attempts list, attempts reset SUBJECT' "$ctl" --db f.db attempts
+refuse 64 'no option --json=1' "$ctl" --db f.db list --json=1
+refuse 64 'subject show SUBJECT' "$ctl" --db f.db subject shwo alice
 refuse 64 'attempts list' "$ctl" --db f.db attempts list alice
 
 # ids

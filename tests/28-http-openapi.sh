@@ -166,6 +166,18 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?threshold_mm=0" 400 "$JSON" "$T/a2.json"
 done
+# on hold, disabled
+subject() { "$BUILD/surfacectl" --db "$DB" subject "$1" alice >"$T/ctl" 2>&1; }
+subject hold
+ask DELETE /v1/subjects/alice 409
+ask DELETE "/v1/templates/$id" 409
+subject release
+subject disable
+for one in subjects/alice "templates/$id"; do
+    put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
+    is "disabled" "$(get .code)" subject_disabled
+done
+subject enable
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # The examples of bodies are read, and are too short to be taken.

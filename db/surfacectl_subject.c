@@ -1,0 +1,386 @@
+/* Subjects: listed, described, changed, erased. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "store_rules.h"
+#include "surfacectl.h"
+
+#define PAGE 1000 /* subjects read at a time */
+
+/* What stands beside an id in a list. */
+static const char *state_of(const struct store_subject *one)
+{
+    return one->hold ? (one->disabled ? "hold, disabled" : "hold")
+                     : (one->disabled ? "disabled" : "");
+}
+
+/* As fields of the JSON; what is not set is left out. */
+static void out_subject(struct surfacectl_out *o, const struct store_subject *one)
+{
+    surfacectl_out_text(o, "subject", one->id);
+    surfacectl_out_text(o, "created", one->created);
+    if (one->reference[0] != '\0')
+        surfacectl_out_text(o, "reference", one->reference);
+    if (one->purpose[0] != '\0')
+        surfacectl_out_text(o, "purpose", one->purpose);
+    if (one->expires[0] != '\0')
+        surfacectl_out_text(o, "expires", one->expires);
+    if (one->seen[0] != '\0')
+        surfacectl_out_text(o, "last_seen", one->seen);
+    surfacectl_out_flag(o, "hold", one->hold);
+    surfacectl_out_flag(o, "disabled", one->disabled);
+}
+
+int surfacectl_subject_list(struct surfacectl *c)
+{
+    struct store_subject *page = NULL;
+    struct store *s = NULL;
+    int64_t after = 0;
+    size_t n = 0, total = 0;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_array(c->out, "subjects");
+    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
+           n > 0) {
+        if (!c->json && total == 0)
+            (void)printf("%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
+                         "STATE");
+        for (size_t i = 0; i < n; i++) {
+            surfacectl_out_object(c->out, NULL);
+            out_subject(c->out, &page[i]);
+            surfacectl_out_number(c->out, "templates", page[i].templates);
+            surfacectl_out_close(c->out);
+            if (!c->json)
+                (void)printf("%-32s %9u  %-24s  %s\n", page[i].id, page[i].templates,
+                             page[i].created, state_of(&page[i]));
+        }
+        total += n;
+        after = page[n - 1].key;
+        free(page);
+    }
+    surfacectl_out_close(c->out);
+    store_close(s);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    if (!c->json && total == 0)
+        (void)printf("no subjects\n");
+    return EXIT_FINE;
+}
+
+static void print_subject(const struct store_subject *one, size_t templates)
+{
+    (void)printf("subject   %s, since %s, %zu template%s\n", one->id, one->created,
+                 templates, templates == 1 ? "" : "s");
+    if (one->reference[0] != '\0')
+        (void)printf("  consent   %s\n", one->reference);
+    if (one->purpose[0] != '\0')
+        (void)printf("  purpose   %s\n", one->purpose);
+    if (one->expires[0] != '\0')
+        (void)printf("  expires   %s\n", one->expires);
+    if (one->seen[0] != '\0')
+        (void)printf("  seen      %s\n", one->seen);
+    if (one->hold)
+        (void)printf("  on hold   cannot be erased\n");
+    if (one->disabled)
+        (void)printf("  disabled  is not verified\n");
+}
+
+enum status surfacectl_subject_tell(struct surfacectl *c, struct store *s,
+                                    const struct store_subject *one)
+{
+    struct store_template *list;
+    size_t n;
+    enum status st = store_template_list(s, one->id, &list, &n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    out_subject(c->out, one);
+    surfacectl_out_array(c->out, "templates");
+    if (!c->json)
+        print_subject(one, n);
+    for (size_t i = 0; i < n; i++) {
+        surfacectl_out_object(c->out, NULL);
+        surfacectl_template_tell(c, &list[i]);
+        surfacectl_out_close(c->out);
+    }
+    surfacectl_out_close(c->out);
+    free(list);
+    return ST_OK;
+}
+
+int surfacectl_subject_show(struct surfacectl *c)
+{
+    struct store_subject one;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK && (st = store_subject_get(s, c->args[0], &one, &c->e)) == ST_OK)
+        st = surfacectl_subject_tell(c, s, &one);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+/* ---- changes */
+
+/* Tell what the subject is now, in words too. */
+static enum status tell(struct surfacectl *c, struct store *s, const char *id,
+                        const char *done)
+{
+    struct store_subject one;
+    enum status st = store_subject_get(s, id, &one, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    out_subject(c->out, &one);
+    if (!c->json)
+        (void)printf("%s: %s\n", one.id, done);
+    return ST_OK;
+}
+
+/* The text of --expires: NULL where it is not given. */
+static const char *expiry(const struct surfacectl *c, char text[STORE_RULES_TIME])
+{
+    if (!c->expires.given)
+        return NULL;
+    text[0] = '\0';
+    if (c->expires.at_s > 0)
+        store_rules_time(c->expires.at_s * 1000, text);
+    return text;
+}
+
+static enum status set(struct surfacectl *c, struct store *s)
+{
+    struct store_subject new = {0};
+    char text[STORE_RULES_TIME];
+    const char *id = c->args[0], *expires = expiry(c, text);
+    enum status st = store_subject_set(s, SURFACECTL_ACTOR, id, c->reference, c->purpose,
+                                       expires, &c->e);
+
+    if (st != ST_ENOTFOUND)
+        return st;
+    (void)snprintf(new.id, sizeof new.id, "%s", id);
+    if ((c->reference != NULL && strlen(c->reference) >= sizeof new.reference) ||
+        (c->purpose != NULL && strlen(c->purpose) >= sizeof new.purpose))
+        return errinfo_set(&c->e, ST_EINVAL, "a reference or a purpose is up to %d bytes",
+                           STORE_NOTE_MAX);
+    (void)snprintf(new.reference, sizeof new.reference, "%s",
+                   c->reference != NULL ? c->reference : "");
+    (void)snprintf(new.purpose, sizeof new.purpose, "%s",
+                   c->purpose != NULL ? c->purpose : "");
+    (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
+    return store_subject_add(s, SURFACECTL_ACTOR, &new, &c->e);
+}
+
+static enum status rename_it(struct surfacectl *c, struct store *s)
+{
+    return store_subject_rename(s, SURFACECTL_ACTOR, c->args[0], c->args[1], &c->e);
+}
+
+static enum status disable(struct surfacectl *c, struct store *s)
+{
+    return store_subject_disable(s, SURFACECTL_ACTOR, c->args[0], true, &c->e);
+}
+
+static enum status enable(struct surfacectl *c, struct store *s)
+{
+    return store_subject_disable(s, SURFACECTL_ACTOR, c->args[0], false, &c->e);
+}
+
+static enum status hold(struct surfacectl *c, struct store *s)
+{
+    return store_subject_hold(s, SURFACECTL_ACTOR, c->args[0], true, &c->e);
+}
+
+static enum status release(struct surfacectl *c, struct store *s)
+{
+    return store_subject_hold(s, SURFACECTL_ACTOR, c->args[0], false, &c->e);
+}
+
+/* Make a change of the subject that the last argument names when it is made. */
+static int change(struct surfacectl *c,
+                  enum status (*make)(struct surfacectl *, struct store *),
+                  const char *done)
+{
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+
+    if (st == ST_OK && (st = make(c, s)) == ST_OK)
+        st = tell(c, s, c->args[c->nargs - 1], done);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_subject_set(struct surfacectl *c)
+{
+    if (c->reference == NULL && c->purpose == NULL && !c->expires.given)
+        return surfacectl_usage(c,
+                                "subject set needs --reference, --purpose or --expires");
+    return change(c, set, "noted");
+}
+
+int surfacectl_subject_rename(struct surfacectl *c)
+{
+    return change(c, rename_it, "is its id now");
+}
+
+int surfacectl_subject_disable(struct surfacectl *c)
+{
+    return change(c, disable, "disabled");
+}
+
+int surfacectl_subject_enable(struct surfacectl *c)
+{
+    return change(c, enable, "enabled");
+}
+
+int surfacectl_subject_hold(struct surfacectl *c)
+{
+    return change(c, hold, "on hold");
+}
+
+int surfacectl_subject_release(struct surfacectl *c)
+{
+    return change(c, release, "not on hold");
+}
+
+/* ---- erasing */
+
+static void out_receipt(struct surfacectl_out *o, const struct store_receipt *r)
+{
+    surfacectl_out_text(o, "subject", r->subject);
+    surfacectl_out_number(o, "templates_deleted", r->templates);
+    surfacectl_out_array(o, "template_ids");
+    for (uint32_t i = 0; i < r->templates; i++)
+        surfacectl_out_text(o, NULL, r->template_id[i]);
+    surfacectl_out_close(o);
+    surfacectl_out_text(o, "erased_at", r->at);
+    surfacectl_out_text(o, "digest", r->digest);
+    surfacectl_out_object(o, "audit");
+    surfacectl_out_number(o, "seq", (double)r->seq);
+    surfacectl_out_text(o, "hash", r->hash);
+    surfacectl_out_close(o);
+    surfacectl_out_text(o, "signature", r->signature);
+    surfacectl_out_text(o, "public_key", r->public_key);
+}
+
+int surfacectl_subject_remove(struct surfacectl *c, struct store *s,
+                              const struct store_subject *one)
+{
+    char what[256];
+    struct store_receipt r;
+    enum status st;
+
+    (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one->id,
+                   one->templates, one->templates == 1 ? "" : "s");
+    if (!surfacectl_confirmed(c, what, one->id))
+        return EXIT_USAGE;
+    st = store_subject_erase(s, SURFACECTL_ACTOR, one->id, &r, &c->e);
+    if (st == ST_OK) {
+        out_receipt(c->out, &r);
+        if (!c->json)
+            (void)printf("deleted subject %s with %u template%s, at %s\n"
+                         "  receipt   %s\n"
+                         "  audit     entry %llu\n",
+                         one->id, r.templates, r.templates == 1 ? "" : "s", r.at,
+                         r.digest, (unsigned long long)r.seq);
+    }
+    store_receipt_free(&r);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_subject_erase(struct surfacectl *c)
+{
+    struct store_subject one;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    int code;
+
+    if (st == ST_OK)
+        st = store_subject_get(s, c->args[0], &one, &c->e);
+    code = st == ST_OK ? surfacectl_subject_remove(c, s, &one) : surfacectl_fail(c, st);
+    store_close(s);
+    return code;
+}
+
+/* Those that can be erased, or are kept: in the JSON, and as text. */
+static void tell_due(struct surfacectl *c, const char *key, bool hold,
+                     const struct store_subject *due, size_t n)
+{
+    surfacectl_out_array(c->out, key);
+    for (size_t i = 0; i < n; i++) {
+        if (due[i].hold != hold)
+            continue;
+        surfacectl_out_text(c->out, NULL, due[i].id);
+        if (!c->json)
+            (void)printf("%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates,
+                         due[i].expires, hold ? "on hold: kept" : "");
+    }
+    surfacectl_out_close(c->out);
+}
+
+static enum status erase_due(struct surfacectl *c, struct store *s,
+                             const struct store_subject *due, size_t n, size_t *erased)
+{
+    for (size_t i = 0; i < n; i++) {
+        enum status st;
+
+        if (due[i].hold)
+            continue;
+        st = store_subject_purge(s, SURFACECTL_ACTOR, due[i].id, &c->e);
+        if (st == ST_OK)
+            ++*erased;
+        else if (st != ST_ENOTFOUND && st != ST_EHELD)
+            return st; /* those: changed since they were listed */
+    }
+    return ST_OK;
+}
+
+static int purge(struct surfacectl *c, struct store *s, const struct store_subject *due,
+                 size_t n)
+{
+    char what[64], count[32];
+    size_t most = 0, erased = 0;
+    enum status st;
+
+    for (size_t i = 0; i < n; i++)
+        most += !due[i].hold;
+    if (!c->json && n > 0)
+        (void)printf("%-32s %9s  %-16s\n", "SUBJECT", "TEMPLATES", "EXPIRED");
+    tell_due(c, "due", false, due, n);
+    tell_due(c, "kept", true, due, n);
+    (void)snprintf(what, sizeof what, "erases %zu subject%s", most, most == 1 ? "" : "s");
+    (void)snprintf(count, sizeof count, "%zu", most);
+    if (!c->dry_run && most > 0) {
+        if (!surfacectl_confirmed(c, what, count))
+            return EXIT_USAGE;
+        st = erase_due(c, s, due, n, &erased);
+        if (st != ST_OK)
+            return surfacectl_fail(c, st);
+    }
+    surfacectl_out_number(c->out, "erased", (double)erased);
+    if (!c->json)
+        (void)printf("%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
+    return EXIT_FINE;
+}
+
+int surfacectl_purge(struct surfacectl *c)
+{
+    struct store_subject *due = NULL;
+    struct store *s = NULL;
+    size_t n = 0;
+    enum status st;
+    int code;
+
+    if (!c->due)
+        return surfacectl_usage(c, "it is: surfacectl purge --due");
+    st = surfacectl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    if (st == ST_OK)
+        st = store_subject_due(s, &due, &n, &c->e);
+    code = st == ST_OK ? purge(c, s, due, n) : surfacectl_fail(c, st);
+    store_close(s);
+    free(due);
+    return code;
+}

@@ -1,0 +1,182 @@
+/* Templates: listed, described, written as a scan, deleted. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "surfacectl.h"
+#include "surfacectl_dir.h"
+
+#define PAGE 1000 /* subjects read at a time */
+
+void surfacectl_template_tell(struct surfacectl *c, const struct store_template *t)
+{
+    surfacectl_out_text(c->out, "template_id", t->id);
+    surfacectl_out_text(c->out, "subject", t->subject);
+    surfacectl_out_text(c->out, "label", t->label);
+    surfacectl_out_text(c->out, "created", t->created);
+    surfacectl_out_number(c->out, "points", t->points);
+    surfacectl_out_number(c->out, "triangles", t->triangles);
+    surfacectl_out_text(c->out, "digest", t->digest);
+    surfacectl_out_object(c->out, "quality");
+    surfacectl_out_number(c->out, "score", t->quality.score);
+    surfacectl_out_number(c->out, "coverage", t->quality.coverage);
+    surfacectl_out_number(c->out, "density_mm", t->quality.density_mm);
+    surfacectl_out_number(c->out, "noise_mm", t->quality.noise_mm);
+    surfacectl_out_close(c->out);
+    surfacectl_out_text(c->out, "engine", t->engine);
+    if (c->json)
+        return;
+    (void)printf("template  %s\n", t->id);
+    (void)printf("  subject   %s\n", t->subject);
+    if (t->label[0] != '\0')
+        (void)printf("  label     %s\n", t->label);
+    (void)printf("  created   %s by %s\n", t->created, t->engine);
+    (void)printf("  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
+                 t->quality.density_mm);
+    (void)printf("  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
+                 100 * t->quality.coverage, t->quality.noise_mm);
+    (void)printf("  digest    %s\n", t->digest);
+}
+
+/* A subject's templates as lines of a list; *total counts them. */
+static enum status list_one(struct surfacectl *c, struct store *s, const char *subject,
+                            size_t *total)
+{
+    struct store_template *t = NULL;
+    size_t n;
+    enum status st = store_template_list(s, subject, &t, &n, &c->e);
+
+    for (size_t i = 0; st == ST_OK && i < n; i++) {
+        if (c->json) {
+            surfacectl_out_object(c->out, NULL);
+            surfacectl_template_tell(c, &t[i]);
+            surfacectl_out_close(c->out);
+            continue;
+        }
+        if (*total == 0 && i == 0)
+            (void)printf("%-32s  %-24s  %7s  %7s  %s\n", "TEMPLATE", "CREATED", "POINTS",
+                         "QUALITY", "SUBJECT");
+        (void)printf("%-32s  %-24s  %7u  %7.2f  %s%s%s\n", t[i].id, t[i].created,
+                     t[i].points, t[i].quality.score, t[i].subject,
+                     t[i].label[0] != '\0' ? "  " : "", t[i].label);
+    }
+    if (st == ST_OK)
+        *total += n;
+    free(t);
+    return st;
+}
+
+static enum status list_all(struct surfacectl *c, struct store *s, size_t *total)
+{
+    struct store_subject *page = NULL;
+    int64_t after = 0;
+    size_t n = 0;
+    enum status st;
+
+    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
+           n > 0) {
+        for (size_t i = 0; st == ST_OK && i < n; i++)
+            if ((st = list_one(c, s, page[i].id, total)) == ST_ENOTFOUND)
+                st = ST_OK; /* deleted since it was listed */
+        after = page[n - 1].key;
+        free(page);
+        if (st != ST_OK)
+            break;
+    }
+    return st;
+}
+
+int surfacectl_template_list(struct surfacectl *c)
+{
+    struct store *s = NULL;
+    size_t total = 0;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    surfacectl_out_array(c->out, "templates");
+    if (st == ST_OK)
+        st = c->nargs > 0 ? list_one(c, s, c->args[0], &total) : list_all(c, s, &total);
+    surfacectl_out_close(c->out);
+    store_close(s);
+    if (st != ST_OK)
+        return surfacectl_fail(c, st);
+    if (!c->json && total == 0)
+        (void)printf("no templates\n");
+    return EXIT_FINE;
+}
+
+int surfacectl_template_show(struct surfacectl *c)
+{
+    struct store_template t;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK && (st = store_template_get(s, c->args[0], &t, &c->e)) == ST_OK)
+        surfacectl_template_tell(c, &t);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_template_export(struct surfacectl *c)
+{
+    struct store_template t;
+    struct store *s = NULL;
+    struct face_work *w;
+    struct face f = {0};
+    enum status st;
+
+    if (c->dir == NULL)
+        return surfacectl_usage(c, "template export needs --out FILE");
+    if ((w = face_work_new(c->model)) == NULL)
+        return surfacectl_fail(c, errinfo_set(&c->e, ST_ENOMEM, "out of memory"));
+    st = surfacectl_open(c, STORE_WRITE, &s);
+    if (st == ST_OK)
+        st = store_template_load(s, c->args[0], &t, w, &f, &c->e);
+    if (st == ST_OK) /* before: what leaves the database is in the events in any case */
+        st = store_event(s, "export_template", SURFACECTL_ACTOR, t.subject, t.id,
+                         "written", &c->e);
+    if (st == ST_OK && (st = surfacectl_dir_mesh(c->dir, &f.mesh, &c->e)) == ST_OK) {
+        surfacectl_out_text(c->out, "template_id", t.id);
+        surfacectl_out_text(c->out, "subject", t.subject);
+        surfacectl_out_text(c->out, "file", c->dir);
+        surfacectl_out_number(c->out, "points", t.points);
+        surfacectl_out_number(c->out, "triangles", t.triangles);
+        if (!c->json)
+            (void)printf("%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
+    }
+    store_close(s);
+    face_free(&f);
+    face_work_free(w);
+    return st == ST_OK ? EXIT_FINE : surfacectl_fail(c, st);
+}
+
+int surfacectl_template_remove(struct surfacectl *c, struct store *s,
+                               const struct store_template *t)
+{
+    char what[256];
+    enum status st;
+
+    (void)snprintf(what, sizeof what, "deletes template %s of %s", t->id, t->subject);
+    if (!surfacectl_confirmed(c, what, t->id))
+        return EXIT_USAGE;
+    if ((st = store_template_delete(s, SURFACECTL_ACTOR, t->id, &c->e)) != ST_OK)
+        return surfacectl_fail(c, st);
+    surfacectl_out_text(c->out, "template_id", t->id);
+    surfacectl_out_number(c->out, "templates_deleted", 1);
+    if (!c->json)
+        (void)printf("deleted template %s of %s\n", t->id, t->subject);
+    return EXIT_FINE;
+}
+
+int surfacectl_template_delete(struct surfacectl *c)
+{
+    struct store_template t;
+    struct store *s = NULL;
+    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    int code;
+
+    if (st == ST_OK)
+        st = store_template_get(s, c->args[0], &t, &c->e);
+    code = st == ST_OK ? surfacectl_template_remove(c, s, &t) : surfacectl_fail(c, st);
+    store_close(s);
+    return code;
+}
