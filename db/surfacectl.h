@@ -20,6 +20,7 @@
  *   surfacectl_subject.c  subject; purge
  *   surfacectl_template.c  template
  *   surfacectl_token.c  token
+ *   surfacectl_audit.c  audit
  *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
  *   surfacectl_scan.c   a scan's file to a face model
@@ -73,7 +74,7 @@ struct surfacectl { /* what the command line said */
     struct keyfile *asked;      /* a passphrase, once asked for; to be freed */
     const char *units;          /* NULL: millimetres */
     const char *label;
-    const char *kind;    /* of the scans of a collection; NULL: all */
+    const char *kind;    /* of the scans of a collection, of events; NULL: all */
     const char *dir;     /* --out; NULL: the command's own */
     double tolerance_mm; /* --tolerance; 0: not given */
     double threshold_mm; /* 0: the default */
@@ -85,6 +86,9 @@ struct surfacectl { /* what the command line said */
     struct surfacectl_expires expires;
     int64_t grace_s;                 /* --grace */
     const char *reference, *purpose; /* of a consent; NULL: not given */
+    const char *subject, *since;     /* of events; NULL: any */
+    uint32_t limit;                  /* --limit; 0: not given */
+    const char *public_key;          /* 64 hexadecimal digits, or NULL */
     bool json, yes, force, dry_run, list, reset, mean, due, keep_old;
     bool help, version;
     int nargs;
@@ -139,6 +143,11 @@ int surfacectl_token_rotate(struct surfacectl *c);
 int surfacectl_token_revoke(struct surfacectl *c);
 int surfacectl_attempts_list(struct surfacectl *c);
 int surfacectl_attempts_reset(struct surfacectl *c);
+int surfacectl_audit_show(struct surfacectl *c);
+int surfacectl_audit_verify(struct surfacectl *c);
+int surfacectl_audit_export(struct surfacectl *c);
+int surfacectl_audit_checkpoint(struct surfacectl *c);
+int surfacectl_audit_erased(struct surfacectl *c);
 int surfacectl_completion(struct surfacectl *c);
 
 /* surfacectl_usage(c, ...): EXIT_USAGE, with the text in c->e. */

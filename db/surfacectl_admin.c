@@ -184,12 +184,14 @@ int surfacectl_admin_check(struct surfacectl *c)
         return surfacectl_fail(c, st);
     surfacectl_out_number(c->out, "templates", (double)found.templates);
     surfacectl_out_number(c->out, "bad_templates", (double)found.bad_templates);
+    surfacectl_out_number(c->out, "events", (double)found.events);
     surfacectl_out_flag(c->out, "ok", found.problems == 0);
     if (!c->json)
         (void)printf(
-            "%s: %llu templates, %llu bad, %llu problems in all\n",
+            "%s: %llu templates, %llu bad; %llu events; %llu problems in all\n",
             found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
-            (unsigned long long)found.bad_templates, (unsigned long long)found.problems);
+            (unsigned long long)found.bad_templates, (unsigned long long)found.events,
+            (unsigned long long)found.problems);
     return found.problems == 0 ? EXIT_FINE : EXIT_NO;
 }
 

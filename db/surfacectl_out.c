@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cjson/cJSON.h>
 
@@ -109,4 +110,60 @@ bool surfacectl_out_end(struct surfacectl_out *o, FILE *to)
     cJSON_Delete(o->open[0]);
     free(o);
     return fflush(to) == 0 && ok;
+}
+
+bool surfacectl_out_line(struct surfacectl_out *o, FILE *to)
+{
+    char *text = o != NULL && !o->failed ? cJSON_PrintUnformatted(o->open[0]) : NULL;
+    const bool ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
+
+    cJSON_free(text);
+    surfacectl_out_drop(o);
+    return ok;
+}
+
+struct surfacectl_out *surfacectl_out_parse(const char *text)
+{
+    struct surfacectl_out *o = calloc(1, sizeof *o);
+
+    if (o == NULL)
+        return NULL;
+    o->json = true;
+    o->open[0] = cJSON_ParseWithOpts(text, NULL, true);
+    if (cJSON_IsObject(o->open[0]))
+        return o;
+    surfacectl_out_drop(o);
+    return NULL;
+}
+
+bool surfacectl_out_take_text(const struct surfacectl_out *o, const char *key, char *out,
+                              size_t size)
+{
+    const char *text =
+        cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o->open[0], key));
+
+    if (text == NULL || strlen(text) >= size)
+        return false;
+    memcpy(out, text, strlen(text) + 1);
+    return true;
+}
+
+bool surfacectl_out_take_count(const struct surfacectl_out *o, const char *key,
+                               uint64_t *out)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o->open[0], key);
+
+    if (!cJSON_IsNumber(item) || !(item->valuedouble >= 0) ||
+        item->valuedouble > 9007199254740992.0)
+        return false;
+    *out = (uint64_t)item->valuedouble;
+    return (double)*out == item->valuedouble;
+}
+
+void surfacectl_out_drop(struct surfacectl_out *o)
+{
+    if (o == NULL)
+        return;
+    cJSON_Delete(o->open[0]);
+    free(o);
 }

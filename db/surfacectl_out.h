@@ -23,4 +23,18 @@ void surfacectl_out_flag(struct surfacectl_out *o, const char *key, bool value);
  * false: out of memory on the way, or the output cannot be written. */
 bool surfacectl_out_end(struct surfacectl_out *o, FILE *to);
 
+/* surfacectl_out_line(o, to): the same on one line, of an o with JSON, and not flushed. */
+bool surfacectl_out_line(struct surfacectl_out *o, FILE *to);
+
+/* surfacectl_out_parse(text): an object that was printed so, released by
+ * surfacectl_out_drop(); NULL: it is none, or no memory.
+ * surfacectl_out_take_text(o, key, out, size), surfacectl_out_take_count(o, key, out): a text
+ * of up to size - 1 bytes, a whole number up to 2^53; false: there is no such member. */
+struct surfacectl_out *surfacectl_out_parse(const char *text);
+bool surfacectl_out_take_text(const struct surfacectl_out *o, const char *key, char *out,
+                              size_t size);
+bool surfacectl_out_take_count(const struct surfacectl_out *o, const char *key,
+                               uint64_t *out);
+void surfacectl_out_drop(struct surfacectl_out *o); /* NULL is allowed */
+
 #endif
