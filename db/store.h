@@ -289,7 +289,7 @@ struct store_audit {
 
 /* store_audit_verify(s, report, arg, out, e): read-only: every entry and checkpoint as it
  * was written, in its place, none missing.  report() is called once a problem, with the
- * entry that it is about.  About 2 us an entry. */
+ * entry that it is about.  About 5 us an entry. */
 enum status store_audit_verify(struct store *s,
                                void (*report)(void *arg, uint64_t seq, const char *line),
                                void *arg, struct store_audit *out, struct errinfo *e);

@@ -335,8 +335,8 @@ const struct surfacectl_command surfacectl_commands[] = {
      .summary = "copy the database, also while the daemon runs",
      .help =
          "A copy of one moment, verified before it gets its name: every page, every subject and\n"
-         "template opened with the key, the end of the events.  FILE is whole or not there; an\n"
-         "older backup of that name is replaced.  The key is not in it.",
+         "template opened with the key, the audit log.  FILE is whole or not there; an older\n"
+         "backup of that name is replaced.  The key is not in it.",
      .example = "surfacectl --db faces.db backup faces-monday.db"},
     {.name = "restore",
      .args = "FILE",
