@@ -27,6 +27,11 @@ enum status store_open(const char *path, enum store_mode mode,
     return st;
 }
 
+bool store_in_use(const char *path, int64_t *pid)
+{
+    return store_sqlite_in_use(path, pid);
+}
+
 enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e)
 {
     return store_sqlite_kind(path, kind, e);

@@ -63,6 +63,10 @@ struct store_look {
 /* store_look(path, out, e): how old a database is, and how large, which takes no key. */
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e);
 
+/* store_in_use(path, pid): has another process the database open?  *pid: one that has, 0 where
+ * that is not known.  Not while this process has it open. */
+bool store_in_use(const char *path, int64_t *pid);
+
 struct store_rekey {             /* another master key */
     enum vault_kind kind;        /* of it */
     const struct keyfile *given; /* it, or the passphrase; NULL: a random key, or none */

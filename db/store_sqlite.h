@@ -9,6 +9,7 @@
  *   store_sqlite_edit.c   subjects changed
  *   store_sqlite_vault.c  keys
  *   store_sqlite_rekey.c  another master key
+ *   store_sqlite_use.c    who has it open
  *   store_sqlite_event.c  events: the end of the chain
  *   store_sqlite_audit.c  events read and verified
  *   store_sqlite_convert.c  the rows of older versions
@@ -170,6 +171,9 @@ enum status store_sqlite_vault_write(struct store_sqlite_conn *c,
 bool store_sqlite_vault_fits(const char *path, const struct vault_root *r);
 enum status store_sqlite_vault_keep(struct store_sqlite_vaults *v, struct vault *vault,
                                     struct errinfo *e);
+
+/* store_sqlite_use.c: as store_in_use(). */
+bool store_sqlite_in_use(const char *path, int64_t *pid);
 
 /* store_sqlite_rekey.c */
 enum status store_sqlite_rekey(struct store *s, const struct store_act *by,

@@ -16,6 +16,7 @@
  *   surfacectl_key.c    --key, and the database opened by it
  *   surfacectl_admin.c  init, migrate, show, delete, check, stats, vacuum
  *   surfacectl_rekey.c  rekey
+ *   surfacectl_doctor.c  doctor
  *   surfacectl_backup.c  backup, restore
  *   surfacectl_subject.c  subject; purge
  *   surfacectl_template.c  template
@@ -116,6 +117,7 @@ int surfacectl_train(struct surfacectl *c);
 int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_migrate(struct surfacectl *c);
 int surfacectl_rekey(struct surfacectl *c);
+int surfacectl_doctor(struct surfacectl *c);
 int surfacectl_backup(struct surfacectl *c);
 int surfacectl_backup_restore(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);

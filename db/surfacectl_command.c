@@ -365,6 +365,17 @@ const struct surfacectl_command surfacectl_commands[] = {
          "the file by itself.  Backups are still opened by the key that they were made with:\n"
          "--keep-old.",
      .example = "surfacectl --db faces.db rekey"},
+    {.name = "doctor",
+     .args = "",
+     .db = true,
+     .options = "model",
+     .run = surfacectl_doctor,
+     .summary = "what is wrong around a database, and what to do",
+     .help =
+         "Permissions of the database, its folder and its key; the right key, and one that a\n"
+         "change has left; schema, log, room on the disk; templates of another engine.  Changes\n"
+         "nothing.  Exit: 0 all is well, 1 there is trouble.",
+     .example = "surfacectl --db faces.db doctor"},
     {.name = "stats",
      .args = "",
      .db = true,
