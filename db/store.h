@@ -482,4 +482,30 @@ enum status store_restore(const char *path, const char *from, const struct store
                           const char *actor, bool dry, struct store_restored *out,
                           struct errinfo *e);
 
+struct store_exported {
+    uint64_t subjects, templates, bytes;
+};
+
+/* store_export(s, actor, subjects, n, path, k, out, e): subjects and their templates, of n
+ * ids or all where n is 0, into a new archive (db/FORMAT.md), sealed with k as
+ * archive_create(); an event of each.  Whole or not at all.  ST_EEXISTS: there is a file of
+ * that name; ST_ENOTFOUND: no such subject. */
+enum status store_export(struct store *s, const char *actor, char *const *subjects,
+                         size_t n, const char *path, const struct keyfile *k,
+                         struct store_exported *out, struct errinfo *e);
+
+struct store_imported {
+    uint64_t subjects, templates;         /* of the archive */
+    uint64_t new_subjects, new_templates; /* the others are there already */
+    uint64_t erased; /* subjects that were erased here: left out, with their templates */
+};
+
+/* store_import(s, actor, path, k, dry, out, e): an archive as a whole, or nothing of it;
+ * what is there already is left as it is.  All of it is verified first; with dry nothing
+ * else is done.  ST_EVERSION: an archive of a newer version, or a template that another
+ * engine made; ST_EEXISTS: a template's id is another's here; as archive_read(). */
+enum status store_import(struct store *s, const char *actor, const char *path,
+                         const struct keyfile *k, bool dry, struct store_imported *out,
+                         struct errinfo *e);
+
 #endif

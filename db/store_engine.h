@@ -32,6 +32,12 @@ struct store_edit { /* of a subject; what is NULL stays as it is */
     const bool *hold, *disabled;
 };
 
+struct store_archive_item; /* store_archive.h */
+
+/* The next record of an archive, up to and with its end; *out is good until the next call. */
+typedef enum status store_next(void *arg, struct store_archive_item **out,
+                               struct errinfo *e);
+
 typedef void store_report(void *arg, const char *line);
 
 struct store_engine {
@@ -152,6 +158,10 @@ struct store_engine {
     /* As store_backup(). */
     enum status (*backup)(struct store *s, const char *path, const struct store_key *key,
                           struct store_copied *out, struct errinfo *e);
+    /* As store_import(), of records that were verified. */
+    enum status (*import)(struct store *s, const struct store_act *by, store_next *next,
+                          void *arg, bool dry, struct store_imported *out,
+                          struct errinfo *e);
     /* The database's own structure (pages, indexes, references, schema), and the rows of
      * calibrations. */
     enum status (*check)(struct store *s, store_report *report, void *arg,

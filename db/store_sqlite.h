@@ -16,6 +16,7 @@
  *   store_sqlite_admin.c  statistics, check
  *   store_sqlite_backup.c  copies, verified
  *   store_sqlite_restore.c  a copy in the place of the database
+ *   store_sqlite_import.c  an archive's rows
  *   store_sqlite_token.c  tokens
  *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
@@ -452,6 +453,11 @@ enum status store_sqlite_look(const char *path, struct store_look *out,
  * version, for PATH.vVERSION.bak; the caller gives it its name, and closes it in any case. */
 enum status store_sqlite_backup_old(const char *path, int version, struct newfile *n,
                                     struct errinfo *e);
+
+/* store_sqlite_import.c */
+enum status store_sqlite_import(struct store *s, const struct store_act *by,
+                                store_next *next, void *arg, bool dry,
+                                struct store_imported *out, struct errinfo *e);
 
 /* store_sqlite_token.c */
 

@@ -43,5 +43,6 @@ const struct store_engine store_sqlite_engine = {
     .vacuum = store_sqlite_admin_vacuum,
     .stats = store_sqlite_admin_stats,
     .backup = store_sqlite_backup,
+    .import = store_sqlite_import,
     .check = store_sqlite_admin_check,
 };

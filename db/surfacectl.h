@@ -20,6 +20,7 @@
  *   surfacectl_backup.c  backup, restore
  *   surfacectl_subject.c  subject; purge
  *   surfacectl_template.c  template
+ *   surfacectl_archive.c  export, import
  *   surfacectl_token.c  token
  *   surfacectl_audit.c  audit
  *   surfacectl_attempts.c  attempts
@@ -72,6 +73,7 @@ struct surfacectl { /* what the command line said */
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *new_key;        /* --new-key, or NULL */
+    const char *archive_key;    /* a file with its key or passphrase; NULL: asked for */
     struct keyfile *asked;      /* a passphrase, once asked for; to be freed */
     const char *units;          /* NULL: millimetres */
     const char *label;
@@ -90,7 +92,7 @@ struct surfacectl { /* what the command line said */
     const char *subject, *since;     /* of events; NULL: any */
     uint32_t limit;                  /* --limit; 0: not given */
     const char *public_key;          /* 64 hexadecimal digits, or NULL */
-    bool json, yes, force, dry_run, list, reset, mean, due, keep_old;
+    bool json, yes, force, all, dry_run, list, reset, mean, due, keep_old;
     bool help, version;
     int nargs;
     char **args;                      /* the command's own */
@@ -118,6 +120,8 @@ int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_migrate(struct surfacectl *c);
 int surfacectl_rekey(struct surfacectl *c);
 int surfacectl_doctor(struct surfacectl *c);
+int surfacectl_archive_export(struct surfacectl *c);
+int surfacectl_archive_import(struct surfacectl *c);
 int surfacectl_backup(struct surfacectl *c);
 int surfacectl_backup_restore(struct surfacectl *c);
 int surfacectl_admin_show(struct surfacectl *c);
@@ -178,11 +182,17 @@ int surfacectl_template_remove(struct surfacectl *c, struct store *s,
 
 /* surfacectl_key(c, db, key): the key that the command line names for the database; a
  * passphrase is asked for on the terminal, once.
- * surfacectl_key_new(c, out): a new passphrase, typed twice there; for keyfile_free().
+ * surfacectl_key_new(c, option, out): a new passphrase, typed twice there; for
+ * keyfile_free().  option: what names a file with it instead.
  * surfacectl_open(c, mode, s): store_open() by the key for c->db. */
-enum status surfacectl_key_new(struct surfacectl *c, struct keyfile **out);
+enum status surfacectl_key_new(struct surfacectl *c, const char *option,
+                               struct keyfile **out);
 enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key);
 enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
+
+/* surfacectl_key_archive(c, make, out): what an archive is sealed with; asked for twice for
+ * one that is made.  Released by keyfile_free(). */
+enum status surfacectl_key_archive(struct surfacectl *c, bool make, struct keyfile **out);
 
 /* surfacectl_model_read(c, owned): c->model and c->engine by c->model_path; *owned is for
  * the caller to free() when c is done.  c->e is filled on failure.

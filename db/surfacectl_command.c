@@ -352,6 +352,31 @@ const struct surfacectl_command surfacectl_commands[] = {
          "is kept as PATH.before-restore.  Stop the daemon first.  --dry-run says what would\n"
          "change.",
      .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"},
+    {.name = "export",
+     .args = "SUBJECT... | --all",
+     .max = SURFACECTL_MANY,
+     .db = true,
+     .options = "out all archive-key",
+     .run = surfacectl_archive_export,
+     .summary = "subjects and their templates for another machine",
+     .help =
+         "Into the new file --out, sealed with a passphrase that is asked for, or with the line\n"
+         "in the file --archive-key: 64 hexadecimal digits are a key, anything else is a\n"
+         "passphrase.  Tokens, calibrations and events stay here; an event says who was exported.",
+     .example = "surfacectl --db faces.db export alice bob -o moving.archive"},
+    {.name = "import",
+     .args = "FILE",
+     .min = 1,
+     .max = 1,
+     .db = true,
+     .options = "dry-run archive-key model",
+     .run = surfacectl_archive_import,
+     .summary = "what export wrote, all of it or nothing",
+     .help =
+         "Everything in it is verified first.  Who and what is there already is left as it is, so\n"
+         "a second time changes nothing.  Whoever was erased here is left out.  Templates that\n"
+         "another engine version or another --model made are refused.",
+     .example = "surfacectl --db faces.db import moving.archive --dry-run"},
     {.name = "rekey",
      .args = "",
      .db = true,

@@ -9,7 +9,8 @@
 #include "surfacectl.h"
 
 /* One line from the terminal, which does not show it. */
-static enum status ask(struct surfacectl *c, const char *what, struct keyfile **out)
+static enum status ask(struct surfacectl *c, const char *what, const char *option,
+                       struct keyfile **out)
 {
     struct termios was, hidden;
     struct keyfile *k;
@@ -21,8 +22,8 @@ static enum status ask(struct surfacectl *c, const char *what, struct keyfile **
         if (tty != NULL)
             (void)fclose(tty);
         return errinfo_set(&c->e, ST_EINVAL,
-                           "%.160s asks for a passphrase: give a file with it to --key",
-                           c->db);
+                           "%.160s asks for a passphrase: give a file with it to %s",
+                           c->db, option);
     }
     if ((k = sodium_malloc(sizeof *k)) == NULL) {
         (void)fclose(tty);
@@ -49,14 +50,15 @@ static enum status ask(struct surfacectl *c, const char *what, struct keyfile **
 }
 
 /* A new passphrase, twice, so that a slip of the finger does not lock everybody out. */
-enum status surfacectl_key_new(struct surfacectl *c, struct keyfile **out)
+enum status surfacectl_key_new(struct surfacectl *c, const char *option,
+                               struct keyfile **out)
 {
     struct keyfile *again = NULL;
     enum status st;
 
-    if ((st = ask(c, "New passphrase", out)) != ST_OK)
+    if ((st = ask(c, "New passphrase", option, out)) != ST_OK)
         return st;
-    if ((st = ask(c, "The same again", &again)) == ST_OK &&
+    if ((st = ask(c, "The same again", option, &again)) == ST_OK &&
         strcmp((*out)->text, again->text) != 0)
         st = errinfo_set(&c->e, ST_EINVAL, "the two passphrases differ");
     keyfile_free(again);
@@ -83,9 +85,9 @@ enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_ke
     if (c->key == NULL && c->asked == NULL) {
         st = store_kind(db, &kind, NULL);
         if (st == ST_OK && kind == VAULT_PASSPHRASE)
-            st = ask(c, "Passphrase", &c->asked);
+            st = ask(c, "Passphrase", "--key", &c->asked);
         else if (st != ST_OK && c->passphrase)
-            st = surfacectl_key_new(c, &c->asked);
+            st = surfacectl_key_new(c, "--key", &c->asked);
         else
             st = ST_OK; /* what is wrong with the database, opening it tells better */
         if (st != ST_OK)
@@ -102,4 +104,18 @@ enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct s
 
     *s = NULL;
     return st != ST_OK ? st : store_open(c->db, mode, &key, s, &c->e);
+}
+
+enum status surfacectl_key_archive(struct surfacectl *c, bool make, struct keyfile **out)
+{
+    static const char option[] = "--archive-key";
+
+    *out = NULL;
+    if (sodium_init() < 0)
+        return errinfo_set(&c->e, ST_EINTERNAL,
+                           "the cryptographic library does not start");
+    if (c->archive_key != NULL)
+        return keyfile_read(c->archive_key, out, &c->e);
+    return make ? surfacectl_key_new(c, option, out)
+                : ask(c, "Passphrase of the archive", option, out);
 }

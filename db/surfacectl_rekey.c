@@ -23,7 +23,7 @@ static enum status read_new(struct surfacectl *c, struct store_rekey *to,
     if (c->new_key != NULL)
         st = keyfile_read(c->new_key, owned, &c->e);
     else if (c->passphrase)
-        st = surfacectl_key_new(c, owned);
+        st = surfacectl_key_new(c, "--new-key", owned);
     to->given = *owned;
     to->in_file = c->new_key != NULL;
     return st;

@@ -1,0 +1,110 @@
+/* Archives of export.  The first byte says what the others are: 0 modulo 3, a record as it is
+ * once it is unsealed; 1, a whole archive as it is; 2, records, each a length (u16) and its
+ * bytes, sealed here as an archive, so that what follows the seal is tried too.  Nothing may
+ * be accepted after the last record, and a record that is accepted must be within its limits. */
+#include "fuzz.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "archive.h"
+#include "errinfo.h"
+#include "keyfile.h"
+#include "store_archive.h"
+
+#define KIND_AT 10 /* db/FORMAT.md */
+
+static struct keyfile key = {
+    64, "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"};
+
+static void try_record(const uint8_t *data, size_t size, struct store_archive_item *item)
+{
+    struct errinfo e = {ST_OK, ""};
+    const enum status st = store_archive_parse(data, size, item, &e);
+
+    if (st != ST_OK && st != ST_ECORRUPT)
+        abort();
+    if (st == ST_OK && item->kind == STORE_ARCHIVE_TEMPLATE &&
+        (item->model < data || item->model + item->len != data + size ||
+         !store_id_valid(item->template.id) || strlen(item->template.digest) != 64 ||
+         item->template.triangles > 2 * item->template.points))
+        abort();
+    if (st == ST_OK && item->kind == STORE_ARCHIVE_SUBJECT &&
+        !store_subject_valid(item->subject.id))
+        abort();
+}
+
+static void try_archive(FILE *from)
+{
+    static struct store_archive_item item;
+    struct errinfo e = {ST_OK, ""};
+    struct archive *a = NULL;
+    const unsigned char *data;
+    bool last = false;
+    size_t n;
+
+    memset(&item, 0, sizeof item);
+    if (archive_open(from, &key, &a, &e) != ST_OK)
+        return;
+    while (!last && archive_read(a, &data, &n, &last, &e) == ST_OK)
+        try_record(data, n, &item);
+    if (last && archive_read(a, &data, &n, &last, &e) != ST_ECORRUPT)
+        abort();
+    archive_close(a);
+}
+
+static void try_sealed(const uint8_t *data, size_t size)
+{
+    struct errinfo e = {ST_OK, ""};
+    struct archive *a = NULL;
+    FILE *file = tmpfile();
+
+    if (file == NULL || archive_create(file, &key, &a, &e) != ST_OK)
+        abort();
+    while (size >= 2) {
+        size_t n = data[0] | (size_t)data[1] << 8;
+
+        n = n < size - 2 ? n : size - 2;
+        if (archive_write(a, data + 2, n, n == size - 2, &e) != ST_OK)
+            abort();
+        data += n + 2;
+        size -= n + 2;
+    }
+    archive_close(a);
+    rewind(file);
+    try_archive(file);
+    (void)fclose(file);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static struct store_archive_item item;
+    uint8_t *copy;
+    FILE *from;
+
+    if (size < 2)
+        return 0;
+    if ((copy = malloc(size - 1)) == NULL)
+        abort();
+    memcpy(copy, data + 1, size - 1);
+    switch (data[0] % 3) {
+    case 0:
+        memset(&item, 0, sizeof item);
+        memcpy(item.subject.id, "alice", sizeof "alice");
+        try_record(copy, size - 1, &item);
+        break;
+    case 1: /* a passphrase would take its time, and it is not what is tried here */
+        if (size - 1 > KIND_AT && copy[KIND_AT] == 2)
+            break;
+        if ((from = fmemopen(copy, size - 1, "rb")) == NULL)
+            abort();
+        try_archive(from);
+        (void)fclose(from);
+        break;
+    default:
+        try_sealed(copy, size - 1);
+    }
+    free(copy);
+    return 0;
+}
