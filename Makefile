@@ -154,8 +154,8 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(BUILD)/study
 test: tests
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) \
 	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX))
-# Minutes under a sanitizer, of code that the unit tests take there too.
-LONG := tests/24-% tests/25-% tests/30-% tests/31-studies%
+# Minutes under a sanitizer, of code that other tests take there too.
+LONG := tests/24-% tests/25-% tests/28-% tests/30-% tests/31-studies% tests/36-%
 
 ## unit: the unit tests alone
 unit: tests
