@@ -205,7 +205,8 @@ static void assert_safe(const struct mesh *m)
     free(loc);
 }
 
-/* With the checksum made right again only the proof stands between the bytes and us. */
+/* With the checksum made right again only the proof stands between the bytes and us.  The
+ * mark is test_frame()'s: another one has the frame found anew, which takes a millisecond. */
 static void test_sealed(void **state)
 {
     struct brute_rng r = {brute_seed("sealed")};
@@ -219,7 +220,11 @@ static void test_sealed(void **state)
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         build((enum brute_shape)shape, 40, &r, &f);
         buf = encode(&f, &len);
-        for (size_t i = 0; i < len - 8; i++)
+        assert_int_equal(decode(buf, len, &g, &e), ST_OK); /* which finds its frame */
+        codec_encode(&g, buf);
+        for (size_t i = 0; i < len - 8; i++) {
+            if (i >= MARK && i < MARK + 4)
+                continue;
             for (unsigned change = 1; change < 256; change += 1 + change / 4) {
                 buf[i] ^= (unsigned char)change;
                 seal(buf, len);
@@ -231,6 +236,7 @@ static void test_sealed(void **state)
                 }
                 buf[i] ^= (unsigned char)change;
             }
+        }
         free(buf);
     }
     print_message("%u refused, %u accepted\n", refused, accepted);
