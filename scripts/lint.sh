@@ -4,24 +4,39 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 BUILD=${BUILD:-build}
 export BUILD
-passed=0 failed=0
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+checks=0
 
-# check TITLE COMMAND...: a check passes when the command exits 0.
+# check TITLE COMMAND...: a check passes when the command exits 0.  They all run at once; what
+# they said is told in their order at the end, by report().
 check() {
-    title=$1
+    checks=$((checks + 1))
+    title=$1 log=$out/$checks
     shift
     if ! command -v "$1" >/dev/null 2>&1; then
-        echo "  SKIP  $title: $1 is not installed"
-    elif "$@" >"$log" 2>&1; then
-        echo "  ok    $title"
-        passed=$((passed + 1))
-    else
-        echo "  FAIL  $title"
-        head -n 40 "$log" | sed 's/^/        | /'
-        failed=$((failed + 1))
+        echo "  SKIP  $title: $1 is not installed" >"$log.said"
+        return
     fi
+    {
+        if "$@" >"$log" 2>&1; then
+            echo "  ok    $title"
+        else
+            echo "  FAIL  $title"
+            head -n 40 "$log" | sed 's/^/        | /'
+        fi >"$log.said"
+    } &
+}
+
+report() {
+    wait
+    n=0
+    while [ $n -lt $checks ]; do
+        n=$((n + 1))
+        cat "$out/$n.said"
+    done | tee "$out/report"
+    passed=$(grep -c '^  ok ' "$out/report")
+    failed=$((checks - passed - $(grep -c '^  SKIP' "$out/report")))
 }
 
 # Files of at most 700 lines, functions of at most 80: some air above the aim, 600 and 60.
@@ -73,6 +88,7 @@ if command -v systemd-analyze >/dev/null 2>&1; then
 else
     echo "  SKIP  systemd units: systemd-analyze is not installed"
 fi
+report
 
 [ -z "${RESULTS:-}" ] || echo "$passed $failed" >>"$RESULTS"
 echo "$passed passed, $failed failed"
