@@ -151,9 +151,11 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(BUILD)/study
 
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
+# The black-box tests wait much and take longest: first, so that others run beside the last.
 test: tests
-	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN) \
-	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX))
+	BUILD=$(BUILD) scripts/run_tests.sh \
+	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX)) \
+	    $(TEST_BIN) $(FUZZ_BIN)
 # Minutes under a sanitizer, of code that other tests take there too.
 LONG := tests/24-% tests/25-% tests/28-% tests/30-% tests/31-studies% tests/36-%
 
