@@ -99,6 +99,10 @@ enum status store_ready(struct store *s, struct errinfo *e);
 bool store_subject_valid(const char *subject);
 bool store_id_valid(const char *id);
 
+/* store_time_read(text, ms): RFC 3339, "2027-01-31T14:30:00+01:00", or the beginning of a
+ * day, "2027-01-31" (UTC), as milliseconds since 1970; false: neither, or before 1970. */
+bool store_time_read(const char *text, int64_t *ms);
+
 struct store_template { /* everything about a template but its model */
     char id[STORE_ID_LEN + 1];
     char subject[STORE_SUBJECT_MAX + 1];
@@ -154,8 +158,9 @@ struct store_subject {
     char created[32];
     char expires[32]; /* "": never */
     char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
-    bool hold;        /* not to be erased */
+    bool hold;        /* neither it nor a template of it can be deleted */
     bool disabled;    /* not to be verified or identified */
+    bool expired;     /* as of when it was read; set by store_subject_get() alone */
     uint32_t templates;
 };
 
@@ -174,24 +179,22 @@ enum status store_subject_get(struct store *s, const char *subject,
 enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e);
 
-/* store_subject_set(s, actor, subject, reference, purpose, expires, e): what is NULL stays
- * as it is; expires "": never. */
+struct store_subject_change {        /* what is NULL stays as it is */
+    const char *reference, *purpose; /* "": none */
+    const char *expires;             /* store_time_read(); "": never */
+    const bool *hold, *disabled;
+};
+
+/* store_subject_set(s, actor, subject, what, e): all of it or nothing, with an event for the
+ * consent, the hold and the being disabled each.  It is the callers' to verify nobody who is
+ * disabled or has expired.  ST_OK also where it is so already. */
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
-                              const char *reference, const char *purpose,
-                              const char *expires, struct errinfo *e);
+                              const struct store_subject_change *what, struct errinfo *e);
 
 /* store_subject_rename(s, actor, subject, to, e): another id; all that is known of it stays.
  * ST_EEXISTS: there is one of that id, be it this one. */
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e);
-
-/* store_subject_hold(s, actor, subject, hold, e): from now on neither it nor a template of
- * it can be deleted; or again.  store_subject_disable() likewise: it is the callers' to
- * verify nobody who is disabled.  ST_OK also where it is so already. */
-enum status store_subject_hold(struct store *s, const char *actor, const char *subject,
-                               bool hold, struct errinfo *e);
-enum status store_subject_disable(struct store *s, const char *actor, const char *subject,
-                                  bool disabled, struct errinfo *e);
 
 /* store_subject_seen(s, one): as it was read, it is seen now.  Noted at most once a minute,
  * and only where that waits neither for the disk nor for anybody who writes. */
@@ -314,7 +317,8 @@ enum store_scope { /* what a token may do, a bit each */
                    STORE_SCOPE_IDENTIFY = 4,
                    STORE_SCOPE_READ = 8,
                    STORE_SCOPE_DELETE = 16,
-                   STORE_SCOPE_ALL = 31
+                   STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
+                   STORE_SCOPE_ALL = 63
 };
 
 #define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */

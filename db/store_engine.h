@@ -27,9 +27,12 @@ typedef enum status store_use(void *arg, const struct store_template *t,
                               const void *model, size_t len, struct errinfo *e);
 
 struct store_edit { /* of a subject; what is NULL stays as it is */
-    const char *event, *outcome;
     const char *id, *reference, *purpose, *expires;
     const bool *hold, *disabled;
+    struct {
+        const char *kind, *outcome;
+    } event[3];
+    int events; /* 1.. */
 };
 
 struct store_archive_item; /* store_archive.h */
@@ -72,7 +75,7 @@ struct store_engine {
                                struct store_subject *out, struct errinfo *e);
     enum status (*subject_list)(struct store *s, int64_t after, size_t limit,
                                 struct store_subject **out, size_t *n, struct errinfo *e);
-    /* With an event of it; ST_EEXISTS: another has the new id. */
+    /* With its events; ST_EEXISTS: another has the new id. */
     enum status (*subject_edit)(struct store *s, const struct store_act *by,
                                 const char *subject, const struct store_edit *edit,
                                 struct errinfo *e);

@@ -75,11 +75,13 @@ enum status store_sqlite_edit(struct store *s, const struct store_act *by,
         (edit->id != NULL && (st = take_id(c, edit->id, e)) != ST_OK))
         goto out;
     apply(&one, edit);
-    if ((st = write_row(c, &p, &one, e)) == ST_OK)
-        st = store_sqlite_event_add(c, by, edit->event, subject, "", edit->outcome, e);
+    st = write_row(c, &p, &one, e);
+    for (int i = 0; st == ST_OK && i < edit->events; i++)
+        st = store_sqlite_event_add(c, by, edit->event[i].kind, subject, "",
+                                    edit->event[i].outcome, e);
     /* The events know it by its new id too from now on. */
     if (st == ST_OK && edit->id != NULL)
-        st = store_sqlite_event_add(c, by, edit->event, one.id, "", "named", e);
+        st = store_sqlite_event_add(c, by, edit->event[0].kind, one.id, "", "named", e);
 out:
     sodium_memzero(&p, sizeof p);
     sodium_memzero(&one, sizeof one);

@@ -7,11 +7,6 @@
 
 #define SEEN_MS 60000 /* that a subject was seen is noted no more often */
 
-static bool time_valid(const char *at)
-{
-    return strlen(at) == 24 && at[10] == 'T' && at[19] == '.' && at[23] == 'Z';
-}
-
 static enum status need_note(const char *text, struct errinfo *e)
 {
     if (text == NULL || store_rules_text(text, STORE_NOTE_MAX))
@@ -22,29 +17,37 @@ static enum status need_note(const char *text, struct errinfo *e)
                        STORE_NOTE_MAX);
 }
 
-/* What may be known of a subject; NULL: nothing is said of it. */
-static enum status need_about(const char *reference, const char *purpose,
-                              const char *expires, struct errinfo *e)
+/* An end as it is kept; NULL: nothing is said of it. */
+static enum status read_end(const char *text, char out[STORE_RULES_TIME],
+                            struct errinfo *e)
 {
-    enum status st;
+    int64_t ms;
 
-    if ((st = need_note(reference, e)) != ST_OK || (st = need_note(purpose, e)) != ST_OK)
-        return st;
-    if (expires != NULL && expires[0] != '\0' && !time_valid(expires))
-        return errinfo_set(e, ST_EINVAL, "the end is not a time");
+    out[0] = '\0';
+    if (text == NULL || text[0] == '\0')
+        return ST_OK;
+    if (!store_time_read(text, &ms))
+        return errinfo_set(
+            e, ST_EINVAL,
+            "the end is not a time like 2027-01-31T14:30:00Z, from 1970 on");
+    store_rules_time(ms, out);
     return ST_OK;
 }
 
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
+    char end[STORE_RULES_TIME];
     struct store_act by;
     enum status st;
 
     if ((st = store_rules_subject(about->id, e)) != ST_OK ||
-        (st = need_about(about->reference, about->purpose, about->expires, e)) != ST_OK ||
+        (st = need_note(about->reference, e)) != ST_OK ||
+        (st = need_note(about->purpose, e)) != ST_OK ||
+        (st = read_end(about->expires, end, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
+    memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->created, by.at, sizeof about->created);
     return s->engine->subject_add(s, &by, about, e);
 }
@@ -52,9 +55,17 @@ enum status store_subject_add(struct store *s, const char *actor,
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
-    enum status st = store_rules_subject(subject, e);
+    char now[STORE_RULES_TIME];
+    int64_t ms;
+    enum status st;
 
-    return st != ST_OK ? st : s->engine->subject_get(s, subject, out, e);
+    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+        (st = store_rules_now(&ms, e)) != ST_OK ||
+        (st = s->engine->subject_get(s, subject, out, e)) != ST_OK)
+        return st;
+    store_rules_time(ms, now);
+    out->expired = out->expires[0] != '\0' && strcmp(out->expires, now) <= 0;
+    return ST_OK;
 }
 
 enum status store_subject_list(struct store *s, int64_t after, size_t limit,
@@ -79,49 +90,50 @@ static enum status edit(struct store *s, const char *actor, const char *subject,
     return s->engine->subject_edit(s, &by, subject, what, e);
 }
 
-enum status store_subject_set(struct store *s, const char *actor, const char *subject,
-                              const char *reference, const char *purpose,
-                              const char *expires, struct errinfo *e)
+static void add_event(struct store_edit *what, const char *kind, const char *outcome)
 {
-    const struct store_edit what = {.event = "set_subject",
-                                    .outcome = "set",
-                                    .reference = reference,
-                                    .purpose = purpose,
-                                    .expires = expires};
-    const enum status st = need_about(reference, purpose, expires, e);
+    what->event[what->events].kind = kind;
+    what->event[what->events++].outcome = outcome;
+}
 
-    return st != ST_OK ? st : edit(s, actor, subject, &what, e);
+enum status store_subject_set(struct store *s, const char *actor, const char *subject,
+                              const struct store_subject_change *what, struct errinfo *e)
+{
+    struct store_edit to = {.reference = what->reference,
+                            .purpose = what->purpose,
+                            .hold = what->hold,
+                            .disabled = what->disabled};
+    struct store_subject as_it_is;
+    char end[STORE_RULES_TIME];
+    enum status st;
+
+    if ((st = need_note(what->reference, e)) != ST_OK ||
+        (st = need_note(what->purpose, e)) != ST_OK ||
+        (st = read_end(what->expires, end, e)) != ST_OK)
+        return st;
+    if (what->expires != NULL)
+        to.expires = end;
+    if (what->reference != NULL || what->purpose != NULL || what->expires != NULL)
+        add_event(&to, "set_subject", "set");
+    if (what->hold != NULL)
+        add_event(&to, *what->hold ? "hold_subject" : "release_subject",
+                  *what->hold ? "held" : "released");
+    if (what->disabled != NULL)
+        add_event(&to, *what->disabled ? "disable_subject" : "enable_subject",
+                  *what->disabled ? "disabled" : "enabled");
+    if (to.events == 0)
+        return store_subject_get(s, subject, &as_it_is, e);
+    return edit(s, actor, subject, &to, e);
 }
 
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e)
 {
-    const struct store_edit what = {
-        .event = "rename_subject", .outcome = "renamed", .id = to};
+    struct store_edit what = {.id = to};
     const enum status st = store_rules_subject(to, e);
 
+    add_event(&what, "rename_subject", "renamed");
     return st != ST_OK ? st : edit(s, actor, subject, &what, e);
-}
-
-enum status store_subject_hold(struct store *s, const char *actor, const char *subject,
-                               bool hold, struct errinfo *e)
-{
-    const struct store_edit what = {.event = hold ? "hold_subject" : "release_subject",
-                                    .outcome = hold ? "held" : "released",
-                                    .hold = &hold};
-
-    return edit(s, actor, subject, &what, e);
-}
-
-enum status store_subject_disable(struct store *s, const char *actor, const char *subject,
-                                  bool disabled, struct errinfo *e)
-{
-    const struct store_edit what = {.event =
-                                        disabled ? "disable_subject" : "enable_subject",
-                                    .outcome = disabled ? "disabled" : "enabled",
-                                    .disabled = &disabled};
-
-    return edit(s, actor, subject, &what, e);
 }
 
 /* Nobody is kept waiting for this to be noted: where it cannot be, the next time does. */

@@ -12,8 +12,8 @@
 
 /* ---- scopes */
 
-static const char *const scope_name[] = {"enroll", "verify", "identify", "read",
-                                         "delete"}; /* bit 0 first */
+static const char *const scope_name[] = {"enroll", "verify", "identify", /* bit 0 first */
+                                         "read",   "delete", "manage"};
 
 #define SCOPES (sizeof scope_name / sizeof *scope_name)
 

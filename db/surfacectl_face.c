@@ -207,6 +207,18 @@ static void print_result(struct surfacectl *c, const struct face_result *r,
     (void)printf("time         %.1f ms\n", ms);
 }
 
+static enum status may_verify(struct surfacectl *c, const struct store_subject *one)
+{
+    if (one->disabled)
+        return errinfo_set(&c->e, ST_EDENIED,
+                           "subject %s is disabled (surfacectl subject enable)", one->id);
+    if (one->expired)
+        return errinfo_set(&c->e, ST_EDENIED,
+                           "subject %s expired at %s (surfacectl subject set)", one->id,
+                           one->expires);
+    return ST_OK;
+}
+
 int surfacectl_face_verify(struct surfacectl *c)
 {
     const char *subject = c->args[0];
@@ -223,10 +235,8 @@ int surfacectl_face_verify(struct surfacectl *c)
     else
         st = surfacectl_model_store(c, STORE_WRITE, &s);
     start = clock_ms();
-    if (st == ST_OK && (st = store_subject_get(s, subject, &one, &c->e)) == ST_OK &&
-        one.disabled)
-        st = errinfo_set(&c->e, ST_EDENIED,
-                         "subject %s is disabled (surfacectl subject enable)", subject);
+    if (st == ST_OK && (st = store_subject_get(s, subject, &one, &c->e)) == ST_OK)
+        st = may_verify(c, &one);
     if (st == ST_OK)
         st = surfacectl_scan_read(c, c->args[1], w, &probe);
     if (st == ST_OK)

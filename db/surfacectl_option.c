@@ -88,40 +88,18 @@ static bool set_duration(void *field, const char *value)
     return false;
 }
 
-/* "2027-01-31", as seconds since 1970, UTC. */
-static bool read_date(const char *value, int64_t *out)
-{
-    static const int days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    int y, m, d;
-    int64_t n;
-    bool leap;
-
-    if (strlen(value) != 10 || value[4] != '-' || value[7] != '-' ||
-        strspn(value, "0123456789-") != 10 || strchr(value + 8, '-') != NULL)
-        return false;
-    y = (int)strtol(value, NULL, 10);
-    m = (int)strtol(value + 5, NULL, 10);
-    d = (int)strtol(value + 8, NULL, 10);
-    leap = y % 4 == 0 && (y % 100 != 0 || y % 400 == 0);
-    if (y < 1970 || m < 1 || m > 12 || d < 1 || d > days[m - 1] + (leap && m == 2))
-        return false;
-    n = (y - 1970) * INT64_C(365) + (y - 1969) / 4 - (y - 1901) / 100 + (y - 1601) / 400;
-    for (int i = 0; i < m - 1; i++)
-        n += days[i] + (leap && i == 1);
-    *out = (n + d - 1) * 86400;
-    return true;
-}
-
 static bool set_expires(void *field, const char *value)
 {
     struct surfacectl_expires *x = field;
     const int64_t now = time(NULL);
+    int64_t ms;
 
     x->given = true;
     x->life_s = x->at_s = 0;
     if (strcmp(value, "never") == 0)
         return true;
-    if (read_date(value, &x->at_s)) {
+    if (store_time_read(value, &ms)) {
+        x->at_s = ms / 1000;
         x->life_s = x->at_s - now;
         return true;
     }
@@ -281,8 +259,9 @@ const struct surfacectl_option surfacectl_options[] = {
      .arg = "LIST",
      .field = AT(scopes),
      .set = set_scopes,
-     .wrong = "scopes are enroll,verify,identify,read,delete, not",
-     .help = "what a token may do: enroll,verify,identify,read,delete (all)"},
+     .wrong = "scopes are enroll,verify,identify,read,delete,manage, not",
+     .help = "what a token may do: enroll,verify,identify,read,delete,manage\n"
+             "(all)"},
     {.name = "reference",
      .arg = "TEXT",
      .field = AT(reference),

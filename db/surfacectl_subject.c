@@ -156,8 +156,9 @@ static enum status set(struct surfacectl *c, struct store *s)
     struct store_subject new = {0};
     char text[STORE_RULES_TIME];
     const char *id = c->args[0], *expires = expiry(c, text);
-    enum status st = store_subject_set(s, SURFACECTL_ACTOR, id, c->reference, c->purpose,
-                                       expires, &c->e);
+    const struct store_subject_change what = {
+        .reference = c->reference, .purpose = c->purpose, .expires = expires};
+    enum status st = store_subject_set(s, SURFACECTL_ACTOR, id, &what, &c->e);
 
     if (st != ST_ENOTFOUND)
         return st;
@@ -179,24 +180,37 @@ static enum status rename_it(struct surfacectl *c, struct store *s)
     return store_subject_rename(s, SURFACECTL_ACTOR, c->args[0], c->args[1], &c->e);
 }
 
+static enum status set_disabled(struct surfacectl *c, struct store *s, bool disabled)
+{
+    return store_subject_set(s, SURFACECTL_ACTOR, c->args[0],
+                             &(struct store_subject_change){.disabled = &disabled},
+                             &c->e);
+}
+
 static enum status disable(struct surfacectl *c, struct store *s)
 {
-    return store_subject_disable(s, SURFACECTL_ACTOR, c->args[0], true, &c->e);
+    return set_disabled(c, s, true);
 }
 
 static enum status enable(struct surfacectl *c, struct store *s)
 {
-    return store_subject_disable(s, SURFACECTL_ACTOR, c->args[0], false, &c->e);
+    return set_disabled(c, s, false);
+}
+
+static enum status set_hold(struct surfacectl *c, struct store *s, bool held)
+{
+    return store_subject_set(s, SURFACECTL_ACTOR, c->args[0],
+                             &(struct store_subject_change){.hold = &held}, &c->e);
 }
 
 static enum status hold(struct surfacectl *c, struct store *s)
 {
-    return store_subject_hold(s, SURFACECTL_ACTOR, c->args[0], true, &c->e);
+    return set_hold(c, s, true);
 }
 
 static enum status release(struct surfacectl *c, struct store *s)
 {
-    return store_subject_hold(s, SURFACECTL_ACTOR, c->args[0], false, &c->e);
+    return set_hold(c, s, false);
 }
 
 /* Make a change of the subject that the last argument names when it is made. */

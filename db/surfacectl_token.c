@@ -13,9 +13,9 @@ static const char *state_of(const struct store_token *t)
 /* A token as fields of the JSON; a time that is not set is left out. */
 static void out_token(struct surfacectl *c, const struct store_token *t)
 {
-    static const unsigned one[] = {STORE_SCOPE_ENROLL, STORE_SCOPE_VERIFY,
+    static const unsigned one[] = {STORE_SCOPE_ENROLL,   STORE_SCOPE_VERIFY,
                                    STORE_SCOPE_IDENTIFY, STORE_SCOPE_READ,
-                                   STORE_SCOPE_DELETE};
+                                   STORE_SCOPE_DELETE,   STORE_SCOPE_MANAGE};
     char name[STORE_SCOPES_MAX];
 
     surfacectl_out_text(c->out, "id", t->id);

@@ -1,7 +1,7 @@
 // docs.js -- /openapi.json as a page.  Text goes into the page by textContent alone.
 'use strict';
 
-const METHODS = ['get', 'post', 'delete'];
+const METHODS = ['get', 'post', 'patch', 'delete'];
 let doc;
 
 // An element: el('p.class', child, ...); a child is an element, a text, or nothing.

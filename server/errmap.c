@@ -40,6 +40,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_NO_TOKEN] = {401, "unauthorized", "A valid token is needed"},
     [ERRMAP_SCOPE] = {403, "insufficient_scope", "The token is not for this"},
     [ERRMAP_DISABLED] = {403, "subject_disabled", "The subject is disabled"},
+    [ERRMAP_EXPIRED] = {403, "subject_expired", "The subject has expired"},
     [ERRMAP_TOKENS] = {429, "too_many_wrong_tokens", "Too many wrong tokens"},
     [ERRMAP_ATTEMPTS] = {429, "too_many_attempts", "Too many failed verifications"},
     [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},

@@ -18,6 +18,7 @@ enum errmap_kind {
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
     ERRMAP_SCOPE,      /* a token that is not for this */
     ERRMAP_DISABLED,   /* the subject is not to be verified */
+    ERRMAP_EXPIRED,    /* nor this one any more */
     ERRMAP_TOKENS,     /* too many wrong tokens from the address */
     ERRMAP_ATTEMPTS,   /* too many verifications of the subject failed */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */

@@ -105,7 +105,7 @@ static struct MHD_Response *make_response(struct exchange *x)
     (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
     if (a->location[0] != '\0')
         (void)MHD_add_response_header(resp, "Location", a->location);
-    if (a->allow != NULL)
+    if (a->allow[0] != '\0')
         (void)MHD_add_response_header(resp, "Allow", a->allow);
     if (a->policy != NULL)
         (void)MHD_add_response_header(resp, "Content-Security-Policy", a->policy);
@@ -252,6 +252,7 @@ static void refuse_size(struct exchange *x)
 static void check_body(struct exchange *x)
 {
     struct request *r = &x->r;
+    const char *wants = routes_wants(r);
 
     if (x->length != LENGTH_UNKNOWN && x->length > x->http->app->max_body)
         refuse_size(x);
@@ -262,13 +263,8 @@ static void check_body(struct exchange *x)
                         "send Content-Length, or the body in chunks");
     else if (r->coding == INFLATE_OTHER)
         inflate_refuse(r);
-    else if (r->route->body == ROUTES_JSON && r->media != REQUEST_JSON)
-        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be application/json");
-    else if (r->media == REQUEST_NO_MEDIA || r->media == REQUEST_OTHER_MEDIA)
-        request_problem(r, ERRMAP_MEDIA_TYPE,
-                        "Content-Type must be application/json, model/x-ply, "
-                        "application/x-ply, model/obj, text/plain or "
-                        "application/octet-stream");
+    else if (wants != NULL)
+        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s", wants);
     else if (x->length == 0)
         request_problem(r, ST_EINVAL, "the body is empty");
 }

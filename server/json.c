@@ -59,6 +59,19 @@ static size_t utf8_end(const unsigned char *s, size_t len)
     return len;
 }
 
+/* Is there a "\u0000"?  The parser would make it the end of its text. */
+static bool has_nul(const char *text, size_t len)
+{
+    const char *end = text + len, *at = text;
+
+    while ((at = memchr(at, '\\', (size_t)(end - at))) != NULL && end - at > 1) {
+        if (end - at >= 6 && memcmp(at + 1, "u0000", 5) == 0)
+            return true;
+        at += 2; /* what follows is escaped, be it a backslash */
+    }
+    return false;
+}
+
 /* The document as a tree.  max_values bounds the tree before it is built: each value but
  * the first follows a comma or a bracket of its own. */
 static enum status read_document(const char *text, size_t len, size_t max_values,
@@ -73,6 +86,8 @@ static enum status read_document(const char *text, size_t len, size_t max_values
     where = utf8_end((const unsigned char *)text, len);
     if (where < len)
         return errinfo_set(e, ST_EINVAL, "not UTF-8 at byte %zu", where);
+    if (has_nul(text, len))
+        return errinfo_set(e, ST_EINVAL, "\\u0000 cannot be in a text");
     for (size_t i = 0; i < len; i++)
         commas += text[i] == ',';
     if (commas > max_values)
@@ -228,6 +243,74 @@ enum status json_clouds_read(const char *text, size_t len, size_t max_points,
     return st;
 }
 
+static enum status take_text(const cJSON *item, char out[JSON_TEXT_MAX],
+                             const char **what, struct errinfo *e)
+{
+    if (!cJSON_IsNull(item) && !cJSON_IsString(item))
+        return errinfo_set(e, ST_EINVAL, "%s is neither a text nor null", item->string);
+    if (cJSON_IsString(item)) {
+        if (strlen(item->valuestring) >= JSON_TEXT_MAX)
+            return errinfo_set(e, ST_EINVAL, "%s is too long", item->string);
+        memcpy(out, item->valuestring, strlen(item->valuestring) + 1);
+    }
+    *what = out;
+    return ST_OK;
+}
+
+static enum status take_flag(const cJSON *item, bool *out, const bool **what,
+                             struct errinfo *e)
+{
+    if (!cJSON_IsBool(item))
+        return errinfo_set(e, ST_EINVAL, "%s is neither true nor false", item->string);
+    *out = cJSON_IsTrue(item);
+    *what = out;
+    return ST_OK;
+}
+
+static enum status read_change(const cJSON *doc, struct json_change *out,
+                               struct errinfo *e)
+{
+    struct store_subject_change *what = &out->what;
+    enum status st = check_members(doc, "the body", e);
+    const cJSON *item;
+
+    if (st != ST_OK)
+        return st;
+    for (item = doc->child; item != NULL && st == ST_OK; item = item->next) {
+        if (strcmp(item->string, "consent") == 0)
+            st = take_text(item, out->consent, &what->reference, e);
+        else if (strcmp(item->string, "purpose") == 0)
+            st = take_text(item, out->purpose, &what->purpose, e);
+        else if (strcmp(item->string, "expires_at") == 0)
+            st = take_text(item, out->expires, &what->expires, e);
+        else if (strcmp(item->string, "hold") == 0)
+            st = take_flag(item, &out->hold, &what->hold, e);
+        else if (strcmp(item->string, "disabled") == 0)
+            st = take_flag(item, &out->disabled, &what->disabled, e);
+        else
+            st = errinfo_set(e, ST_EINVAL,
+                             "what can be changed is consent, purpose, expires_at, hold "
+                             "and disabled, not %.64s",
+                             item->string);
+    }
+    return st;
+}
+
+enum status json_change_read(const char *text, size_t len, struct json_change *out,
+                             struct errinfo *e)
+{
+    cJSON *doc;
+    enum status st = read_document(text, len, MAX_MEMBERS, &doc, e);
+
+    memset(out, 0, sizeof *out);
+    if (st == ST_ELIMIT) /* of values: here no limit of points */
+        st = errinfo_set(e, ST_EINVAL, "the body has more than %d members", MAX_MEMBERS);
+    if (st == ST_OK)
+        st = read_change(doc, out, e);
+    cJSON_Delete(doc);
+    return st;
+}
+
 /* ---- writing */
 
 /* The text of object, which is deleted; NULL when anything was missing for it. */
@@ -243,6 +326,12 @@ static bool add_string(cJSON *o, const char *name, const char *value)
 {
     return (value == NULL ? cJSON_AddNullToObject(o, name)
                           : cJSON_AddStringToObject(o, name, value)) != NULL;
+}
+
+/* null for "" */
+static bool add_text(cJSON *o, const char *name, const char *value)
+{
+    return add_string(o, name, value[0] != '\0' ? value : NULL);
 }
 
 static bool add_number(cJSON *o, const char *name, double value)
@@ -467,7 +556,11 @@ char *json_subject(const struct store_subject *s, const struct store_template *t
                    size_t n)
 {
     cJSON *o = cJSON_CreateObject(), *list;
-    bool ok = add_string(o, "subject", s->id) && add_string(o, "created", s->created);
+    bool ok =
+        add_string(o, "subject", s->id) && add_string(o, "created", s->created) &&
+        add_text(o, "consent", s->reference) && add_text(o, "purpose", s->purpose) &&
+        add_text(o, "expires_at", s->expires) && add_text(o, "last_seen", s->seen) &&
+        add_flag(o, "hold", s->hold) && add_flag(o, "disabled", s->disabled);
 
     list = cJSON_AddArrayToObject(o, "templates");
     for (size_t i = 0; i < n && ok; i++) {

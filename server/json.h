@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"
+#include "store.h"
 #include "vec.h"
 
 struct asymmetry;
@@ -15,10 +16,6 @@ struct errmap;
 struct frame;
 struct face;
 struct face_result;
-struct store_calibration;
-struct store_receipt;
-struct store_subject;
-struct store_template;
 
 struct json_cloud {
     struct dvec3 *pts; /* in their own unit; released by mem_free() */
@@ -45,6 +42,21 @@ enum status json_clouds_read(const char *text, size_t len, size_t max_points,
 
 /* json_units(name, mm): "mm", "cm", "m" to millimetres per unit; false: none of them. */
 bool json_units(const char *name, double *mm);
+
+#define JSON_TEXT_MAX 256
+
+struct json_change {
+    struct store_subject_change what; /* points into the rest, which is not to be moved */
+    char consent[JSON_TEXT_MAX], purpose[JSON_TEXT_MAX], expires[JSON_TEXT_MAX];
+    bool hold, disabled;
+};
+
+/* json_change_read(text, len, out, e): a merge patch (RFC 7396) of a subject: consent,
+ * purpose, expires_at (texts, or null for none), hold and disabled.  text as above.
+ * Nothing else may be in it: who means to hold is not to find out later that "on_hold" did
+ * nothing.  Returns ST_OK; ST_EINVAL; ST_ENOMEM. */
+enum status json_change_read(const char *text, size_t len, struct json_change *out,
+                             struct errinfo *e);
 
 /* json_problem(m, detail, request_id, mismatch): RFC 9457; mismatch may be NULL: the
  * comparison that is told with it. */

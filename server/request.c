@@ -22,6 +22,8 @@ enum request_method request_method(const char *name)
         return REQUEST_GET;
     if (strcmp(name, "POST") == 0)
         return REQUEST_POST;
+    if (strcmp(name, "PATCH") == 0)
+        return REQUEST_PATCH;
     if (strcmp(name, "DELETE") == 0)
         return REQUEST_DELETE;
     return REQUEST_OTHER;
@@ -33,9 +35,13 @@ enum request_media request_media(const char *type)
         const char *name;
         enum request_media media;
     } known[] = {
-        {"application/json", REQUEST_JSON}, {"model/x-ply", REQUEST_PLY},
-        {"application/x-ply", REQUEST_PLY}, {"model/obj", REQUEST_OBJ},
-        {"text/plain", REQUEST_XYZ},        {"application/octet-stream", REQUEST_BYTES},
+        {"application/json", REQUEST_JSON},
+        {"application/merge-patch+json", REQUEST_MERGE},
+        {"model/x-ply", REQUEST_PLY},
+        {"application/x-ply", REQUEST_PLY},
+        {"model/obj", REQUEST_OBJ},
+        {"text/plain", REQUEST_XYZ},
+        {"application/octet-stream", REQUEST_BYTES},
     };
     size_t len;
 

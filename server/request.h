@@ -20,11 +20,18 @@ struct worker;       /* queue.h */
 #define REQUEST_TOKEN_MAX 128
 #define REQUEST_KEY_MAX   255
 
-enum request_method { REQUEST_GET, REQUEST_POST, REQUEST_DELETE, REQUEST_OTHER };
+enum request_method {
+    REQUEST_GET,
+    REQUEST_POST,
+    REQUEST_PATCH,
+    REQUEST_DELETE,
+    REQUEST_OTHER
+};
 
 enum request_media { /* of the body, by its Content-Type */
                      REQUEST_NO_MEDIA,
                      REQUEST_JSON,
+                     REQUEST_MERGE, /* a JSON merge patch (RFC 7396) */
                      REQUEST_PLY,
                      REQUEST_OBJ,
                      REQUEST_XYZ,
@@ -47,7 +54,7 @@ struct request_answer {
     size_t len;
     const char *type;     /* static */
     char location[96];    /* "" for none */
-    const char *allow;    /* static; NULL for none */
+    char allow[40];       /* "" for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */

@@ -1,5 +1,6 @@
 #include "routes.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "compare.h"
@@ -20,7 +21,8 @@ enum { /* who may: those whose token has the scope */
        ENROLL = STORE_SCOPE_ENROLL,
        VERIFY = STORE_SCOPE_VERIFY,
        READ = STORE_SCOPE_READ,
-       DELETE = STORE_SCOPE_DELETE
+       DELETE = STORE_SCOPE_DELETE,
+       MANAGE = STORE_SCOPE_MANAGE
 };
 
 static const struct routes_route table[] = {
@@ -39,6 +41,7 @@ static const struct routes_route table[] = {
     {REQUEST_POST, "/v1/asymmetry", ROUTES_CLOUD, VERIFY, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, subjects_list, false},
     {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, subjects_show, false},
+    {REQUEST_PATCH, SUBJECT, ROUTES_MERGE, MANAGE, subjects_change, false},
     {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, subjects_delete, false},
     {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, READ, subjects_template, false},
     {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, DELETE, subjects_template_delete, false},
@@ -77,22 +80,22 @@ static bool fits(const char *pattern, const char *path, const char **param)
     }
 }
 
-static const char *method_name(enum request_method m)
+static const char *const method_name[] = {
+    [REQUEST_GET] = "GET",
+    [REQUEST_POST] = "POST",
+    [REQUEST_PATCH] = "PATCH",
+    [REQUEST_DELETE] = "DELETE",
+};
+
+/* The value of Allow for the methods that a path has, a bit each. */
+static void write_allow(unsigned methods, char *out, size_t size)
 {
-    static const char *const names[] = {"GET", "POST", "DELETE", "other"};
+    size_t n = 0;
 
-    return names[m];
-}
-
-/* The methods that the path has, as a bit each, to the value of Allow. */
-static const char *allow(unsigned methods)
-{
-    static const char *const values[8] = {
-        "",       "GET, HEAD",         "POST",         "GET, HEAD, POST",
-        "DELETE", "GET, HEAD, DELETE", "POST, DELETE", "GET, HEAD, POST, DELETE",
-    };
-
-    return values[methods & 7];
+    for (int m = 0; m < REQUEST_OTHER; m++)
+        if (methods >> m & 1)
+            n += (size_t)snprintf(out + n, size - n, "%s%s%s", n > 0 ? ", " : "",
+                                  method_name[m], m == REQUEST_GET ? ", HEAD" : "");
 }
 
 void routes_find(struct request *r)
@@ -110,11 +113,33 @@ void routes_find(struct request *r)
         }
     }
     if (methods != 0) {
-        r->answer.allow = allow(methods);
-        request_problem(r, ERRMAP_METHOD, "this path has the methods %s", allow(methods));
+        write_allow(methods, r->answer.allow, sizeof r->answer.allow);
+        request_problem(r, ERRMAP_METHOD, "this path has the methods %s",
+                        r->answer.allow);
     } else {
         request_problem(r, ERRMAP_ROUTE, "there is no such path");
     }
+}
+
+const char *routes_wants(const struct request *r)
+{
+    switch (r->route->body) {
+    case ROUTES_CLOUD:
+        return r->media == REQUEST_NO_MEDIA || r->media == REQUEST_MERGE ||
+                       r->media == REQUEST_OTHER_MEDIA
+                   ? "application/json, model/x-ply, application/x-ply, model/obj, "
+                     "text/plain or application/octet-stream"
+                   : NULL;
+    case ROUTES_JSON:
+        return r->media == REQUEST_JSON ? NULL : "application/json";
+    case ROUTES_MERGE:
+        return r->media == REQUEST_MERGE || r->media == REQUEST_JSON
+                   ? NULL
+                   : "application/merge-patch+json or application/json";
+    case ROUTES_NO_BODY:
+        break;
+    }
+    return NULL;
 }
 
 void routes_read_id(struct request *r)
@@ -152,6 +177,6 @@ const char *routes_name(size_t index, const char **method)
         return "none";
     if (index > NROUTES)
         return NULL;
-    *method = method_name(table[index - 1].method);
+    *method = method_name[table[index - 1].method];
     return table[index - 1].pattern;
 }

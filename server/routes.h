@@ -10,7 +10,8 @@ struct worker; /* queue.h */
 enum routes_body {
     ROUTES_NO_BODY,
     ROUTES_CLOUD, /* JSON or a scanner's file */
-    ROUTES_JSON   /* JSON alone */
+    ROUTES_JSON,  /* JSON alone */
+    ROUTES_MERGE  /* a JSON merge patch, or JSON */
 };
 
 struct routes_route {
@@ -29,6 +30,10 @@ struct routes_route {
 /* routes_find(r): set r->route by r->target and r->method, or r->answer: no such path, no
  * such method. */
 void routes_find(struct request *r);
+
+/* routes_wants(r): NULL, or the values of Content-Type of which r->route wants one, where
+ * r->media is another. */
+const char *routes_wants(const struct request *r);
 
 /* routes_read_id(r): set r->subject or r->template_id where the route has one, or r->answer
  * when it is malformed. */

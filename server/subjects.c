@@ -55,20 +55,39 @@ void subjects_list(struct request *r, struct worker *w)
     free(s);
 }
 
-void subjects_show(struct request *r, struct worker *w)
+/* 200 with the subject as it is now; answer: request_answer() or request_written(). */
+static void show(struct request *r, void (*answer)(struct request *, int, char *))
 {
     struct store_subject s;
     struct store_template *t = NULL;
     struct errinfo e = {0};
     size_t n = 0;
 
-    (void)w;
     if (store_subject_get(r->app->store, r->subject, &s, &e) != ST_OK ||
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, json_subject(&s, t, n));
+        answer(r, 200, json_subject(&s, t, n));
     free(t);
+}
+
+void subjects_show(struct request *r, struct worker *w)
+{
+    (void)w;
+    show(r, request_answer);
+}
+
+void subjects_change(struct request *r, struct worker *w)
+{
+    struct json_change to;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (json_change_read((const char *)r->body, r->len, &to, &e) != ST_OK ||
+        store_subject_set(r->app->store, r->actor, r->subject, &to.what, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        show(r, request_written);
 }
 
 void subjects_delete(struct request *r, struct worker *w)

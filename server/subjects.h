@@ -1,4 +1,4 @@
-/* subjects.h -- list, show and erase subjects; describe and delete templates. */
+/* subjects.h -- list, show, change and erase subjects; describe and delete templates. */
 #ifndef SERVER_SUBJECTS_H
 #define SERVER_SUBJECTS_H
 
@@ -7,6 +7,7 @@ struct worker;
 
 void subjects_list(struct request *r, struct worker *w);
 void subjects_show(struct request *r, struct worker *w);
+void subjects_change(struct request *r, struct worker *w);
 void subjects_delete(struct request *r, struct worker *w);
 void subjects_template(struct request *r, struct worker *w);
 void subjects_template_delete(struct request *r, struct worker *w);

@@ -140,6 +140,10 @@ static bool admit(struct request *r, const char *subject, struct store_subject *
         request_problem(r, ERRMAP_DISABLED, "the subject is disabled");
         return false;
     }
+    if (one->expired) {
+        request_problem(r, ERRMAP_EXPIRED, "the subject expired at %s", one->expires);
+        return false;
+    }
     return attempts_admit(r->app->attempts, r, subject);
 }
 

@@ -33,7 +33,7 @@ ok "openapi's references lead somewhere" jq -e '. as $d
 # Every route it describes is there: an id that is not known gives 404 by its own code.
 jq -r '.paths | to_entries[] | .key as $p | .value | keys[]
        | select(. != "parameters") | ascii_upcase + " " + $p' "$T/body" >"$T/routes"
-is "openapi's routes" "$(wc -l <"$T/routes" | tr -d ' ')" 16
+is "openapi's routes" "$(wc -l <"$T/routes" | tr -d ' ')" 17
 while read -r method path; do
     path=$(echo "$path" | sed 's/{subject}/nobody/; s/{template_id}/00000000000000000000000000000000/')
     case $method in
@@ -230,7 +230,7 @@ send POST /v1/identify "$PLY" "$T/a2.ply"
 problem "identify" 404 no_such_route
 req PUT /v1/subjects/alice
 problem "PUT" 405 method_not_allowed
-is "Allow" "$(field Allow)" "GET, HEAD, DELETE"
+is "Allow" "$(field Allow)" "GET, HEAD, PATCH, DELETE"
 req GET /v1/compare
 problem "GET compare" 405 method_not_allowed
 is "Allow" "$(field Allow)" POST

@@ -145,7 +145,7 @@ put POST '/v1/compare?threshold_mm=x' 400 "$JSON" "$T/ab.json"
 put POST '/v1/asymmetry?units=inch' 400 "$PLY" "$T/a.ply"
 
 # ---- nobody is enrolled, then somebody
-each 404 '.method != "POST" and (.params | any(.in == "path"))'
+each 404 '(.method | IN("GET", "DELETE")) and (.params | any(.in == "path"))'
 put POST /v1/subjects/alice/verify 404 "$PLY" "$T/a.ply"
 put POST /v1/templates/00000000000000000000000000000000/verify 404 "$PLY" "$T/a.ply"
 each 200 '.asked == "/v1/subjects"'
@@ -166,6 +166,19 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?threshold_mm=0" 400 "$JSON" "$T/a2.json"
 done
+# what is noted of it
+MERGE='Content-Type: application/merge-patch+json'
+echo '{"consent": "C-17", "expires_at": "2031-01-31", "hold": true}' >"$T/change"
+put PATCH /v1/subjects/nobody 404 "$MERGE" "$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+ask GET /v1/subjects/alice 200
+echo '{"consent": null, "expires_at": null, "hold": false}' >"$T/change"
+put PATCH /v1/subjects/alice 204 "$JSON" "$T/change" -H "$MIN"
+echo '{"held": true}' >"$T/change"
+put PATCH /v1/subjects/alice 400 "$JSON" "$T/change"
+put PATCH /v1/subjects/a%20b 400 "$JSON" "$T/change"
+put PATCH /v1/subjects/alice 400 "$JSON" "$T/change" -H 'Content-Encoding: gzip'
+put PATCH /v1/subjects/alice 415 "$PLY" "$T/change"
 # on hold, disabled
 subject() { "$BUILD/surfacectl" --db "$DB" subject "$1" alice >"$T/ctl" 2>&1; }
 subject hold
@@ -178,10 +191,18 @@ for one in subjects/alice "templates/$id"; do
     is "disabled" "$(get .code)" subject_disabled
 done
 subject enable
+echo '{"expires_at": "2020-01-01"}' >"$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+for one in subjects/alice "templates/$id"; do
+    put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
+    is "expired" "$(get .code)" subject_expired
+done
+echo '{"expires_at": null}' >"$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
-# The examples of bodies are read, and are too short to be taken.
-select_operations .body
+# The examples of clouds are read, and are too short to be taken.
+select_operations '.body and .method == "POST"'
 while IFS="$(printf '\t')" read -r e_method e_path e_body; do
     printf '%s' "$e_body" >"$T/sent"
     put "$e_method" "$(echo "$e_path" | sed "s/[0-9a-f]\{32\}/$id/")" 422 "$JSON" "$T/sent"

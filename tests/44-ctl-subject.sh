@@ -65,6 +65,13 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "enabled" "$STATUS $(get .decision)" '200 match'
 ctl 66 subject disable nobody
 
+# ---- expired
+ctl 0 subject set alice --expires 2020-01-01
+ctl 77 verify alice "$T/a2.ply"
+ok "surfacectl says since when" grep -q 'alice expired at 2020-01-01T' "$T/err"
+ctl 0 subject set alice --expires 2031-01-01T12:00:00+01:00
+is "a time" "$(said .expires)" 2031-01-01T11:00:00.000Z
+
 # ---- seen
 sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
 ctl 0 verify alice "$T/a2.ply"

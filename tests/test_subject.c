@@ -82,6 +82,28 @@ static int64_t events(const char *kind)
     return sql(text);
 }
 
+static enum status set(struct store *s, const char *subject, const char *reference,
+                       const char *purpose, const char *expires)
+{
+    return store_subject_set(s, "me", subject,
+                             &(struct store_subject_change){.reference = reference,
+                                                            .purpose = purpose,
+                                                            .expires = expires},
+                             &e);
+}
+
+static enum status hold(struct store *s, const char *subject, bool held)
+{
+    return store_subject_set(s, "me", subject,
+                             &(struct store_subject_change){.hold = &held}, &e);
+}
+
+static enum status disable(struct store *s, const char *subject, bool disabled)
+{
+    return store_subject_set(s, "me", subject,
+                             &(struct store_subject_change){.disabled = &disabled}, &e);
+}
+
 static void test_set(void **state)
 {
     struct store *s = fresh();
@@ -91,15 +113,14 @@ static void test_set(void **state)
 
     (void)state;
     enroll(s, "alice", &t);
-    assert_int_equal(store_subject_set(s, "me", "alice", "C-17", "the door",
-                                       "2031-01-02T03:04:05.678Z", &e),
+    assert_int_equal(set(s, "alice", "C-17", "the door", "2031-01-02T03:04:05.678Z"),
                      ST_OK);
     one = get(s, "alice");
     assert_string_equal(one.reference, "C-17");
     assert_string_equal(one.purpose, "the door");
     assert_string_equal(one.expires, "2031-01-02T03:04:05.678Z");
     assert_int_equal(one.templates, 1);
-    assert_int_equal(store_subject_set(s, "me", "alice", NULL, "", "", &e), ST_OK);
+    assert_int_equal(set(s, "alice", NULL, "", ""), ST_OK);
     one = get(s, "alice");
     assert_string_equal(one.reference, "C-17");
     assert_string_equal(one.purpose, "");
@@ -112,19 +133,95 @@ static void test_set(void **state)
 
     memset(longer, 'x', sizeof longer - 1);
     longer[sizeof longer - 1] = '\0';
-    assert_int_equal(store_subject_set(s, "me", "alice", longer, NULL, NULL, &e),
-                     ST_EINVAL);
-    assert_int_equal(store_subject_set(s, "me", "alice", NULL, "a\nb", NULL, &e),
-                     ST_EINVAL);
-    assert_int_equal(store_subject_set(s, "me", "alice", NULL, NULL, "tomorrow", &e),
-                     ST_EINVAL);
-    assert_int_equal(store_subject_set(s, "me", "nobody", "x", NULL, NULL, &e),
-                     ST_ENOTFOUND);
-    assert_int_equal(store_subject_set(s, "me", "no body", "x", NULL, NULL, &e),
-                     ST_EINVAL);
+    assert_int_equal(set(s, "alice", longer, NULL, NULL), ST_EINVAL);
+    assert_int_equal(set(s, "alice", NULL, "a\nb", NULL), ST_EINVAL);
+    assert_int_equal(set(s, "alice", NULL, NULL, "tomorrow"), ST_EINVAL);
+    assert_int_equal(set(s, "nobody", "x", NULL, NULL), ST_ENOTFOUND);
+    assert_int_equal(set(s, "no body", "x", NULL, NULL), ST_EINVAL);
     assert_string_equal(get(s, "alice").reference, "C-17");
     assert_int_equal(events("set_subject"), 2);
     store_close(s);
+}
+
+/* All of a change or nothing, and what it was is in the events. */
+static void test_together(void **state)
+{
+    const bool yes = true, no = false;
+    struct store_subject_change what = {.reference = "C-1",
+                                        .expires = "2001-02-03T04:05:06+01:00",
+                                        .hold = &yes,
+                                        .disabled = &yes};
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_subject one;
+
+    (void)state;
+    enroll(s, "alice", &t);
+    assert_false(get(s, "alice").expired);
+    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_OK);
+    one = get(s, "alice");
+    assert_string_equal(one.reference, "C-1");
+    assert_string_equal(one.expires, "2001-02-03T03:05:06.000Z");
+    assert_true(one.hold && one.disabled && one.expired);
+    assert_int_equal(events("set_subject"), 1);
+    assert_int_equal(events("hold_subject"), 1);
+    assert_int_equal(events("disable_subject"), 1);
+    what = (struct store_subject_change){.purpose = "a\nb", .hold = &no};
+    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_EINVAL);
+    assert_true(get(s, "alice").hold);
+    what = (struct store_subject_change){0};
+    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_OK);
+    assert_int_equal(store_subject_set(s, "me", "nobody", &what, &e), ST_ENOTFOUND);
+    assert_int_equal(events("release_subject"), 0);
+    assert_int_equal(events("set_subject"), 1);
+    store_close(s);
+}
+
+static void test_times(void **state)
+{
+    static const struct {
+        const char *text;
+        int64_t ms;
+    } good[] = {{"1970-01-01", 0},
+                {"1970-01-01T00:00:00Z", 0},
+                {"2000-03-01", INT64_C(951868800000)},
+                {"2100-03-01", INT64_C(4107542400000)},
+                {"2027-01-31T14:30:00.1239Z", INT64_C(1801405800123)},
+                {"2027-01-31T14:30:00.5+01:30", INT64_C(1801400400500)},
+                {"2027-01-31T14:30:00-00:30", INT64_C(1801407600000)},
+                {"9999-12-31T23:59:59.999Z", INT64_C(253402300799999)}};
+    static const char *const bad[] = {"",
+                                      "2027",
+                                      "2027-01-31T",
+                                      "2027-01-31T14:30Z",
+                                      "2027-01-31T14:30:00",
+                                      "2027-01-31 14:30:00Z",
+                                      "2027-01-31T14:30:00.Z",
+                                      "2027-01-31T24:00:00Z",
+                                      "2027-01-31T23:60:00Z",
+                                      "2027-01-31T23:59:60Z",
+                                      "2027-01-31T14:30:00+1:00",
+                                      "2027-01-31T14:30:00+24:00",
+                                      "2027-01-31T14:30:00ZZ",
+                                      "2027-02-29",
+                                      "2100-02-29",
+                                      "2027-00-10",
+                                      "2027-13-10",
+                                      "2027-01-00",
+                                      "2027-1-1",
+                                      "1969-12-31",
+                                      "1970-01-01T00:30:00+01:00",
+                                      "9999-12-31T23:59:59-00:01",
+                                      "never"};
+    int64_t ms;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_true(store_time_read(good[i].text, &ms));
+        assert_int_equal(ms, good[i].ms);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(store_time_read(bad[i], &ms));
 }
 
 static void test_rename(void **state)
@@ -137,7 +234,7 @@ static void test_rename(void **state)
     (void)state;
     enroll(s, "alice", &t);
     enroll(s, "bob", &t);
-    assert_int_equal(store_subject_set(s, "", "alice", "C-17", NULL, NULL, &e), ST_OK);
+    assert_int_equal(set(s, "alice", "C-17", NULL, NULL), ST_OK);
     assert_int_equal(store_subject_rename(s, "me", "alice", "bob", &e), ST_EEXISTS);
     assert_int_equal(store_subject_rename(s, "me", "alice", "alice", &e), ST_EEXISTS);
     assert_int_equal(store_subject_rename(s, "me", "alice", "a b", &e), ST_EINVAL);
@@ -175,21 +272,19 @@ static void test_hold(void **state)
 
     (void)state;
     enroll(s, "alice", &t);
-    assert_int_equal(store_subject_hold(s, "me", "alice", true, &e), ST_OK);
-    assert_int_equal(store_subject_hold(s, "me", "alice", true, &e), ST_OK);
+    assert_int_equal(hold(s, "alice", true), ST_OK);
+    assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_true(get(s, "alice").hold);
     assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_EHELD);
     assert_int_equal(store_template_delete(s, "", t.id, &e), ST_EHELD);
-    assert_int_equal(
-        store_subject_set(s, "", "alice", NULL, NULL, "2001-01-01T00:00:00.000Z", &e),
-        ST_OK);
+    assert_int_equal(set(s, "alice", NULL, NULL, "2001-01-01T00:00:00.000Z"), ST_OK);
     assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_EHELD);
     assert_int_equal(get(s, "alice").templates, 1);
     /* The bit alone, without the key, is no release: the row is damaged then. */
     (void)sql("UPDATE subjects SET hold = 0");
     assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ECORRUPT);
     (void)sql("UPDATE subjects SET hold = 1");
-    assert_int_equal(store_subject_hold(s, "me", "alice", false, &e), ST_OK);
+    assert_int_equal(hold(s, "alice", false), ST_OK);
     assert_int_equal(events("hold_subject"), 2);
     assert_int_equal(events("release_subject"), 1);
     assert_int_equal(store_template_delete(s, "", t.id, &e), ST_OK);
@@ -205,14 +300,14 @@ static void test_disable(void **state)
     (void)state;
     enroll(s, "alice", &t);
     assert_false(get(s, "alice").disabled);
-    assert_int_equal(store_subject_disable(s, "me", "alice", true, &e), ST_OK);
+    assert_int_equal(disable(s, "alice", true), ST_OK);
     assert_true(get(s, "alice").disabled);
     assert_false(get(s, "alice").hold);
-    assert_int_equal(store_subject_disable(s, "me", "alice", false, &e), ST_OK);
+    assert_int_equal(disable(s, "alice", false), ST_OK);
     assert_false(get(s, "alice").disabled);
     assert_int_equal(events("disable_subject"), 1);
     assert_int_equal(events("enable_subject"), 1);
-    assert_int_equal(store_subject_disable(s, "me", "nobody", true, &e), ST_ENOTFOUND);
+    assert_int_equal(disable(s, "nobody", true), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -295,7 +390,7 @@ static void test_due(void **state)
         (void)snprintf(one.expires, sizeof one.expires, "%s", some[i].expires);
         assert_int_equal(store_subject_add(s, "", &one, &e), ST_OK);
     }
-    assert_int_equal(store_subject_hold(s, "", "held", true, &e), ST_OK);
+    assert_int_equal(hold(s, "held", true), ST_OK);
     assert_int_equal(store_subject_due(s, &due, &n, &e), ST_OK);
     assert_int_equal(n, 3);
     assert_string_equal(due[0].id, "first");
@@ -321,9 +416,9 @@ static void test_damaged(void **state)
     (void)state;
     enroll(s, "alice", &t);
     (void)sql("UPDATE subjects SET about = zeroblob(length(about))");
-    assert_int_equal(store_subject_set(s, "", "alice", "x", NULL, NULL, &e), ST_ECORRUPT);
+    assert_int_equal(set(s, "alice", "x", NULL, NULL), ST_ECORRUPT);
     assert_int_equal(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
-    assert_int_equal(store_subject_hold(s, "", "alice", true, &e), ST_ECORRUPT);
+    assert_int_equal(hold(s, "alice", true), ST_ECORRUPT);
     assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
     assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
     store_close(s);
@@ -392,7 +487,8 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_set),    cmocka_unit_test(test_rename),
+        cmocka_unit_test(test_set),    cmocka_unit_test(test_together),
+        cmocka_unit_test(test_times),  cmocka_unit_test(test_rename),
         cmocka_unit_test(test_hold),   cmocka_unit_test(test_disable),
         cmocka_unit_test(test_seen),   cmocka_unit_test(test_seen_locked),
         cmocka_unit_test(test_due),    cmocka_unit_test(test_damaged),
