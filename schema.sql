@@ -152,7 +152,7 @@ CREATE TABLE subjects (
 
 CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;
 
--- One enrolled face; never changed, only added and deleted.
+-- One enrolled face.  Its points never change; what an engine made of them may be made anew.
 CREATE TABLE templates (
     template_key INTEGER PRIMARY KEY AUTOINCREMENT,
     id           TEXT NOT NULL UNIQUE
@@ -168,6 +168,9 @@ CREATE TABLE templates (
                                                            -- reading it
     UNIQUE (subject_key, same)            -- the same cloud again is the same template
 ) STRICT;
+
+-- Those of another engine are found without reading the rows.
+CREATE INDEX templates_engine ON templates (engine, id);
 
 CREATE TABLE attempts (
     subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,

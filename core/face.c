@@ -38,6 +38,14 @@ void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1])
                    (unsigned)(digest >> 32));
 }
 
+bool face_same_engine(const char *a, const char *b)
+{
+    /* "surfaced/VERSION measure/N model/HHHHHHHH" */
+    const char *x = strchr(a, ' '), *y = strchr(b, ' ');
+
+    return x != NULL && y != NULL && strcmp(x, y) == 0;
+}
+
 struct face_work *face_work_new(const struct model *m)
 {
     struct face_work *w = mem_array(1, sizeof *w);
@@ -145,9 +153,10 @@ enum status face_adopt(struct face *f, struct face_work *w)
     return st;
 }
 
-/* What face_build() does once the points are on the lattice. */
-static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
-                         struct face *out)
+/* What face_build() does once the points are on the lattice.  laid: their spikes are laid
+ * flat already. */
+static enum status build(const struct ivec3 *pts, size_t n, bool laid,
+                         struct face_work *w, struct face *out)
 {
     struct scratch *s = &w->measure.scratch;
     struct mesh *m = &out->mesh;
@@ -162,7 +171,8 @@ static enum status build(const struct ivec3 *pts, size_t n, struct face_work *w,
     if (m->nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
     if ((st = mst_build(m, s)) != ST_OK || (st = derive(out, w)) != ST_OK ||
-        (st = quality_spikes(m, s)) != ST_OK || (st = quality_rate(out, s)) != ST_OK)
+        (!laid && (st = quality_spikes(m, s)) != ST_OK) ||
+        (st = quality_rate(out, s)) != ST_OK)
         return st;
     if ((st = face_place(out, w)) != ST_OK)
         return st;
@@ -185,9 +195,27 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
         return ST_ENOMEM;
     st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad);
     if (st == ST_OK)
-        st = build(lattice, n, w, out);
+        st = build(lattice, n, false, w, out);
     if (st != ST_OK)
         out->mesh.nv = out->mesh.nt = 0;
+    return st;
+}
+
+enum status face_renew(struct face *f, struct face_work *w)
+{
+    struct mesh *m = &f->mesh;
+    const uint32_t n = m->nv;
+    struct ivec3 *pts = scratch_need(&w->points, n * sizeof *pts);
+    enum status st = ST_ENOMEM;
+
+    if (pts != NULL) {
+        for (uint32_t v = 0; v < n; v++)
+            pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+        f->frame = (struct frame){0};
+        st = build(pts, n, true, w, f);
+    }
+    if (st != ST_OK)
+        m->nv = m->nt = 0;
     return st;
 }
 

@@ -43,10 +43,15 @@ struct asymmetry; /* asymmetry.h */
 struct cells;     /* cells.h */
 struct model;     /* model.h */
 
-/* face_engine(m, out): who judges: "surfaced/VERSION measure/N model/HHHHHHHH", the last the
+/* The number of FACE_ENGINE's measure changes with whatever makes another disparity of the
+ * same two scans, or another model of the same points; the version does not count.
+ * face_engine(m, out): who judges: "surfaced/VERSION measure/N model/HHHHHHHH", the last the
  * first 8 hex digits of m's digest (NULL: model_default).  Disparities and calibrations of
  * another measure or another model are no others'.  About 1 ms. */
 void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1]);
+
+/* face_same_engine(a, b): are what they made comparable: all but the version the same? */
+bool face_same_engine(const char *a, const char *b);
 
 /* A worker's reusable memory for building and comparing: after the first few calls nothing
  * is allocated any more.  One thread at a time. */
@@ -77,6 +82,14 @@ void face_free(struct face *f); /* NULL and empty ones are allowed */
  * stored, or mark 0: it is found again where it belongs to another model's mean face.
  * Returns ST_OK, ST_ECORRUPT (f->mesh.nv is 0 then), ST_ENOMEM. */
 enum status face_adopt(struct face *f, struct face_work *w);
+
+/* face_renew(f, w): f, which another engine made, as this one makes it from the same points:
+ * what face_build() does but for the spikes, which are laid flat in it for good.  The points
+ * stay what they are, to the last bit, and so once more changes nothing; nor does it change
+ * what this engine made of a scan without spikes (with some, the frame was found with them).
+ * Returns as face_build() but what is about the points given; f is empty on failure.
+ * About the cost of face_build(). */
+enum status face_renew(struct face *f, struct face_work *w);
 
 enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 

@@ -10,10 +10,7 @@
 
 bool calibration_holds(const struct store *s, const struct store_calibration *k)
 {
-    /* "surfaced/VERSION measure/N model/HHHHHHHH": the version does not matter. */
-    const char *theirs = strchr(k->engine, ' '), *ours = strchr(store_made_by(s), ' ');
-
-    return k->shipped || (theirs != NULL && strcmp(theirs, ours) == 0);
+    return k->shipped || face_same_engine(k->engine, store_made_by(s));
 }
 
 enum status calibration_in_force(struct store *s, struct store_calibration *k,

@@ -112,10 +112,30 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     return st;
 }
 
+bool store_stale(const struct store *s, const struct store_template *t)
+{
+    return !face_same_engine(t->engine, s->made_by);
+}
+
 struct decoding {
+    const struct store *store;
     struct face_work *work;
     struct face *face;
 };
+
+static enum status renew(const struct decoding *d, const struct store_template *t,
+                         struct errinfo *e)
+{
+    const enum status st = face_renew(d->face, d->work);
+
+    if (st == ST_OK)
+        return ST_OK;
+    if (st == ST_ENOMEM)
+        return errinfo_set(e, st, "out of memory");
+    return errinfo_set(e, ST_EVERSION,
+                       "template %s was made by %s, and %s cannot make it anew: %s",
+                       t->id, t->engine, d->store->made_by, status_message(st));
+}
 
 static enum status decode(const struct decoding *d, const struct store_template *t,
                           const void *model, size_t len, struct errinfo *e)
@@ -132,6 +152,8 @@ static enum status decode(const struct decoding *d, const struct store_template 
         d->face->mesh.nv = d->face->mesh.nt = 0;
         return st;
     }
+    if (store_stale(d->store, t))
+        return renew(d, t, e);
     d->face->quality = t->quality;
     return ST_OK;
 }
@@ -153,7 +175,7 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e)
 {
-    struct decoding d = {w, f};
+    struct decoding d = {s, w, f};
     enum status st = store_rules_id(id, "template", e);
 
     return st != ST_OK ? st : s->engine->template_read(s, id, t, use_decode, &d, e);

@@ -2,8 +2,9 @@
  * default.  A store may be used from any number of threads; each call either takes full
  * effect or none, and is on the disk when it returns ST_OK (but see store_event()).  Other
  * processes may use the same database at the same time; each call sees what they have
- * committed.  A template never changes and its id is never used again, so a model may be
- * cached by id as long as store_template_list() or store_template_get() still names it.
+ * committed.  A template's points never change, what is loaded is always what this engine
+ * makes of them, and its id is never used again, so a model may be cached by id as long as
+ * store_template_list() or store_template_get() still names it.
  * Strings are UTF-8 without NUL; ids are checked by the callee (ST_EINVAL).
  * actor: who asks, for the events table: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
@@ -133,9 +134,33 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e);
 
-/* store_template_load(s, id, t, w, f, e): the model too, decoded and validated. */
+/* store_stale(s, t): did another engine make it than s's (store_use_model())?  One stored by
+ * another version of the program alone is not stale (face_same_engine()). */
+bool store_stale(const struct store *s, const struct store_template *t);
+
+/* store_template_load(s, id, t, w, f, e): the model too, decoded and validated.  Of a stale
+ * one *f is made anew from its points (face_renew()), for some milliseconds more, and is what
+ * it would be after store_renew(); *t is as it is stored.  ST_EVERSION: this engine cannot
+ * make a face of them; nothing should be compared with it then. */
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e);
+
+/* store_renew(s, actor, id, w, f, t, renewed, e): a stale template is stored as this engine
+ * makes it, under the same id, label, time and digest; an event with it.  *f: memory to use;
+ * *t: as it is now.  *renewed is false where it was not stale, or not any more.  Others can
+ * use it all the time.  For speed it does not wait for the disk, as store_event(): what a
+ * loss of power takes back is stale again, and nothing else.
+ * ST_EVERSION, as store_template_load(): it stays as it is. */
+enum status store_renew(struct store *s, const char *actor, const char *id,
+                        struct face_work *w, struct face *f, struct store_template *t,
+                        bool *renewed, struct errinfo *e);
+
+/* store_renew_due(s, out, n, e): the ids of all stale templates, oldest first; a new array
+ * released by free().
+ * store_renew_count(s, n, e): how many there are.  Both read an index alone. */
+enum status store_renew_due(struct store *s, char (**out)[STORE_ID_LEN + 1], size_t *n,
+                            struct errinfo *e);
+enum status store_renew_count(struct store *s, uint64_t *n, struct errinfo *e);
 
 /* store_template_delete(s, actor, id, e): the subject stays, even without templates.
  * ST_EHELD: it is on hold. */
@@ -502,12 +527,13 @@ struct store_imported {
     uint64_t subjects, templates;         /* of the archive */
     uint64_t new_subjects, new_templates; /* the others are there already */
     uint64_t erased; /* subjects that were erased here: left out, with their templates */
+    uint64_t stale;  /* of the templates: of another engine */
 };
 
 /* store_import(s, actor, path, k, dry, out, e): an archive as a whole, or nothing of it;
  * what is there already is left as it is.  All of it is verified first; with dry nothing
- * else is done.  ST_EVERSION: an archive of a newer version, or a template that another
- * engine made; ST_EEXISTS: a template's id is another's here; as archive_read(). */
+ * else is done.  Templates of another engine are taken as they are, and stale.
+ * ST_EVERSION: an archive or a template's model of a newer version; ST_EEXISTS: a template's id is another's here; as archive_read(). */
 enum status store_import(struct store *s, const char *actor, const char *path,
                          const struct keyfile *k, bool dry, struct store_imported *out,
                          struct errinfo *e);

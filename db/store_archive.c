@@ -371,6 +371,7 @@ struct importing {
     const struct keyfile *k;
     struct archive *a;
     const char *made_by;
+    uint64_t stale;
     struct store_archive_item item;
     uint64_t subjects, templates;
 };
@@ -406,7 +407,7 @@ static enum status next(void *arg, struct store_archive_item **out, struct errin
     return ST_OK;
 }
 
-/* Is the template what it says it is, and of this program's measure? */
+/* Is the template what it says it is? */
 static enum status verify_template(struct importing *m, struct face_work *w,
                                    struct face *f, struct errinfo *e)
 {
@@ -415,12 +416,6 @@ static enum status verify_template(struct importing *m, struct face_work *w,
     char digest[65];
     enum status st;
 
-    if (strcmp(t->engine, m->made_by) != 0)
-        return errinfo_set(
-            e, ST_EVERSION,
-            "template %s is of %s, this is %s: reprocess it where it comes "
-            "from and export it again",
-            t->id, t->engine, m->made_by);
     if ((st = codec_decode(m->item.model, m->item.len, w, f, &why)) != ST_OK)
         return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
     if ((st = codec_digest(&f->mesh, digest)) != ST_OK)
@@ -429,6 +424,7 @@ static enum status verify_template(struct importing *m, struct face_work *w,
         strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT, "template %s is not what it says it is",
                            t->id);
+    m->stale += !face_same_engine(t->engine, m->made_by);
     return ST_OK;
 }
 
@@ -469,6 +465,7 @@ enum status store_import(struct store *s, const char *actor, const char *path,
                            "cannot read %.160s: %s", path, strerror(errno));
     if ((st = verify(&m, s->model, e)) == ST_OK && (st = begin(&m, e)) == ST_OK)
         st = s->engine->import(s, &by, next, &m, dry, out, e);
+    out->stale = m.stale;
     archive_close(m.a);
     (void)fclose(m.from);
     return st;

@@ -64,6 +64,15 @@ struct store_engine {
     /* Every template of one snapshot; a malformed row is reported and passed over. */
     enum status (*template_each)(struct store *s, store_use *use, store_report *report,
                                  void *arg, struct errinfo *e);
+    /* The model, engine, quality and number of triangles of *t in the place of what is
+     * there; *done is false where that is of t->engine already. */
+    enum status (*template_renew)(struct store *s, const struct store_act *by,
+                                  const struct store_template *t, const void *model,
+                                  size_t len, bool *done, struct errinfo *e);
+    /* The ids of those made by none that face_same_engine() as engine; out may be NULL. */
+    enum status (*template_stale)(struct store *s, const char *engine,
+                                  char (**out)[STORE_ID_LEN + 1], size_t *n,
+                                  struct errinfo *e);
     enum status (*template_delete)(struct store *s, const struct store_act *by,
                                    const char *id, struct errinfo *e);
     enum status (*template_list)(struct store *s, const char *subject,

@@ -17,6 +17,7 @@
  *   store_sqlite_backup.c  copies, verified
  *   store_sqlite_restore.c  a copy in the place of the database
  *   store_sqlite_import.c  an archive's rows
+ *   store_sqlite_renew.c  templates made anew by another engine
  *   store_sqlite_token.c  tokens
  *   store_sqlite_attempts.c  failed verifications
  *   store_sqlite_calibration.c  calibrations
@@ -61,6 +62,9 @@ enum store_sqlite_sql {
     SQL_TEMPLATE_EACH,
     SQL_TEMPLATE_IDS,
     SQL_TEMPLATE_DELETE,
+    SQL_TEMPLATE_RENEW,
+    SQL_TEMPLATE_STALE,
+    SQL_TEMPLATE_STALE_COUNT,
     SQL_EVENT_ADD,
     SQL_EVENT_END,
     SQL_EVENT_SET_END,
@@ -387,6 +391,11 @@ enum status store_sqlite_face_read(struct store *s, const char *id,
                                    struct errinfo *e);
 enum status store_sqlite_face_each(struct store *s, store_use *use, store_report *report,
                                    void *arg, struct errinfo *e);
+/* store_sqlite_face_key(c, stmt, t, k, e): the subject's key too of a row of
+ * TEMPLATE_COLUMNS; to be wiped. */
+enum status store_sqlite_face_key(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                                  struct store_template *t, struct store_seal_key *k,
+                                  struct errinfo *e);
 enum status store_sqlite_face_delete(struct store *s, const struct store_act *by,
                                      const char *id, struct errinfo *e);
 enum status store_sqlite_face_list(struct store *s, const char *subject,
@@ -397,6 +406,14 @@ enum status store_sqlite_face_store(struct store_sqlite_conn *c,
                                     const struct store_sqlite_person *p,
                                     const struct store_template *t, const void *model,
                                     size_t len, struct errinfo *e);
+
+/* store_sqlite_renew.c */
+enum status store_sqlite_renew(struct store *s, const struct store_act *by,
+                               const struct store_template *t, const void *model,
+                               size_t len, bool *done, struct errinfo *e);
+enum status store_sqlite_renew_due(struct store *s, const char *engine,
+                                   char (**out)[STORE_ID_LEN + 1], size_t *n,
+                                   struct errinfo *e);
 
 /* store_sqlite_calibration.c */
 enum status store_sqlite_calibration_add(struct store *s, const struct store_act *by,

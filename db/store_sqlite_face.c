@@ -21,9 +21,9 @@ enum { /* the columns of TEMPLATE_COLUMNS */
 /* ---- rows */
 
 /* Nothing of the row is trusted but what its subject's key proves; *k is that key. */
-static enum status read_row(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
-                            struct store_template *t, struct store_seal_key *k,
-                            struct errinfo *e)
+enum status store_sqlite_face_key(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,
+                                  struct store_template *t, struct store_seal_key *k,
+                                  struct errinfo *e)
 {
     struct store_subject who;
     const void *about;
@@ -50,7 +50,7 @@ static enum status read_template(const struct store_sqlite_conn *c, sqlite3_stmt
                                  void *out, struct errinfo *e)
 {
     struct store_seal_key k;
-    const enum status st = read_row(c, stmt, out, &k, e);
+    const enum status st = store_sqlite_face_key(c, stmt, out, &k, e);
 
     sodium_memzero(&k, sizeof k);
     return st;
@@ -244,7 +244,7 @@ enum status store_sqlite_face_read(struct store *s, const char *id,
     }
     switch (sqlite3_step(stmt)) {
     case SQLITE_ROW:
-        st = read_row(c, stmt, t, &k, e);
+        st = store_sqlite_face_key(c, stmt, t, &k, e);
         if (st == ST_OK && use != NULL)
             st = use_model(c, stmt, t, &k, use, arg, e);
         sodium_memzero(&k, sizeof k);
@@ -280,7 +280,7 @@ enum status store_sqlite_face_each(struct store *s, store_use *use, store_report
     while ((rc = sqlite3_step(stmt)) == SQLITE_ROW && st == ST_OK) {
         char line[sizeof row.msg + 64];
 
-        if (read_row(c, stmt, &t, &k, &row) == ST_OK) {
+        if (store_sqlite_face_key(c, stmt, &t, &k, &row) == ST_OK) {
             st = use_model(c, stmt, &t, &k, use, arg, &row);
             if (st != ST_ECORRUPT && st != ST_OK && e != NULL)
                 *e = row;

@@ -12,6 +12,9 @@
     ", t.created, t.engine, t.points, t.triangles, t.about"
 #define TEMPLATE_FROM " FROM templates t JOIN subjects s USING (subject_key)"
 
+/* ?1: an engine from its first space on, as face_same_engine() compares them. */
+#define TEMPLATE_STALE "substr(engine, instr(engine, ' ')) <> ?1"
+
 #define ATTEMPTS_OF "(SELECT subject_key FROM subjects WHERE lookup = ?1)"
 
 #define TOKEN_COLUMNS                                                                    \
@@ -74,6 +77,13 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_TEMPLATE_IDS] =
         "SELECT id FROM templates WHERE subject_key = ?1 ORDER BY template_key",
     [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",
+    [SQL_TEMPLATE_RENEW] =
+        "UPDATE templates SET engine = ?2, triangles = ?3, about = ?4, "
+        "model = ?5 WHERE id = ?1",
+    /* Both by the index alone. */
+    [SQL_TEMPLATE_STALE] =
+        "SELECT id FROM templates WHERE " TEMPLATE_STALE " ORDER BY template_key",
+    [SQL_TEMPLATE_STALE_COUNT] = "SELECT count(*) FROM templates WHERE " TEMPLATE_STALE,
     [SQL_EVENT_ADD] = "INSERT INTO events (seq, at, kind, actor, subject, template_id, "
                       "outcome, hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
     [SQL_EVENT_END] = "SELECT seq, hash, mac FROM events_end",

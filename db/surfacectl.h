@@ -20,6 +20,7 @@
  *   surfacectl_backup.c  backup, restore
  *   surfacectl_subject.c  subject; purge
  *   surfacectl_template.c  template
+ *   surfacectl_reprocess.c  template reprocess
  *   surfacectl_archive.c  export, import
  *   surfacectl_token.c  token
  *   surfacectl_audit.c  audit
@@ -143,6 +144,7 @@ int surfacectl_template_list(struct surfacectl *c);
 int surfacectl_template_show(struct surfacectl *c);
 int surfacectl_template_export(struct surfacectl *c);
 int surfacectl_template_delete(struct surfacectl *c);
+int surfacectl_reprocess(struct surfacectl *c);
 int surfacectl_token_create(struct surfacectl *c);
 int surfacectl_token_list(struct surfacectl *c);
 int surfacectl_token_rotate(struct surfacectl *c);

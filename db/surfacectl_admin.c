@@ -200,15 +200,20 @@ int surfacectl_admin_stats(struct surfacectl *c)
     struct store_stats t;
     struct store *s = NULL;
     char text[32];
+    uint64_t stale = 0;
     enum status st = surfacectl_open(c, STORE_READ, &s);
 
-    if (st == ST_OK)
-        st = store_stats(s, &t, &c->e);
+    if (st == ST_OK) {
+        store_use_model(s, c->model);
+        if ((st = store_stats(s, &t, &c->e)) == ST_OK)
+            st = store_renew_count(s, &stale, &c->e);
+    }
     store_close(s);
     if (st != ST_OK)
         return surfacectl_fail(c, st);
     surfacectl_out_number(c->out, "subjects", (double)t.subjects);
     surfacectl_out_number(c->out, "templates", (double)t.templates);
+    surfacectl_out_number(c->out, "stale", (double)stale);
     surfacectl_out_number(c->out, "points", (double)t.points);
     surfacectl_out_number(c->out, "template_bytes", (double)t.template_bytes);
     surfacectl_out_number(c->out, "file_bytes", (double)t.file_bytes);
@@ -218,7 +223,11 @@ int surfacectl_admin_stats(struct surfacectl *c)
     if (c->json)
         return EXIT_FINE;
     (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
-    (void)printf("templates    %llu\n", (unsigned long long)t.templates);
+    (void)printf("templates    %llu", (unsigned long long)t.templates);
+    if (stale > 0)
+        (void)printf(", %llu by another engine (template reprocess)",
+                     (unsigned long long)stale);
+    (void)printf("\n");
     (void)printf("points       %llu\n", (unsigned long long)t.points);
     (void)printf("models       %s\n", surfacectl_bytes(t.template_bytes, text));
     (void)printf("file         %s\n", surfacectl_bytes(t.file_bytes, text));

@@ -55,6 +55,7 @@ int surfacectl_archive_import(struct surfacectl *c)
     surfacectl_out_number(c->out, "subjects_new", (double)m.new_subjects);
     surfacectl_out_number(c->out, "templates_new", (double)m.new_templates);
     surfacectl_out_number(c->out, "subjects_erased", (double)m.erased);
+    surfacectl_out_number(c->out, "templates_stale", (double)m.stale);
     surfacectl_out_flag(c->out, "imported", !c->dry_run);
     if (c->json)
         return EXIT_FINE;
@@ -65,5 +66,9 @@ int surfacectl_archive_import(struct surfacectl *c)
     if (m.erased > 0)
         (void)printf("%llu subjects were erased here: left out\n",
                      (unsigned long long)m.erased);
+    if (m.stale > 0)
+        (void)printf("%llu templates were made by another engine: surfacectl template "
+                     "reprocess\n",
+                     (unsigned long long)m.stale);
     return EXIT_FINE;
 }

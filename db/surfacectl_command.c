@@ -242,15 +242,19 @@ const struct surfacectl_command surfacectl_commands[] = {
      .args = "[SUBJECT]",
      .max = 1,
      .db = true,
+     .options = "model",
      .run = surfacectl_template_list,
      .summary = "list the templates",
-     .help = "Of one subject, oldest first, or of all in the order of their coming.",
+     .help =
+         "Of one subject, oldest first, or of all in the order of their coming.  What another\n"
+         "engine made is marked as stale (template reprocess).",
      .example = "surfacectl --db faces.db template list alice"},
     {.name = "template show",
      .args = "ID",
      .min = 1,
      .max = 1,
      .db = true,
+     .options = "model",
      .run = surfacectl_template_show,
      .summary = "describe a template",
      .help = "Whose it is, when and by what it was made, and of what quality it is.",
@@ -269,6 +273,22 @@ const struct surfacectl_command surfacectl_commands[] = {
          "owner alone.  The export is noted in the events.",
      .example =
          "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"},
+    {.name = "template reprocess",
+     .args = "[ID...]",
+     .max = SURFACECTL_MANY,
+     .db = true,
+     .options = "threads dry-run model",
+     .run = surfacectl_reprocess,
+     .summary = "make anew what another engine made",
+     .help =
+         "Every stale template, or those of the ids that are stale, as this engine (--model too)\n"
+         "makes it of the points that are stored: the same id, label, time and digest, an event\n"
+         "each.  What is stale costs some milliseconds more at its first use by the daemon until\n"
+         "then, and decides no other way.  Works beside a running daemon; stopped and started\n"
+         "again, it goes on where it was.  What can no longer be made a face of stays as it is\n"
+         "and is told: delete it, and enroll another scan.\n"
+         "Exit: 0 nothing is stale any more of what was wanted, 65 some of it still is.",
+     .example = "surfacectl --db faces.db template reprocess --dry-run"},
     {.name = "template delete",
      .args = "ID",
      .min = 1,
@@ -404,6 +424,7 @@ const struct surfacectl_command surfacectl_commands[] = {
     {.name = "stats",
      .args = "",
      .db = true,
+     .options = "model",
      .run = surfacectl_admin_stats,
      .summary = "how much there is of everything",
      .help = "Counts and sizes.",

@@ -208,14 +208,6 @@ static bool look_at_key(struct doctor *d)
     return st == ST_OK;
 }
 
-/* By the same measure and model?  The program's version does not matter. */
-static bool same_engine(const char *a, const char *b)
-{
-    const char *x = strchr(a, ' '), *y = strchr(b, ' ');
-
-    return x != NULL && y != NULL && strcmp(x, y) == 0;
-}
-
 static enum status count_others(struct store *s, const char *subject, uint64_t *all,
                                 uint64_t *others, struct errinfo *e)
 {
@@ -228,7 +220,7 @@ static enum status count_others(struct store *s, const char *subject, uint64_t *
     if (st != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++)
-        *others += !same_engine(list[i].engine, store_made_by(s));
+        *others += store_stale(s, &list[i]);
     *all += n;
     free(list);
     return ST_OK;
@@ -259,7 +251,8 @@ static void look_at_templates(struct doctor *d)
         say(d, TROUBLE, "templates", "surfacectl check finds all that is damaged", "%s",
             e.msg);
     else if (others > 0)
-        say(d, TROUBLE, "templates", "enroll them anew, or name their model with --model",
+        say(d, TROUBLE, "templates",
+            "surfacectl template reprocess, or name their model with --model",
             "%llu of %llu were made by another engine than %s",
             (unsigned long long)others, (unsigned long long)all, d->c->engine);
     else

@@ -64,6 +64,11 @@ enum status surfacectl_face_nearest(struct surfacectl *c, struct store *s,
             st = ST_OK; /* deleted since it was listed */
             continue;
         }
+        if (st == ST_EVERSION) { /* of another engine, and of no use to this one */
+            (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+            st = ST_OK;
+            continue;
+        }
         if (st == ST_OK &&
             (st = face_compare(&f, probe, c->threshold_mm, NULL, w, &r)) != ST_OK)
             (void)errinfo_set(&c->e, st, "template %s: %s", t.id, status_message(st));

@@ -1,6 +1,7 @@
 #include "surfacectl_people.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -88,7 +89,9 @@ static enum status load_person(struct surfacectl *c, struct store *s,
             one->n++;
         } else {
             face_free(f);
-            st = st == ST_ENOTFOUND ? ST_OK : st;
+            if (st == ST_EVERSION) /* of another engine, and of no use to this one */
+                (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+            st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
         }
     }
     free(list);

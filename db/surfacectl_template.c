@@ -10,6 +10,8 @@
 
 void surfacectl_template_tell(struct surfacectl *c, const struct store_template *t)
 {
+    const bool stale = !face_same_engine(t->engine, c->engine);
+
     surfacectl_out_text(c->out, "template_id", t->id);
     surfacectl_out_text(c->out, "subject", t->subject);
     surfacectl_out_text(c->out, "label", t->label);
@@ -24,13 +26,15 @@ void surfacectl_template_tell(struct surfacectl *c, const struct store_template 
     surfacectl_out_number(c->out, "noise_mm", t->quality.noise_mm);
     surfacectl_out_close(c->out);
     surfacectl_out_text(c->out, "engine", t->engine);
+    surfacectl_out_flag(c->out, "stale", stale);
     if (c->json)
         return;
     (void)printf("template  %s\n", t->id);
     (void)printf("  subject   %s\n", t->subject);
     if (t->label[0] != '\0')
         (void)printf("  label     %s\n", t->label);
-    (void)printf("  created   %s by %s\n", t->created, t->engine);
+    (void)printf("  created   %s by %s%s\n", t->created, t->engine,
+                 stale ? " (stale)" : "");
     (void)printf("  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
                  t->quality.density_mm);
     (void)printf("  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
@@ -56,9 +60,10 @@ static enum status list_one(struct surfacectl *c, struct store *s, const char *s
         if (*total == 0 && i == 0)
             (void)printf("%-32s  %-24s  %7s  %7s  %s\n", "TEMPLATE", "CREATED", "POINTS",
                          "QUALITY", "SUBJECT");
-        (void)printf("%-32s  %-24s  %7u  %7.2f  %s%s%s\n", t[i].id, t[i].created,
+        (void)printf("%-32s  %-24s  %7u  %7.2f  %s%s%s%s\n", t[i].id, t[i].created,
                      t[i].points, t[i].quality.score, t[i].subject,
-                     t[i].label[0] != '\0' ? "  " : "", t[i].label);
+                     t[i].label[0] != '\0' ? "  " : "", t[i].label,
+                     face_same_engine(t[i].engine, c->engine) ? "" : "  (stale)");
     }
     if (st == ST_OK)
         *total += n;

@@ -175,6 +175,7 @@ enum status cache_hold(struct cache *c, struct store *s, const char *id,
     *out = &x->face;
 
     (void)pthread_mutex_lock(&c->lock);
+    c->state.renewed += store_stale(s, &t);
     /* What was deleted since it was read must not come in behind cache_forget()'s back: it
      * would stay until it is the oldest.  Whoever else is hit by this loads once more. */
     if (forgets == c->forgets)

@@ -1,6 +1,6 @@
 /* cache.h -- decoded face models by template id, shared by the workers.
- * A template never changes and its id is never used again (store.h), so what is cached
- * cannot be stale; whether the template is still there must be asked of the store first:
+ * What is loaded of a template never changes and its id is never used again (store.h), so
+ * what is cached cannot be stale, whatever is reprocessed meanwhile; whether the template is still there must be asked of the store first:
  * a deleted template must never match, whoever deleted it. */
 #ifndef SERVER_CACHE_H
 #define SERVER_CACHE_H
@@ -33,6 +33,7 @@ struct cache_state {
     size_t bytes, limit, entries;
     uint64_t hits, misses;
     uint64_t evictions; /* dropped for want of room, not forgotten */
+    uint64_t renewed;   /* of the misses: made by another engine, and anew by this one */
 };
 
 void cache_look(struct cache *c, struct cache_state *out);

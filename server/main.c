@@ -86,6 +86,20 @@ static void warn_of_calibration(struct store *s)
     log_end(&l);
 }
 
+/* They cost time at each first use until somebody has them made anew. */
+static void warn_of_stale(struct store *s)
+{
+    struct log_entry l;
+    uint64_t n;
+
+    if (store_renew_count(s, &n, NULL) != ST_OK || n == 0)
+        return;
+    log_begin(&l, "warn",
+              "templates were made by another engine: surfacectl template reprocess");
+    log_count(&l, "templates", n);
+    log_end(&l);
+}
+
 static void say_listening(const struct options *o, const struct store *s, const char *url)
 {
     struct log_entry l;
@@ -200,6 +214,7 @@ int main(int argc, char **argv)
     }
     say_listening(&o, app.store, url);
     warn_of_calibration(app.store);
+    warn_of_stale(app.store);
     d.http = http;
     d.progress_ms = log_clock_ms();
     service_ready(url);

@@ -31,11 +31,22 @@ enum status verify_calibrate(struct worker *w, struct errinfo *e)
     return calibration_follow(w->app->store, w->work, &w->calibration, e);
 }
 
+/* A template of another engine, of no use to this one; there may be others. */
+static void pass_over(const struct errinfo *e)
+{
+    struct log_entry l;
+
+    log_begin(&l, "warn", "template passed over");
+    log_text(&l, "fault", e->msg);
+    log_end(&l);
+}
+
 enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
                            const struct face *probe, double threshold_mm,
                            struct verify_best *out, struct errinfo *e)
 {
     enum status st = verify_calibrate(w, e);
+    bool foreign = false; /* there is one that this engine cannot make anew */
 
     *out = (struct verify_best){0};
     if (st != ST_OK)
@@ -46,7 +57,11 @@ enum status verify_compare(struct worker *w, const struct store_template *t, siz
 
         st = cache_hold(w->app->cache, w->app->store, t[i].id, w->work, &face, e);
 
-        if (st == ST_ENOTFOUND)
+        if (st == ST_EVERSION) {
+            pass_over(e);
+            foreign = true;
+        }
+        if (st == ST_EVERSION || st == ST_ENOTFOUND)
             continue;
         if (st == ST_OK) {
             st = face_compare(face, probe, threshold_mm, log_clock_ms, w->work, &result);
@@ -63,10 +78,13 @@ enum status verify_compare(struct worker *w, const struct store_template *t, siz
         out->align_ms += result.align_ms;
         out->measure_ms += result.measure_ms;
     }
-    return out->compared > 0 ? ST_OK
-                             : errinfo_set(e, ST_ENOTFOUND,
-                                           "there is no template to "
-                                           "compare with");
+    if (out->compared > 0)
+        return ST_OK;
+    if (foreign)
+        return errinfo_set(e, ST_EVERSION,
+                           "no template of the subject is of this engine, or can be made "
+                           "anew by it");
+    return errinfo_set(e, ST_ENOTFOUND, "there is no template to compare with");
 }
 
 void verify_event(struct request *r, const char *kind, const char *subject,

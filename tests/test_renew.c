@@ -1,0 +1,367 @@
+/* Templates of another engine: what is loaded is what this engine makes of their points, in
+ * memory or for good, to the last bit and however often. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "codec.h"
+#include "errinfo.h"
+#include "face.h"
+#include "facegen.h"
+#include "model.h"
+#include "store.h"
+
+#define POINTS 1500
+#define BYTES  65536 /* more than a model of so many points */
+
+enum { SHIPPED, SHIFTED, HOLDS, HOLLOW, ENGINES }; /* the models */
+
+static struct model model[ENGINES];
+static struct face_work *work[ENGINES];
+static char dir[64], path[96];
+static struct errinfo e;
+
+struct bytes {
+    size_t n;
+    unsigned char b[BYTES];
+};
+
+static void encode(const struct face *f, struct bytes *out)
+{
+    out->n = codec_size(&f->mesh);
+    assert_true(out->n <= BYTES);
+    codec_encode(f, out->b);
+}
+
+static void assert_same(const struct bytes *a, const struct bytes *b)
+{
+    assert_int_equal(a->n, b->n);
+    assert_memory_equal(a->b, b->b, a->n);
+}
+
+/* towards: 1, or -1 for a hollow face. */
+static void make(uint64_t subject, double spikes, double towards, int engine,
+                 struct face *f)
+{
+    static struct dvec3 pts[POINTS];
+    struct facegen_scan s;
+    size_t n;
+
+    facegen_default(&s);
+    s.subject = subject;
+    s.points = POINTS;
+    s.spikes = spikes;
+    facegen_pose(&s, 6, 10);
+    n = facegen_sample(&s, pts);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z *= towards;
+    assert_int_equal(face_build(pts, n, work[engine], f, NULL), ST_OK);
+}
+
+/* The three that are not the shipped one: another mean face; the same one and so the same
+ * mark, but laid on otherwise; one that no face is like. */
+static void make_models(void)
+{
+    for (int i = 0; i < ENGINES; i++) {
+        model[i] = model_default;
+        for (uint32_t k = 0; k < GRID_N; k++) {
+            if (i == SHIFTED)
+                model[i].mean[k] += 2;
+            if (i == HOLDS && k % 2 == 0)
+                model[i].motion.rest[k] *= 3;
+            if (i == HOLLOW)
+                model[i].mean[k] = -model[i].mean[k];
+        }
+        work[i] = face_work_new(&model[i]);
+        assert_non_null(work[i]);
+    }
+    assert_int_equal(model_mark(&model[HOLDS]), model_mark(&model_default));
+}
+
+/* ---- faces */
+
+static void test_identity(void **state)
+{
+    static struct bytes before, after;
+
+    (void)state;
+    for (uint64_t subject = 0; subject < 5; subject++) {
+        struct face f = {0};
+        struct face_quality q;
+
+        make(subject, 0, 1, SHIPPED, &f);
+        encode(&f, &before);
+        q = f.quality;
+        assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+        encode(&f, &after);
+        assert_same(&before, &after);
+        assert_memory_equal(&q, &f.quality, sizeof q);
+        face_free(&f);
+    }
+}
+
+/* Laying spikes flat again would change the points once more. */
+static void test_spikes(void **state)
+{
+    static struct bytes first, again;
+    char digest[65], same[65];
+    struct face f = {0};
+
+    (void)state;
+    make(1, 0.05, 1, SHIPPED, &f);
+    assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
+    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+    encode(&f, &first);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(face_renew(&f, work[i % 2]), ST_OK);
+        assert_int_equal(codec_digest(&f.mesh, same), ST_OK);
+        assert_string_equal(digest, same);
+    }
+    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+    encode(&f, &again);
+    assert_same(&first, &again);
+    face_free(&f);
+}
+
+/* What another engine made, as if this one had made it. */
+static void test_engines(void **state)
+{
+    static struct bytes theirs, ours, renewed;
+
+    (void)state;
+    for (int i = SHIFTED; i <= HOLDS; i++) {
+        struct face f = {0}, g = {0};
+
+        make(2, 0, 1, i, &f);
+        make(2, 0, 1, SHIPPED, &g);
+        encode(&f, &theirs);
+        encode(&g, &ours);
+        assert_int_equal(ours.n, theirs.n);
+        assert_memory_not_equal(ours.b, theirs.b, ours.n);
+        assert_int_equal(codec_decode(theirs.b, theirs.n, work[SHIPPED], &f, &e), ST_OK);
+        assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+        encode(&f, &renewed);
+        assert_same(&ours, &renewed);
+        assert_memory_equal(&f.quality, &g.quality, sizeof f.quality);
+        face_free(&f);
+        face_free(&g);
+    }
+}
+
+static void test_no_face(void **state)
+{
+    struct face f = {0};
+
+    (void)state;
+    make(3, 0, -1, HOLLOW, &f);
+    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_ENOTFACE);
+    assert_int_equal(f.mesh.nv, 0);
+    face_free(&f);
+}
+
+static void test_same_engine(void **state)
+{
+    (void)state;
+    assert_true(
+        face_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
+    assert_false(
+        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/3 model/a"));
+    assert_false(
+        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/2 model/b"));
+    assert_false(
+        face_same_engine("surfaced/1 measure/2", "surfaced/1 measure/2 model/a"));
+    assert_false(face_same_engine("old", "old"));
+}
+
+/* ---- templates */
+
+static struct store *open_for(int engine)
+{
+    struct store *s = NULL;
+
+    if (store_open(path, STORE_CREATE, NULL, &s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    store_use_model(s, &model[engine]);
+    return s;
+}
+
+static void remove_database(void)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
+    char name[128];
+
+    for (size_t i = 0; i < 4; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+}
+
+static void enroll(struct store *s, const char *subject, const struct face *f,
+                   struct store_template *t)
+{
+    bool created;
+
+    if (store_enroll(s, "test", subject, "left", f, t, &created, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_true(created);
+}
+
+static void load(struct store *s, const char *id, int engine, struct bytes *out)
+{
+    struct store_template t;
+    struct face f = {0};
+
+    if (store_template_load(s, id, &t, work[engine], &f, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    encode(&f, out);
+    face_free(&f);
+}
+
+static uint64_t count(struct store *s)
+{
+    uint64_t n = 99;
+
+    assert_int_equal(store_renew_count(s, &n, &e), ST_OK);
+    return n;
+}
+
+static void report(void *arg, const char *line)
+{
+    (void)arg;
+    print_error("%s\n", line);
+}
+
+static void assert_sound(struct store *s)
+{
+    struct store_check found;
+
+    assert_int_equal(store_check(s, report, NULL, &found, &e), ST_OK);
+    assert_int_equal(found.problems, 0);
+}
+
+/* Loaded as the shipped engine makes it before and after it is stored so. */
+static void test_store(void **state)
+{
+    static struct bytes ours, loaded;
+    struct store_template was, is;
+    struct face f = {0};
+    char(*due)[STORE_ID_LEN + 1];
+    struct store *s;
+    bool renewed;
+    size_t n;
+
+    (void)state;
+    for (int i = SHIFTED; i <= HOLDS; i++) {
+        make(4, 0, 1, SHIPPED, &f);
+        encode(&f, &ours);
+        make(4, 0, 1, i, &f);
+        s = open_for(i);
+        enroll(s, "x", &f, &was);
+        assert_int_equal(count(s), 0);
+        store_close(s);
+
+        s = open_for(SHIPPED);
+        assert_true(store_stale(s, &was));
+        assert_int_equal(count(s), 1);
+        load(s, was.id, SHIPPED, &loaded);
+        assert_same(&ours, &loaded);
+        assert_int_equal(store_renew_due(s, &due, &n, &e), ST_OK);
+        assert_int_equal(n, 1);
+        assert_string_equal(due[0], was.id);
+        free(due);
+
+        assert_int_equal(
+            store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e), ST_OK);
+        assert_true(renewed);
+        assert_string_equal(is.engine, store_made_by(s));
+        assert_int_equal(store_template_get(s, was.id, &is, &e), ST_OK);
+        assert_string_equal(is.engine, store_made_by(s));
+        assert_string_equal(is.created, was.created);
+        assert_string_equal(is.digest, was.digest);
+        assert_string_equal(is.label, "left");
+        load(s, was.id, SHIPPED, &loaded);
+        assert_same(&ours, &loaded);
+        assert_int_equal(count(s), 0);
+        assert_int_equal(
+            store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e), ST_OK);
+        assert_false(renewed);
+        assert_sound(s);
+        store_close(s);
+        remove_database();
+    }
+    face_free(&f);
+}
+
+/* A template that this engine can make no face of is compared with nothing, and stays. */
+static void test_stays(void **state)
+{
+    static struct bytes before, after;
+    struct store_template was, is;
+    struct face f = {0};
+    struct store *s = open_for(HOLLOW);
+    bool renewed = true;
+
+    (void)state;
+    make(3, 0, -1, HOLLOW, &f);
+    enroll(s, "x", &f, &was);
+    load(s, was.id, HOLLOW, &before);
+    store_close(s);
+
+    s = open_for(SHIPPED);
+    assert_int_equal(store_template_load(s, was.id, &is, work[SHIPPED], &f, &e),
+                     ST_EVERSION);
+    assert_non_null(strstr(e.msg, was.id));
+    assert_int_equal(f.mesh.nv, 0);
+    assert_int_equal(store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
+                     ST_EVERSION);
+    assert_false(renewed);
+    assert_int_equal(count(s), 1);
+    assert_sound(s);
+    store_close(s);
+
+    s = open_for(HOLLOW);
+    load(s, was.id, HOLLOW, &after);
+    assert_same(&before, &after);
+    assert_int_equal(count(s), 0);
+    store_close(s);
+    remove_database();
+    face_free(&f);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/surfaced-test.XXXXXX");
+    assert_non_null(mkdtemp(dir));
+    (void)snprintf(path, sizeof path, "%s/db", dir);
+    make_models();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    for (int i = 0; i < ENGINES; i++)
+        face_work_free(work[i]);
+    remove_database();
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_identity),    cmocka_unit_test(test_spikes),
+        cmocka_unit_test(test_engines),     cmocka_unit_test(test_no_face),
+        cmocka_unit_test(test_same_engine), cmocka_unit_test(test_store),
+        cmocka_unit_test(test_stays),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
