@@ -289,11 +289,25 @@ static uint64_t digest_basis(uint64_t hash, const struct model_basis *b)
     return hash;
 }
 
-uint64_t model_digest(const struct model *m)
+static uint64_t digest_all(const struct model *m)
 {
     uint64_t hash = digest_floats(DIGEST_BASIS, m->mean, GRID_N);
 
     hash = digest_floats(hash, m->weight, GRID_N);
     hash = digest_floats(hash, &m->cap_mm, 1);
     return digest_basis(digest_basis(hash, &m->motion), &m->change);
+}
+
+/* The shipped model never changes: its digest is worked out once.  Threads that come together
+ * work out the same. */
+uint64_t model_digest(const struct model *m)
+{
+    static _Atomic uint64_t of_default; /* 0: not yet known */
+    uint64_t hash;
+
+    if (m != &model_default)
+        return digest_all(m);
+    if ((hash = of_default) == 0)
+        of_default = hash = digest_all(m);
+    return hash;
 }
