@@ -13,29 +13,21 @@
 #include "errinfo.h"
 #include "newfile.h"
 
-/* A new file of one line, n bytes with its end. */
+/* A new file of one line, n bytes with its end: whole, or none that would be in the way. */
 static enum status create(const char *path, const char *line, size_t n, struct errinfo *e)
 {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    int err = 0;
+    struct newfile file = NEWFILE_NONE;
+    enum status st;
 
-    if (fd < 0)
-        return errno == EEXIST
-                   ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path)
-                   : errinfo_set(e, ST_EIO, "cannot create %.160s: %s", path,
-                                 strerror(errno));
+    if ((st = newfile_open(path, &file, e)) != ST_OK)
+        return st;
     errno = ENOSPC; /* what a write that was cut short does not say */
-    if (write(fd, line, n) != (ssize_t)n || fsync(fd) != 0)
-        err = errno;
-    if (close(fd) != 0 && err == 0)
-        err = errno;
-    if (err == 0 && newfile_sync_directory(path) != 0)
-        err = errno;
-    if (err != 0) {
-        (void)unlink(path);
-        return errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(err));
-    }
-    return ST_OK;
+    if (write(file.fd, line, n) != (ssize_t)n)
+        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
+    else
+        st = newfile_keep(&file, e);
+    newfile_close(&file);
+    return st;
 }
 
 enum status keyfile_make(const char *path, struct errinfo *e)

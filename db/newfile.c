@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* renameat2() */
 #include "newfile.h"
 
 #include <errno.h>
@@ -43,7 +44,8 @@ static enum status fail(const struct newfile *n, const char *what, struct errinf
 }
 
 /* The part is ours while it is locked and still has its name: another process may have
- * given it the other name between our opening and our locking it. */
+ * given it the other name between our opening and our locking it; or both, and have been
+ * killed before it took this one away. */
 static enum status open_part(struct newfile *n, struct errinfo *e)
 {
     struct stat ours, named;
@@ -63,8 +65,11 @@ static enum status open_part(struct newfile *n, struct errinfo *e)
             return fail(n, "create", e);
         }
         if (fstat(n->fd, &ours) == 0 && stat(n->part, &named) == 0 &&
-            ours.st_ino == named.st_ino && ours.st_dev == named.st_dev)
-            break;
+            ours.st_ino == named.st_ino && ours.st_dev == named.st_dev) {
+            if (ours.st_nlink == 1)
+                break;
+            (void)unlink(n->part);
+        }
         (void)close(n->fd);
     }
     if (fchmod(n->fd, 0600) != 0 || ftruncate(n->fd, 0) != 0)
@@ -104,15 +109,25 @@ enum status newfile_commit(struct newfile *n, struct errinfo *e)
     return named(n, e);
 }
 
+/* In one step, where the file system can: else a process that is killed leaves two names. */
+static int rename_new(const char *from, const char *to)
+{
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
+        return 0;
+    if ((errno != EINVAL && errno != ENOSYS) || link(from, to) != 0)
+        return -1;
+    (void)unlink(from);
+    return 0;
+}
+
 enum status newfile_keep(struct newfile *n, struct errinfo *e)
 {
     if (fsync(n->fd) != 0)
         return fail(n, "write", e);
-    if (link(n->part, n->path) != 0)
+    if (rename_new(n->part, n->path) != 0)
         return errno == EEXIST
                    ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", n->path)
                    : fail(n, "write", e);
-    (void)unlink(n->part);
     return named(n, e);
 }
 
