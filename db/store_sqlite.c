@@ -647,7 +647,7 @@ enum status store_sqlite_kind(const char *path, enum vault_kind *kind, struct er
 
     *kind = VAULT_OPEN;
     if ((st = check_file(path, STORE_READ, &made, e)) != ST_OK ||
-        (st = store_sqlite_connect(path, SQLITE_OPEN_READONLY, false, &c, e)) != ST_OK)
+        (st = store_sqlite_connect(path, SQLITE_OPEN_READWRITE, false, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_schema_version(c, path, &version, e)) == ST_OK) {
         if (version == STORE_SQLITE_SCHEMA)

@@ -271,7 +271,8 @@ enum status store_sqlite_look(const char *path, struct store_look *out, struct e
     out->newest = STORE_SQLITE_SCHEMA;
     if (stat(path, &sb) != 0)
         return errinfo_set(e, ST_ENOTFOUND, "there is no database %s", path);
-    if ((st = store_sqlite_connect(path, SQLITE_OPEN_READONLY, false, &c, e)) != ST_OK)
+    /* What a program that was killed has begun is taken back first, where it may be. */
+    if ((st = store_sqlite_connect(path, SQLITE_OPEN_READWRITE, false, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_schema_version(c, path, &out->version, e)) != ST_OK ||
         (st = store_sqlite_size(c, &out->bytes, e)) != ST_OK || out->version == 0)
