@@ -45,14 +45,17 @@ FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
 BENCH_SRC := $(wildcard tests/bench*.c)
 BLACK_BOX := $(wildcard tests/[0-9][0-9]-*.sh)
 TOOL_SRC  := $(wildcard tests/*_main.c)
+SHIM_SRC  := $(wildcard tests/*_shim.c)
 STUDY_SRC := $(wildcard studies/*.c)
-HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC),$(wildcard tests/*.c))
+HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC) $(SHIM_SRC),\
+               $(wildcard tests/*.c))
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 FUZZ_BIN  := $(FUZZ_SRC:%.c=$(BUILD)/%)
 BENCH_BIN := $(BENCH_SRC:tests/%.c=$(BUILD)/%)
 TOOL_BIN  := $(TOOL_SRC:tests/%_main.c=$(BUILD)/%)
+SHIM_BIN  := $(SHIM_SRC:tests/%.c=$(BUILD)/%.so)
 PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
              $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
 EMBED     := json html css js
@@ -142,12 +145,18 @@ $(TOOL_BIN): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) $(CORE_A)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(DB_LIBS)
 
+# To be loaded into a program that is as it is, so never with a sanitizer.
+$(SHIM_BIN): $(BUILD)/%.so: tests/%.c tests/crash_op.h Makefile
+	@mkdir -p $(@D)
+	$(call say,LD)
+	$(Q)$(CC) $(filter-out $(EXTRA) -fPIE,$(CFLAGS)) -fPIC -shared -Itests -o $@ $<
+
 $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 .PHONY: tests
-tests: all $(TEST_BIN) $(FUZZ_BIN) $(BUILD)/study
+tests: all $(TEST_BIN) $(FUZZ_BIN) $(SHIM_BIN) $(BUILD)/study
 
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
@@ -156,8 +165,9 @@ test: tests
 	BUILD=$(BUILD) scripts/run_tests.sh \
 	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX)) \
 	    $(TEST_BIN) $(FUZZ_BIN)
-# Minutes under a sanitizer, of code that other tests take there too.
-LONG := tests/24-% tests/25-% tests/28-% tests/30-% tests/31-studies% tests/36-%
+# Minutes under a sanitizer, of code that other tests take there too; and one that loads what
+# a sanitizer would have to be loaded before.
+LONG := tests/24-% tests/25-% tests/28-% tests/30-% tests/31-studies% tests/36-% tests/39-%
 
 ## unit: the unit tests alone
 unit: tests

@@ -1,0 +1,287 @@
+/* Loaded into a program (LD_PRELOAD): see crash_op.h.  The system is called as the C library
+ * would: a change, its count and its line in the log are one step for all threads. */
+#define _GNU_SOURCE
+#undef _FORTIFY_SOURCE /* its wrappers are what is replaced here */
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include "crash_op.h"
+
+#define FDS_MAX 1024
+#define FOLDER  UINT64_MAX /* instead of an inode */
+
+int __open_2(const char *path, int flags);
+int __open64_2(const char *path, int flags);
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static const char *dir; /* NULL: nothing is watched */
+static size_t dir_len;
+static unsigned long at, count;
+static bool torn;
+static int log_fd = -1;
+static uint64_t file_of[FDS_MAX]; /* by file descriptor; 0: none of ours */
+
+__attribute__((constructor)) static void start(void)
+{
+    const char *value, *path = getenv("CRASH_LOG");
+
+    if ((dir = getenv("CRASH_DIR")) == NULL)
+        return;
+    dir_len = strlen(dir);
+    if ((value = getenv("CRASH_AT")) != NULL)
+        at = strtoul(value, NULL, 10);
+    torn = getenv("CRASH_TORN") != NULL;
+    if (path != NULL &&
+        (log_fd = (int)syscall(SYS_openat, AT_FDCWD, path,
+                               O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600)) < 0)
+        abort();
+}
+
+/* The name in the folder; NULL: the path is of another, or of memory that SQLite shares by a
+ * file that is made anew when all who shared it are gone. */
+static const char *name_of(const char *path)
+{
+    const size_t n = strlen(path);
+
+    return dir != NULL && strncmp(path, dir, dir_len) == 0 && path[dir_len] == '/' &&
+                   strchr(path + dir_len + 1, '/') == NULL &&
+                   (n < 4 || strcmp(path + n - 4, "-shm") != 0)
+               ? path + dir_len + 1
+               : NULL;
+}
+
+static uint64_t of_fd(int fd)
+{
+    return fd >= 0 && fd < FDS_MAX ? file_of[fd] : 0;
+}
+
+/* A change begins.  write: of n bytes; or NULL. */
+static void begin(int fd, const void *write, size_t n, off_t to)
+{
+    (void)pthread_mutex_lock(&lock);
+    if (++count != at)
+        return;
+    if (torn && write != NULL)
+        (void)syscall(SYS_pwrite64, fd, write, n / 2, to);
+    (void)kill(getpid(), SIGKILL);
+}
+
+static long end(long rc, struct crash_op *op, const char *name, const char *to,
+                const void *data)
+{
+    const int err = errno;
+
+    if (rc >= 0 && log_fd >= 0) {
+        struct iovec out[2] = {{.iov_base = op, .iov_len = sizeof *op}};
+
+        if (name != NULL)
+            (void)snprintf(op->name, sizeof op->name, "%s", name);
+        if (to != NULL)
+            (void)snprintf(op->to, sizeof op->to, "%s", to);
+        memcpy(&out[1].iov_base, &data, sizeof data);
+        out[1].iov_len = op->len;
+        if (writev(log_fd, out, 2) != (ssize_t)(sizeof *op + op->len))
+            abort();
+    }
+    (void)pthread_mutex_unlock(&lock);
+    errno = err;
+    return rc;
+}
+
+/* ---- opening */
+
+static int open_at(const char *path, int flags, mode_t mode)
+{
+    const char *name = name_of(path);
+    struct crash_op op = {.kind = CRASH_CREATE};
+    struct stat sb;
+    bool made;
+    int fd;
+
+    if (name == NULL || (flags & O_ACCMODE) == O_RDONLY) {
+        fd = (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+        if (fd >= 0 && fd < FDS_MAX)
+            file_of[fd] = dir != NULL && strcmp(path, dir) == 0 ? FOLDER : 0;
+        return fd;
+    }
+    if ((flags & O_TRUNC) != 0)
+        abort(); /* nobody does so far */
+    made = (flags & O_CREAT) != 0 && syscall(SYS_faccessat, AT_FDCWD, path, F_OK) != 0;
+    if (made)
+        begin(-1, NULL, 0, 0);
+    fd = (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+    if (fd >= 0 && fd < FDS_MAX && fstat(fd, &sb) == 0)
+        op.file = file_of[fd] = sb.st_ino;
+    return made ? (int)end(fd, &op, name, NULL, NULL) : fd;
+}
+
+#define MODE(flags, mode)                                                                \
+    do {                                                                                 \
+        va_list args;                                                                    \
+                                                                                         \
+        va_start(args, flags);                                                           \
+        (mode) = ((flags) & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(args, mode_t) : 0;      \
+        va_end(args);                                                                    \
+    } while (0)
+
+int open(const char *path, int flags, ...)
+{
+    mode_t mode;
+
+    MODE(flags, mode);
+    return open_at(path, flags, mode);
+}
+
+int open64(const char *path, int flags, ...)
+{
+    mode_t mode;
+
+    MODE(flags, mode);
+    return open_at(path, flags, mode);
+}
+
+int __open_2(const char *path, int flags)
+{
+    return open_at(path, flags, 0);
+}
+
+int __open64_2(const char *path, int flags)
+{
+    return open_at(path, flags, 0);
+}
+
+int close(int fd)
+{
+    if (fd >= 0 && fd < FDS_MAX)
+        file_of[fd] = 0;
+    return (int)syscall(SYS_close, fd);
+}
+
+/* ---- a file's bytes */
+
+static ssize_t write_at(int fd, const void *data, size_t n, off_t to)
+{
+    struct crash_op op = {CRASH_WRITE, (uint32_t)n, of_fd(fd), (uint64_t)to, "", ""};
+    ssize_t rc;
+
+    begin(fd, data, n, to);
+    if ((rc = syscall(SYS_pwrite64, fd, data, n, to)) >= 0)
+        op.len = (uint32_t)rc;
+    return end(rc, &op, NULL, NULL, data);
+}
+
+ssize_t pwrite(int fd, const void *data, size_t n, off_t to)
+{
+    return of_fd(fd) != 0 ? write_at(fd, data, n, to)
+                          : syscall(SYS_pwrite64, fd, data, n, to);
+}
+
+ssize_t pwrite64(int fd, const void *data, size_t n, off64_t to)
+{
+    return pwrite(fd, data, n, to);
+}
+
+ssize_t write(int fd, const void *data, size_t n)
+{
+    ssize_t rc;
+
+    if (of_fd(fd) == 0)
+        return syscall(SYS_write, fd, data, n);
+    if ((rc = write_at(fd, data, n, lseek(fd, 0, SEEK_CUR))) > 0)
+        (void)lseek(fd, rc, SEEK_CUR);
+    return rc;
+}
+
+int ftruncate(int fd, off_t size)
+{
+    struct crash_op op = {CRASH_TRUNCATE, 0, of_fd(fd), (uint64_t)size, "", ""};
+
+    if (op.file == 0)
+        return (int)syscall(SYS_ftruncate, fd, size);
+    begin(fd, NULL, 0, 0);
+    return (int)end(syscall(SYS_ftruncate, fd, size), &op, NULL, NULL, NULL);
+}
+
+int ftruncate64(int fd, off64_t size)
+{
+    return ftruncate(fd, size);
+}
+
+/* The machine goes on, so that nothing has to wait for its disk. */
+static int sync_nothing(long call, int fd)
+{
+    struct crash_op op = {CRASH_SYNC, 0, of_fd(fd), 0, "", ""};
+
+    if (op.file == 0)
+        return (int)syscall(call, fd);
+    if (op.file == FOLDER)
+        op.kind = CRASH_SYNC_DIR;
+    begin(fd, NULL, 0, 0);
+    return (int)end(0, &op, NULL, NULL, NULL);
+}
+
+int fsync(int fd)
+{
+    return sync_nothing(SYS_fsync, fd);
+}
+
+int fdatasync(int fd)
+{
+    return sync_nothing(SYS_fdatasync, fd);
+}
+
+/* ---- names */
+
+static int change_name(enum crash_kind kind, unsigned flags, const char *path,
+                       const char *to)
+{
+    struct crash_op op = {.kind = kind};
+    const char *a = name_of(path), *b = to != NULL ? name_of(to) : NULL;
+    const bool ours = a != NULL || b != NULL;
+    long rc;
+
+    if (ours && (a == NULL || (to != NULL && b == NULL)))
+        abort(); /* from or to another folder: nobody does so far */
+    if (ours)
+        begin(-1, NULL, 0, 0);
+    if (kind == CRASH_RENAME)
+        rc = syscall(SYS_renameat2, AT_FDCWD, path, AT_FDCWD, to, flags);
+    else if (kind == CRASH_LINK)
+        rc = syscall(SYS_linkat, AT_FDCWD, path, AT_FDCWD, to, 0);
+    else
+        rc = syscall(SYS_unlinkat, AT_FDCWD, path, 0);
+    return (int)(ours ? end(rc, &op, a, b, NULL) : rc);
+}
+
+int rename(const char *path, const char *to)
+{
+    return change_name(CRASH_RENAME, 0, path, to);
+}
+
+int renameat2(int from, const char *path, int in, const char *to, unsigned flags)
+{
+    if (from != AT_FDCWD || in != AT_FDCWD)
+        abort(); /* nobody does so far */
+    return change_name(CRASH_RENAME, flags, path, to);
+}
+
+int link(const char *path, const char *to)
+{
+    return change_name(CRASH_LINK, 0, path, to);
+}
+
+int unlink(const char *path)
+{
+    return change_name(CRASH_UNLINK, 0, path, NULL);
+}
