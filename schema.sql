@@ -220,11 +220,15 @@ CREATE TABLE calibrations_end (
     mac              BLOB CHECK (mac IS NULL OR length(mac) = 32)
 ) STRICT;
 
--- Who was erased, by lookup: a backup from before is not to bring them back.
+-- Who was erased: neither a backup nor an archive from before is to bring them back, also
+-- where they had another id then, so by uid.  The lookup is of the id that they had last.
 CREATE TABLE erased (
-    lookup BLOB PRIMARY KEY CHECK (length(lookup) = 32),
+    uid    BLOB PRIMARY KEY CHECK (length(uid) = 16),
+    lookup BLOB NOT NULL CHECK (length(lookup) = 32),
     at     TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z')
 ) STRICT, WITHOUT ROWID;
+
+CREATE INDEX erased_lookup ON erased (lookup);
 
 -- convert
 

@@ -174,9 +174,11 @@ enum status store_template_list(struct store *s, const char *subject,
                                 struct errinfo *e);
 
 #define STORE_NOTE_MAX 128 /* bytes of UTF-8, no control characters */
+#define STORE_UID      16
 
 struct store_subject {
-    int64_t key; /* the order of their coming; never used again */
+    int64_t key;                  /* the order of their coming; never used again */
+    unsigned char uid[STORE_UID]; /* random: the same, whatever its id and the database */
     char id[STORE_SUBJECT_MAX + 1];
     char reference[STORE_NOTE_MAX + 1]; /* of the consent; "": none */
     char purpose[STORE_NOTE_MAX + 1];
@@ -331,8 +333,8 @@ struct store_erased { /* who was erased, by a keyed hash of the id */
     char at[32];
 };
 
-/* store_audit_erased(s, subject, out, n, e): everybody, in order of time, or subject alone
- * where it is not NULL; a new array released by free(). */
+/* store_audit_erased(s, subject, out, n, e): everybody, in order of time, or who had this id
+ * last, where it is not NULL; a new array released by free(). */
 enum status store_audit_erased(struct store *s, const char *subject,
                                struct store_erased **out, size_t *n, struct errinfo *e);
 
@@ -503,10 +505,11 @@ struct store_restored {
 
 /* store_restore(path, from, key, actor, dry, out, e): the backup in the place of the
  * database, which is kept as PATH.before-restore, or with dry nothing but *out.  Who was
- * erased since, and came again or not, is erased; tokens keep the secrets that they have, and
- * are revoked if they are.  A database that is missing is made.
+ * erased since, under whatever id, is erased; tokens keep the secrets that they have, and are
+ * revoked if they are.  A database that is missing is made.
  * ST_EBUSY: another process has the database open; ST_EMISMATCH: it is another database's
- * backup; ST_EEXISTS: there is a PATH.before-restore; as store_open() and store_backup(). */
+ * backup; ST_EEXISTS: there is a PATH.before-restore of a restore that
+ * came to its end (one of a restore that was killed is replaced); as store_open() and store_backup(). */
 enum status store_restore(const char *path, const char *from, const struct store_key *key,
                           const char *actor, bool dry, struct store_restored *out,
                           struct errinfo *e);
@@ -526,14 +529,17 @@ enum status store_export(struct store *s, const char *actor, char *const *subjec
 struct store_imported {
     uint64_t subjects, templates;         /* of the archive */
     uint64_t new_subjects, new_templates; /* the others are there already */
-    uint64_t erased; /* subjects that were erased here: left out, with their templates */
+    uint64_t erased; /* were erased here: left out, with their templates */
     uint64_t stale;  /* of the templates: of another engine */
 };
 
 /* store_import(s, actor, path, k, dry, out, e): an archive as a whole, or nothing of it;
- * what is there already is left as it is.  All of it is verified first; with dry nothing
- * else is done.  Templates of another engine are taken as they are, and stale.
- * ST_EVERSION: an archive or a template's model of a newer version; ST_EEXISTS: a template's id is another's here; as archive_read(). */
+ * what is there already is left as it is, also who has another id here by now.  Left out is
+ * who was erased here, under whatever id, and whose id somebody had who was erased, unless
+ * there is one of that id again.  All of it is verified first; with dry nothing else is
+ * done.  Templates of another engine are taken as they are, and stale.
+ * ST_EVERSION: an archive or a template's model of a newer version; ST_EEXISTS: a template's
+ * id is another's here; as archive_read(). */
 enum status store_import(struct store *s, const char *actor, const char *path,
                          const struct keyfile *k, bool dry, struct store_imported *out,
                          struct errinfo *e);

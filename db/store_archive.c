@@ -101,6 +101,16 @@ static bool get_text(struct input *b, char *to, size_t size)
     return true;
 }
 
+/* One of nothing but 0 would be none. */
+static bool get_uid(struct input *b, unsigned char uid[STORE_UID])
+{
+    if (b->end - b->at < STORE_UID)
+        return false;
+    memcpy(uid, b->at, STORE_UID);
+    b->at += STORE_UID;
+    return !sodium_is_zero(uid, STORE_UID);
+}
+
 static bool get_real(struct input *b, double max, double *out)
 {
     uint64_t bits;
@@ -133,6 +143,7 @@ static size_t write_subject(const struct store_subject *s, unsigned char out[HEA
     struct bytes b = {out};
 
     put_number(&b, 'S', 1);
+    put(&b, s->uid, sizeof s->uid);
     put_text(&b, s->id);
     put_text(&b, s->reference);
     put_text(&b, s->purpose);
@@ -168,8 +179,8 @@ static size_t write_template(const struct store_template *t, unsigned char out[H
 static bool parse_subject(struct input *b, struct store_subject *s)
 {
     memset(s, 0, sizeof *s);
-    return get_text(b, s->id, sizeof s->id) && store_subject_valid(s->id) &&
-           get_text(b, s->reference, sizeof s->reference) &&
+    return get_uid(b, s->uid) && get_text(b, s->id, sizeof s->id) &&
+           store_subject_valid(s->id) && get_text(b, s->reference, sizeof s->reference) &&
            store_rules_text(s->reference, STORE_NOTE_MAX) &&
            get_text(b, s->purpose, sizeof s->purpose) &&
            store_rules_text(s->purpose, STORE_NOTE_MAX) &&

@@ -104,10 +104,12 @@ void store_seal_same(const struct vault *v, const unsigned char uid[STORE_SEAL_U
 
 /* ---- keys */
 
-void store_seal_new(const struct vault *v, struct store_seal_key *k,
-                    unsigned char wrapped[VAULT_WRAPPED])
+void store_seal_new(const struct vault *v, const unsigned char *uid,
+                    struct store_seal_key *k, unsigned char wrapped[VAULT_WRAPPED])
 {
     randombytes_buf(k, sizeof *k);
+    if (uid != NULL)
+        memcpy(k->uid, uid, sizeof k->uid);
     vault_wrap(v, k->uid, k->key, wrapped);
 }
 

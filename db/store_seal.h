@@ -8,7 +8,7 @@
 #include "store.h"
 #include "vault.h"
 
-#define STORE_SEAL_UID   16   /* random bytes: a subject, for its key and its rows */
+#define STORE_SEAL_UID   STORE_UID
 #define STORE_SEAL_REF   16   /* a subject, in the events */
 #define STORE_SEAL_ABOUT 1024 /* bytes that suffice for any description */
 
@@ -28,10 +28,10 @@ void store_seal_ref(const struct vault *v, const char *subject,
 void store_seal_same(const struct vault *v, const unsigned char uid[STORE_SEAL_UID],
                      const char *digest, unsigned char out[VAULT_HASH]);
 
-/* store_seal_new(v, k, wrapped): a new subject's random bytes and key.
+/* store_seal_new(v, uid, k, wrapped): a subject's key, and where uid is NULL that too.
  * store_seal_key(v, uid, wrapped, k): the key of a row; false: damaged, or another's. */
-void store_seal_new(const struct vault *v, struct store_seal_key *k,
-                    unsigned char wrapped[VAULT_WRAPPED]);
+void store_seal_new(const struct vault *v, const unsigned char *uid,
+                    struct store_seal_key *k, unsigned char wrapped[VAULT_WRAPPED]);
 bool store_seal_key(const struct vault *v, const unsigned char uid[STORE_SEAL_UID],
                     const unsigned char wrapped[VAULT_WRAPPED], struct store_seal_key *k);
 

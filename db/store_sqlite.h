@@ -45,6 +45,7 @@ enum store_sqlite_sql {
     SQL_KEY_LIST,
     SQL_KEY_SET,
     SQL_SUBJECT_FIND,
+    SQL_SUBJECT_SAME,
     SQL_SUBJECT_ADD,
     SQL_SUBJECT_GET,
     SQL_SUBJECT_LIST,
@@ -77,7 +78,9 @@ enum store_sqlite_sql {
     SQL_MARK_ALONE,
     SQL_ERASED_LIST,
     SQL_ERASED_ADD,
-    SQL_ERASED_REMOVE,
+    SQL_ERASED_NOTE,
+    SQL_ERASED_UID,
+    SQL_ERASED_LOOKUP,
     SQL_TOKEN_ADD,
     SQL_TOKEN_LIST,
     SQL_TOKEN_GET,
@@ -344,6 +347,15 @@ struct store_sqlite_person { /* a subject in a transaction */
  * *p has the row all the same. */
 enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *subject,
                                       struct store_sqlite_person *p, struct errinfo *e);
+
+/* store_sqlite_subject_same(c, uid, p, who, e): whoever has this uid, under whatever id.
+ * ST_ENOTFOUND; ST_ECORRUPT as above, and *who is empty then. */
+enum status store_sqlite_subject_same(struct store_sqlite_conn *c,
+                                      const unsigned char uid[STORE_UID],
+                                      struct store_sqlite_person *p,
+                                      struct store_subject *who, struct errinfo *e);
+
+/* store_sqlite_subject_add(c, about, p, e): with about->uid, or where that is 0 a new one. */
 enum status store_sqlite_subject_add(struct store_sqlite_conn *c,
                                      const struct store_subject *about,
                                      struct store_sqlite_person *p, struct errinfo *e);
@@ -358,11 +370,6 @@ enum status store_sqlite_subject_list(struct store *s, int64_t after, size_t lim
 enum status store_sqlite_subject_delete(struct store *s, const struct store_act *by,
                                         const char *subject, bool due,
                                         struct store_receipt *out, struct errinfo *e);
-
-/* store_sqlite_subject_return(c, subject, e): nobody is among the erased who has come
- * again; in a transaction. */
-enum status store_sqlite_subject_return(struct store_sqlite_conn *c, const char *subject,
-                                        struct errinfo *e);
 
 /* store_sqlite_subject_read(c, subject, out, e): in a transaction. */
 enum status store_sqlite_subject_read(struct store_sqlite_conn *c, const char *subject,

@@ -5,15 +5,15 @@
 #include "errinfo.h"
 #include "store_sqlite.h"
 
-/* The id is free, and nobody of that id is among the erased any more. */
-static enum status take_id(struct store_sqlite_conn *c, const char *id, struct errinfo *e)
+static enum status need_free(struct store_sqlite_conn *c, const char *id,
+                             struct errinfo *e)
 {
     struct store_sqlite_person p;
     enum status st = store_sqlite_subject_find(c, id, &p, e);
 
     sodium_memzero(&p, sizeof p);
     if (st == ST_ENOTFOUND)
-        return store_sqlite_subject_return(c, id, e);
+        return ST_OK;
     if (st == ST_OK || st == ST_ECORRUPT)
         st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", id);
     return st;
@@ -72,7 +72,7 @@ enum status store_sqlite_edit(struct store *s, const struct store_act *by,
         return st;
     if ((st = store_sqlite_subject_find(c, subject, &p, e)) != ST_OK ||
         (st = store_sqlite_subject_read(c, subject, &one, e)) != ST_OK ||
-        (edit->id != NULL && (st = take_id(c, edit->id, e)) != ST_OK))
+        (edit->id != NULL && (st = need_free(c, edit->id, e)) != ST_OK))
         goto out;
     apply(&one, edit);
     st = write_row(c, &p, &one, e);

@@ -11,37 +11,60 @@ struct importing {
     const struct store_act *by;
     struct store_imported *out;
     struct store_sqlite_person p; /* the last subject */
+    struct store_subject who;     /* the same, as it is here */
     bool left_out;                /* it was erased here */
 };
 
-/* Is there a row of this lookup among the erased? */
-static enum status is_erased(struct importing *m, const char *subject, bool *erased,
-                             struct errinfo *e)
+/* Is there a row among the erased?  A uid, or where that is NULL an id. */
+static enum status is_erased(struct importing *m, const unsigned char *uid,
+                             const char *subject, bool *erased, struct errinfo *e)
 {
-    sqlite3_stmt *stmt = NULL;
-    enum status st = ST_OK;
-    int rc = SQLITE_ERROR;
+    sqlite3_stmt *stmt;
+    enum status st = store_sqlite_prepare(
+        m->c, uid != NULL ? SQL_ERASED_UID : SQL_ERASED_LOOKUP, &stmt, e);
+    int rc;
 
-    if (sqlite3_prepare_v2(m->c->db, "SELECT 1 FROM erased WHERE lookup = ?1", -1, &stmt,
-                           NULL) != SQLITE_OK ||
-        store_sqlite_bind_subject(m->c, stmt, 1, subject) != SQLITE_OK ||
-        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE))
-        st = store_sqlite_fail(m->c, "cannot read", e);
+    if (st != ST_OK)
+        return st;
+    rc = uid != NULL ? store_sqlite_bind_bytes(stmt, 1, uid, STORE_UID)
+                     : store_sqlite_bind_subject(m->c, stmt, 1, subject);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
     *erased = rc == SQLITE_ROW;
-    (void)sqlite3_finalize(stmt);
+    if (rc != SQLITE_ROW && rc != SQLITE_DONE)
+        st = store_sqlite_fail(m->c, "cannot read who was erased", e);
+    (void)sqlite3_reset(stmt);
     return st;
+}
+
+/* Whose templates come next: the same person, whose id may be another by now, or whoever has
+ * the id; ST_ENOTFOUND: neither, or it is left out. */
+static enum status find_subject(struct importing *m, const struct store_subject *s,
+                                struct errinfo *e)
+{
+    enum status st = is_erased(m, s->uid, NULL, &m->left_out, e);
+
+    if (st != ST_OK)
+        return st;
+    if (m->left_out)
+        return ST_ENOTFOUND;
+    st = store_sqlite_subject_same(m->c, s->uid, &m->p, &m->who, e);
+    if (st != ST_ENOTFOUND)
+        return st;
+    m->who = *s;
+    if ((st = store_sqlite_subject_find(m->c, s->id, &m->p, e)) != ST_ENOTFOUND)
+        return st;
+    st = is_erased(m, NULL, s->id, &m->left_out, e);
+    return st == ST_OK ? ST_ENOTFOUND : st;
 }
 
 static enum status add_subject(struct importing *m, const struct store_subject *s,
                                struct errinfo *e)
 {
-    enum status st = store_sqlite_subject_find(m->c, s->id, &m->p, e);
+    enum status st = find_subject(m, s, e);
 
-    m->left_out = false;
     m->out->subjects++;
     if (st != ST_ENOTFOUND)
-        return st;
-    if ((st = is_erased(m, s->id, &m->left_out, e)) != ST_OK)
         return st;
     if (m->left_out) {
         m->out->erased++;
@@ -109,7 +132,7 @@ static enum status add_template(struct importing *m, const struct store_archive_
     if ((st = store_sqlite_face_store(m->c, &m->p, t, i->model, i->len, e)) != ST_OK)
         return st;
     m->out->new_templates++;
-    return store_sqlite_event_add(m->c, m->by, "import", t->subject, t->id, "created", e);
+    return store_sqlite_event_add(m->c, m->by, "import", m->who.id, t->id, "created", e);
 }
 
 enum status store_sqlite_import(struct store *s, const struct store_act *by,
@@ -131,6 +154,7 @@ enum status store_sqlite_import(struct store *s, const struct store_act *by,
             st = add_template(&m, item, e);
     } while (st == ST_OK && item->kind != STORE_ARCHIVE_END);
     sodium_memzero(&m.p, sizeof m.p);
+    sodium_memzero(&m.who, sizeof m.who);
     if (st == ST_OK && dry) {
         (void)store_sqlite_written(s, ST_EDENIED, NULL); /* rolled back */
         return ST_OK;

@@ -44,34 +44,6 @@ static enum status each(struct restoring *r, const char *sql, restore_row *use,
 
 /* ---- who was erased */
 
-/* The subject that this finds in the copy: its row, 0 for none, and its id, "" where its row
- * is damaged, which does not keep it from being erased. */
-static enum status find(struct restoring *r, sqlite3_value *lookup, int64_t *row,
-                        char id[STORE_SUBJECT_MAX + 1], struct errinfo *e)
-{
-    struct store_seal_key k = {0};
-    struct store_subject who;
-    sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(r->c, SQL_SUBJECT_GET, &stmt, e);
-    int rc;
-
-    *row = 0;
-    id[0] = '\0';
-    if (st != ST_OK)
-        return st;
-    if (sqlite3_bind_value(stmt, 1, lookup) != SQLITE_OK ||
-        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
-        st = store_sqlite_fail(r->c, "cannot read a subject", e);
-    } else if (rc == SQLITE_ROW) {
-        *row = sqlite3_column_int64(stmt, 0);
-        if (store_sqlite_subject_who(r->c, stmt, 2, &who, &k))
-            memcpy(id, who.id, sizeof who.id);
-    }
-    sodium_memzero(&k, sizeof k);
-    (void)sqlite3_reset(stmt);
-    return st;
-}
-
 static enum status erase(struct restoring *r, int64_t row, const char *id,
                          struct errinfo *e)
 {
@@ -89,9 +61,30 @@ static enum status erase(struct restoring *r, int64_t row, const char *id,
                                   e);
 }
 
+/* Whoever has the uid of the first column in the copy: their row, 0 for nobody, and their id, ""
+ * where the row is damaged, which does not keep it from being erased. */
+static enum status find(struct restoring *r, sqlite3_stmt *held, int64_t *row,
+                        char id[STORE_SUBJECT_MAX + 1], struct errinfo *e)
+{
+    struct store_sqlite_person p = {0};
+    struct store_subject who = {0};
+    unsigned char uid[STORE_UID];
+    enum status st;
+
+    *row = 0;
+    id[0] = '\0';
+    if (!store_sqlite_bytes(held, 0, uid, sizeof uid))
+        return errinfo_set(e, ST_ECORRUPT, "the database that is there is damaged");
+    st = store_sqlite_subject_same(r->c, uid, &p, &who, e);
+    *row = st == ST_ENOTFOUND ? 0 : p.row;
+    memcpy(id, who.id, sizeof who.id);
+    sodium_memzero(&p, sizeof p);
+    sodium_memzero(&who, sizeof who);
+    return st == ST_ENOTFOUND || (st == ST_ECORRUPT && *row != 0) ? ST_OK : st;
+}
+
 /* A row of `erased` for the copy too, and nobody there whom it names. */
-static enum status erase_again(struct restoring *r, sqlite3_value *lookup,
-                               sqlite3_value *at, struct errinfo *e)
+static enum status was_erased(struct restoring *r, sqlite3_stmt *held, struct errinfo *e)
 {
     char id[STORE_SUBJECT_MAX + 1];
     sqlite3_stmt *stmt;
@@ -100,48 +93,27 @@ static enum status erase_again(struct restoring *r, sqlite3_value *lookup,
 
     if (st != ST_OK)
         return st;
-    if (sqlite3_bind_value(stmt, 1, lookup) != SQLITE_OK ||
-        (at != NULL ? sqlite3_bind_value(stmt, 2, at)
-                    : store_sqlite_bind(stmt, 2, r->by->at)) != SQLITE_OK)
-        return store_sqlite_fail(r->c, "cannot erase a subject", e);
+    for (int k = 0; k < 3; k++)
+        if (sqlite3_bind_value(stmt, k + 1, sqlite3_column_value(held, k)) != SQLITE_OK)
+            return store_sqlite_fail(r->c, "cannot erase a subject", e);
     if ((st = store_sqlite_run(r->c, stmt, e)) == ST_OK &&
-        (st = find(r, lookup, &row, id, e)) == ST_OK && row != 0)
+        (st = find(r, held, &row, id, e)) == ST_OK && row != 0)
         st = erase(r, row, id, e);
     sodium_memzero(id, sizeof id);
     return st;
 }
 
-static enum status was_erased(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
+static enum status is_there(struct restoring *r, sqlite3_stmt *held, struct errinfo *e)
 {
-    return erase_again(r, sqlite3_column_value(row, 0), sqlite3_column_value(row, 1), e);
-}
+    char id[STORE_SUBJECT_MAX + 1];
+    int64_t row;
+    const enum status st = find(r, held, &row, id, e);
 
-/* Who is there under the same id with other random bytes was erased and has come again. */
-static enum status is_there(struct restoring *r, sqlite3_stmt *row, struct errinfo *e)
-{
-    unsigned char now[STORE_SEAL_UID], then[STORE_SEAL_UID];
-    sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(r->c, SQL_SUBJECT_FIND, &stmt, e);
-    bool found, same = false;
-    int rc;
-
-    if (st != ST_OK)
-        return st;
     r->out->had_subjects++;
-    if (sqlite3_bind_value(stmt, 1, sqlite3_column_value(row, 0)) != SQLITE_OK ||
-        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
-        st = store_sqlite_fail(r->c, "cannot read a subject", e);
-        (void)sqlite3_reset(stmt);
-        return st;
-    }
-    found = rc == SQLITE_ROW;
-    same = found && store_sqlite_bytes(stmt, 1, then, sizeof then) &&
-           store_sqlite_bytes(row, 1, now, sizeof now) &&
-           memcmp(now, then, sizeof now) == 0;
-    (void)sqlite3_reset(stmt);
-    if (!same)
+    if (st == ST_OK && row == 0)
         r->out->lost++;
-    return found && !same ? erase_again(r, sqlite3_column_value(row, 0), NULL, e) : ST_OK;
+    sodium_memzero(id, sizeof id);
+    return st;
 }
 
 /* ---- tokens */
@@ -221,8 +193,8 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
 
     if ((st = need_same(r, path, e)) != ST_OK ||
         (st = each(r, "SELECT count(*) FROM templates", count_templates, e)) != ST_OK ||
-        (st = each(r, "SELECT lookup, at FROM erased", was_erased, e)) != ST_OK ||
-        (st = each(r, "SELECT lookup, uid FROM subjects", is_there, e)) != ST_OK)
+        (st = each(r, "SELECT uid, lookup, at FROM erased", was_erased, e)) != ST_OK ||
+        (st = each(r, "SELECT uid FROM subjects", is_there, e)) != ST_OK)
         return st;
     return each(r,
                 "SELECT id, revoked, hash, old_hash, old_until, expires, mac FROM tokens",

@@ -45,6 +45,8 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_KEY_SET] = "UPDATE subjects SET key = ?2 WHERE subject_key = ?1",
     [SQL_SUBJECT_FIND] =
         "SELECT s.subject_key, " SUBJECT_WHO " FROM subjects s WHERE s.lookup = ?1",
+    [SQL_SUBJECT_SAME] =
+        "SELECT s.subject_key, " SUBJECT_WHO " FROM subjects s WHERE s.uid = ?1",
     [SQL_SUBJECT_ADD] =
         "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
         "seen, hold, disabled) "
@@ -102,8 +104,11 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
                        "WHERE seq NOT IN (SELECT seq FROM events) ORDER BY seq",
     [SQL_ERASED_LIST] = "SELECT lookup, at FROM erased WHERE ?1 IS NULL OR lookup = ?1 "
                         "ORDER BY at, lookup",
-    [SQL_ERASED_ADD] = "REPLACE INTO erased (lookup, at) VALUES (?1, ?2)",
-    [SQL_ERASED_REMOVE] = "DELETE FROM erased WHERE lookup = ?1",
+    [SQL_ERASED_ADD] = "REPLACE INTO erased (uid, lookup, at) VALUES (?1, ?2, ?3)",
+    [SQL_ERASED_NOTE] = "REPLACE INTO erased (uid, lookup, at) "
+                        "SELECT uid, lookup, ?2 FROM subjects WHERE subject_key = ?1",
+    [SQL_ERASED_UID] = "SELECT 1 FROM erased WHERE uid = ?1",
+    [SQL_ERASED_LOOKUP] = "SELECT 1 FROM erased WHERE lookup = ?1",
     [SQL_TOKEN_ADD] = "INSERT INTO tokens (id, name, hash, created, scopes, expires) "
                       "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
     [SQL_TOKEN_LIST] = "SELECT " TOKEN_COLUMNS " FROM tokens ORDER BY token_key",

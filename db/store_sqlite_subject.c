@@ -45,6 +45,7 @@ bool store_sqlite_subject_who(const struct store_sqlite_conn *c, sqlite3_stmt *s
         return false;
     s->hold = hold != 0;
     s->disabled = disabled != 0;
+    memcpy(s->uid, k->uid, sizeof s->uid);
     return store_seal_open_subject(k, about, n, s);
 }
 
@@ -123,14 +124,32 @@ enum status store_sqlite_subject_find(struct store_sqlite_conn *c, const char *s
     return st;
 }
 
-enum status store_sqlite_subject_return(struct store_sqlite_conn *c, const char *subject,
-                                        struct errinfo *e)
+enum status store_sqlite_subject_same(struct store_sqlite_conn *c,
+                                      const unsigned char uid[STORE_UID],
+                                      struct store_sqlite_person *p,
+                                      struct store_subject *who, struct errinfo *e)
 {
     sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(c, SQL_ERASED_REMOVE, &stmt, e);
+    enum status st = store_sqlite_prepare(c, SQL_SUBJECT_SAME, &stmt, e);
+    int rc;
 
-    if (st == ST_OK && (st = bind_lookup(c, stmt, subject, e)) == ST_OK)
-        st = store_sqlite_run(c, stmt, e);
+    if (st != ST_OK)
+        return st;
+    memset(who, 0, sizeof *who);
+    if (store_sqlite_bind_bytes(stmt, 1, uid, STORE_UID) != SQLITE_OK ||
+        ((rc = sqlite3_step(stmt)) != SQLITE_ROW && rc != SQLITE_DONE)) {
+        st = store_sqlite_fail(c, "cannot read a subject", e);
+    } else if (rc == SQLITE_DONE) {
+        st = errinfo_set(e, ST_ENOTFOUND, "there is no such subject");
+    } else {
+        p->row = sqlite3_column_int64(stmt, 0);
+        if (!store_sqlite_subject_who(c, stmt, 1, who, &p->key)) {
+            memset(who, 0, sizeof *who);
+            st = errinfo_set(e, ST_ECORRUPT, "a subject's row is damaged (row %lld)",
+                             (long long)p->row);
+        }
+    }
+    (void)sqlite3_reset(stmt);
     return st;
 }
 
@@ -141,12 +160,13 @@ enum status store_sqlite_subject_add(struct store_sqlite_conn *c,
     unsigned char wrapped[VAULT_WRAPPED], sealed[STORE_SEAL_ABOUT];
     sqlite3_stmt *stmt;
     size_t n;
-    enum status st;
+    enum status st = store_sqlite_prepare(c, SQL_SUBJECT_ADD, &stmt, e);
 
-    if ((st = store_sqlite_subject_return(c, about->id, e)) != ST_OK ||
-        (st = store_sqlite_prepare(c, SQL_SUBJECT_ADD, &stmt, e)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    store_seal_new(c->vault, &p->key, wrapped);
+    store_seal_new(c->vault,
+                   sodium_is_zero(about->uid, sizeof about->uid) ? NULL : about->uid,
+                   &p->key, wrapped);
     n = store_seal_subject(&p->key, about, sealed);
     if ((st = bind_lookup(c, stmt, about->id, e)) == ST_OK &&
         (store_sqlite_bind_bytes(stmt, 2, p->key.uid, sizeof p->key.uid) != SQLITE_OK ||
@@ -293,16 +313,18 @@ static enum status may_erase(struct store_sqlite_conn *c, const struct store_act
     return ST_OK;
 }
 
+/* Of a row that is still there. */
 static enum status remember_erased(struct store_sqlite_conn *c,
-                                   const struct store_act *by, const char *subject,
+                                   const struct store_act *by, int64_t row,
                                    struct errinfo *e)
 {
     sqlite3_stmt *stmt;
-    enum status st = store_sqlite_prepare(c, SQL_ERASED_ADD, &stmt, e);
+    enum status st = store_sqlite_prepare(c, SQL_ERASED_NOTE, &stmt, e);
 
-    if (st != ST_OK || (st = bind_lookup(c, stmt, subject, e)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    if (store_sqlite_bind(stmt, 2, by->at) != SQLITE_OK)
+    if (sqlite3_bind_int64(stmt, 1, row) != SQLITE_OK ||
+        store_sqlite_bind(stmt, 2, by->at) != SQLITE_OK)
         return store_sqlite_fail(c, "cannot erase a subject", e);
     return store_sqlite_run(c, stmt, e);
 }
@@ -372,12 +394,12 @@ enum status store_sqlite_subject_delete(struct store *s, const struct store_act 
          (st != ST_ECORRUPT || p.row == 0)) ||
         (st = may_erase(c, by, subject, due, e)) != ST_OK ||
         (st = list_templates(c, p.row, out, e)) != ST_OK ||
+        (st = remember_erased(c, by, p.row, e)) != ST_OK ||
         (st = store_sqlite_prepare(c, SQL_SUBJECT_DELETE, &stmt, e)) != ST_OK)
         goto out;
     if (sqlite3_bind_int64(stmt, 1, p.row) != SQLITE_OK)
         st = store_sqlite_fail(c, "cannot delete a subject", e);
     else if ((st = store_sqlite_run(c, stmt, e)) == ST_OK &&
-             (st = remember_erased(c, by, subject, e)) == ST_OK &&
              (st = store_sqlite_event_add(c, by, "delete_subject", subject, "", "deleted",
                                           e)) == ST_OK)
         st = give_receipt(c, by, subject, out, e);

@@ -49,6 +49,7 @@ enum status store_subject_add(struct store *s, const char *actor,
         return st;
     memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->created, by.at, sizeof about->created);
+    memset(about->uid, 0, sizeof about->uid); /* a new one */
     return s->engine->subject_add(s, &by, about, e);
 }
 

@@ -367,10 +367,10 @@ const struct surfacectl_command surfacectl_commands[] = {
      .run = surfacectl_backup_restore,
      .summary = "put a backup in the place of the database",
      .help =
-         "FILE is verified first.  Whoever was erased since is erased in it too; tokens keep the\n"
-         "secrets that they have now, and revoked ones stay revoked.  The database that is there\n"
-         "is kept as PATH.before-restore.  Stop the daemon first.  --dry-run says what would\n"
-         "change.",
+         "FILE is verified first.  Whoever was erased since is erased in it too, also under an\n"
+         "older id; tokens keep the secrets that they have now, and revoked ones stay revoked.\n"
+         "The database that is there is kept as PATH.before-restore.  Stop the daemon first.\n"
+         "--dry-run says what would change.",
      .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"},
     {.name = "export",
      .args = "SUBJECT... | --all",
@@ -394,8 +394,9 @@ const struct surfacectl_command surfacectl_commands[] = {
      .summary = "what export wrote, all of it or nothing",
      .help =
          "Everything in it is verified first.  Who and what is there already is left as it is, so\n"
-         "a second time changes nothing.  Whoever was erased here is left out.  Templates that\n"
-         "another engine version or another --model made are refused.",
+         "a second time changes nothing.  Whoever was erased here, under whatever id, is left out:\n"
+         "to have them back, enroll them anew.  Templates that another engine version or another\n"
+         "--model made are refused.",
      .example = "surfacectl --db faces.db import moving.archive --dry-run"},
     {.name = "rekey",
      .args = "",

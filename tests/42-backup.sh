@@ -128,6 +128,27 @@ is "the daemon serves it" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 rm "$DB.before-restore"
 
+# ---- whoever was erased after another id was given
+ctl backup "$T/old-ids"
+ctl subject rename alice ann
+ctl enroll dan "$T/s4.ply" --force
+ctl subject rename dan alice # who is somebody else
+ctl subject erase ann --yes
+is "erased under the new id" "$CODE" 0
+ctl backup "$T/new-ids"
+ctl restore "$T/old-ids"
+is "the old id comes back with nobody" "$CODE $(said .subjects_erased)" "0 1"
+ok "neither id" sh -c '! echo " $1 " | grep -q " alice \| ann "' - "$(people)"
+ctl check
+is "all is well" "$CODE" 0
+rm "$DB.before-restore"
+ctl restore "$T/new-ids"
+is "and is free for another" "$CODE $(said .subjects_erased) $(people | grep -c alice)" "0 0 1"
+rm "$DB.before-restore"
+ctl restore "$T/back"
+is "an older one still" "$CODE $(people | grep -c 'alice\|bob\|carol')" "0 0"
+rm "$DB.before-restore"
+
 # ---- where there is nothing
 mv "$DB" "$T/away"
 rm -f "$DB"-*

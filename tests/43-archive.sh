@@ -100,6 +100,30 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
 is "the daemon sees it" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 
+# ---- another id here, then erased: the archive has the old one
+ctl "$TO" subject rename alice ann
+ctl "$TO" import "$T/all" --archive-key "$T/phrase"
+is "she is there already" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')" "0 0 0 "
+ctl "$TO" delete --yes ann
+ctl "$TO" import "$T/all" --archive-key "$T/phrase"
+is "she does not come back" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 0 2 "
+ctl "$TO" subject set alice --reference new
+ctl "$TO" import "$T/all" --archive-key "$T/phrase"
+is "nor by somebody of that id" "$CODE $(said '.templates_new, .subjects_erased' |
+    tr '\n' ' ')" "0 0 2 "
+ctl "$TO" list
+is "who is there" "$(said '[.subjects[].subject] | join(" ")')" 'carol alice'
+# By the id alone, where another database knew somebody else by it.
+rm -f "$T/third"*
+ctl "$T/third" init
+ctl "$T/third" enroll carol "$T/s1.ply"
+ctl "$T/third" delete --yes carol
+ctl "$T/third" import "$T/all" --archive-key "$T/phrase"
+is "an id that was erased" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 2 1 "
+ctl "$T/third" subject set carol --reference back
+ctl "$T/third" import "$T/all" --archive-key "$T/phrase"
+is "until it is there again" "$CODE $(said '.templates_new, .subjects_erased' | tr '\n' ' ')" "0 1 0 "
+
 # ---- all or nothing: the second of two cannot be
 DB=$T/faces.db
 rm -f "$TO"*

@@ -230,7 +230,7 @@ static void test_rows(void **state)
     memset(s.purpose, 'c', STORE_NOTE_MAX);
     memset(f.label, 'd', STORE_LABEL_MAX);
     memset(f.digest, '7', 64);
-    store_seal_new(v, &k, wrapped);
+    store_seal_new(v, NULL, &k, wrapped);
     assert_true(store_seal_key(v, k.uid, wrapped, &other));
     assert_memory_equal(&k, &other, sizeof k);
     n = store_seal_subject(&k, &s, in);
@@ -261,7 +261,7 @@ static void test_rows(void **state)
     g = f;
     g.id[0] = '1';
     assert_false(store_seal_open_model(&k, &g, model, sizeof model, out));
-    store_seal_new(v, &other, wrapped);
+    store_seal_new(v, NULL, &other, wrapped);
     assert_false(store_seal_open_model(&other, &f, model, sizeof model, out));
     vault_free(v);
 }
