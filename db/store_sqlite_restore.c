@@ -311,6 +311,58 @@ static enum status place(struct newfile *n, struct errinfo *e)
     return st == ST_OK ? newfile_keep(n, e) : st;
 }
 
+/* Does the database tell all that the copy aside does, and perhaps more?  Then the last event
+ * of that is among its own, whose hashes depend on all before. */
+static enum status goes_on_from(struct store_sqlite_conn *held, const char *aside,
+                                bool *yes, struct errinfo *e)
+{
+    static const char end[] = "SELECT seq, hash FROM events_end",
+                      same[] = "SELECT 1 FROM events WHERE seq = ?1 AND hash = ?2";
+    struct store_sqlite_conn *c = NULL;
+    sqlite3_stmt *last = NULL, *mine = NULL;
+    enum status st;
+
+    *yes = false;
+    if ((st = store_sqlite_connect(aside, SQLITE_OPEN_READONLY, false, &c, e)) != ST_OK)
+        return st;
+    if (sqlite3_prepare_v2(c->db, end, -1, &last, NULL) == SQLITE_OK &&
+        sqlite3_step(last) == SQLITE_ROW) {
+        if (sqlite3_prepare_v2(held->db, same, -1, &mine, NULL) != SQLITE_OK ||
+            sqlite3_bind_value(mine, 1, sqlite3_column_value(last, 0)) != SQLITE_OK ||
+            sqlite3_bind_value(mine, 2, sqlite3_column_value(last, 1)) != SQLITE_OK)
+            st = store_sqlite_fail(held, "cannot read the events", e);
+        else
+            *yes = sqlite3_step(mine) == SQLITE_ROW;
+    }
+    (void)sqlite3_finalize(last);
+    (void)sqlite3_finalize(mine);
+    store_sqlite_disconnect(c);
+    return st;
+}
+
+/* A restore that was killed before it replaced anything has left a copy of the database that
+ * is there: nobody needs it.  What one that came to its end has put aside may be needed. */
+static enum status clear_aside(struct store_sqlite_conn *held, const char *aside,
+                               struct errinfo *e)
+{
+    bool superfluous = false;
+    enum status st;
+
+    if (access(aside, F_OK) != 0)
+        return ST_OK;
+    if (held != NULL && (st = goes_on_from(held, aside, &superfluous, e)) != ST_OK)
+        return st;
+    if (!superfluous)
+        return errinfo_set(
+            e, ST_EEXISTS,
+            "%.160s is what an earlier restore has put aside: delete it when "
+            "all is well, or move it",
+            aside);
+    return unlink(aside) == 0 ? ST_OK
+                              : errinfo_set(e, ST_EIO, "cannot remove %.160s: %s", aside,
+                                            strerror(errno));
+}
+
 enum status store_sqlite_restore(const char *path, const char *from,
                                  const struct store_key *key, const struct store_act *by,
                                  bool dry, struct store_restored *out, struct errinfo *e)
@@ -325,15 +377,10 @@ enum status store_sqlite_restore(const char *path, const char *from,
     if (aside == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     (void)snprintf(aside, len, "%s.before-restore", path);
-    if (!dry && access(aside, F_OK) == 0) {
-        st = errinfo_set(e, ST_EEXISTS,
-                         "%.160s is there from an earlier restore: move or delete it",
-                         aside);
-        goto out;
-    }
     if ((st = is_other(path, from, e)) != ST_OK ||
         (st = newfile_open(path, &n, e)) != ST_OK ||
         (st = hold(path, dry, &r.held, e)) != ST_OK ||
+        (!dry && (st = clear_aside(r.held, aside, e)) != ST_OK) ||
         (st = copy_backup(from, key, &n, &out->backup, e)) != ST_OK ||
         (st = amend(&r, path, n.part, key, e)) != ST_OK)
         goto out;

@@ -129,6 +129,28 @@ static void look_at_log(struct doctor *d)
             (long long)sb.st_size);
 }
 
+/* What commands that were killed have left, or that came to their end and nobody removed. */
+static void look_at_left(struct doctor *d)
+{
+    static const struct {
+        const char *suffix, *finding, *todo;
+    } left[] = {
+        {".part", "is what a restore or an upgrade that was killed had written",
+         "nothing: the next one writes over it; or delete it while none is running"},
+        {".before-restore", "is the database from before a restore",
+         "delete it when all is well: it has people in it who may be erased by now"},
+        {".before-restore.part", "is what a restore that was killed had copied",
+         "nothing: the next one writes over it; or delete it while none is running"},
+    };
+    char name[PATH_MAX];
+
+    for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", d->c->db, left[i].suffix);
+        if (access(name, F_OK) == 0)
+            say(d, NOTE, "left", left[i].todo, "%s %s", name, left[i].finding);
+    }
+}
+
 /* ---- what is in them */
 
 static bool look_at_schema(struct doctor *d)
@@ -272,6 +294,7 @@ int surfacectl_doctor(struct surfacectl *c)
     if (look_at_file(&d)) {
         look_at_folder(&d);
         look_at_log(&d); /* before it is brought in */
+        look_at_left(&d);
         if (look_at_schema(&d)) {
             look_at_next(&d);
             if (look_at_key(&d))

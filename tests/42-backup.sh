@@ -119,6 +119,7 @@ is "what was there is kept" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
 is "for its owner alone" "$(stat -c %a "$DB.before-restore")" 600
 ctl restore "$T/back"
 is "it is not overwritten by another restore" "$CODE" 65
+ok "it is said what to do" grep -q 'before-restore.*delete it when all is well' "$T/ctl.err"
 rm "$DB.before-restore"
 ctl restore "$T/back"
 is "a second time" "$CODE $(said .subjects_erased)" "0 2"
@@ -138,7 +139,7 @@ is "erased under the new id" "$CODE" 0
 ctl backup "$T/new-ids"
 ctl restore "$T/old-ids"
 is "the old id comes back with nobody" "$CODE $(said .subjects_erased)" "0 1"
-ok "neither id" sh -c '! echo " $1 " | grep -q " alice \| ann "' - "$(people)"
+is "neither id" "$(people | tr ' ' '\n' | grep -c -e '^alice$' -e '^ann$')" 0
 ctl check
 is "all is well" "$CODE" 0
 rm "$DB.before-restore"
@@ -148,6 +149,41 @@ rm "$DB.before-restore"
 ctl restore "$T/back"
 is "an older one still" "$CODE $(people | grep -c 'alice\|bob\|carol')" "0 0"
 rm "$DB.before-restore"
+
+# ---- a restore that was killed when it had put the database aside, and nothing else: the
+# next one knows that, also after the database went on, and needs nobody's help.
+ctl backup "$DB.before-restore"
+ctl restore "$T/back"
+is "put aside alone" "$CODE" 0
+ctl restore "$T/new-ids"
+is "what one that was not killed put aside stays" "$CODE" 65
+rm "$DB.before-restore"
+ctl backup "$DB.before-restore"
+ctl enroll eve "$T/s4.ply" --force
+ctl restore "$T/back"
+is "and gone on" "$CODE" 0
+is "what is aside now is the newer one" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
+    --key "$DB.key" --json list | jq -r '.subjects[].subject' | grep -c eve)" 1
+rm "$DB.before-restore"
+end() { sqlite3 "$DB" 'SELECT hex(hash) FROM events_end'; }
+for _ in 1 2 3 4 5 6; do # killed there indeed, or a little later
+    was=$(end)
+    "$BUILD/surfacectl" --db "$DB" restore "$T/back" >"$T/text" 2>&1 &
+    pid=$!
+    while [ ! -e "$DB.before-restore" ] && kill -0 "$pid" 2>/dev/null; do :; done
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+    after=$(end)
+    ctl restore "$T/back"
+    if [ "$after" = "$was" ]; then
+        is "killed before it replaced anything" "$CODE" 0
+    else
+        is "killed after" "$CODE" 65
+    fi
+    rm "$DB.before-restore"
+done
+ctl check
+is "all is well after that" "$CODE" 0
 
 # ---- where there is nothing
 mv "$DB" "$T/away"

@@ -33,6 +33,15 @@ is "as text" "$?" 0
 ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
 sum=$(cksum <"$DB")
 
+# ---- what was left
+: >"$DB.part"
+"$BUILD/surfacectl" --db "$DB" backup "$DB.before-restore" >"$T/text"
+doctor
+is "that is no trouble" "$CODE" 0
+finds "what was left" note left 'faces.db.part is what a restore'
+finds "what a restore put aside" note left 'from before a restore'
+rm "$DB.part" "$DB.before-restore"
+
 # ---- permissions
 chmod 644 "$DB"
 doctor
