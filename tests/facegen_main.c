@@ -1,5 +1,6 @@
 /* facegen -- write a simulated scan of a made-up face to a file. */
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -25,7 +26,8 @@ static const char usage[] =
     "  --smile S      0 to 1 (0)\n"
     "  --symmetry S   share of the face's asymmetry taken away, -2 to 1 (0)\n"
     "  --format F     ply (binary), ply-ascii, obj, xyz, json; else by FILE's ending\n"
-    "  -o FILE        where to (standard output)\n";
+    "  -o FILE        where to (standard output)\n"
+    "  --count N      of N subjects, from --subject on; % in FILE is each one's number\n";
 
 enum format { PLY, PLY_ASCII, OBJ, XYZ, JSON, FORMATS };
 static const char *const format_names[FORMATS] = {"ply", "ply-ascii", "obj", "xyz",
@@ -33,7 +35,7 @@ static const char *const format_names[FORMATS] = {"ply", "ply-ascii", "obj", "xy
 
 struct options {
     struct facegen_scan scan;
-    double subject, number, points, pose, shift;
+    double subject, number, points, pose, shift, count;
     int format; /* FORMATS: by the file's ending */
     const char *file;
 };
@@ -62,7 +64,7 @@ static int read_options(int argc, char **argv, struct options *o)
         {"--tz", &s->tz, -1e4, 1e4},         {"--noise", &s->noise, 0, 10},
         {"--warp", &s->warp, 0, 10},         {"--holes", &s->holes, 0, 0.9},
         {"--spikes", &s->spikes, 0, 0.5},    {"--smile", &s->smile, 0, 1},
-        {"--symmetry", &s->symmetry, -2, 1},
+        {"--symmetry", &s->symmetry, -2, 1}, {"--count", &o->count, 0, 1e7},
     };
     const size_t count = sizeof numbers / sizeof *numbers;
 
@@ -94,6 +96,8 @@ static int read_options(int argc, char **argv, struct options *o)
                 return bad("unknown format ", argv[i + 1]);
         }
     }
+    if (o->count > 0 && (o->file == NULL || strchr(o->file, '%') == NULL))
+        return bad("--count needs -o with a %", "");
     return 0;
 }
 
@@ -149,16 +153,17 @@ static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
         (void)fputs("\n]}\n", out);
 }
 
-static int write_file(const struct options *o, const struct dvec3 *p, size_t n)
+static int write_file(const struct options *o, const char *file, const struct dvec3 *p,
+                      size_t n)
 {
-    FILE *out = o->file != NULL ? fopen(o->file, "wb") : stdout;
+    FILE *out = file != NULL ? fopen(file, "wb") : stdout;
     bool failed;
 
     if (out == NULL) {
-        (void)fprintf(stderr, "facegen: %s: %s\n", o->file, strerror(errno));
+        (void)fprintf(stderr, "facegen: %s: %s\n", file, strerror(errno));
         return 1;
     }
-    write_points(out, o->format != FORMATS ? o->format : format_of(o->file), p, n);
+    write_points(out, o->format != FORMATS ? o->format : format_of(file), p, n);
     failed = ferror(out) != 0;
     failed |= fclose(out) != 0;
     if (failed)
@@ -166,11 +171,45 @@ static int write_file(const struct options *o, const struct dvec3 *p, size_t n)
     return failed;
 }
 
+/* One subject's scan into the file; points: room for it. */
+static int make_scan(const struct options *o, uint64_t subject, const char *file,
+                     struct dvec3 *points)
+{
+    struct facegen_scan scan = o->scan;
+    size_t n;
+
+    scan.subject = subject;
+    if (o->pose >= 0 || o->shift > 0)
+        facegen_pose(&scan, o->pose > 0 ? o->pose : 0, o->shift);
+    if ((n = facegen_sample(&scan, points)) != 0)
+        return write_file(o, file, points, n);
+    (void)fputs("facegen: no face to be seen in this pose\n", stderr);
+    return 1;
+}
+
+static int make_scans(const struct options *o, struct dvec3 *points)
+{
+    const uint64_t first = (uint64_t)o->subject, end = first + (uint64_t)o->count;
+    char file[FILENAME_MAX];
+    int rc = 0;
+
+    if (o->count == 0)
+        return make_scan(o, first, o->file, points);
+    for (uint64_t s = first; s < end && rc == 0; s++) {
+        const char *mark = strchr(o->file, '%');
+
+        if (snprintf(file, sizeof file, "%.*s%" PRIu64 "%s", (int)(mark - o->file),
+                     o->file, s, mark + 1) >= (int)sizeof file)
+            return bad("too long: ", o->file);
+        rc = make_scan(o, s, file, points);
+    }
+    return rc;
+}
+
 int main(int argc, char **argv)
 {
     struct options o = {.points = 3000, .pose = -1, .shift = 0, .format = FORMATS};
     struct dvec3 *points;
-    size_t n;
     int rc;
 
     facegen_default(&o.scan);
@@ -180,22 +219,13 @@ int main(int argc, char **argv)
         (void)fputs(usage, stdout);
         return 0;
     }
-    o.scan.subject = (uint64_t)o.subject;
     o.scan.scan = (uint64_t)o.number;
     o.scan.points = (uint32_t)o.points;
-    if (o.pose >= 0 || o.shift > 0)
-        facegen_pose(&o.scan, o.pose > 0 ? o.pose : 0, o.shift);
     if ((points = malloc(o.scan.points * sizeof *points)) == NULL) {
         (void)fputs("facegen: out of memory\n", stderr);
         return 1;
     }
-    n = facegen_sample(&o.scan, points);
-    if (n != 0) {
-        rc = write_file(&o, points, n);
-    } else {
-        (void)fputs("facegen: no face to be seen in this pose\n", stderr);
-        rc = 1;
-    }
+    rc = make_scans(&o, points);
     free(points);
     return rc;
 }
