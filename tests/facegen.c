@@ -174,8 +174,11 @@ static double drawn(const struct facegen_face *f, double x, double y)
 
     for (uint32_t i = 0; i < f->nbumps; i++) {
         const struct facegen_bump *b = &f->bump[i];
-        const double e = square((x - b->x) / b->sx) + square((y - b->y) / b->sy);
+        double e;
 
+        if (fabs(x - b->x) > 6.5 * b->sx || fabs(y - b->y) > 6.5 * b->sy)
+            continue; /* as below, but without dividing */
+        e = square((x - b->x) / b->sx) + square((y - b->y) / b->sy);
         if (e < 40)
             z += b->h * exp(-e / 2);
     }
@@ -191,29 +194,41 @@ double facegen_height(const struct facegen_face *f, double x, double y)
 
 /* ---- the scan */
 
-/* The face's height on a grid, for what needs it often: slopes and what hides what. */
+/* The face's height on a grid, for what needs it often: slopes and what hides what.  Worked
+ * out where it is asked for, which is about half of it. */
 #define GRID_STEP 1.5
 #define GRID_NX   112
 #define GRID_NY   136
 
 struct grid {
-    double z[GRID_NY][GRID_NX];
+    const struct facegen_face *face;
+    double z[GRID_NY][GRID_NX]; /* NAN: not yet */
 };
 
 static void grid_make(const struct facegen_face *f, struct grid *g)
 {
+    g->face = f;
     for (int j = 0; j < GRID_NY; j++)
         for (int i = 0; i < GRID_NX; i++)
-            g->z[j][i] = facegen_height(f, (i - GRID_NX / 2) * GRID_STEP,
-                                        (j - GRID_NY / 2) * GRID_STEP);
+            g->z[j][i] = (double)NAN;
+}
+
+static double grid_at(struct grid *g, int i, int j)
+{
+    double *z = &g->z[j][i];
+
+    if (isnan(*z))
+        *z = facegen_height(g->face, (i - GRID_NX / 2) * GRID_STEP,
+                            (j - GRID_NY / 2) * GRID_STEP);
+    return *z;
 }
 
 /* Bilinear; far below the face outside the grid. */
-static double grid_height(const struct grid *g, double x, double y, double slope[2])
+static double grid_height(struct grid *g, double x, double y, double slope[2])
 {
     const double u = x / GRID_STEP + GRID_NX / 2, v = y / GRID_STEP + GRID_NY / 2;
+    double z[2][2], a, b, s, t;
     int i, j;
-    double a, b, s, t;
 
     if (!(u >= 0 && v >= 0 && u < GRID_NX - 1 && v < GRID_NY - 1))
         return -1e3;
@@ -221,12 +236,12 @@ static double grid_height(const struct grid *g, double x, double y, double slope
     j = (int)v;
     s = u - i;
     t = v - j;
-    a = g->z[j][i] + s * (g->z[j][i + 1] - g->z[j][i]);
-    b = g->z[j + 1][i] + s * (g->z[j + 1][i + 1] - g->z[j + 1][i]);
+    for (int k = 0; k < 4; k++)
+        z[k / 2][k % 2] = grid_at(g, i + k % 2, j + k / 2);
+    a = z[0][0] + s * (z[0][1] - z[0][0]);
+    b = z[1][0] + s * (z[1][1] - z[1][0]);
     if (slope != NULL) {
-        slope[0] = ((1 - t) * (g->z[j][i + 1] - g->z[j][i]) +
-                    t * (g->z[j + 1][i + 1] - g->z[j + 1][i])) /
-                   GRID_STEP;
+        slope[0] = ((1 - t) * (z[0][1] - z[0][0]) + t * (z[1][1] - z[1][0])) / GRID_STEP;
         slope[1] = (b - a) / GRID_STEP;
     }
     return a + t * (b - a);
@@ -270,7 +285,7 @@ static struct dvec3 pose_apply(const struct pose *p, struct dvec3 q)
 }
 
 /* From the point towards the scanner: does the way lead through the face? */
-static bool hidden(const struct grid *g, const struct pose *p, struct dvec3 q)
+static bool hidden(struct grid *g, const struct pose *p, struct dvec3 q)
 {
     const double dx = p->r[2][0], dy = p->r[2][1], dz = p->r[2][2];
 
@@ -282,6 +297,7 @@ static bool hidden(const struct grid *g, const struct pose *p, struct dvec3 q)
 
 struct outline {
     double a, up, down, wave[5], phase[5];
+    double inner, outer; /* radii that it surely lies between */
 };
 
 static void outline_make(const struct facegen_scan *s, struct outline *o)
@@ -295,14 +311,20 @@ static void outline_make(const struct facegen_scan *s, struct outline *o)
         o->wave[k] = 0.016 * normal(&r);
         o->phase[k] = uniform(&r, 0, 6.28);
     }
+    o->outer = 1.001;
+    for (int k = 0; k < 5; k++)
+        o->outer += fabs(o->wave[k]);
+    o->inner = o->outer < 2 ? 2 - o->outer : 0;
 }
 
 static bool outline_holds(const struct outline *o, double x, double y)
 {
     const double u = x / o->a, v = (y - 2) / (y > 2 ? o->up : o->down);
-    const double angle = atan2(v, u);
-    double radius = 1;
+    double angle, radius = 1;
 
+    if (u * u + v * v < square(o->inner) || u * u + v * v > square(o->outer))
+        return u * u + v * v < 1;
+    angle = atan2(v, u);
     for (int k = 0; k < 5; k++)
         radius += o->wave[k] * cos((k + 2) * angle + o->phase[k]);
     return u * u + v * v < radius * radius;
@@ -378,7 +400,7 @@ void facegen_pose(struct facegen_scan *s, double degrees, double mm)
 
 /* One point of the face as scanned, or not: outside the outline, turned away, hidden, or
  * lost in an eye or brow. */
-static bool sample_point(const struct facegen_face *f, const struct grid *g,
+static bool sample_point(const struct facegen_face *f, struct grid *g,
                          const struct pose *pose, const struct outline *o,
                          struct random *r, struct dvec3 *q, double *facing)
 {
