@@ -153,17 +153,27 @@ static void print_help(const struct line *l)
         surfacectl_help_all();
 }
 
-/* What the environment says where the command line did not. */
+/* What the command line did not say: by the environment, and where neither names a database
+ * by the daemon's configuration. */
 static bool read_environment(struct line *l)
 {
-    if (l->cmd->db && l->c.db == NULL && (l->c.db = environment("SURFACED_DB")) == NULL)
-        return wrong(&l->c.e, "which database?  --db PATH or SURFACED_DB", "");
-    if (l->c.model_path == NULL &&
-        surfacectl_option_in(surfacectl_option_find("--model", 7), l->cmd->options))
-        l->c.model_path = environment("SURFACED_MODEL");
-    if (l->c.key == NULL)
-        l->c.key = environment("SURFACED_KEY");
-    return true;
+    struct surfacectl *c = &l->c;
+    const bool model =
+        surfacectl_option_in(surfacectl_option_find("--model", 7), l->cmd->options);
+    char why[sizeof c->e.msg];
+
+    if (l->cmd->db && c->db == NULL && c->config == NULL)
+        c->db = environment("SURFACED_DB");
+    if (model && c->model_path == NULL)
+        c->model_path = environment("SURFACED_MODEL");
+    if (c->key == NULL)
+        c->key = environment("SURFACED_KEY");
+    if (!l->cmd->db || (c->db != NULL && c->config == NULL) ||
+        surfacectl_config_find(c, model) == ST_OK)
+        return true;
+    memcpy(why, c->e.msg, sizeof why);
+    (void)errinfo_set(&c->e, ST_EINVAL, "which database?  %.200s", why);
+    return false;
 }
 
 int main(int argc, char **argv)
@@ -188,6 +198,7 @@ int main(int argc, char **argv)
         code = st == ST_OK ? l.cmd->run(&l.c) : surfacectl_fail(&l.c, st);
     }
     free(model);
+    free(l.c.settings);
     keyfile_free(l.c.asked);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);

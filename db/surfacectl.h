@@ -13,6 +13,7 @@
  *   surfacectl_train.c  train
  *   surfacectl_model.c  --model, and the database opened for it
  *   surfacectl_dir.c    files that are there whole or not at all
+ *   surfacectl_config.c config, and the database that the daemon's settings name
  *   surfacectl_key.c    --key, and the database opened by it
  *   surfacectl_admin.c  init, migrate, show, delete, check, stats, vacuum
  *   surfacectl_rekey.c  rekey
@@ -32,6 +33,7 @@
  *   surfacectl_out.c    JSON */
 #ifndef DB_SURFACECTL_H
 #define DB_SURFACECTL_H
+#include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -71,6 +73,9 @@ struct surfacectl_expires { /* --expires */
 
 struct surfacectl { /* what the command line said */
     const char *db;
+    const char *config;         /* the daemon's file; NULL: where it looks for one */
+    char *settings;             /* that the daemon told; to be freed */
+    char credential[PATH_MAX];  /* the key's file, where they name it as a credential */
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *new_key;        /* --new-key, or NULL */
@@ -121,6 +126,8 @@ int surfacectl_admin_init(struct surfacectl *c);
 int surfacectl_admin_migrate(struct surfacectl *c);
 int surfacectl_rekey(struct surfacectl *c);
 int surfacectl_doctor(struct surfacectl *c);
+int surfacectl_config_show(struct surfacectl *c);
+int surfacectl_config_check(struct surfacectl *c);
 int surfacectl_archive_export(struct surfacectl *c);
 int surfacectl_archive_import(struct surfacectl *c);
 int surfacectl_backup(struct surfacectl *c);
@@ -191,6 +198,11 @@ enum status surfacectl_key_new(struct surfacectl *c, const char *option,
                                struct keyfile **out);
 enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key);
 enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
+
+/* surfacectl_config_find(c, model): c->db, c->key and, if model, c->model_path as the daemon
+ * has them, each where it is NULL.  ST_ENOTFOUND: there is no daemon to ask; ST_EINVAL: it
+ * would not start, and why. */
+enum status surfacectl_config_find(struct surfacectl *c, bool model);
 
 /* surfacectl_key_archive(c, make, out): what an archive is sealed with; asked for twice for
  * one that is made.  Released by keyfile_free(). */

@@ -323,6 +323,25 @@ const struct surfacectl_command surfacectl_commands[] = {
          "ID is a subject's, or else a template's.  Asks for the id again on a terminal;\n"
          "elsewhere --yes is needed.",
      .example = "surfacectl --db faces.db --yes delete alice"},
+    {.name = "config show",
+     .args = "",
+     .options = "config",
+     .run = surfacectl_config_show,
+     .summary = "the daemon's settings, and where each comes from",
+     .help =
+         "As they would be in force if surfaced was started now: its file, --config,\n"
+         "SURFACED_CONFIG or /etc/surfaced.conf, and what the environment says.  The surfaced\n"
+         "beside this program is asked.",
+     .example = "surfacectl config show --json"},
+    {.name = "config check",
+     .args = "",
+     .options = "config",
+     .run = surfacectl_config_check,
+     .summary = "what is wrong with the daemon's settings",
+     .help =
+         "Every problem is told with its place.  Nothing is written, and a running daemon goes\n"
+         "on with what it has.  Exit: 0 it would start, 1 it would not.",
+     .example = "surfacectl config check --config new.conf"},
     {.name = "check",
      .args = "",
      .db = true,

@@ -10,7 +10,8 @@
 static const char exit_help[] =
     "Exit codes:\n"
     "   0  done; verify, compare, explain: match\n"
-    "   1  verify, compare, explain: no match; check, doctor: problems found\n"
+    "   1  verify, compare, explain: no match; check, doctor, config check:\n"
+    "      problems found\n"
     "   2  verify, compare, explain, asymmetry: inconclusive (too little in common)\n"
     "  64  the command line is wrong, or what has to be confirmed was not\n"
     "  65  a scan, a model or the database is malformed or cannot be used\n"
@@ -50,7 +51,9 @@ static void print_options(const struct surfacectl_command *cmd)
 {
     (void)printf("Options (before or after the command):\n");
     for (const struct surfacectl_option *o = surfacectl_options; o->name != NULL; o++) {
-        const bool database = strcmp(o->name, "db") == 0 || strcmp(o->name, "key") == 0;
+        const bool database = strcmp(o->name, "db") == 0 ||
+                              strcmp(o->name, "config") == 0 ||
+                              strcmp(o->name, "key") == 0;
 
         if (cmd == NULL || surfacectl_option_in(o, cmd->options) ||
             (o->common && (!database || cmd->db)))
