@@ -153,27 +153,18 @@ static void print_help(const struct line *l)
         surfacectl_help_all();
 }
 
-/* What the command line did not say: by the environment, and where neither names a database
- * by the daemon's configuration. */
+/* What the environment says, or the daemon's configuration, where the command line did not. */
 static bool read_environment(struct line *l)
 {
     struct surfacectl *c = &l->c;
     const bool model =
         surfacectl_option_in(surfacectl_option_find("--model", 7), l->cmd->options);
-    char why[sizeof c->e.msg];
 
-    if (l->cmd->db && c->db == NULL && c->config == NULL)
-        c->db = environment("SURFACED_DB");
     if (model && c->model_path == NULL)
         c->model_path = environment("SURFACED_MODEL");
     if (c->key == NULL)
         c->key = environment("SURFACED_KEY");
-    if (!l->cmd->db || (c->db != NULL && c->config == NULL) ||
-        surfacectl_config_find(c, model) == ST_OK)
-        return true;
-    memcpy(why, c->e.msg, sizeof why);
-    (void)errinfo_set(&c->e, ST_EINVAL, "which database?  %.200s", why);
-    return false;
+    return !l->cmd->db || surfacectl_config_database(c, model) == ST_OK;
 }
 
 int main(int argc, char **argv)

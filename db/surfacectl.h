@@ -25,6 +25,7 @@
  *   surfacectl_archive.c  export, import
  *   surfacectl_token.c  token
  *   surfacectl_audit.c  audit
+ *   surfacectl_receipt.c  audit receipt
  *   surfacectl_attempts.c  attempts
  *   surfacectl_calibrate.c  calibrate; everybody against everybody: surfacectl_people.h
  *   surfacectl_scan.c   a scan's file to a face model
@@ -163,6 +164,7 @@ int surfacectl_audit_verify(struct surfacectl *c);
 int surfacectl_audit_export(struct surfacectl *c);
 int surfacectl_audit_checkpoint(struct surfacectl *c);
 int surfacectl_audit_erased(struct surfacectl *c);
+int surfacectl_receipt(struct surfacectl *c);
 int surfacectl_completion(struct surfacectl *c);
 
 /* surfacectl_usage(c, ...): EXIT_USAGE, with the text in c->e. */
@@ -199,10 +201,10 @@ enum status surfacectl_key_new(struct surfacectl *c, const char *option,
 enum status surfacectl_key(struct surfacectl *c, const char *db, struct store_key *key);
 enum status surfacectl_open(struct surfacectl *c, enum store_mode mode, struct store **s);
 
-/* surfacectl_config_find(c, model): c->db, c->key and, if model, c->model_path as the daemon
- * has them, each where it is NULL.  ST_ENOTFOUND: there is no daemon to ask; ST_EINVAL: it
- * would not start, and why. */
-enum status surfacectl_config_find(struct surfacectl *c, bool model);
+/* surfacectl_config_database(c, model): c->db where it is NULL by SURFACED_DB; where that is
+ * not set, or --config is given, by the daemon's configuration, as c->key and, if model,
+ * c->model_path then too.  ST_EINVAL: nobody names one, and why. */
+enum status surfacectl_config_database(struct surfacectl *c, bool model);
 
 /* surfacectl_key_archive(c, make, out): what an archive is sealed with; asked for twice for
  * one that is made.  Released by keyfile_free(). */

@@ -395,9 +395,6 @@ static enum status verify_database(struct surfacectl *c, struct store_audit *out
     struct store *s = NULL;
     enum status st;
 
-    if (c->db == NULL && (c->db = getenv("SURFACED_DB")) == NULL)
-        return errinfo_set(&c->e, ST_EINVAL,
-                           "which database?  --db PATH or SURFACED_DB, or a FILE");
     if ((st = surfacectl_open(c, STORE_READ, &s)) == ST_OK &&
         (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
         st = store_audit_verify(s, tell_problem, c, out, &c->e);
@@ -416,6 +413,8 @@ int surfacectl_audit_verify(struct surfacectl *c)
                           "a file is verified by --public-key, a database without");
         return EXIT_USAGE;
     }
+    if (c->nargs == 0 && surfacectl_config_database(c, false) != ST_OK)
+        return EXIT_USAGE;
     surfacectl_out_array(c->out, "problems");
     st = c->nargs > 0 ? verify_file(c, &found) : verify_database(c, &found, public_key);
     surfacectl_out_close(c->out);

@@ -554,6 +554,19 @@ const struct surfacectl_command surfacectl_commands[] = {
      .help =
          "Keep what is printed elsewhere: an older log that is put back is found by it.",
      .example = "surfacectl --db faces.db --json audit checkpoint"},
+    {.name = "audit receipt",
+     .args = "FILE",
+     .min = 1,
+     .max = 1,
+     .options = "public-key",
+     .run = surfacectl_receipt,
+     .summary = "verify the receipt of an erasure",
+     .help =
+         "FILE is what DELETE answered over HTTP, or subject erase --json; - is standard input.\n"
+         "With --public-key alone: is it what that key has signed?  With the database: is it by\n"
+         "its key, is that entry in its log, is the subject among the erased, and is no template\n"
+         "of it there?  Exit: 0 all of that, 1 not.",
+     .example = "surfacectl --db faces.db audit receipt alice.json"},
     {.name = "audit erased",
      .args = "[SUBJECT]",
      .max = 1,

@@ -132,7 +132,7 @@ static const char *key_file(struct surfacectl *c, const char *value)
     return c->credential;
 }
 
-enum status surfacectl_config_find(struct surfacectl *c, bool model)
+static enum status ask_all(struct surfacectl *c, bool model)
 {
     char *name, *value, *rest = NULL;
     bool good = false;
@@ -155,6 +155,19 @@ enum status surfacectl_config_find(struct surfacectl *c, bool model)
             c->model_path = value;
     }
     return ST_OK;
+}
+
+enum status surfacectl_config_database(struct surfacectl *c, bool model)
+{
+    const char *db = getenv("SURFACED_DB");
+    char why[sizeof c->e.msg];
+
+    if (c->db == NULL && c->config == NULL && db != NULL && db[0] != '\0')
+        c->db = db;
+    if ((c->db != NULL && c->config == NULL) || ask_all(c, model) == ST_OK)
+        return ST_OK;
+    memcpy(why, c->e.msg, sizeof why);
+    return errinfo_set(&c->e, ST_EINVAL, "which database?  %.200s", why);
 }
 
 /* Before each setting stands in a comment where its value is from. */

@@ -10,8 +10,8 @@
 static const char exit_help[] =
     "Exit codes:\n"
     "   0  done; verify, compare, explain: match\n"
-    "   1  verify, compare, explain: no match; check, doctor, config check:\n"
-    "      problems found\n"
+    "   1  verify, compare, explain: no match; check, doctor, config check,\n"
+    "      audit verify, audit receipt: problems found\n"
     "   2  verify, compare, explain, asymmetry: inconclusive (too little in common)\n"
     "  64  the command line is wrong, or what has to be confirmed was not\n"
     "  65  a scan, a model or the database is malformed or cannot be used\n"

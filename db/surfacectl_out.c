@@ -140,7 +140,34 @@ bool surfacectl_out_take_text(const struct surfacectl_out *o, const char *key, c
                               size_t size)
 {
     const char *text =
-        cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o->open[0], key));
+        cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o->open[o->depth], key));
+
+    if (text == NULL || strlen(text) >= size)
+        return false;
+    memcpy(out, text, strlen(text) + 1);
+    return true;
+}
+
+bool surfacectl_out_enter(struct surfacectl_out *o, const char *key)
+{
+    cJSON *item = cJSON_GetObjectItemCaseSensitive(o->open[o->depth], key);
+
+    if (o->depth + 1 >= DEPTH || !(cJSON_IsObject(item) || cJSON_IsArray(item)))
+        return false;
+    o->open[++o->depth] = item;
+    return true;
+}
+
+size_t surfacectl_out_count(const struct surfacectl_out *o)
+{
+    return (size_t)cJSON_GetArraySize(o->open[o->depth]);
+}
+
+bool surfacectl_out_take_item(const struct surfacectl_out *o, size_t i, char *out,
+                              size_t size)
+{
+    const char *text =
+        cJSON_GetStringValue(cJSON_GetArrayItem(o->open[o->depth], (int)i));
 
     if (text == NULL || strlen(text) >= size)
         return false;
@@ -151,7 +178,7 @@ bool surfacectl_out_take_text(const struct surfacectl_out *o, const char *key, c
 bool surfacectl_out_take_count(const struct surfacectl_out *o, const char *key,
                                uint64_t *out)
 {
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o->open[0], key);
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o->open[o->depth], key);
 
     if (!cJSON_IsNumber(item) || !(item->valuedouble >= 0) ||
         item->valuedouble > 9007199254740992.0)

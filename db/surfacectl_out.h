@@ -35,6 +35,15 @@ bool surfacectl_out_take_text(const struct surfacectl_out *o, const char *key, c
                               size_t size);
 bool surfacectl_out_take_count(const struct surfacectl_out *o, const char *key,
                                uint64_t *out);
+
+/* surfacectl_out_enter(o, key): what is taken from now on is of that object or array, until
+ * surfacectl_out_close(); false: there is none, and nothing is entered.
+ * surfacectl_out_count(o): its members.
+ * surfacectl_out_take_item(o, i, out, size): of an array the text in place i. */
+bool surfacectl_out_enter(struct surfacectl_out *o, const char *key);
+size_t surfacectl_out_count(const struct surfacectl_out *o);
+bool surfacectl_out_take_item(const struct surfacectl_out *o, size_t i, char *out,
+                              size_t size);
 void surfacectl_out_drop(struct surfacectl_out *o); /* NULL is allowed */
 
 #endif

@@ -102,6 +102,45 @@ ctl audit erased alice
 is "by the id" $CODE 0
 ctl audit erased bob
 is "bob was not" "$CODE $(said '.erased | length')" "1 0"
+# proves WANTED FILE [OPTION...]: exit code and problems of verifying a receipt
+proves() {
+    p_wanted=$1
+    shift
+    ctl audit receipt "$@"
+    is "receipt $*" "$CODE $(said '[.ok, (.problems | length)] | @csv')" "$p_wanted"
+}
+proves '0 true,0' "$T/receipt"
+is "what it is of" "$(said '[.subject, .templates, .entry] | @csv')" '"alice",1,9'
+offline() { "$BUILD/surfacectl" --json audit receipt "$@" >"$T/ctl" 2>"$T/ctl.err"; }
+offline "$T/receipt" --public-key "$key"
+is "with the public key alone" "$? $(said .ok)" '0 true'
+offline "$T/receipt" --public-key "$(printf '%064d' 0)"
+is "with another" "$? $(said '.problems | length')" '1 1'
+offline "$T/receipt"
+is "by nothing" $? 64
+"$BUILD/surfacectl" --db "$DB" audit receipt - <"$T/receipt" >"$T/text"
+is "from a pipe, as text" "$? $(cut -c 1-29 "$T/text")" '0 ok: alice with 1 template, at'
+for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.template_ids = []' \
+    '.template_ids += ["x"]' '.audit.seq = 8'; do
+    jq "$change" "$T/receipt" >"$T/forged"
+    ctl audit receipt "$T/forged"
+    is "changed: $change" "$CODE $(said '.problems[0]')" '1 what it says is not what was signed'
+done
+for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
+    'del(.signature)' '.subject = "a b"' '[.]'; do
+    jq "$change" "$T/receipt" >"$T/forged"
+    ctl audit receipt "$T/forged"
+    is "no receipt: $change" "$CODE" 65
+done
+ctl audit receipt "$T/none"
+is "no file" "$CODE" 66
+"$BUILD/surfacectl" --db "$T/third.db" init >"$T/text"
+"$BUILD/surfacectl" --db "$T/third.db" --json audit receipt "$T/receipt" >"$T/ctl"
+is "another database's" "$? $(said '.problems | length')" '1 1'
+cp "$DB" "$T/copy.db"
+sqlite3 "$T/copy.db" "DELETE FROM erased; UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = 9"
+"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
+is "what the database does not know of it" "$? $(said '.problems | length')" '1 2'
 ctl delete bob --yes
 cp "$T/ctl" "$T/receipt"
 is "the command gives one too" "$CODE $(receipt '[.subject, .templates_deleted, .audit.seq] | @csv')" \
