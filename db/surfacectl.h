@@ -22,6 +22,7 @@
  *   surfacectl_subject.c  subject; purge
  *   surfacectl_template.c  template
  *   surfacectl_reprocess.c  template reprocess
+ *   surfacectl_dedup.c  dedup
  *   surfacectl_archive.c  export, import
  *   surfacectl_token.c  token
  *   surfacectl_audit.c  audit
@@ -50,7 +51,8 @@ struct model;   /* model.h */
 
 enum surfacectl_exit {                /* as in <sysexits.h> where that has one */
                        EXIT_FINE = 0, /* done; verify, compare, explain: match */
-                       EXIT_NO = 1, /* verify, compare: no match; check: problems found */
+                       EXIT_NO = 1,   /* verify, compare: no match; check: problems found;
+                                       dedup: pairs found */
                        EXIT_INCONCLUSIVE =
                            2, /* verify, compare: too little in common to say */
                        EXIT_USAGE = 64,
@@ -96,7 +98,7 @@ struct surfacectl { /* what the command line said */
     struct surfacectl_expires expires;
     int64_t grace_s;                 /* --grace */
     const char *reference, *purpose; /* of a consent; NULL: not given */
-    const char *subject, *since;     /* of events; NULL: any */
+    const char *subject, *since;     /* of events, subject of dedup too; NULL: any */
     uint32_t limit;                  /* --limit; 0: not given */
     const char *public_key;          /* 64 hexadecimal digits, or NULL */
     bool json, yes, force, all, dry_run, list, reset, mean, due, keep_old;
@@ -153,6 +155,7 @@ int surfacectl_template_show(struct surfacectl *c);
 int surfacectl_template_export(struct surfacectl *c);
 int surfacectl_template_delete(struct surfacectl *c);
 int surfacectl_reprocess(struct surfacectl *c);
+int surfacectl_dedup(struct surfacectl *c);
 int surfacectl_token_create(struct surfacectl *c);
 int surfacectl_token_list(struct surfacectl *c);
 int surfacectl_token_rotate(struct surfacectl *c);

@@ -300,6 +300,21 @@ const struct surfacectl_command surfacectl_commands[] = {
      .help = "Asks for the id again on a terminal; elsewhere --yes is needed.",
      .example =
          "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"},
+    {.name = "dedup",
+     .args = "",
+     .db = true,
+     .options = "subject fmr threshold-mm threads dry-run model",
+     .run = surfacectl_dedup,
+     .summary = "find the same face under two subjects",
+     .help =
+         "All templates of each subject with those of every other, on all cores, as in a\n"
+         "verification; or those of --subject alone with all others.  Listed are the pairs at or\n"
+         "below the threshold in force, or --threshold-mm, or that for --fmr, the most alike first:\n"
+         "they may be one person, or relatives, or alike by chance, of which there is about one in\n"
+         "a thousand comparisons at the shipped threshold.  In a large database take a smaller\n"
+         "--fmr.  What it takes is told first, with --dry-run nothing else.  Changes nothing.\n"
+         "Exit: 0 there is no such pair, 1 there are some.",
+     .example = "surfacectl --db faces.db dedup --fmr 1e-5"},
     {.name = "show",
      .args = "ID",
      .min = 1,

@@ -155,7 +155,8 @@ const struct surfacectl_option surfacectl_options[] = {
      .arg = "ID",
      .field = AT(subject),
      .set = set_text,
-     .help = "only events about this subject, erased or not"},
+     .help = "only events about this subject, erased or not; of dedup, this one\n"
+             "with all others"},
     {.name = "since",
      .arg = "TIME",
      .field = AT(since),
