@@ -188,7 +188,11 @@ enum status surfacectl_subject_tell(struct surfacectl *c, struct store *s,
 void surfacectl_template_tell(struct surfacectl *c, const struct store_template *t);
 
 /* surfacectl_subject_remove(c, s, one), surfacectl_template_remove(c, s, t): for good, once
- * that is confirmed; an exit code. */
+ * that is confirmed; an exit code.
+ * surfacectl_subject_would(c, one, templates, what): the same for --dry-run: so many
+ * templates of it would go, or may not.  what: "deletes ...". */
+int surfacectl_subject_would(struct surfacectl *c, const struct store_subject *one,
+                             uint32_t templates, const char *what);
 int surfacectl_subject_remove(struct surfacectl *c, struct store *s,
                               const struct store_subject *one);
 int surfacectl_template_remove(struct surfacectl *c, struct store *s,

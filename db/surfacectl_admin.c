@@ -146,7 +146,7 @@ int surfacectl_admin_delete(struct surfacectl *c)
     struct store_template t;
     struct store *s = NULL;
     bool subject = false;
-    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    enum status st = surfacectl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
     int code;
 
     if (st == ST_OK)

@@ -6,6 +6,7 @@
 
 int surfacectl_archive_export(struct surfacectl *c)
 {
+    char size[32];
     struct store_exported x;
     struct keyfile *k = NULL;
     struct store *s = NULL;
@@ -30,9 +31,9 @@ int surfacectl_archive_export(struct surfacectl *c)
     surfacectl_out_number(c->out, "templates", (double)x.templates);
     surfacectl_out_number(c->out, "bytes", (double)x.bytes);
     if (!c->json)
-        (void)printf("%s: %llu subjects, %llu templates, %.1f MB\n", c->dir,
+        (void)printf("%s: %llu subjects, %llu templates, %s\n", c->dir,
                      (unsigned long long)x.subjects, (unsigned long long)x.templates,
-                     (double)x.bytes / 1e6);
+                     surfacectl_bytes(x.bytes, size));
     return EXIT_FINE;
 }
 

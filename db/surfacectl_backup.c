@@ -35,7 +35,7 @@ int surfacectl_backup(struct surfacectl *c)
     struct store_copied copied;
     struct store_key key;
     struct store *s = NULL;
-    char usual[PATH_MAX];
+    char usual[PATH_MAX], size[32];
     enum status st = key_of(c, c->db, &key, usual);
 
     if (st == ST_OK && (st = store_open(c->db, STORE_READ, &key, &s, &c->e)) == ST_OK)
@@ -50,7 +50,7 @@ int surfacectl_backup(struct surfacectl *c)
         print_count(copied.subjects, "subject");
         (void)printf(", ");
         print_count(copied.templates, "template");
-        (void)printf(", %.1f MB\n", (double)copied.bytes / 1e6);
+        (void)printf(", %s\n", surfacectl_bytes(copied.bytes, size));
     }
     return EXIT_FINE;
 }

@@ -220,13 +220,13 @@ const struct surfacectl_command surfacectl_commands[] = {
      .min = 1,
      .max = 1,
      .db = true,
-     .options = "yes",
+     .options = "dry-run yes",
      .run = surfacectl_subject_erase,
      .summary = "delete a subject with all its templates",
      .help =
          "Its key goes with it, so that what is left of it anywhere cannot be read.  Prints a\n"
          "receipt, which --json gives in full, with its signature.  Asks for the id again on a\n"
-         "terminal; elsewhere --yes is needed.",
+         "terminal; elsewhere --yes is needed.  --dry-run says what would be deleted.",
      .example = "surfacectl --db faces.db --yes subject erase alice"},
     {.name = "purge",
      .args = "",
@@ -294,7 +294,7 @@ const struct surfacectl_command surfacectl_commands[] = {
      .min = 1,
      .max = 1,
      .db = true,
-     .options = "yes",
+     .options = "dry-run yes",
      .run = surfacectl_template_delete,
      .summary = "delete one template",
      .help = "Asks for the id again on a terminal; elsewhere --yes is needed.",
@@ -331,7 +331,7 @@ const struct surfacectl_command surfacectl_commands[] = {
      .max = 1,
      .db = true,
      .old = true,
-     .options = "yes",
+     .options = "dry-run yes",
      .run = surfacectl_admin_delete,
      .summary = "delete a subject with all its templates, or one template",
      .help =

@@ -83,6 +83,7 @@ static void look_at_folder(struct doctor *d)
     char dir[PATH_MAX];
     struct stat sb;
     struct statvfs fs;
+    char text[32];
     uint64_t left;
 
     (void)snprintf(dir, sizeof dir, "%.*s", slash == NULL ? 1 : (int)(slash - db + 1),
@@ -101,9 +102,9 @@ static void look_at_folder(struct doctor *d)
     left = (uint64_t)fs.f_bavail * fs.f_frsize;
     if (left < LEAST_FREE)
         say(d, TROUBLE, "disk", "make room: enrolments fail when it is full",
-            "%llu MB are left", (unsigned long long)(left >> 20));
+            "%s are left", surfacectl_bytes(left, text));
     else
-        say(d, FINE, "disk", "", "%llu MB are left", (unsigned long long)(left >> 20));
+        say(d, FINE, "disk", "", "%s are left", surfacectl_bytes(left, text));
 }
 
 static void look_at_log(struct doctor *d)

@@ -280,6 +280,20 @@ static void out_receipt(struct surfacectl_out *o, const struct store_receipt *r)
     surfacectl_out_text(o, "public_key", r->public_key);
 }
 
+int surfacectl_subject_would(struct surfacectl *c, const struct store_subject *one,
+                             uint32_t templates, const char *what)
+{
+    if (one->hold)
+        return surfacectl_fail(
+            c, errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id));
+    surfacectl_out_text(c->out, "subject", one->id);
+    surfacectl_out_number(c->out, "templates", templates);
+    surfacectl_out_flag(c->out, "deleted", false);
+    if (!c->json)
+        (void)printf("this %s; nothing was changed\n", what);
+    return EXIT_FINE;
+}
+
 int surfacectl_subject_remove(struct surfacectl *c, struct store *s,
                               const struct store_subject *one)
 {
@@ -289,6 +303,8 @@ int surfacectl_subject_remove(struct surfacectl *c, struct store *s,
 
     (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one->id,
                    one->templates, one->templates == 1 ? "" : "s");
+    if (c->dry_run)
+        return surfacectl_subject_would(c, one, one->templates, what);
     if (!surfacectl_confirmed(c, what, one->id))
         return EXIT_USAGE;
     st = store_subject_erase(s, SURFACECTL_ACTOR, one->id, &r, &c->e);
@@ -309,7 +325,7 @@ int surfacectl_subject_erase(struct surfacectl *c)
 {
     struct store_subject one;
     struct store *s = NULL;
-    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    enum status st = surfacectl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
     int code;
 
     if (st == ST_OK)

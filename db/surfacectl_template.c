@@ -157,10 +157,16 @@ int surfacectl_template_export(struct surfacectl *c)
 int surfacectl_template_remove(struct surfacectl *c, struct store *s,
                                const struct store_template *t)
 {
+    struct store_subject one;
     char what[256];
     enum status st;
 
     (void)snprintf(what, sizeof what, "deletes template %s of %s", t->id, t->subject);
+    if (c->dry_run) {
+        st = store_subject_get(s, t->subject, &one, &c->e);
+        return st == ST_OK ? surfacectl_subject_would(c, &one, 1, what)
+                           : surfacectl_fail(c, st);
+    }
     if (!surfacectl_confirmed(c, what, t->id))
         return EXIT_USAGE;
     if ((st = store_template_delete(s, SURFACECTL_ACTOR, t->id, &c->e)) != ST_OK)
@@ -176,7 +182,7 @@ int surfacectl_template_delete(struct surfacectl *c)
 {
     struct store_template t;
     struct store *s = NULL;
-    enum status st = surfacectl_open(c, STORE_WRITE, &s);
+    enum status st = surfacectl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
     int code;
 
     if (st == ST_OK)

@@ -105,7 +105,7 @@ static enum status list(struct surfacectl *c, struct store *s)
         return st;
     surfacectl_out_array(c->out, "tokens");
     if (!c->json)
-        (void)printf("%-32s  %-7s  %-16s  %-16s  %-16s  %-34s  %s\n", "TOKEN ID", "STATE",
+        (void)printf("%-32s  %-7s  %-16s  %-16s  %-16s  %-41s  %s\n", "TOKEN ID", "STATE",
                      "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
     for (size_t i = 0; i < n; i++) {
         surfacectl_out_object(c->out, NULL);
@@ -118,7 +118,7 @@ static enum status list(struct surfacectl *c, struct store *s)
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");
-        (void)printf("  %-34s  %s\n", scopes, t[i].name);
+        (void)printf("  %-41s  %s\n", scopes, t[i].name);
     }
     surfacectl_out_close(c->out);
     free(t);

@@ -89,6 +89,8 @@ problem "on hold" 409 on_hold
 req DELETE "/v1/templates/$id"
 problem "its template too" 409 on_hold
 ctl 77 subject erase alice --yes
+ctl 77 subject erase alice --dry-run
+ctl 77 template delete "$id" --dry-run
 ctl 77 template delete "$id" --yes
 ctl 77 delete alice --yes
 ctl 0 subject release alice
@@ -121,6 +123,14 @@ is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = '
 ctl 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
 ok "no file" test ! -e "$T/none.ply"
 ctl 64 template delete "$id"
+for one in 'subject erase ann' "template delete $id" 'delete ann' "delete $id"; do
+    # shellcheck disable=SC2086 # words
+    ctl 0 $one --dry-run
+    is "$one would" "$(said '[.subject, .templates, .deleted] | @csv')" '"ann",1,false'
+done
+"$BUILD/surfacectl" --db "$DB" subject erase ann --dry-run >"$T/text"
+is "in words" "$(cat "$T/text")" 'this deletes subject ann with 1 template; nothing was changed'
+ctl 0 template show "$id"
 
 # ---- due
 ctl 64 purge
