@@ -478,7 +478,8 @@ struct store_check {
 /* store_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys,
  * every calibration valid, every template decoded, its triangulation Delaunay and its tree
  * minimal, its digest and counts right, the audit log (store_audit_verify()).  report() is
- * called once a problem with one line of text. */
+ * called once a problem with one line of text, by one thread at a time.  About 2.5 ms a
+ * template of 3,000 points, shared among as many threads as there are cores. */
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e);
 

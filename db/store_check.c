@@ -1,7 +1,9 @@
 /* store_check() of store.h: is everything in the database as it was written? */
 #include <inttypes.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "codec.h"
 #include "errinfo.h"
@@ -9,41 +11,58 @@
 #include "mst.h"
 #include "store_engine.h"
 
-struct checking {
+#define THREADS 16
+
+struct checking { /* what all threads have in common */
+    struct store *store;
     struct store_check *found;
     store_report *report;
     void *arg;
-    struct face_work *work;
+    pthread_mutex_t lock; /* of found->problems, and of whoever is reported to */
+};
+
+struct share { /* of the templates */
+    struct checking *c;
+    unsigned part, parts;
+    uint64_t templates, bad; /* that were read */
+    struct face_work *work;  /* from the first template on */
     struct face face;
+    pthread_t thread;
+    enum status st;
+    struct errinfo e;
 };
 
 static void count_problem(void *arg, const char *line)
 {
     struct checking *c = arg;
 
+    (void)pthread_mutex_lock(&c->lock);
     c->found->problems++;
     c->report(c->arg, line);
+    (void)pthread_mutex_unlock(&c->lock);
 }
 
 /* A row so damaged that it describes no template, or whose model cannot be decoded. */
 static void count_template(void *arg, const char *line)
 {
-    struct checking *c = arg;
+    struct share *x = arg;
 
-    c->found->templates++;
-    c->found->bad_templates++;
-    count_problem(arg, line);
+    x->templates++;
+    x->bad++;
+    count_problem(x->c, line);
 }
 
 static enum status check_template(void *arg, const struct store_template *t,
                                   const void *model, size_t len, struct errinfo *e)
 {
-    struct checking *c = arg;
-    const struct mesh *m = &c->face.mesh;
+    struct share *x = arg;
+    const struct mesh *m = &x->face.mesh;
     char digest[65];
     enum status st;
 
-    if ((st = codec_decode(model, len, c->work, &c->face, e)) != ST_OK) {
+    if (x->work == NULL && (x->work = face_work_new(store_model(x->c->store))) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if ((st = codec_decode(model, len, x->work, &x->face, e)) != ST_OK) {
         struct errinfo why;
 
         if (e != NULL)
@@ -72,7 +91,7 @@ static enum status check_template(void *arg, const struct store_template *t,
                            "template %s: its digest is not that of its "
                            "points",
                            t->id);
-    c->found->templates++;
+    x->templates++;
     return ST_OK;
 }
 
@@ -84,22 +103,66 @@ static void count_event(void *arg, uint64_t seq, const char *line)
     count_problem(arg, text);
 }
 
+/* ---- templates: on all cores, since that takes the time */
+
+static void *check_share(void *arg)
+{
+    struct share *x = arg;
+    struct store *s = x->c->store;
+
+    x->st = s->engine->template_each(s, x->part, x->parts, check_template, count_template,
+                                     x, &x->e);
+    face_free(&x->face);
+    face_work_free(x->work);
+    return NULL;
+}
+
+static enum status check_templates(struct checking *c, struct errinfo *e)
+{
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const unsigned parts = cores < 1 ? 1 : cores > THREADS ? THREADS : (unsigned)cores;
+    struct share share[THREADS] = {{0}};
+    enum status st = ST_OK;
+    bool started[THREADS] = {false};
+
+    for (unsigned i = 0; i < parts; i++) {
+        share[i].c = c;
+        share[i].part = i;
+        share[i].parts = parts;
+        started[i] =
+            i > 0 && pthread_create(&share[i].thread, NULL, check_share, &share[i]) == 0;
+    }
+    for (unsigned i = 0; i < parts; i++) /* what has no thread is done by this one */
+        if (!started[i])
+            (void)check_share(&share[i]);
+    for (unsigned i = 0; i < parts; i++) {
+        if (started[i])
+            (void)pthread_join(share[i].thread, NULL);
+        c->found->templates += share[i].templates;
+        c->found->bad_templates += share[i].bad;
+        if (st == ST_OK && share[i].st != ST_OK) {
+            st = share[i].st;
+            if (e != NULL)
+                *e = share[i].e;
+        }
+    }
+    return st;
+}
+
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e)
 {
-    struct checking c = {.found = out, .report = report, .arg = arg};
+    struct checking c = {.store = s, .found = out, .report = report, .arg = arg};
     struct store_audit audit;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((c.work = face_work_new(store_model(s))) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    (void)pthread_mutex_init(&c.lock, NULL);
     if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK &&
         (st = store_audit_verify(s, count_event, &c, &audit, e)) == ST_OK) {
         out->events = audit.entries;
-        st = s->engine->template_each(s, check_template, count_template, &c, e);
+        st = check_templates(&c, e);
     }
-    face_free(&c.face);
-    face_work_free(c.work);
+    (void)pthread_mutex_destroy(&c.lock);
     return st;
 }

@@ -61,9 +61,11 @@ struct store_engine {
     enum status (*template_read)(struct store *s, const char *id,
                                  struct store_template *t, store_use *use, void *arg,
                                  struct errinfo *e);
-    /* Every template of one snapshot; a malformed row is reported and passed over. */
-    enum status (*template_each)(struct store *s, store_use *use, store_report *report,
-                                 void *arg, struct errinfo *e);
+    /* Every template of one snapshot, or the part'th of so many shares of them, from 0 on; a
+     * malformed row is reported and passed over. */
+    enum status (*template_each)(struct store *s, unsigned part, unsigned parts,
+                                 store_use *use, store_report *report, void *arg,
+                                 struct errinfo *e);
     /* The model, engine, quality and number of triangles of *t in the place of what is
      * there; *done is false where that is of t->engine already. */
     enum status (*template_renew)(struct store *s, const struct store_act *by,

@@ -396,8 +396,9 @@ enum status store_sqlite_face_add(struct store *s, const struct store_act *by,
 enum status store_sqlite_face_read(struct store *s, const char *id,
                                    struct store_template *t, store_use *use, void *arg,
                                    struct errinfo *e);
-enum status store_sqlite_face_each(struct store *s, store_use *use, store_report *report,
-                                   void *arg, struct errinfo *e);
+enum status store_sqlite_face_each(struct store *s, unsigned part, unsigned parts,
+                                   store_use *use, store_report *report, void *arg,
+                                   struct errinfo *e);
 /* store_sqlite_face_key(c, stmt, t, k, e): the subject's key too of a row of
  * TEMPLATE_COLUMNS; to be wiped. */
 enum status store_sqlite_face_key(const struct store_sqlite_conn *c, sqlite3_stmt *stmt,

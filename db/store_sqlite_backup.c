@@ -141,7 +141,7 @@ static enum status verify_store(struct store *s, struct store_copied *found,
 
     if ((st = store_sqlite_admin_check(s, problem, &v, e)) != ST_OK ||
         (st = verify_subjects(s, found, e)) != ST_OK ||
-        (st = store_sqlite_face_each(s, count_template, problem, &v, e)) != ST_OK ||
+        (st = store_sqlite_face_each(s, 0, 1, count_template, problem, &v, e)) != ST_OK ||
         (st = store_sqlite_audit_verify(s, log_problem, &v, &audit, e)) != ST_OK ||
         (st = store_sqlite_read(s, &c, e)) != ST_OK)
         return st;

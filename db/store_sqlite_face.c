@@ -262,8 +262,9 @@ out:
     return st;
 }
 
-enum status store_sqlite_face_each(struct store *s, store_use *use, store_report *report,
-                                   void *arg, struct errinfo *e)
+enum status store_sqlite_face_each(struct store *s, unsigned part, unsigned parts,
+                                   store_use *use, store_report *report, void *arg,
+                                   struct errinfo *e)
 {
     struct store_seal_key k = {0};
     struct store_sqlite_conn *c;
@@ -277,6 +278,11 @@ enum status store_sqlite_face_each(struct store *s, store_use *use, store_report
         return st;
     if ((st = store_sqlite_prepare(c, SQL_TEMPLATE_EACH, &stmt, e)) != ST_OK)
         goto out;
+    if (sqlite3_bind_int64(stmt, 1, part) != SQLITE_OK ||
+        sqlite3_bind_int64(stmt, 2, parts) != SQLITE_OK) {
+        st = store_sqlite_fail(c, "cannot read the templates", e);
+        goto out;
+    }
     while ((rc = sqlite3_step(stmt)) == SQLITE_ROW && st == ST_OK) {
         char line[sizeof row.msg + 64];
 

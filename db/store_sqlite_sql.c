@@ -15,6 +15,10 @@
 /* ?1: an engine from its first space on, as face_same_engine() compares them. */
 #define TEMPLATE_STALE "substr(engine, instr(engine, ' ')) <> ?1"
 
+/* Of ?2 shares the one that a row is in: by its key, so that nobody who writes meanwhile moves
+ * it into another, and 64 that lie together at a time.  A negative key has one too. */
+#define TEMPLATE_SHARE "(t.template_key >> 6 & 9223372036854775807) % ?2"
+
 #define ATTEMPTS_OF "(SELECT subject_key FROM subjects WHERE lookup = ?1)"
 
 #define TOKEN_COLUMNS                                                                    \
@@ -75,7 +79,7 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
                           " WHERE t.subject_key = ?1 ORDER BY t.template_key",
     [SQL_TEMPLATE_EACH] = "SELECT " TEMPLATE_COLUMNS ", t.model "
                           "FROM templates t LEFT JOIN subjects s USING (subject_key) "
-                          "ORDER BY t.template_key",
+                          "WHERE " TEMPLATE_SHARE " = ?1 ORDER BY t.template_key",
     [SQL_TEMPLATE_IDS] =
         "SELECT id FROM templates WHERE subject_key = ?1 ORDER BY template_key",
     [SQL_TEMPLATE_DELETE] = "DELETE FROM templates WHERE id = ?1",

@@ -135,6 +135,32 @@ static struct store_check check(struct store *s)
     return found;
 }
 
+/* More than one thread checks: each template is read once, also one of an odd key. */
+static void test_check_shares(void **state)
+{
+    struct store *s = fresh();
+    struct store_template t;
+    struct store_check found;
+    char subject[16];
+
+    (void)state;
+    for (int i = 0; i < 200; i++) {
+        (void)snprintf(subject, sizeof subject, "s%d", i);
+        add(s, subject, &face[0], &t);
+    }
+    sql("UPDATE templates SET template_key = -70 WHERE template_key = 70");
+    found = check(s);
+    assert_int_equal(found.templates, 200);
+    assert_int_equal(found.problems, 0);
+    sql("UPDATE templates SET model = zeroblob(length(model)) "
+        "WHERE template_key IN (-70, 1, 100, 200)");
+    found = check(s);
+    assert_int_equal(found.templates, 200);
+    assert_int_equal(found.bad_templates, 4);
+    assert_int_equal(found.problems, 4);
+    store_close(s);
+}
+
 /* ---- what it is for */
 
 static void test_templates(void **state)
@@ -863,14 +889,15 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_templates),     cmocka_unit_test(test_subjects),
-        cmocka_unit_test(test_erased),        cmocka_unit_test(test_events),
-        cmocka_unit_test(test_bad_arguments), cmocka_unit_test(test_sealed),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_unwritable),
-        cmocka_unit_test(test_ready),         cmocka_unit_test(test_damaged_rows),
-        cmocka_unit_test(test_damaged_pages), cmocka_unit_test(test_full_disk),
-        cmocka_unit_test(test_threads),       cmocka_unit_test(test_processes),
-        cmocka_unit_test(test_locked),        cmocka_unit_test(test_enroll_after),
+        cmocka_unit_test(test_templates),    cmocka_unit_test(test_check_shares),
+        cmocka_unit_test(test_subjects),     cmocka_unit_test(test_erased),
+        cmocka_unit_test(test_events),       cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_sealed),       cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_unwritable),   cmocka_unit_test(test_ready),
+        cmocka_unit_test(test_damaged_rows), cmocka_unit_test(test_damaged_pages),
+        cmocka_unit_test(test_full_disk),    cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_processes),    cmocka_unit_test(test_locked),
+        cmocka_unit_test(test_enroll_after),
     };
 
     return cmocka_run_group_tests_name("store", tests, set_up, tear_down);
