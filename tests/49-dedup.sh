@@ -18,9 +18,9 @@ who() { said '[.duplicates[] | .subject_a + "=" + .subject_b] | join(" ")'; }
 rows() { sqlite3 "$DB" 'SELECT (SELECT count(*) FROM events), (SELECT count(*) FROM templates)'; }
 
 for n in 1 2 3 4 5 6; do
-    scan $n 0 "$T/s$n.ply" --points 900
+    scan $n 0 "$T/s$n.ply" --points 500
 done
-scan 2 1 "$T/again.ply" --points 900 --pose 8 --shift 10
+scan 2 1 "$T/again.ply" --points 500 --pose 8 --shift 10
 
 # ---- nobody, one, and people who are different
 ctl 0 init
