@@ -311,6 +311,55 @@ enum status json_change_read(const char *text, size_t len, struct json_change *o
     return st;
 }
 
+_Static_assert(STORE_NOTE_MAX == STORE_SUBJECT_MAX, "one limit for either");
+
+static enum status read_newcomer(const cJSON *doc, struct store_subject *out,
+                                 struct errinfo *e)
+{
+    enum status st = check_members(doc, "the body", e);
+    char text[JSON_TEXT_MAX];
+    const char *given;
+    const cJSON *item;
+
+    for (item = st == ST_OK ? doc->child : NULL; item != NULL && st == ST_OK;
+         item = item->next) {
+        char *to = strcmp(item->string, "subject") == 0      ? out->id
+                   : strcmp(item->string, "consent") == 0    ? out->reference
+                   : strcmp(item->string, "purpose") == 0    ? out->purpose
+                   : strcmp(item->string, "expires_at") == 0 ? out->expires
+                                                             : NULL;
+        const size_t most = to == out->expires ? sizeof out->expires - 1 : STORE_NOTE_MAX;
+
+        text[0] = '\0';
+        if (to == NULL)
+            st = errinfo_set(e, ST_EINVAL,
+                             "a new subject has subject, consent, purpose and "
+                             "expires_at, not %.64s",
+                             item->string);
+        else if ((st = take_text(item, text, &given, e)) == ST_OK && strlen(text) > most)
+            st = errinfo_set(e, ST_EINVAL, "%s is longer than %zu bytes", item->string,
+                             most);
+        else if (st == ST_OK)
+            memcpy(to, text, strlen(text) + 1);
+    }
+    return st;
+}
+
+enum status json_newcomer_read(const char *text, size_t len, struct store_subject *out,
+                               struct errinfo *e)
+{
+    cJSON *doc;
+    enum status st = read_document(text, len, MAX_MEMBERS, &doc, e);
+
+    memset(out, 0, sizeof *out);
+    if (st == ST_ELIMIT)
+        st = errinfo_set(e, ST_EINVAL, "the body has more than %d members", MAX_MEMBERS);
+    if (st == ST_OK)
+        st = read_newcomer(doc, out, e);
+    cJSON_Delete(doc);
+    return st;
+}
+
 /* ---- writing */
 
 /* The text of object, which is deleted; NULL when anything was missing for it. */

@@ -51,6 +51,11 @@ struct json_change {
     bool hold, disabled;
 };
 
+/* json_newcomer_read(text, len, out, e): a subject to be made: its id as subject, and consent,
+ * purpose and expires_at, which may miss or be null; the rest as below. */
+enum status json_newcomer_read(const char *text, size_t len, struct store_subject *out,
+                               struct errinfo *e);
+
 /* json_change_read(text, len, out, e): a merge patch (RFC 7396) of a subject: consent,
  * purpose, expires_at (texts, or null for none), hold and disabled.  text as above.
  * Nothing else may be in it: who means to hold is not to find out later that "on_hold" did

@@ -53,7 +53,7 @@ struct request_answer {
     char *body; /* heap, or NULL with len 0 */
     size_t len;
     const char *type;     /* static */
-    char location[96];    /* "" for none */
+    char location[192];   /* "" for none */
     char allow[40];       /* "" for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     bool challenge;       /* WWW-Authenticate */

@@ -40,6 +40,7 @@ static const struct routes_route table[] = {
     {REQUEST_POST, "/v1/compare", ROUTES_JSON, VERIFY, compare_handle, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTES_CLOUD, VERIFY, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, subjects_list, false},
+    {REQUEST_POST, "/v1/subjects", ROUTES_JSON, ENROLL, subjects_add, false},
     {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, subjects_show, false},
     {REQUEST_PATCH, SUBJECT, ROUTES_MERGE, MANAGE, subjects_change, false},
     {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, subjects_delete, false},

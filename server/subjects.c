@@ -1,6 +1,7 @@
 #include "subjects.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,6 +76,23 @@ void subjects_show(struct request *r, struct worker *w)
 {
     (void)w;
     show(r, request_answer);
+}
+
+void subjects_add(struct request *r, struct worker *w)
+{
+    struct store_subject s;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (json_newcomer_read((const char *)r->body, r->len, &s, &e) != ST_OK ||
+        store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    request_written(r, 201, json_subject(&s, NULL, 0));
+    if (r->answer.http == 201)
+        (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/subjects/%s",
+                       s.id);
 }
 
 void subjects_change(struct request *r, struct worker *w)

@@ -7,6 +7,7 @@ struct worker;
 
 void subjects_list(struct request *r, struct worker *w);
 void subjects_show(struct request *r, struct worker *w);
+void subjects_add(struct request *r, struct worker *w);
 void subjects_change(struct request *r, struct worker *w);
 void subjects_delete(struct request *r, struct worker *w);
 void subjects_template(struct request *r, struct worker *w);

@@ -97,6 +97,27 @@ AUTH=$manage
 req DELETE /v1/subjects/alice
 problem "who changes cannot erase" 403 insufficient_scope
 
+# ---- before the first scan
+AUTH=$enroll
+req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'
+is "made" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
+    '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T00:00:00.000Z"]'
+is "an event of it" "$(events add_subject | cut -d ' ' -f 1,3)" '1 d@ora:1'
+req POST /v1/subjects -H "$JSON" -d '{"subject": "alice"}'
+problem "there already" 409 exists
+for body in '{}' '{"subject": null}' '{"subject": "a b"}' '{"subject": "x", "hold": true}' \
+    "{\"subject\": \"x\", \"consent\": \"$long\"}" '{"subject": "x", "expires_at": "soon"}' \
+    "{\"subject\": \"x$long\"}" '{"subject": "x", "purpose": "a\nb"}'; do
+    req POST /v1/subjects -H "$JSON" -d "$body"
+    problem "refused: $body" 400 malformed
+done
+send POST /v1/subjects/d@ora:1/templates "$PLY" "$T/a.ply"
+is "enrolled then" "$STATUS" 201
+AUTH=$read
+req GET /v1/subjects/d@ora:1
+is "with its consent" "$(get .consent)" C-2
+AUTH=$manage
+
 # ---- on hold
 change alice '{"hold": true}'
 is "on hold" "$STATUS $(get .hold)" '200 true'
