@@ -1,0 +1,481 @@
+/* A database that somebody changed who has no key.  The input says how a small sealed one is
+ * changed: rows first (values, other rows' values, rows taken away or said twice, the schema),
+ * then bytes of the file.  Whatever is asked of it then is an error or the truth: no face is
+ * loaded for somebody who did not enroll it, no token opens that did not.
+ * The database is made at the start, of random numbers that are always the same. */
+#define FUZZ_ROUNDS 40
+#include "fuzz.h"
+
+#include <sodium.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "face.h"
+#include "facegen.h"
+#include "store.h"
+
+#define POINTS    110
+#define THRESHOLD 0.4321
+#define EDITS_MAX 16
+
+#define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
+
+/* alice has the first two, bob the third, carol the fourth and is disabled */
+static struct face face[5];
+static struct store_template tmpl[4];
+static const char *const owner[4] = {"alice", "alice", "bob", "carol"};
+static char secret[65], revoked[65];
+static char dir[64], path[96], key[96];
+static const struct store_key by_key = {.path = key, .make = VAULT_FILE};
+static unsigned char *base;
+static size_t size;
+static struct face_work *work;
+static struct face loaded;
+static struct errinfo e;
+
+static void broken(const char *what, int line)
+{
+    (void)fprintf(stderr, "fuzz_database.c:%d: not %s: %s; see %s\n", line, what, e.msg,
+                  path);
+    abort();
+}
+
+/* ---- the database */
+
+static uint64_t random_state;
+
+static uint32_t random_number(void)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + 1442695040888963407;
+    return (uint32_t)(random_state >> 32);
+}
+
+static const char *random_name(void)
+{
+    return "fuzz";
+}
+
+static void random_bytes(void *const out, const size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        ((unsigned char *)out)[i] = (unsigned char)random_number();
+}
+
+static void remove_files(void)
+{
+    static const char *const suffix[] = {"", "-wal", "-shm", "-journal"};
+    char name[128];
+
+    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+}
+
+static void end(void)
+{
+    remove_files();
+    (void)unlink(key);
+    (void)rmdir(dir);
+    for (size_t i = 0; i < sizeof face / sizeof *face; i++)
+        face_free(&face[i]);
+    face_free(&loaded);
+    face_work_free(work);
+    free(base);
+}
+
+static void fill(struct store *s)
+{
+    struct store_calibration k = {
+        .fmr = 0.001,
+        .low_mm = 0.4,
+        .high_mm = 0.5,
+        .subjects = 80,
+        .impostors = 6320,
+        .decision = {.threshold_mm = THRESHOLD,
+                     .halving_mm = 0.03,
+                     .n = 2,
+                     .knot = {{THRESHOLD, 0.001}, {5, 1}}},
+    };
+    const struct store_subject_change disable = {.disabled = &(bool){true}};
+    struct store_audit_mark mark;
+    struct store_token t;
+    bool created;
+
+    for (size_t i = 0; i < 4; i++)
+        MUST(store_enroll(s, "test", owner[i], "", &face[i], &tmpl[i], &created, &e) ==
+             ST_OK);
+    MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
+    MUST(store_attempts_fail(s, "bob", &e) == ST_OK);
+    MUST(store_calibration_add(s, "test", &k, &e) == ST_OK);
+    MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e) ==
+         ST_OK);
+    MUST(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e) ==
+         ST_OK);
+    MUST(store_token_revoke(s, "test", t.id, &e) == ST_OK);
+    MUST(store_audit_sign(s, "test", "checkpoint", &mark, &e) == ST_OK);
+}
+
+static void start(void)
+{
+    static struct randombytes_implementation numbers = {
+        .implementation_name = random_name, .random = random_number, .buf = random_bytes};
+    static struct dvec3 pts[POINTS];
+    struct facegen_scan scan;
+    struct store *s;
+    sqlite3 *db;
+    FILE *f;
+    struct stat sb;
+
+    MUST(randombytes_set_implementation(&numbers) == 0);
+    (void)snprintf(dir, sizeof dir, "%s/fuzz_database.XXXXXX",
+                   access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
+    MUST(mkdtemp(dir) != NULL && (work = face_work_new(NULL)) != NULL);
+    (void)snprintf(path, sizeof path, "%s/db", dir);
+    (void)snprintf(key, sizeof key, "%s/key", dir);
+    (void)atexit(end);
+    facegen_default(&scan);
+    scan.points = POINTS;
+    for (size_t i = 0; i < sizeof face / sizeof *face; i++) {
+        scan.subject = i;
+        MUST(face_build(pts, facegen_sample(&scan, pts), work, &face[i], NULL) == ST_OK);
+    }
+    MUST(store_open(path, STORE_CREATE, &by_key, &s, &e) == ST_OK);
+    fill(s);
+    store_close(s);
+    /* Small pages leave few bytes that mean nothing.  Not in WAL mode: it is edited in memory. */
+    MUST(sqlite3_open(path, &db) == SQLITE_OK &&
+         sqlite3_exec(db, "PRAGMA journal_mode=DELETE; PRAGMA page_size=512; VACUUM",
+                      NULL, NULL, NULL) == SQLITE_OK);
+    (void)sqlite3_close(db);
+    MUST((f = fopen(path, "rb")) != NULL && fstat(fileno(f), &sb) == 0);
+    size = (size_t)sb.st_size;
+    MUST((base = malloc(size)) != NULL && fread(base, 1, size, f) == size);
+    (void)fclose(f);
+}
+
+/* ---- what is changed */
+
+struct input {
+    const uint8_t *at;
+    size_t left;
+};
+
+static unsigned take(struct input *in) /* 0 when there is no more */
+{
+    if (in->left == 0)
+        return 0;
+    in->left--;
+    return *in->at++;
+}
+
+static unsigned take2(struct input *in)
+{
+    const unsigned low = take(in);
+
+    return low | take(in) << 8;
+}
+
+static size_t take_bytes(struct input *in, const uint8_t **out)
+{
+    const size_t want = take(in), n = want < in->left ? want : in->left;
+
+    *out = in->at;
+    in->at += n;
+    in->left -= n;
+    return n;
+}
+
+/* The n-th name that a query gives, as often as it takes. */
+static bool nth(sqlite3 *db, const char *sql, unsigned n, char out[64])
+{
+    char whole[256];
+    sqlite3_stmt *stmt = NULL;
+    bool found = false;
+
+    (void)snprintf(whole, sizeof whole,
+                   "WITH n(name) AS (%s) SELECT name FROM n LIMIT 1 OFFSET "
+                   "%u %% (SELECT max(1, count(*)) FROM n)",
+                   sql, n);
+    if (sqlite3_prepare_v2(db, whole, -1, &stmt, NULL) == SQLITE_OK &&
+        sqlite3_step(stmt) == SQLITE_ROW && sqlite3_column_bytes(stmt, 0) < 64 &&
+        sqlite3_column_text(stmt, 0) != NULL) {
+        (void)snprintf(out, 64, "%s", (const char *)sqlite3_column_text(stmt, 0));
+        found = true;
+    }
+    (void)sqlite3_finalize(stmt);
+    return found;
+}
+
+/* What may stand in the place of a value: @ is its column, # its table. */
+static const char *const values[] = {
+    "?1",
+    "CAST(?1 AS TEXT)",
+    "CAST(CAST(?1 AS TEXT) AS INTEGER)",
+    "NULL",
+    "?2",
+    "-?2",
+    "?2 * 72057594037927936",
+    "?2 / 3.0",
+    "(SELECT @ FROM # LIMIT 1 OFFSET ?2 % 4)",
+    "substr(@, 1, ?2)",
+    "CAST(@ || ?1 AS BLOB)",
+    "CAST(substr(@, 1, ?2) || ?1 || substr(@, ?2 + 1 + length(?1)) AS BLOB)",
+    "CAST(substr(@, 1, ?2) || ?1 || substr(@, ?2 + 1 + length(?1)) AS TEXT)",
+    "zeroblob(?2)",
+};
+
+static void name_all(char out[1024], const char *sql, const char *column,
+                     const char *table)
+{
+    size_t n = 0;
+
+    for (; *sql != '\0'; sql++)
+        n += (size_t)snprintf(out + n, 1024 - n,
+                              *sql == '@' || *sql == '#' ? "%s" : "%.1s",
+                              *sql == '@'   ? column
+                              : *sql == '#' ? table
+                                            : sql);
+}
+
+static void edit_row(sqlite3 *db, struct input *in)
+{
+    char table[64], column[64], columns[128], pattern[512], sql[1024];
+    sqlite3_stmt *stmt = NULL;
+    const unsigned what = take(in), at = take(in);
+    const uint8_t *bytes;
+    size_t n;
+
+    if (!nth(db,
+             "SELECT name FROM sqlite_schema WHERE type = 'table' "
+             "UNION ALL SELECT 'sqlite_schema'",
+             at / 8, table))
+        return;
+    (void)snprintf(columns, sizeof columns, "SELECT name FROM pragma_table_info('%s')",
+                   table);
+    if (!nth(db, columns, take(in), column) || strcmp(column, "kind") == 0)
+        return; /* a passphrase would take its time */
+    if (what % 4 == 3)
+        (void)snprintf(pattern, sizeof pattern,
+                       "DELETE FROM # WHERE rowid = (SELECT rowid FROM # "
+                       "LIMIT 1 OFFSET %u) AND ?1 IS NOT ?2",
+                       at % 8);
+    else
+        (void)snprintf(pattern, sizeof pattern,
+                       "UPDATE OR IGNORE # SET @ = %s WHERE rowid = "
+                       "(SELECT rowid FROM # LIMIT 1 OFFSET %u)",
+                       values[what / 4 % (sizeof values / sizeof *values)], at % 8);
+    name_all(sql, pattern, column, table);
+    if (sqlite3_prepare_v2(db, sql, -1, &stmt, NULL) == SQLITE_OK) {
+        n = take_bytes(in, &bytes);
+        (void)sqlite3_bind_blob(stmt, 1, bytes, (int)n, SQLITE_STATIC);
+        (void)sqlite3_bind_int(stmt, 2, (int)take2(in));
+        (void)sqlite3_step(stmt); /* a rule of the schema may forbid it */
+    }
+    (void)sqlite3_finalize(stmt);
+}
+
+/* The rows of the base as the input says, as a file in memory. */
+static unsigned char *edit_rows(struct input *in, unsigned edits, size_t *n)
+{
+    unsigned char *bytes = sqlite3_malloc64(size), *out;
+    sqlite3_int64 len = 0;
+    sqlite3 *db;
+
+    MUST(bytes != NULL && sqlite3_open(":memory:", &db) == SQLITE_OK);
+    memcpy(bytes, base, size);
+    MUST(sqlite3_deserialize(db, "main", bytes, (sqlite3_int64)size, (sqlite3_int64)size,
+                             SQLITE_DESERIALIZE_FREEONCLOSE |
+                                 SQLITE_DESERIALIZE_RESIZEABLE) == SQLITE_OK);
+    (void)sqlite3_exec(db,
+                       "PRAGMA ignore_check_constraints=ON; PRAGMA foreign_keys=OFF;"
+                       "PRAGMA writable_schema=ON",
+                       NULL, NULL, NULL);
+    for (unsigned i = 0; i < edits; i++)
+        edit_row(db, in);
+    MUST((out = sqlite3_serialize(db, "main", &len, 0)) != NULL);
+    *n = (size_t)len;
+    (void)sqlite3_close(db);
+    return out;
+}
+
+static void edit_bytes(unsigned char *file, size_t *n, struct input *in)
+{
+    const unsigned what = take(in);
+    const uint8_t *bytes;
+    size_t at = (take2(in) | (size_t)take(in) << 16) % *n, from, len;
+
+    switch (what % 4) {
+    case 0: /* what the input says */
+        len = take_bytes(in, &bytes);
+        memcpy(file + at, bytes, len < *n - at ? len : *n - at);
+        break;
+    case 1: /* a piece from elsewhere */
+        from = take2(in) % *n;
+        len = take(in);
+        len = len < *n - at ? len : *n - at;
+        memmove(file + at, file + from, len < *n - from ? len : *n - from);
+        break;
+    case 2: /* a whole page of it */
+        from = take2(in) % (*n / 512) * 512;
+        memmove(file + at / 512 * 512, file + from, 512);
+        break;
+    default:
+        *n = what / 4 % 8 == 0 ? at + 1 : *n;
+        file[at < *n ? at : 0] ^= (unsigned char)(1U << what / 32);
+    }
+}
+
+static void make_file(struct input *in)
+{
+    const unsigned how = take(in), rows = how % EDITS_MAX, bytes = how / EDITS_MAX;
+    size_t n;
+    unsigned char *file = edit_rows(in, rows, &n);
+    FILE *f;
+
+    for (unsigned i = 0; i < bytes / 2 && n >= 512; i++)
+        edit_bytes(file, &n, in);
+    if (bytes % 2 == 1 && n >= 100)
+        file[18] = file[19] = 2; /* WAL mode */
+    MUST((f = fopen(path, "wb")) != NULL && fwrite(file, 1, n, f) == n && fclose(f) == 0);
+    sqlite3_free(file);
+}
+
+/* ---- what may be answered */
+
+static void check_template(struct store *s, const char *subject,
+                           const struct store_template *t)
+{
+    struct store_template got;
+    size_t i = 0;
+
+    MUST(strcmp(t->subject, subject) == 0);
+    while (i < 4 &&
+           (strcmp(t->digest, tmpl[i].digest) != 0 || strcmp(owner[i], subject) != 0))
+        i++;
+    MUST(i < 4);
+    MUST(memcmp(t, &tmpl[i], sizeof *t) == 0);
+    if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
+        return;
+    MUST(memcmp(&got, &tmpl[i], sizeof got) == 0);
+    MUST(loaded.mesh.nv == face[i].mesh.nv && loaded.mesh.nt == face[i].mesh.nt);
+    MUST(memcmp(loaded.mesh.xy, face[i].mesh.xy,
+                loaded.mesh.nv * sizeof *loaded.mesh.xy) == 0);
+    MUST(memcmp(loaded.mesh.z, face[i].mesh.z, loaded.mesh.nv * sizeof *loaded.mesh.z) ==
+         0);
+}
+
+static void ask_subject(struct store *s, const char *subject)
+{
+    struct store_template *list;
+    struct store_subject one;
+    size_t n;
+
+    if (store_subject_get(s, subject, &one, &e) == ST_OK)
+        MUST(strcmp(one.id, subject) == 0 &&
+             one.disabled == (strcmp(subject, "carol") == 0));
+    if (store_template_list(s, subject, &list, &n, &e) != ST_OK)
+        return;
+    MUST(n <= 2);
+    for (size_t i = 0; i < n; i++)
+        check_template(s, subject, &list[i]);
+    free(list);
+}
+
+static void ask_lists(struct store *s)
+{
+    static const struct store_audit_filter names = {.names = true};
+    struct store_subject *subjects;
+    struct store_token *tokens;
+    struct store_calibration *calibrations;
+    struct store_audit_entry *entries;
+    struct store_attempts *attempts;
+    struct store_stats stats;
+    size_t n;
+
+    if (store_subject_list(s, 0, 10, &subjects, &n, &e) == ST_OK) {
+        MUST(n <= 3);
+        for (size_t i = 0; i < n; i++)
+            MUST(strcmp(subjects[i].id, "alice") == 0 ||
+                 strcmp(subjects[i].id, "bob") == 0 ||
+                 strcmp(subjects[i].id, "carol") == 0);
+        free(subjects);
+    }
+    if (store_token_list(s, &tokens, &n, &e) == ST_OK)
+        free(tokens);
+    if (store_calibration_list(s, &calibrations, &n, &e) == ST_OK)
+        free(calibrations);
+    if (store_audit_list(s, &names, &entries, &n, &e) == ST_OK)
+        free(entries);
+    if (store_attempts_list(s, &attempts, &n, &e) == ST_OK)
+        free(attempts);
+    (void)store_stats(s, &stats, &e);
+}
+
+static void ignore(void *arg, const char *line)
+{
+    (void)arg;
+    MUST(line[0] != '\0');
+}
+
+static void ask(struct store *s)
+{
+    struct store_calibration k;
+    struct store_check check;
+    struct store_token t;
+
+    ask_subject(s, "alice");
+    ask_subject(s, "bob");
+    ask_subject(s, "carol");
+    if (store_token_check(s, secret, &t, &e) == ST_OK)
+        MUST(t.scopes == STORE_SCOPE_VERIFY && t.expires[0] == '\0');
+    MUST(store_token_check(s, revoked, &t, &e) != ST_OK);
+    if (store_calibration_get(s, &k, &e) == ST_OK)
+        MUST(k.decision.threshold_mm == THRESHOLD && !k.shipped);
+    ask_lists(s);
+    (void)store_check(s, ignore, NULL, &check, &e);
+}
+
+/* What is written into such a database is there, or it was not written. */
+static void change(struct store *s)
+{
+    struct store_template t, *list;
+    size_t n;
+    bool created;
+
+    if (store_enroll(s, "test", "dave", "", &face[4], &t, &created, &e) == ST_OK) {
+        MUST(created && strcmp(t.subject, "dave") == 0);
+        if (store_template_list(s, "dave", &list, &n, &e) == ST_OK) {
+            MUST(n == 1 && memcmp(&list[0], &t, sizeof t) == 0);
+            free(list);
+        }
+    }
+    if (store_subject_delete(s, "test", "alice", NULL, &e) == ST_OK)
+        MUST(store_subject_get(s, "alice", &(struct store_subject){0}, &e) != ST_OK);
+    ask_subject(s, "bob");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t len)
+{
+    struct input in = {data, len};
+    struct store *s;
+
+    if (base == NULL)
+        start();
+    make_file(&in);
+    if (store_open(path, STORE_READ, &by_key, &s, &e) == ST_OK) {
+        ask(s);
+        store_close(s);
+    }
+    if (len % 4 == 0 && store_open(path, STORE_WRITE, &by_key, &s, &e) == ST_OK) {
+        change(s);
+        store_close(s);
+    }
+    remove_files();
+    return 0;
+}
