@@ -73,6 +73,18 @@ crash restore-lost lost restore "$T/backup"
 crash backup full backup @copy
 crash vacuum full vacuum
 
+# ---- the daemon
+if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
+    for kind in kill power; do
+        "$BUILD/crash_daemon" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
+            "$trials" "$T/s4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
+            --no-auth --workers 2 >"$T/said" 2>&1
+        code=$?
+        echo "daemon, $kind: $(cat "$T/said")"
+        is "daemon, $kind, from seed $seed" "$code" 0
+    done
+fi
+
 # ---- what a file system without renameat2(RENAME_NOREPLACE) may leave: two names of one file
 if [ -z "${CRASH_ONLY:-}" ]; then
     ln "$db" "$T/second.part"

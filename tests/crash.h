@@ -44,7 +44,7 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
 
 /* ---- what is in a database */
 
-#define CRASH_TEXT 16384
+#define CRASH_TEXT (128 << 10)
 
 /* crash_look(dir, text): all that DIR/db says of people and tokens, without random ids; it is
  * opened by DIR/db.key, or what the store finds instead, and checked.  "none": there is no

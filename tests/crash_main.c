@@ -143,7 +143,7 @@ static bool fail(const char *what, const char *text)
 }
 
 /* What the manual says to do away with before the command is run again: a key that the
- * database does not have, the copy that a restore has made. */
+ * database does not have, an old one that was kept. */
 static void make_way(void)
 {
     char path[CRASH_PATH], key[CRASH_PATH], text[CRASH_TEXT];
@@ -161,8 +161,6 @@ static void make_way(void)
             (void)rename(kept, path);
     }
     crash_join(path, dir, "db.key.old");
-    (void)unlink(path);
-    crash_join(path, dir, "db.before-restore");
     (void)unlink(path);
 }
 

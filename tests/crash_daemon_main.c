@@ -1,0 +1,407 @@
+/* crash_daemon -- enroll, verify and erase with a daemon from several clients at once, end it
+ * at some moment, and look whether all that it had answered is so.
+ * Usage: crash_daemon SHIM BASE WORK kill|power SEED TRIALS SCAN COMMAND...
+ *   as crash; SCAN  a PLY file to enroll; COMMAND  listens on the Unix socket WORK/socket
+ * kill   the daemon is killed as it begins one of its changes to the folder, or amid a write
+ * power  the folder is what was on the disk after some of its changes
+ * Trial i of seed S is trial 0 of seed S + i, but for what the threads make of it.  Exit status
+ * 1: something answered is not there, something erased is, or the database is not well. */
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "brute.h"
+#include "crash.h"
+
+#define CLIENTS     4
+#define PEOPLE_MAX  60 /* of each client */
+#define ARGS_MAX    32
+#define SCAN_MAX    (1 << 20)
+#define ANSWER_MAX  (64 << 10)
+#define SECRETS_MAX 1024
+#define LOG_EVERY   50
+#define NEVER       UINT64_MAX
+
+/* What was asked and answered: when, by the length of the daemon's log. */
+struct person {
+    char id[32];
+    uint64_t enroll_sent, enrolled, erase_sent, erased; /* NEVER */
+};
+
+struct client {
+    pthread_t thread;
+    struct brute_rng rng;
+    int number;
+    size_t n;
+    struct person person[PEOPLE_MAX];
+};
+
+static const char *shim, *base, *work;
+static char **command;
+static char dir[CRASH_PATH], log_path[CRASH_PATH];
+static struct sockaddr_un address = {.sun_family = AF_UNIX};
+static char scan[SCAN_MAX];
+static size_t scan_len;
+static struct client client[CLIENTS];
+static atomic_bool dead, wrong;
+static atomic_int busy; /* clients */
+
+/* ---- the daemon */
+
+static pid_t start(bool logged, size_t at, bool torn)
+{
+    char *args[ARGS_MAX + 1], path[CRASH_PATH], text[32];
+    size_t n = 0;
+    pid_t child;
+    int null;
+
+    for (; command[n] != NULL; n++)
+        args[n] = command[n];
+    args[n] = NULL;
+    for (size_t i = 0; i < n; i++)
+        if (args[i][0] == '@') {
+            crash_join(path, dir, args[i] + 1);
+            args[i] = path;
+        }
+    (void)unlink(address.sun_path);
+    (void)unlink(log_path);
+    if ((child = fork()) != 0)
+        return child;
+    if ((null = open("/dev/null", O_RDWR)) < 0 || dup2(null, 0) < 0 ||
+        dup2(null, 1) < 0 || dup2(null, 2) < 0)
+        _exit(126);
+    (void)setenv("CRASH_DIR", dir, 1);
+    if (logged)
+        (void)setenv("CRASH_LOG", log_path, 1);
+    (void)snprintf(text, sizeof text, "%zu", at);
+    if (at > 0)
+        (void)setenv("CRASH_AT", text, 1);
+    if (torn)
+        (void)setenv("CRASH_TORN", "1", 1);
+    (void)setenv("LD_PRELOAD", shim, 1);
+    (void)execv(args[0], args);
+    _exit(127);
+}
+
+static uint64_t now(void)
+{
+    struct stat sb;
+
+    return stat(log_path, &sb) == 0 ? (uint64_t)sb.st_size : 0;
+}
+
+/* ---- clients */
+
+static void pause_ms(long ms)
+{
+    (void)nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
+}
+
+static bool send_all(int fd, const char *data, size_t n)
+{
+    ssize_t rc;
+
+    for (; n > 0; data += rc, n -= (size_t)rc)
+        if ((rc = send(fd, data, n, MSG_NOSIGNAL)) <= 0)
+            return false;
+    return true;
+}
+
+/* Returns the status, 0: no whole answer.  A daemon that does not listen yet is waited for. */
+static int ask(const char *method, const char *path, bool body, char *answer)
+{
+    char head[256];
+    int fd = -1, status = 0;
+    size_t n = 0;
+    ssize_t rc;
+
+    (void)snprintf(head, sizeof head,
+                   "%s %s HTTP/1.1\r\nHost: x\r\nConnection: close\r\n"
+                   "Content-Type: model/x-ply\r\nContent-Length: %zu\r\n\r\n",
+                   method, path, body ? scan_len : 0);
+    while (!dead) {
+        if ((fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) >= 0 &&
+            connect(fd, (struct sockaddr *)&address, sizeof address) == 0)
+            break;
+        (void)close(fd);
+        fd = -1;
+        pause_ms(5);
+    }
+    if (fd < 0)
+        return 0;
+    if (send_all(fd, head, strlen(head)) && (!body || send_all(fd, scan, scan_len))) {
+        while (n < ANSWER_MAX - 1 &&
+               (rc = recv(fd, answer + n, ANSWER_MAX - 1 - n, 0)) > 0)
+            n += (size_t)rc;
+        answer[n] = '\0';
+        if (strstr(answer, "\r\n\r\n") == NULL ||
+            sscanf(answer, "HTTP/1.1 %d", &status) != 1)
+            status = 0;
+    }
+    (void)close(fd);
+    return status;
+}
+
+static bool expect(const char *what, int status, int wanted)
+{
+    if (status != 0 && status != wanted) {
+        (void)printf("%s: answered %d, not %d\n", what, status, wanted);
+        wrong = true;
+    }
+    return status == wanted;
+}
+
+static void *be_client(void *arg)
+{
+    struct client *c = arg;
+    char path[96];
+    char *answer = malloc(ANSWER_MAX);
+
+    for (c->n = 0; answer != NULL && c->n < PEOPLE_MAX && !dead;) {
+        struct person *p = &c->person[c->n], *old;
+
+        *p = (struct person){"", now(), NEVER, NEVER, NEVER};
+        (void)snprintf(p->id, sizeof p->id, "c%d-%zu", c->number, c->n++);
+        (void)snprintf(path, sizeof path, "/v1/subjects/%s/templates", p->id);
+        if (!expect(path, ask("POST", path, true, answer), 201))
+            break;
+        p->enrolled = now();
+        old = &c->person[brute_rand(&c->rng) % c->n];
+        if (old->erased != NEVER || brute_rand(&c->rng) % 2 == 0)
+            continue;
+        (void)snprintf(path, sizeof path, "/v1/subjects/%s/verify", old->id);
+        if (!expect(path, ask("POST", path, true, answer), 200))
+            break;
+        if (strstr(answer, "\"match\"") == NULL) {
+            (void)printf("%s: no match\n", old->id);
+            wrong = true;
+        }
+        old->erase_sent = now();
+        (void)snprintf(path, sizeof path, "/v1/subjects/%s", old->id);
+        if (!expect(path, ask("DELETE", path, false, answer), 200))
+            break;
+        old->erased = now();
+    }
+    free(answer);
+    busy--;
+    return NULL;
+}
+
+/* A daemon from its start to its end, with clients.  It is ended when they are. */
+static void run(bool logged, size_t at, bool torn, int clients, uint64_t seed)
+{
+    const pid_t daemon = start(logged, at, torn);
+    int status;
+
+    dead = false;
+    busy = clients;
+    for (int i = 0; i < clients; i++) {
+        client[i].number = i;
+        client[i].rng.state = seed * CLIENTS + (uint64_t)i;
+        if (pthread_create(&client[i].thread, NULL, be_client, &client[i]) != 0)
+            exit(2);
+    }
+    while (waitpid(daemon, &status, WNOHANG) == 0) { /* it kills itself, or is killed */
+        if (busy == 0)
+            (void)kill(daemon, at > 0 || seed % 2 == 0 ? SIGKILL : SIGTERM);
+        pause_ms(2);
+    }
+    dead = true;
+    if (WIFEXITED(status) && (at > 0 || WEXITSTATUS(status) != 0)) {
+        (void)printf("the daemon ended with %d\n", WEXITSTATUS(status));
+        wrong = true;
+    }
+    for (int i = 0; i < clients; i++)
+        (void)pthread_join(client[i].thread, NULL);
+    for (int i = clients; i < CLIENTS; i++)
+        client[i].n = 0;
+}
+
+/* ---- what is left */
+
+static bool in_text(const char *text, const char *id)
+{
+    char line[40];
+
+    (void)snprintf(line, sizeof line, "\n%s ", id);
+    return strstr(text, line) != NULL;
+}
+
+/* As of a length of the log: is all that was answered so? */
+static bool kept(uint64_t at, unsigned *answered)
+{
+    static char text[CRASH_TEXT + 1] = "\n";
+
+    if (!crash_look(dir, text + 1)) {
+        (void)printf("FAIL: the database: %s\n", text + 1);
+        return false;
+    }
+    for (int i = 0; i < CLIENTS; i++)
+        for (size_t k = 0; k < client[i].n; k++) {
+            const struct person *p = &client[i].person[k];
+            const bool there = in_text(text, p->id);
+
+            if (p->enrolled <= at && p->erase_sent > at && !there) {
+                (void)printf("FAIL: %s is lost\n", p->id);
+                return false;
+            }
+            if (p->erased <= at && there) {
+                (void)printf("FAIL: %s is there, who was erased\n", p->id);
+                return false;
+            }
+            *answered += p->enrolled <= at ? 1 : 0;
+            *answered += p->erased <= at ? 1 : 0;
+        }
+    return true;
+}
+
+static size_t changes_at(const struct crash_log *l, uint64_t bytes)
+{
+    size_t n = 0;
+
+    while (n < crash_log_n(l) && crash_log_bytes(l, n + 1) <= bytes)
+        n++;
+    return n;
+}
+
+/* The bytes of the only client's last person who was erased by then: gone from dir? */
+static bool gone(const struct crash_log *l, uint64_t at)
+{
+    static struct crash_secret had[SECRETS_MAX], has[SECRETS_MAX];
+    const struct person *last = NULL;
+    char then[CRASH_PATH];
+    size_t n = 0, nhad, nhas, k, found;
+
+    for (size_t i = 0; i < client[0].n; i++)
+        if (client[0].person[i].erased <= at &&
+            (last == NULL || client[0].person[i].erased > last->erased))
+            last = &client[0].person[i];
+    if (last == NULL)
+        return true;
+    crash_join(then, work, "then");
+    crash_log_state(l, changes_at(l, last->erase_sent), CRASH_KEEP, NULL, then);
+    nhad = crash_secrets(then, had, SECRETS_MAX);
+    crash_log_state(l, changes_at(l, last->erased), CRASH_KEEP, NULL, then);
+    nhas = crash_secrets(then, has, SECRETS_MAX);
+    crash_remove(then);
+    for (size_t i = 0; i < nhad; i++) {
+        for (k = 0; k < nhas && memcmp(&had[i], &has[k], sizeof *had) != 0;)
+            k++;
+        if (k == nhas)
+            had[n++] = had[i];
+    }
+    if (n < 2) { /* a key and a face */
+        (void)printf("FAIL: nothing of %s to look for\n", last->id);
+        return false;
+    }
+    if ((found = crash_found(had, n, dir)) > 0)
+        (void)printf("FAIL: %zu of %zu pieces of %s are there, who was erased\n", found,
+                     n, last->id);
+    return found == 0;
+}
+
+/* ---- trials */
+
+static bool trial_kill(struct brute_rng *rng, uint64_t seed, unsigned *answered)
+{
+    const size_t at = 1 + (size_t)(brute_rand(rng) % 700);
+    const bool torn = brute_rand(rng) % 2 == 0;
+
+    crash_copy(base, dir);
+    run(false, at, torn, CLIENTS, seed);
+    if (!wrong &&
+        kept(0, answered)) /* without a log, all that was answered was so at 0 */
+        return true;
+    (void)printf("killed at change %zu%s\n", at, torn ? ", torn" : "");
+    return false;
+}
+
+static struct crash_log *record(uint64_t seed, int clients)
+{
+    struct crash_log *l;
+
+    crash_copy(base, dir);
+    l = crash_log_new(dir);
+    run(true, 0, false, clients, seed);
+    crash_log_read(l, log_path);
+    return l;
+}
+
+static bool trial_power(const struct crash_log *l, int clients, struct brute_rng *rng,
+                        unsigned *answered)
+{
+    const size_t at = (size_t)(brute_rand(rng) % (crash_log_n(l) + 1));
+    const enum crash_loss loss = brute_rand(rng) % 3 == 0 ? CRASH_LOSE : CRASH_SOME;
+    const uint64_t bytes = crash_log_bytes(l, at);
+
+    crash_log_state(l, at, loss, rng, dir);
+    if ((clients > 1 || gone(l, bytes)) && kept(bytes, answered))
+        return true;
+    (void)printf("power lost after change %zu of %zu, %s of the rest is kept\n", at,
+                 crash_log_n(l), loss == CRASH_LOSE ? "nothing" : "some");
+    return false;
+}
+
+int main(int argc, char **argv)
+{
+    struct crash_log *l = NULL;
+    unsigned long long seed;
+    unsigned long trials, done = 0;
+    unsigned answered = 0;
+    bool power, ok = true;
+    int clients = CLIENTS;
+    FILE *f;
+
+    if (argc < 9 || argc - 8 > ARGS_MAX) {
+        (void)fprintf(stderr, "crash_daemon SHIM BASE WORK kill|power SEED TRIALS SCAN "
+                              "COMMAND...\n");
+        return 2;
+    }
+    shim = argv[1];
+    base = argv[2];
+    work = argv[3];
+    power = strcmp(argv[4], "power") == 0;
+    seed = strtoull(argv[5], NULL, 10);
+    trials = strtoul(argv[6], NULL, 10);
+    if ((f = fopen(argv[7], "rb")) == NULL ||
+        (scan_len = fread(scan, 1, sizeof scan, f)) == 0) {
+        perror(argv[7]);
+        return 2;
+    }
+    (void)fclose(f);
+    command = argv + 8;
+    crash_join(dir, work, "trial");
+    crash_join(log_path, work, "log");
+    if (snprintf(address.sun_path, sizeof address.sun_path, "%s/socket", work) >=
+        (int)sizeof address.sun_path)
+        return 2;
+    for (; done < trials && ok; done++) {
+        struct brute_rng rng = {seed + done};
+
+        if (power && done % LOG_EVERY == 0) {
+            crash_log_free(l);
+            clients = done / LOG_EVERY % 2 == 0 ? 1 : CLIENTS;
+            l = record(seed + done, clients);
+        }
+        ok = !wrong && (power ? trial_power(l, clients, &rng, &answered)
+                              : trial_kill(&rng, seed + done, &answered));
+        if (!ok)
+            (void)printf("seed %llu\n", seed + done);
+    }
+    (void)printf("%lu trials: %u answers were so\n", done, answered);
+    crash_log_free(l);
+    if (ok)
+        crash_remove(dir);
+    return ok ? 0 : 1;
+}
