@@ -285,7 +285,7 @@ static unsigned char *edit_rows(struct input *in, unsigned edits, size_t *n)
 {
     unsigned char *bytes = sqlite3_malloc64(size), *out;
     sqlite3_int64 len = 0;
-    sqlite3 *db;
+    sqlite3 *db = NULL;
 
     MUST(bytes != NULL && sqlite3_open(":memory:", &db) == SQLITE_OK);
     memcpy(bytes, base, size);
