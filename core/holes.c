@@ -16,6 +16,7 @@ enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacin
 {
     const uint32_t nv = m->nv;
     struct sum *at = scratch_need(s, 2 * nv * sizeof *at), *near;
+    double all = 0, most;
 
     if (at == NULL)
         return ST_ENOMEM;
@@ -26,6 +27,7 @@ enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacin
         const double dx = m->xy[v].x - m->xy[p].x, dy = m->xy[v].y - m->xy[p].y;
         const double length = sqrt(dx * dx + dy * dy);
 
+        all += length;
         at[v].length += length;
         at[v].count += 1;
         at[p].length += length;
@@ -46,8 +48,12 @@ enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacin
         at = near;
         near = t;
     }
-    for (uint32_t v = 0; v < nv; v++)
-        spacing[v] = (float)(at[v].length / at[v].count);
+    most = HOLES_MOST * all / (nv - 1);
+    for (uint32_t v = 0; v < nv; v++) {
+        const double mean = at[v].length / at[v].count;
+
+        spacing[v] = (float)(mean < most ? mean : most);
+    }
     return ST_OK;
 }
 

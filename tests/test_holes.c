@@ -53,7 +53,8 @@ static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
     return bridge[brute_locate(m, (struct ivec2){x, y}).he / 3] != 0;
 }
 
-/* The definition: sums over the tree's edges, spread twice to the neighbours. */
+/* The definition: sums over the tree's edges, spread twice to the neighbours; no more than
+ * the limit. */
 static void test_spacing(void **state)
 {
     struct brute_rng r = {seed};
@@ -62,6 +63,7 @@ static void test_spacing(void **state)
     (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
+        double all = 0;
 
         (void)make(&m, brute_points((enum brute_shape)shape, 90, &r, pts));
         memset(sum, 0, sizeof sum);
@@ -84,8 +86,14 @@ static void test_spacing(void **state)
                         count[v] += c2[w];
                     }
         }
-        for (uint32_t v = 0; v < m.nv; v++)
-            assert_true(fabs(spacing[v] - sum[v] / count[v]) <= 1e-6 * spacing[v]);
+        for (uint32_t v = 1; v < m.nv; v++)
+            all +=
+                hypot(m.xy[v].x - m.xy[m.parent[v]].x, m.xy[v].y - m.xy[m.parent[v]].y);
+        for (uint32_t v = 0; v < m.nv; v++) {
+            const double want = fmin(sum[v] / count[v], HOLES_MOST * all / (m.nv - 1));
+
+            assert_true(fabs(spacing[v] - want) <= 1e-6 * want);
+        }
         mesh_free(&m);
     }
 }
@@ -199,6 +207,22 @@ static void test_random(void **state)
     mesh_free(&twice);
 }
 
+/* A dense block, and crumbs far from each other: these do not measure what is between them. */
+static void test_crumbs(void **state)
+{
+    struct mesh m = {0};
+    size_t n = grid(30, 100, 99, 99);
+    double measured;
+
+    (void)state;
+    for (int32_t x = 0; x < 4; x++)
+        for (int32_t y = 0; y < 4; y++)
+            pts[n++] = (struct ivec3){6000 + 900 * x + 70 * y, 900 * y - 70 * x, 0};
+    measured = make(&m, n);
+    assert_true(measured == 2900.0 * 2900);
+    mesh_free(&m);
+}
+
 static void test_no_memory(void **state)
 {
     struct scratch none = {0};
@@ -218,9 +242,10 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spacing), cmocka_unit_test(test_marks),
-        cmocka_unit_test(test_block),   cmocka_unit_test(test_outline),
-        cmocka_unit_test(test_random),  cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_spacing),   cmocka_unit_test(test_marks),
+        cmocka_unit_test(test_block),     cmocka_unit_test(test_outline),
+        cmocka_unit_test(test_random),    cmocka_unit_test(test_crumbs),
+        cmocka_unit_test(test_no_memory),
     };
 
     seed = brute_seed("test_holes");
