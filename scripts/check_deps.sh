@@ -53,8 +53,8 @@ done
 
 files=$(including 'sqlite3.*' server/*.[ch] core/*.[ch])
 [ -z "$files" ] || complain "SQLite outside db/:" "$files"
-files=$(including '(cjson/)?cJSON.*' server/*.[ch])
-[ "$(echo "$files" | wc -w)" -le 1 ] || complain "JSON in more than one file of server/:" "$files"
+files=$(including '(cjson/)?cJSON.*' server/*.[ch] | grep -v '^server/json')
+[ -z "$files" ] || complain "JSON outside server/json*.c:" "$files"
 files=$(including '(cjson/)?cJSON.*' db/*.[ch])
 [ "$(echo "$files" | wc -w)" -le 1 ] || complain "JSON in more than one file of db/:" "$files"
 files=$(including 'microhttpd.*' core/*.[ch] db/*.[ch])

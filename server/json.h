@@ -1,4 +1,5 @@
-/* json.h -- JSON in and out.  The only file that knows the JSON library.
+/* json.h -- JSON in (json_read.c) and out (json.c).  Nothing else of the daemon knows the
+ * JSON library.
  * Texts returned are heap, NUL-terminated, released by free(); NULL: out of memory.
  * Numbers are printed with as many digits as it takes to read the same double again. */
 #ifndef SERVER_JSON_H
