@@ -1,7 +1,8 @@
 /* store_sqlite.h -- the parts of the SQLite engine, among themselves.
  * One connection writes, under a lock; readers have a connection each while they read, and
  * in WAL mode neither waits for the other.  Statements are prepared once a connection.
- *   store_sqlite.c        opening, connections, transactions
+ *   store_sqlite.c        opening, readers, transactions
+ *   store_sqlite_conn.c   a connection: errors, statements
  *   store_sqlite_engine.c the table of all calls
  *   store_sqlite_schema.c the tables: made, upgraded, compared
  *   store_sqlite_face.c   templates
@@ -31,7 +32,8 @@
 #include "store_engine.h"
 #include "store_seal.h"
 
-#define STORE_SQLITE_SCHEMA 4 /* user_version in schema.sql */
+#define STORE_SQLITE_SCHEMA  4    /* user_version in schema.sql */
+#define STORE_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
 
 enum store_sqlite_sql {
     SQL_BEGIN,
@@ -134,6 +136,10 @@ enum status store_sqlite_connect(const char *path, int flags, bool alone,
                                  struct store_sqlite_conn **out, struct errinfo *e);
 void store_sqlite_disconnect(struct store_sqlite_conn *c);
 
+/* store_sqlite_has_log(path): is there a log of the database, with something in it?  Another
+ * file under that name would be taken for what it was written of. */
+bool store_sqlite_has_log(const char *path);
+
 /* store_sqlite_vault.c: vaults are kept until the store is closed, so that a transaction
  * that began before another process changed the master key ends with the one it knows. */
 #define STORE_SQLITE_VAULTS 64 /* changes of the master key while a store is open */
@@ -222,6 +228,10 @@ enum status store_sqlite_prepare(struct store_sqlite_conn *c, enum store_sqlite_
 /* store_sqlite_run(c, stmt, e): step a statement that gives no rows, and reset it. */
 enum status store_sqlite_run(struct store_sqlite_conn *c, sqlite3_stmt *stmt,
                              struct errinfo *e);
+
+/* store_sqlite_exec(c, sql, e): the same with one that takes nothing. */
+enum status store_sqlite_exec(struct store_sqlite_conn *c, enum store_sqlite_sql sql,
+                              struct errinfo *e);
 
 /* Turn the statement's current row into the object at out. */
 typedef enum status store_sqlite_row(const struct store_sqlite_conn *c,

@@ -170,7 +170,8 @@ enum status store_sqlite_verify(const char *path, const struct store_key *key,
 
 /* ---- a backup */
 
-/* What is there may be replaced if it is a database of this program, and not this one. */
+/* What is there may be replaced if it is a database of this program, and not this one; nor
+ * one with a log, which SQLite would take for the backup's. */
 static enum status replaceable(const char *path, const char *db, struct errinfo *e)
 {
     struct store_sqlite_conn *c;
@@ -182,6 +183,11 @@ static enum status replaceable(const char *path, const char *db, struct errinfo 
         return ST_OK;
     if (stat(db, &own) == 0 && there.st_dev == own.st_dev && there.st_ino == own.st_ino)
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", path);
+    if (store_sqlite_has_log(path))
+        return errinfo_set(e, ST_EEXISTS,
+                           "%.160s is a database in use, or was when its program was "
+                           "killed: it has a %.160s-wal",
+                           path, path);
     if (S_ISREG(there.st_mode) &&
         store_sqlite_connect(path, SQLITE_OPEN_READONLY, false, &c, NULL) == ST_OK) {
         st = store_sqlite_schema_version(c, path, &version, NULL);

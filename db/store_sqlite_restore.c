@@ -230,8 +230,14 @@ static enum status hold(const char *path, bool dry, struct store_sqlite_conn **h
     enum status st;
 
     *held = NULL;
-    if (access(path, F_OK) != 0 && errno == ENOENT)
+    if (access(path, F_OK) != 0 && errno == ENOENT) {
+        if (store_sqlite_has_log(path)) /* SQLite would take it for the new one's */
+            return errinfo_set(e, ST_EEXISTS,
+                               "there is a %.160s-wal without its database: move it away "
+                               "first",
+                               path);
         return ST_OK;
+    }
     st = store_sqlite_connect(path, SQLITE_OPEN_READWRITE, !dry, held, &why);
     if (st == ST_OK)
         st = store_sqlite_schema_version(*held, path, &version, &why);

@@ -240,6 +240,27 @@ is "another database" "$CODE" 65
 ok "it is said" grep -q 'another database' "$T/ctl.err"
 is "nothing changed" "$(sha256sum <"$DB")" "$sum"
 
+# ---- a log that was left: nothing else may come under its name, and it is not kept for long
+start_daemon --no-auth
+send POST /v1/subjects/frank/templates "$PLY" "$T/s3.ply"
+is "somebody comes in" "$STATUS" 201
+kill -9 "$PID"
+wait "$PID" 2>/dev/null
+PID=
+cp "$DB" "$T/dead"
+cp "$DB-wal" "$T/dead-wal"
+ok "who was killed has left a log" test -s "$T/dead-wal"
+ctl backup "$T/dead"
+is "no backup over a database with a log" "$CODE" 65
+rm "$T/dead"
+"$BUILD/surfacectl" --db "$T/dead" --key "$DB.key" restore "$T/back" >/dev/null 2>"$T/ctl.err"
+is "nor a restore beside one" $? 65
+ok "it is said" grep -q 'dead-wal without its database' "$T/ctl.err"
+ok "nothing was made" test ! -e "$T/dead" -a ! -e "$T/dead.part"
+start_daemon --no-auth
+ok "the next daemon empties it" test ! -s "$DB-wal"
+stop_daemon
+
 # ---- a backup that is killed
 for wait in 0.002 0.005 0.01 0.02 0.04; do
     rm -f "$T/k"
