@@ -4,33 +4,24 @@
  * answer is inconclusive.
  * People: made up (tests/facegen.h), and besides the scans of a folder, if one is given:
  * SUBJECT_enroll.ply with SUBJECT_p1.ply. */
-#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "brute.h"
-#include "cloudfile.h"
 #include "face.h"
 #include "facegen.h"
 #include "holes.h"
 #include "lab.h"
 #include "lattice.h"
-#include "mem.h"
+#include "people.h"
 #include "study.h"
 #include "surface.h"
 
 #define SHARES 8
 static const double share[SHARES] = {0, 0.15, 0.30, 0.45, 0.60, 0.75, 0.85, 0.92};
 
-#define POINTS    3000
 #define STRANGERS 8 /* templates of others that each probe is tried against */
-
-struct person {
-    struct face tmpl;
-    struct dvec3 *probe; /* [n] whole */
-    size_t n;
-};
 
 /* cut(pts, n, goal, r): cut blobs 12 to 30 mm wide out until no more than goal points are
  * left; returns how many. */
@@ -101,8 +92,8 @@ static struct fidelity fidelity(const struct facegen_face *f, struct lab_surface
 static void truths(const struct lab *lab)
 {
     const size_t people = lab->reduced ? 4 : 60;
-    struct ivec3 *lattice = lab_alloc(POINTS, sizeof *lattice);
-    struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
+    struct ivec3 *lattice = lab_alloc(PEOPLE_POINTS, sizeof *lattice);
+    struct dvec3 *pts = lab_alloc(PEOPLE_POINTS, sizeof *pts);
     struct lab_surface whole = {0}, left = {0};
     FILE *f = lab_open(lab, "truth.csv");
 
@@ -152,84 +143,6 @@ static void truths(const struct lab *lab)
 
 /* ---- verification */
 
-static size_t made_up(const struct lab *lab, struct face_work *w, struct person *p,
-                      size_t most)
-{
-    const size_t people = lab->reduced ? 5 : most;
-    struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
-
-    for (size_t s = 0; s < people; s++) {
-        struct facegen_scan scan;
-
-        facegen_default(&scan);
-        scan.subject = s;
-        facegen_pose(&scan, 3, 4);
-        lab_must(face_build(pts, facegen_sample(&scan, pts), w, &p[s].tmpl, NULL));
-        scan.scan = 1;
-        facegen_pose(&scan, 8, 12);
-        p[s].probe = lab_alloc(POINTS, sizeof *pts);
-        p[s].n = facegen_sample(&scan, p[s].probe);
-    }
-    free(pts);
-    return people;
-}
-
-/* read_scan(dir, name, n): the points of a scan, mem_free(); NULL: not there, or no scan. */
-static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
-{
-    const size_t most = (size_t)1 << 25;
-    struct dvec3 *pts = NULL;
-    unsigned char *bytes;
-    char path[4096];
-    FILE *f;
-
-    (void)snprintf(path, sizeof path, "%s/%s", dir, name);
-    if ((f = fopen(path, "rb")) == NULL)
-        return NULL;
-    bytes = lab_alloc(most, 1);
-    if (cloudfile_parse(bytes, fread(bytes, 1, most, f), CLOUDFILE_ANY, FACE_MAX_POINTS,
-                        &pts, n, NULL) != ST_OK)
-        pts = NULL;
-    free(bytes);
-    (void)fclose(f);
-    return pts;
-}
-
-static int by_name(const struct dirent **a, const struct dirent **b)
-{
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
-static int enrolled(const struct dirent *e)
-{
-    return strstr(e->d_name, "_enroll.ply") != NULL;
-}
-
-static size_t scanned(const struct lab *lab, struct face_work *w, struct person *p,
-                      size_t most)
-{
-    struct dirent **list = NULL;
-    const int files = scandir(lab->faces, &list, enrolled, by_name);
-    size_t people = 0;
-
-    for (int i = 0; i < files; i++) {
-        char name[512];
-        size_t n = 0;
-        struct dvec3 *pts = read_scan(lab->faces, list[i]->d_name, &n);
-        const int who = (int)strcspn(list[i]->d_name, "_");
-
-        (void)snprintf(name, sizeof name, "%.*s_p1.ply", who, list[i]->d_name);
-        if (people < most && pts != NULL &&
-            face_build(pts, n, w, &p[people].tmpl, NULL) == ST_OK &&
-            (p[people].probe = read_scan(lab->faces, name, &p[people].n)) != NULL)
-            people++;
-        mem_free(pts);
-        free(list[i]);
-    }
-    free(list);
-    return people;
-}
-
 #define BINS 10
 static const double bin_from[BINS + 1] = {0,   0.05, 0.1, 0.15, 0.2, 0.3,
                                           0.4, 0.5,  0.7, 0.9,  1.01};
@@ -278,7 +191,7 @@ static void one_probe(const struct lab *lab, struct person *p, size_t people, si
 
         if (i > 0 && other == who)
             continue;
-        lab_must(face_compare(&p[other].tmpl, probe, 0, NULL, w, &res));
+        lab_must(face_compare(&p[other].template, probe, 0, NULL, w, &res));
         while (bin + 1 < BINS && res.weight_overlap >= bin_from[bin + 1])
             bin++;
         count(&o->share[k][i > 0], &res);
@@ -330,40 +243,42 @@ static void report(const struct lab *lab, const char *name, const struct outcome
     lab_close(f);
 }
 
-static void verify(const struct lab *lab, const char *name,
-                   size_t (*people_of)(const struct lab *, struct face_work *,
-                                       struct person *, size_t),
-                   void (*release)(void *))
+/* The people and w's memory are the caller's. */
+static void verify(const struct lab *lab, const char *name, struct person *p,
+                   size_t people, struct face_work *w)
 {
-    enum { MOST = 100, DRAWS = 2 };
-    struct face_work *w = face_work_new(NULL);
-    struct person *p = lab_alloc(MOST, sizeof *p);
+    const uint64_t draws = lab->reduced ? 1 : 2;
     struct outcome *o = lab_alloc(1, sizeof *o);
     struct face probe = {0};
-    size_t people;
 
-    if (w == NULL)
-        lab_must(ST_ENOMEM);
-    people = people_of(lab, w, p, MOST);
     for (int k = 0; k < SHARES; k++)
-        for (uint64_t d = 0; d < (lab->reduced ? 1 : DRAWS); d++)
+        for (uint64_t d = 0; d < draws; d++)
             for (size_t s = 0; s < people; s++)
                 one_probe(lab, p, people, s, k, d, w, &probe, o);
     report(lab, name, o);
-    for (size_t s = 0; s < people; s++) {
-        face_free(&p[s].tmpl);
-        release(p[s].probe);
-    }
     face_free(&probe);
-    face_work_free(w);
-    free(p);
     free(o);
 }
 
 void cover_run(const struct lab *lab)
 {
+    enum { MOST = 100 };
+    struct face_work *w = face_work_new(NULL);
+    struct person *p = lab_alloc(MOST, sizeof *p);
+    size_t people = lab->reduced ? 5 : MOST;
+
     truths(lab);
-    verify(lab, "madeup", made_up, free);
-    if (lab->faces != NULL)
-        verify(lab, "scans", scanned, mem_free);
+    if (w == NULL)
+        lab_must(ST_ENOMEM);
+    people_made_up(0, people, w, p);
+    verify(lab, "madeup", p, people, w);
+    people_free(p, people);
+    if (lab->faces != NULL) {
+        memset(p, 0, MOST * sizeof *p);
+        people = people_scanned(lab->faces, MOST, w, p);
+        verify(lab, "scans", p, people, w);
+        people_free(p, people);
+    }
+    face_work_free(w);
+    free(p);
 }

@@ -2,6 +2,7 @@
  * the test functions, and what simplified templates do to verification. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "brute.h"
@@ -9,26 +10,16 @@
 #include "facegen.h"
 #include "lab.h"
 #include "lattice.h"
-#include "mem.h"
+#include "people.h"
 #include "simplify.h"
 #include "study.h"
 
-#define POINTS    3000
+#define POINTS    PEOPLE_POINTS
 #define SHARES    8
 #define STRANGERS 8
+#define PEOPLE    60
 static const double share[SHARES] = {100, 70, 50, 30, 20, 10, 5, 3}; /* per cent kept */
 #define TEMPLATES (SHARES - 1) /* the last is too few for a face */
-
-static size_t scan(uint64_t subject, uint64_t number, double degrees, struct dvec3 *out)
-{
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = subject;
-    s.scan = number;
-    facegen_pose(&s, degrees, degrees);
-    return facegen_sample(&s, out);
-}
 
 /* Down to so many points; by the largest gap, or by the volume. */
 static struct simplify_result reduce(const struct mesh *m, uint32_t least, bool by_volume,
@@ -62,7 +53,11 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
             size_t n = POINTS;
 
             if (function < 0) {
-                n = scan(1 + (uint64_t)d, 0, 0, pts);
+                struct facegen_scan scan;
+
+                facegen_default(&scan);
+                scan.subject = 1 + (uint64_t)d;
+                n = facegen_sample(&scan, pts);
                 lab_must(lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, NULL));
             } else {
                 for (size_t i = 0; i < n; i++)
@@ -96,18 +91,11 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
 
 /* ---- templates of fewer points */
 
-struct person {
-    struct face whole, probe, few;
-};
-
-static void make(const struct dvec3 *pts, size_t n, struct face_work *w, struct face *out)
+/* A template of the given share of its points. */
+static void shrink(const struct face *whole, double percent, struct face_work *w,
+                   struct face *out)
 {
-    lab_must(face_build(pts, n, w, out, NULL));
-}
-
-static void shrink(struct person *p, double percent, struct face_work *w)
-{
-    const struct mesh *m = &p->whole.mesh;
+    const struct mesh *m = &whole->mesh;
     struct dvec3 *pts = lab_alloc(m->nv, sizeof *pts);
     struct scratch scratch = {0};
     struct mesh small = {0};
@@ -117,63 +105,87 @@ static void shrink(struct person *p, double percent, struct face_work *w)
         pts[v] =
             (struct dvec3){small.xy[v].x / LATTICE_PER_MM, small.xy[v].y / LATTICE_PER_MM,
                            small.z[v] / LATTICE_PER_MM};
-    make(pts, small.nv, w, &p->few);
+    lab_must(face_build(pts, small.nv, w, out, NULL));
     mesh_free(&small);
     scratch_free(&scratch);
     free(pts);
 }
 
-static void templates(const struct lab *lab)
-{
-    const size_t people = lab->reduced ? 4 : 60;
-    struct person *p = lab_alloc(people, sizeof *p);
-    struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
-    struct face_work *w = face_work_new(NULL);
-    FILE *f = lab_open(lab, "verify.csv");
+struct tally {
+    double match, mm, n;
+};
 
-    for (size_t i = 0; w != NULL && i < people; i++) {
-        make(pts, scan(500 + i, 0, 0, pts), w, &p[i].whole);
-        make(pts, scan(500 + i, 1, 8, pts), w, &p[i].probe);
+/* One line of the table: every probe against its own template and some of others'. */
+static void line(const struct face *few, const struct face *probe, size_t people,
+                 double percent, struct face_work *w, FILE *f)
+{
+    struct tally t[2] = {{0}}; /* [1]: strangers */
+    double unclear = 0, points = 0, n;
+    clock_t start = clock();
+
+    for (size_t i = 0; i < people; i++) {
+        points += (double)few[i].mesh.nv / (double)people;
+        for (size_t j = 0; j <= STRANGERS && j < people; j++) {
+            struct face_result r;
+
+            lab_must(face_compare(&few[(i + j) % people], &probe[i], 0, NULL, w, &r));
+            t[j > 0].n++;
+            t[j > 0].mm += r.disparity_mm;
+            t[j > 0].match += r.decision == FACE_MATCH;
+            unclear += r.decision == FACE_INCONCLUSIVE;
+        }
     }
-    lab_must(w != NULL ? ST_OK : ST_ENOMEM);
+    start = clock() - start;
+    n = t[0].n + t[1].n;
+    fprintf(f, "%.0f,%.0f,%.1f,%.4f,%.2f,%.4f,%.1f,%.2f\n", percent, points,
+            100 * t[0].match / t[0].n, t[0].mm / t[0].n, 100 * t[1].match / t[1].n,
+            t[1].mm / t[1].n, 100 * unclear / n,
+            1e3 * (double)start / CLOCKS_PER_SEC / n);
+}
+
+static void templates(const struct lab *lab, const char *name, const struct person *p,
+                      size_t people, struct face_work *w)
+{
+    struct face *few = lab_alloc(people, sizeof *few);
+    struct face *probe = lab_alloc(people, sizeof *probe);
+    FILE *f = lab_open(lab, name);
+
+    for (size_t i = 0; i < people; i++)
+        lab_must(face_build(p[i].probe, p[i].n, w, &probe[i], NULL));
     fprintf(f, "points kept %%,points,the same person: match %%,mean disparity mm,"
                "strangers: match %%,mean disparity mm,inconclusive %%,a comparison ms\n");
     for (int k = 0; k < TEMPLATES; k++) {
-        double same = 0, other = 0, unclear = 0, points = 0, mm[2] = {0};
-        double n = 0, strangers = 0;
-        clock_t start;
-
-        for (size_t i = 0; i < people; i++) {
-            shrink(&p[i], share[k], w);
-            points += (double)p[i].few.mesh.nv / (double)people;
-        }
-        start = clock();
         for (size_t i = 0; i < people; i++)
-            for (size_t j = 0; j <= STRANGERS && j < people; j++) {
-                struct face_result r;
-
-                lab_must(
-                    face_compare(&p[(i + j) % people].few, &p[i].probe, 0, NULL, w, &r));
-                n++;
-                strangers += j > 0;
-                mm[j > 0] += r.disparity_mm;
-                unclear += r.decision == FACE_INCONCLUSIVE;
-                same += j == 0 && r.decision == FACE_MATCH;
-                other += j > 0 && r.decision == FACE_MATCH;
-            }
-        fprintf(f, "%.0f,%.0f,%.1f,%.4f,%.2f,%.4f,%.1f,%.2f\n", share[k], points,
-                100 * same / (double)people, mm[0] / (double)people,
-                100 * other / strangers, mm[1] / strangers, 100 * unclear / n,
-                1e3 * (double)(clock() - start) / CLOCKS_PER_SEC / n);
+            shrink(&p[i].template, share[k], w, &few[i]);
+        line(few, probe, people, share[k], w, f);
     }
     lab_close(f);
     for (size_t i = 0; i < people; i++) {
-        face_free(&p[i].whole);
-        face_free(&p[i].probe);
-        face_free(&p[i].few);
+        face_free(&few[i]);
+        face_free(&probe[i]);
+    }
+    free(few);
+    free(probe);
+}
+
+static void verify(const struct lab *lab)
+{
+    struct face_work *w = face_work_new(NULL);
+    struct person *p = lab_alloc(PEOPLE, sizeof *p);
+    size_t people = lab->reduced ? 4 : PEOPLE;
+
+    if (w == NULL)
+        lab_must(ST_ENOMEM);
+    people_made_up(500, people, w, p);
+    templates(lab, "verify.csv", p, people, w);
+    people_free(p, people);
+    if (lab->faces != NULL) {
+        memset(p, 0, PEOPLE * sizeof *p);
+        people = people_scanned(lab->faces, people, w, p);
+        templates(lab, "verify-scans.csv", p, people, w);
+        people_free(p, people);
     }
     face_work_free(w);
-    free(pts);
     free(p);
 }
 
@@ -188,5 +200,5 @@ void fewer_run(const struct lab *lab)
     for (int i = 0; i < LAB_FUNCTIONS; i++)
         curve(lab, lab_function_name((unsigned)i), i, draws, f);
     lab_close(f);
-    templates(lab);
+    verify(lab);
 }

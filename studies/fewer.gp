@@ -3,6 +3,7 @@ name = 'curves'; wide = 1000; high = 460
 load begin
 set multiplot layout 1,2 title 'Points taken out one by one, the least needed first (3,000 points)'
 set logscale xy
+set format y '%g'
 set xlabel 'points kept, %'
 set xrange [2.5:110]
 set key bottom left

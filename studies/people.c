@@ -1,0 +1,97 @@
+#include "people.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cloudfile.h"
+#include "facegen.h"
+#include "lab.h"
+#include "mem.h"
+
+#define FILE_MAX ((size_t)1 << 25)
+
+void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p)
+{
+    struct dvec3 *pts = lab_alloc(PEOPLE_POINTS, sizeof *pts);
+
+    for (size_t i = 0; i < n; i++) {
+        struct facegen_scan scan;
+
+        facegen_default(&scan);
+        scan.subject = first + i;
+        facegen_pose(&scan, 3, 4);
+        lab_must(face_build(pts, facegen_sample(&scan, pts), w, &p[i].template, NULL));
+        scan.scan = 1;
+        facegen_pose(&scan, 8, 12);
+        p[i].probe = lab_alloc(PEOPLE_POINTS, sizeof *pts);
+        p[i].n = facegen_sample(&scan, p[i].probe);
+    }
+    free(pts);
+}
+
+/* The points of a scan, free(); NULL: not there, or no scan. */
+static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
+{
+    struct dvec3 *pts = NULL, *copy = NULL;
+    unsigned char *bytes;
+    char path[4096];
+    FILE *f;
+
+    (void)snprintf(path, sizeof path, "%s/%s", dir, name);
+    if ((f = fopen(path, "rb")) == NULL)
+        return NULL;
+    bytes = lab_alloc(FILE_MAX, 1);
+    if (cloudfile_parse(bytes, fread(bytes, 1, FILE_MAX, f), CLOUDFILE_ANY,
+                        FACE_MAX_POINTS, &pts, n, NULL) == ST_OK) {
+        copy = lab_alloc(*n, sizeof *copy);
+        memcpy(copy, pts, *n * sizeof *copy);
+        mem_free(pts);
+    }
+    free(bytes);
+    (void)fclose(f);
+    return copy;
+}
+
+static int by_name(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static int enrolled(const struct dirent *e)
+{
+    return strstr(e->d_name, "_enroll.ply") != NULL;
+}
+
+size_t people_scanned(const char *dir, size_t most, struct face_work *w, struct person *p)
+{
+    struct dirent **list = NULL;
+    const int files = scandir(dir, &list, enrolled, by_name);
+    size_t people = 0;
+
+    for (int i = 0; i < files; i++) {
+        char name[512];
+        size_t n = 0;
+        struct dvec3 *pts = read_scan(dir, list[i]->d_name, &n);
+        const int who = (int)strcspn(list[i]->d_name, "_");
+
+        (void)snprintf(name, sizeof name, "%.*s_p1.ply", who, list[i]->d_name);
+        if (people < most && pts != NULL &&
+            face_build(pts, n, w, &p[people].template, NULL) == ST_OK &&
+            (p[people].probe = read_scan(dir, name, &p[people].n)) != NULL)
+            people++;
+        free(pts);
+        free(list[i]);
+    }
+    free(list);
+    return people;
+}
+
+void people_free(struct person *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        face_free(&p[i].template);
+        free(p[i].probe);
+    }
+}

@@ -1,0 +1,28 @@
+/* people.h -- who the studies verify: somebody's template, and the points of a further scan
+ * of them, turned and moved. */
+#ifndef STUDIES_PEOPLE_H
+#define STUDIES_PEOPLE_H
+#include <stddef.h>
+#include <stdint.h>
+#include "face.h"
+#include "vec.h"
+
+#define PEOPLE_POINTS 3000 /* of a made-up scan, at most */
+
+struct person {
+    struct face template;
+    struct dvec3 *probe; /* [n], mm */
+    size_t n;
+};
+
+/* people_made_up(first, n, w, p): tests/facegen.h's subjects from first on, into p[n]. */
+void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p);
+
+/* people_scanned(dir, most, w, p): those of a folder's scans, by name, of which there are
+ * both SUBJECT_enroll.ply and SUBJECT_p1.ply; returns how many. */
+size_t people_scanned(const char *dir, size_t most, struct face_work *w,
+                      struct person *p);
+
+void people_free(struct person *p, size_t n); /* not p itself */
+
+#endif
