@@ -91,7 +91,7 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
 
 /* ---- templates of fewer points */
 
-/* A template of the given share of its points. */
+/* A template of the given share of its points; without any where that is no face any more. */
 static void shrink(const struct face *whole, double percent, struct face_work *w,
                    struct face *out)
 {
@@ -105,7 +105,8 @@ static void shrink(const struct face *whole, double percent, struct face_work *w
         pts[v] =
             (struct dvec3){small.xy[v].x / LATTICE_PER_MM, small.xy[v].y / LATTICE_PER_MM,
                            small.z[v] / LATTICE_PER_MM};
-    lab_must(face_build(pts, small.nv, w, out, NULL));
+    if (face_build(pts, small.nv, w, out, NULL) != ST_OK)
+        out->mesh.nv = 0;
     mesh_free(&small);
     scratch_free(&scratch);
     free(pts);
@@ -120,15 +121,19 @@ static void line(const struct face *few, const struct face *probe, size_t people
                  double percent, struct face_work *w, FILE *f)
 {
     struct tally t[2] = {{0}}; /* [1]: strangers */
-    double unclear = 0, points = 0, n;
+    double unclear = 0, points = 0, made = 0, n;
     clock_t start = clock();
 
     for (size_t i = 0; i < people; i++) {
-        points += (double)few[i].mesh.nv / (double)people;
+        points += (double)few[i].mesh.nv;
+        made += few[i].mesh.nv > 0;
         for (size_t j = 0; j <= STRANGERS && j < people; j++) {
+            const struct face *template = &few[(i + j) % people];
             struct face_result r;
 
-            lab_must(face_compare(&few[(i + j) % people], &probe[i], 0, NULL, w, &r));
+            if (template->mesh.nv == 0)
+                continue;
+            lab_must(face_compare(template, &probe[i], 0, NULL, w, &r));
             t[j > 0].n++;
             t[j > 0].mm += r.disparity_mm;
             t[j > 0].match += r.decision == FACE_MATCH;
@@ -137,9 +142,9 @@ static void line(const struct face *few, const struct face *probe, size_t people
     }
     start = clock() - start;
     n = t[0].n + t[1].n;
-    fprintf(f, "%.0f,%.0f,%.1f,%.4f,%.2f,%.4f,%.1f,%.2f\n", percent, points,
-            100 * t[0].match / t[0].n, t[0].mm / t[0].n, 100 * t[1].match / t[1].n,
-            t[1].mm / t[1].n, 100 * unclear / n,
+    fprintf(f, "%.0f,%.0f,%.0f,%.1f,%.4f,%.2f,%.4f,%.1f,%.2f\n", percent, points / made,
+            (double)people - made, 100 * t[0].match / t[0].n, t[0].mm / t[0].n,
+            100 * t[1].match / t[1].n, t[1].mm / t[1].n, 100 * unclear / n,
             1e3 * (double)start / CLOCKS_PER_SEC / n);
 }
 
@@ -152,8 +157,9 @@ static void templates(const struct lab *lab, const char *name, const struct pers
 
     for (size_t i = 0; i < people; i++)
         lab_must(face_build(p[i].probe, p[i].n, w, &probe[i], NULL));
-    fprintf(f, "points kept %%,points,the same person: match %%,mean disparity mm,"
-               "strangers: match %%,mean disparity mm,inconclusive %%,a comparison ms\n");
+    fprintf(f, "points kept %%,points,refused as templates,the same person: match %%,"
+               "mean disparity mm,strangers: match %%,mean disparity mm,inconclusive %%,"
+               "a comparison ms\n");
     for (int k = 0; k < TEMPLATES; k++) {
         for (size_t i = 0; i < people; i++)
             shrink(&p[i].template, share[k], w, &few[i]);

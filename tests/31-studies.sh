@@ -123,7 +123,7 @@ that "the fewer points, the larger the gap" awk -F, 'NR > 1 && $1 == last && $3 
     { last = $1; was = $3 } END { exit bad || NR < 50 }' "$dir/fewer/curves.csv"
 that "by the volume: a smaller mean gap, a larger largest" \
     awk -F, 'NR > 1 && ($6 > $4 || $5 < $3) { exit 1 }' "$dir/fewer/curves.csv"
-is "a whole template matches" "$(value fewer/verify.csv 100 3)" 100.0
+is "a whole template matches" "$(value fewer/verify.csv 100 4)" 100.0
 
 # ---- what can go wrong
 for bad in "" "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do
