@@ -435,7 +435,7 @@ const struct surfacectl_command surfacectl_commands[] = {
     {.name = "rekey",
      .args = "",
      .db = true,
-     .options = "passphrase plaintext new-key keep-old",
+     .options = "passphrase plaintext new-key keep-old yes",
      .run = surfacectl_rekey,
      .summary = "another key for the database",
      .help =
@@ -443,8 +443,8 @@ const struct surfacectl_command surfacectl_commands[] = {
          "the file --new-key does.  With --passphrase it is a passphrase, asked for or in\n"
          "--new-key; with --plaintext it lies in the database.  A running daemon reads it from\n"
          "the file by itself.  Backups are still opened by the key that they were made with:\n"
-         "--keep-old.",
-     .example = "surfacectl --db faces.db rekey"},
+         "--keep-old keeps its file, otherwise that is asked for.",
+     .example = "surfacectl --db faces.db rekey --keep-old"},
     {.name = "doctor",
      .args = "",
      .db = true,

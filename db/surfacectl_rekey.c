@@ -50,6 +50,19 @@ static void tell(struct surfacectl *c, const struct store_rekey *to, const char 
         (void)printf("%s: whoever has the file can read it now.\n", c->db);
 }
 
+/* The old key's file goes with it, and with that whatever was backed up until now. */
+static bool may_lose_key(struct surfacectl *c)
+{
+    enum vault_kind kind;
+
+    return c->keep_old || store_kind(c->db, &kind, &c->e) != ST_OK ||
+           kind != VAULT_FILE ||
+           surfacectl_confirmed(c,
+                                "takes the old key away, without which older backups are "
+                                "worth nothing (--keep-old keeps it)",
+                                "rekey");
+}
+
 int surfacectl_rekey(struct surfacectl *c)
 {
     char usual[PATH_MAX];
@@ -57,6 +70,7 @@ int surfacectl_rekey(struct surfacectl *c)
     struct keyfile *owned = NULL;
     struct store *s = NULL;
     const bool plaintext = c->plaintext, passphrase = c->passphrase;
+    int code = EXIT_FINE;
     enum status st;
 
     /* These are of the new key, not of how the database is opened. */
@@ -64,13 +78,21 @@ int surfacectl_rekey(struct surfacectl *c)
     st = surfacectl_open(c, STORE_WRITE, &s);
     c->plaintext = plaintext;
     c->passphrase = passphrase;
-    if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK)
+    if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK) {
+        if (!may_lose_key(c)) {
+            code = EXIT_USAGE;
+            goto out;
+        }
         st = store_rekey(s, SURFACECTL_ACTOR, &to, &c->e);
-    store_close(s);
-    keyfile_free(owned);
-    if (st != ST_OK)
-        return surfacectl_fail(c, st);
+    }
+    if (st != ST_OK) {
+        code = surfacectl_fail(c, st);
+        goto out;
+    }
     (void)snprintf(usual, sizeof usual, "%s.key", c->db);
     tell(c, &to, c->key != NULL ? c->key : usual);
-    return EXIT_FINE;
+out:
+    store_close(s);
+    keyfile_free(owned);
+    return code;
 }

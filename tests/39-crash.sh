@@ -63,9 +63,9 @@ crash init empty init
 crash enroll full enroll dave "$T/s4.ply"
 crash erase full delete --yes alice
 crash rename full subject rename bob rob
-crash rekey full rekey
+crash rekey full rekey --yes
 crash rekey-keep full rekey --keep-old
-crash rekey-plain full rekey --plaintext
+crash rekey-plain full rekey --plaintext --yes
 crash migrate old migrate
 crash import full import "$T/archive" --archive-key "$T/akey"
 crash restore full restore "$T/backup"

@@ -31,7 +31,12 @@ cp "$DB.key" "$T/first"
 start_daemon --no-auth
 send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
 is "before" "$STATUS $(get .decision)" "200 match"
+before=$(sha256sum <"$DB.key")
 ctl rekey
+is "the old key is not lost unasked" "$CODE" 64
+ok "it is said what it would cost" grep -q 'older backups' "$T/ctl.err"
+is "nothing changed" "$(sha256sum <"$DB.key")" "$before"
+ctl rekey --yes
 is "rekey" "$CODE $(said '.kind, .key' | tr '\n' ' ')" "0 file $DB.key "
 ok "it is another key" sh -c "! cmp -s '$DB.key' '$T/first'"
 is "its owner's" "$(stat -c %a "$DB.key")" 600
@@ -74,17 +79,17 @@ rm "$DB.key.old"
 printf 'open sesame\n' >"$T/phrase"
 printf '%064d\n' 7 >"$T/own"
 chmod 600 "$T/phrase" "$T/own"
-ctl rekey --new-key "$T/own"
+ctl rekey --yes --new-key "$T/own"
 is "a key of one's own" "$CODE" 0
 ok "is in the key's place" cmp -s "$DB.key" "$T/own"
-ctl rekey --new-key "$T/phrase"
+ctl rekey --yes --new-key "$T/phrase"
 is "a passphrase is no key" "$CODE" 65
 ok "nothing is left of that" test ! -e "$DB.key.new"
-ctl rekey --passphrase --new-key "$T/phrase"
+ctl rekey --yes --passphrase --new-key "$T/phrase"
 is "a passphrase" "$CODE $(said .kind)" "0 passphrase"
 ctl verify s2 "$T/s2.ply" --key "$T/phrase"
 is "opens it" "$CODE" 0
-ctl rekey --key "$T/phrase" --plaintext
+ctl rekey --yes --key "$T/phrase" --plaintext
 is "plaintext" "$CODE $(said .kind)" "0 plaintext"
 ok "its file is gone" test ! -e "$T/phrase"
 rm "$DB.key"
@@ -92,7 +97,7 @@ ctl verify s2 "$T/s2.ply"
 is "needs no key" "$CODE" 0
 sqlite3 "$DB" 'SELECT hex(open) FROM root' >"$T/open"
 is "since it is in the file" "$(held "$T/open")" 1
-ctl rekey
+ctl rekey --yes
 is "its first key" "$CODE $(said .kind)" "0 file"
 is "what stood open is gone" "$(held "$T/open")" 0
 ctl check
@@ -101,12 +106,12 @@ is "all is well" "$CODE $(said .templates)" "0 3"
 # ---- in the way: nothing is changed
 cp "$DB.key" "$T/kept"
 echo nonsense >"$DB.key.new"
-ctl rekey
+ctl rekey --yes
 is "a change that was not made" "$CODE" 65
 ok "it says what to do" matches "$(said .error.detail)" 'key.new.*remove it'
 ok "and leaves all as it was" cmp -s "$DB.key" "$T/kept"
 rm "$DB.key.new"
-ctl rekey --key "$T/nowhere/key"
+ctl rekey --yes --key "$T/nowhere/key"
 is "no key, no change" "$CODE" 66
 
 # ---- between the commit and the new key's place
@@ -115,7 +120,7 @@ cp "$T/first" "$DB.key"
 chmod 600 "$DB.key"
 ctl verify s2 "$T/s2.ply"
 is "it is found where it is" "$CODE" 0
-ctl rekey
+ctl rekey --yes
 is "and settled by the next change" "$CODE" 0
 ok "for good" test ! -e "$DB.key.new"
 ctl verify s2 "$T/s2.ply"
@@ -128,7 +133,7 @@ lost=''
 awk -v s="$seed" 'BEGIN { srand(s); for (i = 0; i < 60; i++) printf "%.4f\n", rand() * 0.06 }' \
     >"$T/when"
 while read -r when; do
-    "$BUILD/surfacectl" --db "$DB" rekey >/dev/null 2>&1 &
+    "$BUILD/surfacectl" --db "$DB" rekey --yes >/dev/null 2>&1 &
     killed=$!
     sleep "$when"
     kill -9 "$killed" 2>/dev/null
@@ -142,6 +147,6 @@ done <"$T/when"
 is "killed 60 times (seed $seed), never locked out" "$lost" ""
 ctl verify s1 "$T/s1.ply"
 is "s1 is s1" "$CODE" 0
-ctl rekey
+ctl rekey --yes
 is "and once more in peace" "$CODE" 0
 finish

@@ -103,7 +103,7 @@ echo nonsense >"$DB"
 doctor
 finds "no database at all" trouble schema 'not a database'
 cp "$T/kept" "$DB"
-"$BUILD/surfacectl" --db "$DB" rekey --plaintext >"$T/text"
+"$BUILD/surfacectl" --db "$DB" rekey --yes --plaintext >"$T/text"
 doctor
 finds "plaintext" note key 'plaintext'
 sqlite3 "$DB" "UPDATE templates SET points = points - 1"
