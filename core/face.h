@@ -15,7 +15,7 @@
 #include "status.h"
 #include "vec.h"
 
-#define FACE_ENGINE     "surfaced/0.2.0 measure/2" /* and a model: face_engine() */
+#define FACE_ENGINE     "surfaced/0.2.0 measure/3" /* and a model: face_engine() */
 #define FACE_ENGINE_MAX 63
 #define FACE_MIN_POINTS 100
 #define FACE_MAX_POINTS 300000 /* default limit */
