@@ -50,8 +50,8 @@ size_t model_write(const struct model *m, char *buf, size_t size);
 uint32_t model_mark(const struct model *m);
 
 /* model_digest(m): what tells models apart: FNV-1a (64 bits) over all that a disparity
- * depends on, which is everything but the name and the calibration.  About 1 ms; of model_default the
- * first time only. */
+ * depends on, which is everything but the name and the calibration.  About 1 ms; of
+ * model_default the first time only. */
 uint64_t model_digest(const struct model *m);
 
 #endif

@@ -1,7 +1,8 @@
 /* cache.h -- decoded face models by template id, shared by the workers.
  * What is loaded of a template never changes and its id is never used again (store.h), so
- * what is cached cannot be stale, whatever is reprocessed meanwhile; whether the template is still there must be asked of the store first:
- * a deleted template must never match, whoever deleted it. */
+ * what is cached cannot be stale, whatever is reprocessed meanwhile; whether the template is
+ * still there must be asked of the store first: a deleted template must never match, whoever
+ * deleted it. */
 #ifndef SERVER_CACHE_H
 #define SERVER_CACHE_H
 #include <stddef.h>
