@@ -1,6 +1,7 @@
 #include "cache.h"
 
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,13 +15,23 @@ struct entry {
     struct face face; /* first: cache_release() gets a pointer to it */
     char id[STORE_ID_LEN + 1];
     unsigned refs;
+    bool ahead; /* by cache_load(), and not held since */
     size_t bytes;
     struct entry *chain; /* next in the bucket */
     struct entry *newer, *older;
 };
 
+/* A load that is under way, on the stack of who loads. */
+struct load {
+    const char *id;
+    bool ahead; /* by cache_load() */
+    struct load *next;
+};
+
 struct cache {
     pthread_mutex_t lock;
+    pthread_cond_t loaded; /* ahead, or in vain */
+    struct load *loads;
     struct entry *bucket[NBUCKETS];
     struct entry *newest, *oldest;
     uint64_t forgets; /* calls of cache_forget() */
@@ -103,6 +114,7 @@ struct cache *cache_new(size_t limit)
     if (c == NULL)
         return NULL;
     (void)pthread_mutex_init(&c->lock, NULL);
+    (void)pthread_cond_init(&c->loaded, NULL);
     c->state.limit = limit;
     return c;
 }
@@ -113,6 +125,7 @@ void cache_free(struct cache *c)
         return;
     while (c->oldest != NULL)
         drop(c, c->oldest);
+    (void)pthread_cond_destroy(&c->loaded);
     (void)pthread_mutex_destroy(&c->lock);
     free(c);
 }
@@ -135,53 +148,91 @@ static void take_in(struct cache *c, struct entry *x)
     }
 }
 
-enum status cache_hold(struct cache *c, struct store *s, const char *id,
-                       struct face_work *w, const struct face **out, struct errinfo *e)
+static const struct load *under_way(const struct cache *c, const char *id)
 {
-    struct store_template t;
-    struct entry *x;
-    uint64_t forgets;
-    enum status st;
+    const struct load *l = c->loads;
 
-    *out = NULL;
-    (void)pthread_mutex_lock(&c->lock);
-    x = find(c, id);
-    if (x != NULL) {
-        x->refs++;
-        c->state.hits++;
-        unlink_age(c, x);
-        link_newest(c, x);
-        *out = &x->face;
-    } else {
-        c->state.misses++;
-    }
-    forgets = c->forgets;
+    while (l != NULL && strcmp(l->id, id) != 0)
+        l = l->next;
+    return l;
+}
+
+/* Load what is not there; the lock is held, but not meanwhile. */
+static enum status load(struct cache *c, struct store *s, const char *id, bool ahead,
+                        struct face_work *w, struct entry **out, struct errinfo *e)
+{
+    struct load me = {id, ahead, c->loads}, **link = &c->loads;
+    struct entry *x = calloc(1, sizeof *x);
+    const uint64_t forgets = c->forgets;
+    enum status st = ST_ENOMEM;
+    struct store_template t;
+
+    c->loads = &me;
+    c->state.misses++;
     (void)pthread_mutex_unlock(&c->lock);
     if (x != NULL)
-        return ST_OK;
+        st = store_template_load(s, id, &t, w, &x->face, e);
+    (void)pthread_mutex_lock(&c->lock);
 
-    x = calloc(1, sizeof *x);
-    if (x == NULL)
-        return ST_ENOMEM;
-    st = store_template_load(s, id, &t, w, &x->face, e);
+    while (*link != &me)
+        link = &(*link)->next;
+    *link = me.next;
+    if (ahead)
+        (void)pthread_cond_broadcast(&c->loaded);
     if (st != ST_OK) {
-        face_free(&x->face);
+        if (x != NULL)
+            face_free(&x->face);
         free(x);
         return st;
     }
     memcpy(x->id, t.id, sizeof x->id);
     x->refs = 1;
+    x->ahead = ahead;
     x->bytes = face_bytes(&x->face);
-    *out = &x->face;
-
-    (void)pthread_mutex_lock(&c->lock);
     c->state.renewed += store_stale(s, &t);
     /* What was deleted since it was read must not come in behind cache_forget()'s back: it
      * would stay until it is the oldest.  Whoever else is hit by this loads once more. */
     if (forgets == c->forgets)
         take_in(c, x);
-    (void)pthread_mutex_unlock(&c->lock);
+    *out = x;
     return ST_OK;
+}
+
+enum status cache_hold(struct cache *c, struct store *s, const char *id,
+                       struct face_work *w, const struct face **out, struct errinfo *e)
+{
+    const struct load *l;
+    struct entry *x;
+    enum status st = ST_OK;
+
+    *out = NULL;
+    (void)pthread_mutex_lock(&c->lock);
+    while ((x = find(c, id)) == NULL && (l = under_way(c, id)) != NULL && l->ahead)
+        (void)pthread_cond_wait(&c->loaded, &c->lock);
+    if (x != NULL) {
+        x->refs++;
+        c->state.hits += !x->ahead; /* it was a miss of cache_load() */
+        x->ahead = false;
+        unlink_age(c, x);
+        link_newest(c, x);
+    } else {
+        st = load(c, s, id, false, w, &x, e);
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    if (st == ST_OK)
+        *out = &x->face;
+    return st;
+}
+
+void cache_load(struct cache *c, struct store *s, const char *id, struct face_work *w)
+{
+    struct entry *x;
+
+    (void)pthread_mutex_lock(&c->lock);
+    if (c->state.limit > 0 && find(c, id) == NULL && under_way(c, id) == NULL &&
+        load(c, s, id, true, w, &x, NULL) == ST_OK)
+        unref(x);
+    (void)pthread_mutex_unlock(&c->lock);
 }
 
 void cache_release(struct cache *c, const struct face *f)

@@ -26,6 +26,11 @@ enum status cache_hold(struct cache *c, struct store *s, const char *id,
                        struct face_work *w, const struct face **out, struct errinfo *e);
 void cache_release(struct cache *c, const struct face *f); /* NULL is allowed */
 
+/* cache_load(c, s, id, w): have it in the cache before it is held: a cache_hold() of it
+ * waits for this.  Does nothing when it is there or being loaded, or nothing is kept; what
+ * fails is for cache_hold() to try again and to tell. */
+void cache_load(struct cache *c, struct store *s, const char *id, struct face_work *w);
+
 /* cache_forget(c, id): drop it, its memory too once nobody holds it.  After the store has
  * deleted it: then no load that is under way brings it back. */
 void cache_forget(struct cache *c, const char *id);

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sodium.h>
 
+#include "ahead.h"
 #include "app.h"
 #include "attempts.h"
 #include "cache.h"
@@ -47,7 +48,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->attempts = attempts_new(app->store, o->attempts, o->attempt_wait);
     app->throttle = throttle_new(o->rate_limit_tokens);
     if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL ||
-        app->attempts == NULL || app->throttle == NULL)
+        app->attempts == NULL || app->throttle == NULL ||
+        (app->ahead = ahead_start(app)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -62,6 +64,7 @@ static void stop(struct app *app, struct http *http)
         queue_stop(app->queue);
     http_stop(http);
     queue_free(app->queue);
+    ahead_stop(app->ahead);
     cache_free(app->cache);
     metrics_free(app->metrics);
     idempotency_free(app->idempotency);

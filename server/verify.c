@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "ahead.h"
 #include "app.h"
 #include "attempts.h"
 #include "cache.h"
@@ -178,7 +179,11 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     enum status st;
 
     if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
-        !admit(r, t->subject, &one) || cloud_read(r, &c) != ST_OK)
+        !admit(r, t->subject, &one))
+        return;
+    for (size_t i = 0; i < n; i++)
+        ahead_ask(w->app->ahead, t[i].id);
+    if (cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);

@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=store_template_load */
 /* The template cache: its bound, who goes first, models that are dropped while they are
- * held, many threads at once, and templates that come and go meanwhile. */
+ * held, those loaded ahead, many threads at once, and templates that come and go meanwhile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,9 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #include <cmocka.h>
 
+#include "ahead.h"
+#include "app.h"
 #include "cache.h"
 #include "errinfo.h"
 #include "facegen.h"
@@ -33,6 +36,15 @@ static struct errinfo e;
 
 /* What happens between a load from the store and what the cache does with it. */
 static struct cache *forgets_meanwhile;
+static atomic_int loads;
+static atomic_bool held_up; /* who loads waits until it is false */
+
+static void nap(void)
+{
+    const struct timespec ms = {.tv_nsec = 1000000};
+
+    (void)nanosleep(&ms, NULL);
+}
 
 enum status __real_store_template_load(struct store *s, const char *id,
                                        struct store_template *t, struct face_work *w,
@@ -46,6 +58,10 @@ enum status __wrap_store_template_load(struct store *s, const char *id,
                                        struct face *f, struct errinfo *err)
 {
     enum status st = __real_store_template_load(s, id, t, w, f, err);
+
+    (void)atomic_fetch_add(&loads, 1);
+    while (atomic_load(&held_up))
+        nap();
 
     if (forgets_meanwhile != NULL)
         cache_forget(forgets_meanwhile, id);
@@ -245,6 +261,114 @@ static void test_unknown(void **state)
     cache_free(c);
 }
 
+/* ---- ahead of use */
+
+/* The first hold is the use that the load was for: no hit. */
+static void test_ahead(void **state)
+{
+    struct cache *c = cache_new(SIZE_MAX);
+    struct cache_state s;
+
+    (void)state;
+    cache_load(c, store, tmpl[0].id, work);
+    cache_load(c, store, tmpl[0].id, work);
+    cache_load(c, store, "00000000000000000000000000000000", work);
+    atomic_store(&loads, 0);
+    use(c, 0);
+    cache_look(c, &s);
+    assert_int_equal(s.entries, 1);
+    assert_int_equal(s.misses, 2); /* the unknown one too */
+    assert_int_equal(s.hits, 0);
+    use(c, 0);
+    cache_look(c, &s);
+    assert_int_equal(s.hits, 1);
+    assert_int_equal(atomic_load(&loads), 0);
+
+    forgets_meanwhile = c;
+    cache_load(c, store, tmpl[1].id, work);
+    forgets_meanwhile = NULL;
+    use(c, 1);
+    cache_look(c, &s);
+    assert_int_equal(s.entries, 2);
+    assert_int_equal(atomic_load(&loads), 2);
+    cache_free(c);
+
+    c = cache_new(0); /* it would only be read twice */
+    cache_load(c, store, tmpl[0].id, work);
+    assert_int_equal(atomic_load(&loads), 2);
+    cache_free(c);
+}
+
+static void *load_ahead(void *arg)
+{
+    struct face_work *w = face_work_new(NULL);
+
+    if (w == NULL)
+        return arg;
+    cache_load(arg, store, tmpl[0].id, w);
+    face_work_free(w);
+    return NULL;
+}
+
+static void *let_go(void *arg)
+{
+    for (int i = 0; i < 20; i++)
+        nap();
+    atomic_store(&held_up, false);
+    return arg;
+}
+
+/* Who wants what is being loaded ahead waits for it; a second load ahead does not. */
+static void test_ahead_waits(void **state)
+{
+    struct cache *c = cache_new(SIZE_MAX);
+    pthread_t loader, waker;
+    void *failed;
+
+    (void)state;
+    atomic_store(&loads, 0);
+    atomic_store(&held_up, true);
+    assert_int_equal(pthread_create(&loader, NULL, load_ahead, c), 0);
+    while (atomic_load(&loads) == 0)
+        nap();
+    cache_load(c, store, tmpl[0].id, work);
+    assert_int_equal(pthread_create(&waker, NULL, let_go, NULL), 0);
+    use(c, 0);
+    assert_int_equal(pthread_join(loader, &failed), 0);
+    assert_null(failed);
+    assert_int_equal(pthread_join(waker, NULL), 0);
+    assert_int_equal(atomic_load(&loads), 1);
+    cache_free(c);
+}
+
+/* More is asked for than has room, and it is stopped amid its work. */
+static void test_ahead_thread(void **state)
+{
+    struct app app = {.store = store, .cache = cache_new(SIZE_MAX)};
+    struct cache_state s = {0};
+
+    (void)state;
+    app.ahead = ahead_start(&app);
+    assert_non_null(app.ahead);
+    for (size_t i = 0; i < FACES; i++)
+        ahead_ask(app.ahead, tmpl[i].id);
+    while (s.entries < FACES) {
+        nap();
+        cache_look(app.cache, &s);
+    }
+    for (size_t i = 0; i < FACES; i++)
+        cache_forget(app.cache, tmpl[i].id);
+    for (size_t i = 0; i < 1000; i++)
+        ahead_ask(app.ahead, tmpl[i % FACES].id);
+    ahead_stop(app.ahead);
+    ahead_stop(NULL);
+    for (size_t i = 0; i < FACES; i++)
+        use(app.cache, i);
+    cache_free(app.cache);
+}
+
+/* ---- many threads */
+
 static void *hammer(void *arg)
 {
     struct cache *c = arg;
@@ -260,6 +384,8 @@ static void *hammer(void *arg)
         k = (r >> 16) % FACES;
         if (r % 7 == 0)
             cache_forget(c, tmpl[k].id);
+        if (r % 5 == 0)
+            cache_load(c, store, tmpl[k].id, w);
         bad = cache_hold(c, store, tmpl[k].id, w, &f, NULL) != ST_OK ||
               f->mesh.nv != tmpl[k].points;
         cache_release(c, f);
@@ -341,6 +467,8 @@ static void *look_for_gone(void *arg)
         for (size_t k = 0; k < n && !bad; k++) {
             const struct face *f;
 
+            if (i % 2 == 0)
+                cache_load(going.cache, store, t[k].id, w);
             st = cache_hold(going.cache, store, t[k].id, w, &f, NULL);
             bad = atoi(t[k].label) <= gone || (st != ST_OK && st != ST_ENOTFOUND) ||
                   (st == ST_OK && f->mesh.nv != t[k].points);
@@ -402,6 +530,9 @@ int main(void)
         cmocka_unit_test(test_dropped_while_held),
         cmocka_unit_test(test_forgotten_while_loaded),
         cmocka_unit_test(test_unknown),
+        cmocka_unit_test(test_ahead),
+        cmocka_unit_test(test_ahead_waits),
+        cmocka_unit_test(test_ahead_thread),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_gone),
         cmocka_unit_test(test_gone_beside),
