@@ -1,0 +1,391 @@
+/* Comparing face models: what is found depends on the two models alone, and the decision on
+ * what is found and the threshold. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "clouds.h"
+#include "decision.h"
+#include "face.h"
+#include "fail_alloc.h"
+#include "lattice.h"
+#include "model.h"
+
+#define POINTS 3000
+
+static struct face_work *work; /* one for the whole program: reuse is tested throughout */
+
+static struct {
+    size_t n;
+    struct dvec3 pts[2 * POINTS];
+} cloud;
+
+static void scan(uint64_t subject, uint64_t number, size_t n)
+{
+    cloud.n = clouds_scan(subject, number, n, cloud.pts);
+    assert_true(cloud.n > FACE_MIN_POINTS);
+}
+
+static void build(struct face *f)
+{
+    assert_int_equal(face_build(cloud.pts, cloud.n, work, f, NULL), ST_OK);
+}
+
+static void make(uint64_t subject, uint64_t number, struct face *f)
+{
+    scan(subject, number, POINTS);
+    build(f);
+}
+
+/* Every figure but the clock's. */
+#define FIGURES (24 + 2 * GRID_REGIONS)
+
+static void figures(const struct face_result *r, double x[FIGURES])
+{
+    const struct disparity *m = &r->measure;
+    const double one[24] = {r->disparity_mm,
+                            r->threshold_mm,
+                            r->fmr_at_score,
+                            r->weight_overlap,
+                            r->change_mm,
+                            (double)r->decision,
+                            m->volume_mm3,
+                            m->area_mm2,
+                            m->plain_mm,
+                            m->weighted_mm,
+                            m->overlap,
+                            m->bridged_mm2,
+                            m->outside_mm2,
+                            m->cells,
+                            m->bridged,
+                            m->outside,
+                            r->align.evaluations,
+                            r->align.starts,
+                            (double)r->align.stop,
+                            r->align.within,
+                            r->align.cost_mm,
+                            r->align.rival_mm,
+                            r->align.turn_deg,
+                            r->align.shift_mm};
+
+    memcpy(x, one, sizeof one);
+    memcpy(x + 24, r->region_mm, sizeof r->region_mm);
+    memcpy(x + 24 + GRID_REGIONS, r->region_weight, sizeof r->region_weight);
+}
+
+/* Byte for byte. */
+static void check_same_result(const struct face_result *a, const struct face_result *b)
+{
+    double x[FIGURES], y[FIGURES];
+
+    figures(a, x);
+    figures(b, y);
+    assert_memory_equal(x, y, sizeof x);
+    assert_memory_equal(a->align.transform, b->align.transform,
+                        sizeof a->align.transform);
+}
+
+static void check_identity(const double t[16], double within)
+{
+    for (int i = 0; i < 16; i++)
+        assert_true(fabs(t[i] - (i % 5 == 0)) < within);
+}
+
+/* A face compared with itself, and with itself moved. */
+static void test_identity(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    double moved[16];
+
+    (void)state;
+    for (uint64_t k = 0; k < 5; k++) {
+        double far = 0;
+
+        make(k, 0, &a);
+        assert_int_equal(face_compare(&a, &a, 0, NULL, work, &r), ST_OK);
+        assert_int_equal(r.decision, FACE_MATCH);
+        assert_true(r.disparity_mm < 0.001);
+        assert_true(r.measure.plain_mm < 0.001);
+        assert_true(r.measure.overlap > 0.99);
+        check_identity(r.align.transform, 0.005);
+
+        clouds_move(cloud.pts, cloud.n, k, 5, 30, moved);
+        build(&b);
+        assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+        assert_int_equal(r.decision, FACE_MATCH);
+        assert_true(r.disparity_mm < 0.12); /* another triangulation of the same points */
+        for (size_t i = 0; i < cloud.n; i++) {
+            const double *t = r.align.transform, *m = moved;
+            const struct dvec3 q = cloud.pts[i];
+            const double d[3] = {q.x - m[3], q.y - m[7], q.z - m[11]};
+
+            for (int c = 0; c < 3; c++) {
+                const double was = m[c] * d[0] + m[4 + c] * d[1] + m[8 + c] * d[2];
+                const double now = t[4 * c] * q.x + t[4 * c + 1] * q.y +
+                                   t[4 * c + 2] * q.z + t[4 * c + 3];
+
+                far = fmax(far, fabs(now - was));
+            }
+        }
+        assert_true(far < 0.3);
+    }
+    face_free(&a);
+    face_free(&b);
+}
+
+/* The same person's scans are nearer than anybody else's, and the decision says so. */
+static void test_people(void **state)
+{
+    enum { PEOPLE = 6 };
+    struct face tmpl = {0}, probe = {0};
+    double worst = 0, nearest = INFINITY;
+
+    (void)state;
+    for (uint64_t k = 0; k < PEOPLE; k++) {
+        make(k + 50, 0, &tmpl);
+        for (uint64_t who = 0; who < PEOPLE; who++) {
+            struct face_result r;
+            double moved[16];
+
+            scan(who + 50, who + 1, POINTS);
+            clouds_move(cloud.pts, cloud.n, who * 7 + k, 8, 10, moved);
+            build(&probe);
+            assert_int_equal(face_compare(&tmpl, &probe, 0, NULL, work, &r), ST_OK);
+            assert_true(r.threshold_mm == model_default.decision.threshold_mm);
+            assert_true(r.fmr_at_score ==
+                        decision_fmr(&model_default.decision, r.disparity_mm));
+            assert_true(r.measure.plain_mm == r.measure.weighted_mm);
+            assert_true(r.align_ms == 0 && r.measure_ms == 0);
+            if (who == k) {
+                assert_int_equal(r.decision, FACE_MATCH);
+                worst = fmax(worst, r.disparity_mm);
+            } else {
+                assert_int_equal(r.decision, r.disparity_mm <= r.threshold_mm
+                                                 ? FACE_MATCH
+                                                 : FACE_NO_MATCH);
+                nearest = fmin(nearest, r.disparity_mm);
+            }
+        }
+    }
+    assert_true(worst < nearest);
+    face_free(&tmpl);
+    face_free(&probe);
+}
+
+/* Twice, in fresh memory, after other comparisons: the same bytes. */
+static void test_determinism(void **state)
+{
+    struct face a = {0}, b = {0}, c = {0};
+    struct face_result first, again;
+    struct face_work *fresh = face_work_new(NULL);
+
+    (void)state;
+    assert_non_null(fresh);
+    make(10, 0, &a);
+    make(11, 0, &c);
+    make(10, 1, &b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &first), ST_OK);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &again), ST_OK);
+    check_same_result(&first, &again);
+    assert_int_equal(face_compare(&c, &a, 0, NULL, work, &again), ST_OK);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &again), ST_OK);
+    check_same_result(&first, &again);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, fresh, &again), ST_OK);
+    check_same_result(&first, &again);
+    face_work_free(fresh);
+    face_work_free(NULL);
+    face_free(&a);
+    face_free(&b);
+    face_free(&c);
+}
+
+/* The threshold decides, nothing else changes. */
+static void test_threshold(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct face_result usual, strict, loose, negative;
+
+    (void)state;
+    make(12, 0, &a);
+    make(12, 1, &b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &usual), ST_OK);
+    assert_int_equal(face_compare(&a, &b, 1e-6, NULL, work, &strict), ST_OK);
+    assert_int_equal(face_compare(&a, &b, usual.disparity_mm, NULL, work, &loose), ST_OK);
+    assert_int_equal(face_compare(&a, &b, -1, NULL, work, &negative), ST_OK);
+    assert_int_equal(usual.decision, FACE_MATCH);
+    assert_int_equal(strict.decision, FACE_NO_MATCH);
+    assert_int_equal(loose.decision, FACE_MATCH); /* at the threshold is below it */
+    assert_true(strict.threshold_mm == 1e-6);
+    assert_true(loose.threshold_mm == usual.disparity_mm);
+    assert_true(strict.disparity_mm == usual.disparity_mm);
+    check_same_result(&usual, &negative);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* A probe that shows a small part of the face says nothing. */
+static void test_inconclusive(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    size_t n = 0;
+
+    (void)state;
+    make(13, 0, &a);
+    scan(13, 1, 2 * POINTS);
+    for (size_t i = 0; i < cloud.n; i++)
+        if (fabs(cloud.pts[i].x) < 14 && fabs(cloud.pts[i].y) < 36)
+            cloud.pts[n++] = cloud.pts[i];
+    cloud.n = n;
+    build(&b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_true(r.measure.overlap < decision_min_overlap);
+    assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+    assert_int_equal(face_compare(&a, &b, 1000, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_INCONCLUSIVE); /* whatever the threshold */
+    face_free(&a);
+    face_free(&b);
+}
+
+static double ticking(void)
+{
+    static double now = 100;
+
+    return now += 2.5;
+}
+
+static void test_clock(void **state)
+{
+    struct face a = {0};
+    struct face_result r, without;
+
+    (void)state;
+    make(14, 0, &a);
+    assert_int_equal(face_compare(&a, &a, 0, ticking, work, &r), ST_OK);
+    assert_true(r.align_ms == 2.5 && r.measure_ms == 2.5);
+    assert_int_equal(face_compare(&a, &a, 0, NULL, work, &without), ST_OK);
+    check_same_result(&r, &without);
+    face_free(&a);
+}
+
+static void test_heatmap(void **state)
+{
+    static double gap[2 * POINTS];
+    const double up[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1};
+    const double aside[16] = {1, 0, 0, 400, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const struct dvec3 odd[] = {
+        {(double)NAN, 0, 0}, {0, (double)INFINITY, 0}, {0, 0, 1e9}};
+    struct face a = {0};
+    size_t seen = 0;
+
+    (void)state;
+    make(15, 0, &a);
+    face_heatmap(&a, cloud.pts, cloud.n, up, gap);
+    for (size_t i = 0; i < cloud.n; i++) {
+        if (isnan(gap[i]))
+            continue;
+        seen++; /* on the template's own points, but for those laid flat */
+        assert_true(fabs(gap[i] - 2) < 0.0021 || fabs(gap[i] - 2) > 0.9);
+    }
+    assert_true(seen > cloud.n * 9 / 10);
+    face_heatmap(&a, cloud.pts, cloud.n, aside, gap);
+    for (size_t i = 0; i < cloud.n; i++)
+        assert_true(isnan(gap[i]));
+    face_heatmap(&a, odd, 3, up, gap);
+    for (size_t i = 0; i < 3; i++)
+        assert_true(isnan(gap[i]));
+    face_free(&a);
+}
+
+/* The points on the rim of a hole are covered: one of their triangles was measured. */
+static void test_heatmap_rim(void **state)
+{
+    static struct dvec3 pts[POINTS];
+    static double gap[POINTS];
+    const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct face f = {0};
+    size_t n = 0, rim = 0;
+
+    (void)state;
+    scan(15, 0, POINTS);
+    for (size_t i = 0; i < cloud.n; i++)
+        if (hypot(cloud.pts[i].x - 25, cloud.pts[i].y) > 14)
+            cloud.pts[n++] = cloud.pts[i];
+    cloud.n = n;
+    build(&f);
+    for (uint32_t v = 0; v < f.mesh.nv; v++)
+        pts[v] =
+            (struct dvec3){f.mesh.xy[v].x / LATTICE_PER_MM,
+                           f.mesh.xy[v].y / LATTICE_PER_MM, f.mesh.z[v] / LATTICE_PER_MM};
+    face_heatmap(&f, pts, f.mesh.nv, still, gap);
+    for (uint32_t v = 0; v < f.mesh.nv; v++) {
+        bool bridged = false, measured = false;
+        uint32_t h = f.mesh.out[v];
+
+        do {
+            bridged |= f.bridge[h / 3];
+            measured |= !f.bridge[h / 3];
+            h = mesh_turn(&f.mesh, h);
+        } while (h != f.mesh.out[v]);
+        rim += bridged && measured;
+        assert_true(measured ? gap[v] == 0 : isnan(gap[v]));
+    }
+    assert_true(rim > 50);
+    face_free(&f);
+}
+
+static void test_no_memory(void **state)
+{
+    struct face want = {0}, b = {0};
+    struct face_result plain, r;
+    enum status st = ST_ENOMEM;
+    unsigned long k;
+
+    (void)state;
+    make(18, 1, &b);
+    make(18, 0, &want);
+    assert_int_equal(face_compare(&want, &b, 0, NULL, work, &plain), ST_OK);
+    for (k = 1; st != ST_OK; k++) {
+        struct face_work *w = face_work_new(NULL);
+
+        assert_non_null(w);
+        fail_alloc_at(k);
+        st = face_compare(&want, &b, 0, NULL, w, &r);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(face_compare(&want, &b, 0, NULL, w, &r), ST_OK);
+        }
+        check_same_result(&plain, &r);
+        fail_alloc_at(0);
+        assert_int_equal(face_compare(&want, &b, 0, NULL, w, &r), ST_OK);
+        assert_int_equal(fail_alloc_count(), 0); /* the steady state allocates nothing */
+        face_work_free(w);
+    }
+    assert_true(k > 4);
+    face_free(&want);
+    face_free(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_identity),     cmocka_unit_test(test_people),
+        cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
+        cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_clock),
+        cmocka_unit_test(test_heatmap),      cmocka_unit_test(test_heatmap_rim),
+        cmocka_unit_test(test_no_memory),
+    };
+    int failed;
+
+    if ((work = face_work_new(NULL)) == NULL)
+        return 1;
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    face_work_free(work);
+    return failed;
+}
