@@ -7,61 +7,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
-#include <sqlite3.h>
 
 #include "errinfo.h"
 #include "store.h"
 #include "store_chain.h"
 #include "store_receipt.h"
+#include "tempdb.h"
 
 #define ENTRIES 12 /* of the log that is tampered with; the sixth is signed */
 
-static char dir[64], path[96];
 static struct errinfo e;
-
-static void remove_database(const char *name)
-{
-    static const char *const suffix[] = {"", "-wal", "-shm"};
-    char file[128];
-
-    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
-        (void)snprintf(file, sizeof file, "%s%s", name, suffix[i]);
-        (void)unlink(file);
-    }
-}
-
-static struct store *again(enum store_mode mode)
-{
-    const struct store_key key = {.make = VAULT_FILE};
-    struct store *s = NULL;
-
-    if (store_open(path, mode, &key, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return s;
-}
-
-static struct store *fresh(void)
-{
-    remove_database(path);
-    return again(STORE_CREATE);
-}
-
-/* As another program would; what the tables forbid is allowed to it. */
-static void sql(const char *text)
-{
-    sqlite3 *db;
-    char *why = NULL;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(
-        sqlite3_exec(db, "PRAGMA ignore_check_constraints = ON", NULL, NULL, NULL),
-        SQLITE_OK);
-    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
-        fail_msg("%s: %s", text, why);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-}
 
 struct found {
     char lines[20][200];
@@ -100,7 +56,7 @@ static void event(struct store *s, const char *kind, const char *subject)
 /* Entry 1 is the key's, the sixth a checkpoint. */
 static struct store *written(void)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_audit_mark m;
 
     for (int i = 2; i <= ENTRIES; i++) {
@@ -188,7 +144,7 @@ static void test_tampered(void **state)
             fail_msg("before: %s", f.lines[0]);
         assert_int_equal(a.entries, ENTRIES);
         assert_int_equal(a.checkpoints, 1);
-        sql(cases[i].sql);
+        tempdb_sql(cases[i].sql);
         a = verify(s, &f);
         for (unsigned k = 0; k < f.n && k < 20; k++)
             told = told || strstr(f.lines[k], cases[i].line) != NULL;
@@ -213,16 +169,16 @@ static void test_after(void **state)
     struct found f;
 
     (void)state;
-    sql("DELETE FROM events WHERE seq > 9");
+    tempdb_sql("DELETE FROM events WHERE seq > 9");
     event(s, "verify", "alice");
     a = verify(s, &f);
     assert_int_equal(a.first, 10);
     assert_non_null(strstr(f.lines[0], "entries 10 to 12 are missing"));
     assert_int_equal(f.n, 1);
-    sql("UPDATE events_end SET mac = zeroblob(32)");
+    tempdb_sql("UPDATE events_end SET mac = zeroblob(32)");
     assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
     assert_non_null(strstr(e.msg, "the end of the audit log"));
-    sql("DELETE FROM events_end; DELETE FROM events; DELETE FROM checkpoints");
+    tempdb_sql("DELETE FROM events_end; DELETE FROM events; DELETE FROM checkpoints");
     assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
     store_close(s);
 }
@@ -262,7 +218,7 @@ static void test_made_anew(void **state)
 /* Every thousandth entry is signed by itself. */
 static void test_signed(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_audit_mark *marks, m;
     struct store_chain_mark chain = {0};
     unsigned char public[VAULT_KEY];
@@ -305,7 +261,7 @@ static void test_signed(void **state)
     assert_false(store_chain_signed(public, &chain));
     free(marks);
 
-    sql("DELETE FROM checkpoints WHERE seq = 1000");
+    tempdb_sql("DELETE FROM checkpoints WHERE seq = 1000");
     a = verify(s, &f);
     assert_int_equal(a.first, 1000);
     store_close(s);
@@ -323,7 +279,7 @@ static size_t list(struct store *s, const struct store_audit_filter *filter,
 
 static void test_list(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_subject alice = {.id = "alice"};
     struct store_audit_entry *a;
     size_t n;
@@ -374,7 +330,7 @@ static void test_list(void **state)
 
 static void test_receipt(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_subject alice = {.id = "alice"};
     struct store_audit_entry *a;
     struct store_erased *erased;
@@ -428,27 +384,6 @@ static void test_receipt(void **state)
     store_close(s);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/test_audit.XXXXXX");
-    if (mkdtemp(dir) == NULL)
-        return 1;
-    (void)snprintf(path, sizeof path, "%s/faces.db", dir);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    char key[128];
-
-    (void)state;
-    remove_database(path);
-    (void)snprintf(key, sizeof key, "%s.key", path);
-    (void)unlink(key);
-    return rmdir(dir);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -457,5 +392,5 @@ int main(void)
         cmocka_unit_test(test_list),      cmocka_unit_test(test_receipt),
     };
 
-    return cmocka_run_group_tests_name("audit", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("audit", tests, tempdb_begin, tempdb_end);
 }

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 #include <cmocka.h>
 
 #include "ahead.h"
@@ -20,6 +19,7 @@
 #include "errinfo.h"
 #include "facegen.h"
 #include "store.h"
+#include "tempdb.h"
 
 #define FACES   5
 #define POINTS  600
@@ -27,7 +27,6 @@
 #define WRITERS 2  /* threads that enroll and delete, each in a subject of its own */
 #define ROUNDS  40 /* templates that each of them makes */
 
-static char dir[64], path[96];
 static struct face faces[FACES];
 static struct store *store;
 static struct store_template tmpl[FACES];
@@ -72,13 +71,9 @@ static int set_up(void **state)
 {
     static struct dvec3 pts[POINTS];
     struct facegen_scan s;
-    bool created;
 
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/surfaced-test.XXXXXX");
-    assert_non_null(mkdtemp(dir));
-    (void)snprintf(path, sizeof path, "%s/db", dir);
-    assert_int_equal(store_open(path, STORE_CREATE, NULL, &store, &e), ST_OK);
+    assert_int_equal(tempdb_begin(state), 0);
+    store = tempdb_fresh();
     work = face_work_new(NULL);
     assert_non_null(work);
     for (uint64_t i = 0; i < FACES; i++) {
@@ -87,28 +82,18 @@ static int set_up(void **state)
         s.points = POINTS - 10 * (uint32_t)i; /* to be told apart by */
         assert_int_equal(face_build(pts, facegen_sample(&s, pts), work, &faces[i], NULL),
                          ST_OK);
-        assert_int_equal(
-            store_enroll(store, "test", "x", "", &faces[i], &tmpl[i], &created, &e),
-            ST_OK);
+        tempdb_enroll(store, "x", "", &faces[i], &tmpl[i]);
     }
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
-    char name[128];
-
-    (void)state;
     for (size_t i = 0; i < FACES; i++)
         face_free(&faces[i]);
     face_work_free(work);
     store_close(store);
-    for (size_t i = 0; i < 4; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-    return rmdir(dir);
+    return tempdb_end(state);
 }
 
 static const struct face *hold(struct cache *c, size_t i)
@@ -512,10 +497,9 @@ static void test_gone(void **state)
 
 static void test_gone_beside(void **state)
 {
-    struct store *beside;
+    struct store *beside = tempdb_open(STORE_WRITE);
 
     (void)state;
-    assert_int_equal(store_open(path, STORE_WRITE, NULL, &beside, &e), ST_OK);
     run_going(beside);
     cache_free(going.cache);
     store_close(beside);

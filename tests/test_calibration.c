@@ -8,78 +8,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
-#include <sqlite3.h>
 
 #include "calibration.h"
 #include "errinfo.h"
 #include "face.h"
-#include "facegen.h"
 #include "forge.h"
 #include "model.h"
 #include "rates.h"
 #include "store.h"
+#include "tempdb.h"
 
-static char dir[64], path[96];
 static struct face face[2];
 static struct face_work *work;
 static struct errinfo e;
-
-static void remove_database(void)
-{
-    static const char *const suffix[] = {"",     "-wal",    "-shm",
-                                         ".key", ".v1.bak", ".v2.bak"};
-    char name[128];
-
-    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-}
-
-static struct store *open_store(enum store_mode mode)
-{
-    struct store *s = NULL;
-
-    if (store_open(path, mode, NULL, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return s;
-}
-
-static struct store *fresh(void)
-{
-    remove_database();
-    return open_store(STORE_CREATE);
-}
-
-/* Run SQL on the file as another program would. */
-static void sql(const char *text)
-{
-    sqlite3 *db;
-    char *why = NULL;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    (void)sqlite3_busy_timeout(db, 5000);
-    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
-        fail_msg("%s: %s", text, why);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-}
-
-static int64_t count(const char *text)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    int64_t n;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, text, -1, &stmt, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
-    n = sqlite3_column_int64(stmt, 0);
-    (void)sqlite3_finalize(stmt);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    return n;
-}
 
 static struct store_calibration example(double threshold_mm)
 {
@@ -103,25 +45,9 @@ static void add(struct store *s, struct store_calibration *k)
         fail_msg("%s", e.msg);
 }
 
-static void count_line(void *arg, const char *line)
-{
-    print_message("  %s\n", line);
-    ++*(int *)arg;
-}
-
-static int problems(struct store *s)
-{
-    struct store_check found;
-    int lines = 0;
-
-    assert_int_equal(store_check(s, count_line, &lines, &found, &e), ST_OK);
-    assert_int_equal(found.problems, lines);
-    return lines;
-}
-
 static void test_kept(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_calibration a = example(0.6), b = example(0.7), got, *list;
     int64_t version = -1;
     size_t n;
@@ -140,7 +66,7 @@ static void test_kept(void **state)
     assert_int_equal(version, b.version);
     store_close(s);
 
-    s = open_store(STORE_READ);
+    s = tempdb_open(STORE_READ);
     assert_int_equal(store_calibration_get(s, &got, &e), ST_OK);
     assert_memory_equal(&got.decision, &b.decision, sizeof got.decision);
     assert_string_equal(got.actor, "test");
@@ -153,14 +79,15 @@ static void test_kept(void **state)
     assert_true(list[0].decision.threshold_mm == 0.6 && list[1].version == b.version);
     free(list);
     assert_int_equal(store_calibration_add(s, "test", &a, &e), ST_EDENIED);
-    assert_int_equal(problems(s), 0);
+    assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
-    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'calibrate'"), 2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE kind = 'calibrate'"), 2);
 }
 
 static void test_refused(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_calibration k;
 
     (void)state;
@@ -207,7 +134,7 @@ static struct face_result compare(void)
 
 static void test_followed(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_calibration k = example(9), in;
     int64_t version = 0;
     struct face_result r;
@@ -242,7 +169,7 @@ static void test_followed(void **state)
     k.shipped =
         false; /* of another measure: it says nothing about this one's disparities */
     add(s, &k);
-    assert_int_equal(forge_sql(path,
+    assert_int_equal(forge_sql(tempdb_path,
                                "UPDATE calibrations SET engine = "
                                "'surfaced/0.0.1 measure/0' WHERE calibration_key = "
                                "(SELECT max(calibration_key) FROM calibrations)",
@@ -262,7 +189,7 @@ static void test_other_model(void **state)
 {
     struct model *m = malloc(sizeof *m);
     struct store_calibration k = example(0.6), in;
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     char ours[FACE_ENGINE_MAX + 1];
 
     (void)state;
@@ -302,16 +229,14 @@ static void test_damaged(void **state)
         "UPDATE calibrations SET threshold_mm = 1e4",
         "UPDATE calibrations SET threshold_mm = 9e999",
         "UPDATE calibrations SET halving_mm = 9e999",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET knots = x'00'",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET knots = zeroblob(9)",
-        "PRAGMA ignore_check_constraints = ON;"
+        "UPDATE calibrations SET knots = x'00'",
+        "UPDATE calibrations SET knots = zeroblob(9)",
         "UPDATE calibrations SET knots = zeroblob(16 * 33)",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET threshold_mm = -1",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET fmr = 1",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET high_mm = 0.1",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET impostors = -1",
-        "PRAGMA ignore_check_constraints = ON; UPDATE calibrations SET engine ="
-        " CAST(zeroblob(100) AS TEXT)",
+        "UPDATE calibrations SET threshold_mm = -1",
+        "UPDATE calibrations SET fmr = 1",
+        "UPDATE calibrations SET high_mm = 0.1",
+        "UPDATE calibrations SET impostors = -1",
+        "UPDATE calibrations SET engine = CAST(zeroblob(100) AS TEXT)",
         "UPDATE calibrations SET calibration_key = -5",
         "UPDATE calibrations SET calibration_key = 5",
         "UPDATE calibrations SET threshold_mm = threshold_mm + 1",
@@ -325,14 +250,14 @@ static void test_damaged(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
-        struct store *s = fresh();
+        struct store *s = tempdb_fresh();
         struct store_calibration k = example(9), *list;
         int64_t version = 0;
         size_t n;
 
         k.decision.knot[0].mm = 1;
         add(s, &k);
-        sql(damage[i]);
+        tempdb_sql(damage[i]);
         face_work_decide(work, NULL);
         print_message("%s\n", damage[i]);
         assert_int_equal(store_calibration_get(s, &k, &e), ST_ECORRUPT);
@@ -340,7 +265,7 @@ static void test_damaged(void **state)
         assert_int_equal(version, 0);
         assert_int_equal(compare().decision, FACE_NO_MATCH); /* as it was before */
         assert_int_equal(store_calibration_list(s, &list, &n, &e), ST_ECORRUPT);
-        assert_true(problems(s) >= 1);
+        assert_true(tempdb_check(s).problems >= 1);
         store_close(s);
     }
 }
@@ -371,20 +296,20 @@ static void test_upgraded(void **state)
     struct store_calibration k = example(0.6);
 
     (void)state;
-    remove_database();
-    sql(version_1);
-    assert_int_equal(store_open(path, STORE_READ, NULL, &s, &e), ST_EVERSION);
+    tempdb_remove();
+    tempdb_sql(version_1);
+    assert_int_equal(store_open(tempdb_path, STORE_READ, NULL, &s, &e), ST_EVERSION);
     assert_null(s);
     print_message("%s\n", e.msg);
     assert_non_null(strstr(e.msg, "migrate"));
-    assert_int_equal(count("PRAGMA user_version"), 1);
-    s = open_store(STORE_MIGRATE);
-    assert_int_equal(count("PRAGMA user_version"), 4);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 1);
+    s = tempdb_open(STORE_MIGRATE);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 4);
     assert_int_equal(store_ready(s, &e), ST_OK);
     assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
     add(s, &k);
     store_close(s);
-    s = open_store(STORE_READ);
+    s = tempdb_open(STORE_READ);
     assert_int_equal(store_calibration_get(s, &k, &e), ST_OK);
     store_close(s);
 }
@@ -395,15 +320,15 @@ static void test_not_upgraded(void **state)
     struct store *s = NULL;
 
     (void)state;
-    remove_database();
-    sql(version_1);
-    sql("CREATE TABLE calibrations (nonsense TEXT)");
-    assert_int_equal(store_open(path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
+    tempdb_remove();
+    tempdb_sql(version_1);
+    tempdb_sql("CREATE TABLE calibrations (nonsense TEXT)");
+    assert_int_equal(store_open(tempdb_path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
     assert_null(s);
     print_message("%s\n", e.msg);
     assert_non_null(strstr(e.msg, "upgrade"));
-    assert_int_equal(count("PRAGMA user_version"), 1);
-    assert_int_equal(count("SELECT count(*) FROM subjects"), 1);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 1);
 }
 
 /* ---- learning */
@@ -494,37 +419,21 @@ static void test_subjects(void **state)
     }
 }
 
-static void make_face(uint64_t subject, struct face *f)
-{
-    static struct dvec3 pts[1500];
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = subject;
-    s.points = 1500;
-    assert_int_equal(face_build(pts, facegen_sample(&s, pts), work, f, NULL), ST_OK);
-}
-
 static int setup(void **state)
 {
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/test_calibration.XXXXXX");
-    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         return -1;
-    (void)snprintf(path, sizeof path, "%s/faces.db", dir);
-    make_face(1, &face[0]);
-    make_face(2, &face[1]);
-    return 0;
+    tempdb_face(1, work, &face[0]);
+    tempdb_face(2, work, &face[1]);
+    return tempdb_begin(state);
 }
 
 static int teardown(void **state)
 {
-    (void)state;
     face_free(&face[0]);
     face_free(&face[1]);
     face_work_free(work);
-    remove_database();
-    return rmdir(dir);
+    return tempdb_end(state);
 }
 
 int main(void)

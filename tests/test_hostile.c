@@ -13,20 +13,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <cmocka.h>
-#include <sqlite3.h>
 
 #include "brute.h"
 #include "errinfo.h"
 #include "face.h"
 #include "facegen.h"
 #include "store.h"
+#include "tempdb.h"
 
 #define POINTS    110
 #define THRESHOLD 0.4321
 #define SEED      5
 #define PROCESSES 3
 
-static char dir[64], path[96], key[96];
+static char path[64], key[64];
 static const struct store_key by_key = {.path = key, .make = VAULT_FILE};
 static unsigned char *file; /* as it was written */
 static size_t size;
@@ -99,20 +99,6 @@ static void fill(struct store *s)
     assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
 }
 
-/* Small pages leave few bytes that mean nothing. */
-static void shrink(void)
-{
-    sqlite3 *db;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_exec(db,
-                                  "PRAGMA journal_mode=DELETE; PRAGMA page_size=512;"
-                                  "VACUUM; PRAGMA journal_mode=WAL",
-                                  NULL, NULL, NULL),
-                     SQLITE_OK);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-}
-
 /* ---- what may be answered */
 
 /* Ends the process, which may be a child. */
@@ -179,21 +165,30 @@ static unsigned ask(struct store *s)
     return answers;
 }
 
+static void ignore(void *arg, const char *line)
+{
+    (void)arg;
+    MUST(line[0] != '\0');
+}
+
 struct tally {
     unsigned files, refused, whole; /* not opened; every question answered */
 };
 
-static void try_file(struct tally *t)
+static void try_file(enum store_mode mode, struct tally *t)
 {
+    struct store_check found;
     struct store *s;
 
     t->files++;
-    if (store_open(path, STORE_READ, &by_key, &s, &e) != ST_OK) {
+    if (store_open(path, mode, &by_key, &s, &e) != ST_OK) {
         t->refused++;
         MUST(e.msg[0] != '\0');
         return;
     }
     t->whole += ask(s) == 5;
+    if (mode == STORE_WRITE) /* not each time: it is slow */
+        (void)store_check(s, ignore, NULL, &found, &e);
     store_close(s);
 }
 
@@ -210,7 +205,7 @@ static void test_as_written(void **state)
     struct tally t = {0};
 
     (void)state;
-    try_file(&t);
+    try_file(STORE_READ, &t);
     assert_int_equal(t.whole, 1);
 }
 
@@ -227,7 +222,7 @@ static void flip(size_t first, struct tally *t)
             (unsigned char)(file[i] ^ (i / PROCESSES % 2 == 0 ? 0xff : 1U << i % 8));
 
         MUST(pwrite(fd, &flipped, 1, (off_t)i) == 1);
-        try_file(t);
+        try_file(STORE_READ, t);
         MUST(pwrite(fd, &file[i], 1, (off_t)i) == 1);
         remove_logs();
     }
@@ -293,7 +288,7 @@ static void test_many_bytes(void **state)
             }
         }
         write_file(bytes, n);
-        try_file(&t);
+        try_file(round % 2 == 0 ? STORE_READ : STORE_WRITE, &t);
         remove_logs();
     }
     print_tally("many bytes", &t);
@@ -307,22 +302,20 @@ static int set_up(void **state)
     struct facegen_scan scan;
     struct store *s;
 
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/test_hostile.XXXXXX");
-    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
-        return 1;
-    (void)snprintf(path, sizeof path, "%s/db", dir);
-    (void)snprintf(key, sizeof key, "%s/key", dir);
+    assert_int_equal(tempdb_begin(state), 0);
+    (void)snprintf(path, sizeof path, "%s", tempdb_path);
+    (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     facegen_default(&scan);
     scan.points = POINTS;
-    if (face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK ||
-        store_open(path, STORE_CREATE, &by_key, &s, &e) != ST_OK) {
-        print_message("%s\n", e.msg);
+    if ((work = face_work_new(NULL)) == NULL ||
+        face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK)
         return 1;
-    }
+    s = tempdb_fresh();
     fill(s);
     store_close(s);
-    shrink();
+    /* Small pages leave few bytes that mean nothing. */
+    tempdb_sql("PRAGMA journal_mode=DELETE; PRAGMA page_size=512; VACUUM;"
+               "PRAGMA journal_mode=WAL");
     read_file();
     print_message("%zu bytes\n", size);
     return 0;
@@ -330,15 +323,11 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-    (void)state;
-    remove_logs();
-    (void)unlink(path);
-    (void)unlink(key);
     free(file);
     face_free(&face);
     face_free(&loaded);
     face_work_free(work);
-    return rmdir(dir);
+    return tempdb_end(state);
 }
 
 int main(void)

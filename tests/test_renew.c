@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 
 #include "codec.h"
@@ -17,6 +16,7 @@
 #include "facegen.h"
 #include "model.h"
 #include "store.h"
+#include "tempdb.h"
 
 #define POINTS 1500
 #define BYTES  65536 /* more than a model of so many points */
@@ -25,7 +25,6 @@ enum { SHIPPED, SHIFTED, HOLDS, HOLLOW, ENGINES }; /* the models */
 
 static struct model model[ENGINES];
 static struct face_work *work[ENGINES];
-static char dir[64], path[96];
 static struct errinfo e;
 
 struct bytes {
@@ -184,33 +183,10 @@ static void test_same_engine(void **state)
 
 static struct store *open_for(int engine)
 {
-    struct store *s = NULL;
+    struct store *s = tempdb_open(STORE_CREATE);
 
-    if (store_open(path, STORE_CREATE, NULL, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
     store_use_model(s, &model[engine]);
     return s;
-}
-
-static void remove_database(void)
-{
-    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
-    char name[128];
-
-    for (size_t i = 0; i < 4; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-}
-
-static void enroll(struct store *s, const char *subject, const struct face *f,
-                   struct store_template *t)
-{
-    bool created;
-
-    if (store_enroll(s, "test", subject, "left", f, t, &created, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    assert_true(created);
 }
 
 static void load(struct store *s, const char *id, int engine, struct bytes *out)
@@ -232,20 +208,6 @@ static uint64_t count(struct store *s)
     return n;
 }
 
-static void report(void *arg, const char *line)
-{
-    (void)arg;
-    print_error("%s\n", line);
-}
-
-static void assert_sound(struct store *s)
-{
-    struct store_check found;
-
-    assert_int_equal(store_check(s, report, NULL, &found, &e), ST_OK);
-    assert_int_equal(found.problems, 0);
-}
-
 /* Loaded as the shipped engine makes it before and after it is stored so. */
 static void test_store(void **state)
 {
@@ -263,7 +225,7 @@ static void test_store(void **state)
         encode(&f, &ours);
         make(4, 0, 1, i, &f);
         s = open_for(i);
-        enroll(s, "x", &f, &was);
+        tempdb_enroll(s, "x", "left", &f, &was);
         assert_int_equal(count(s), 0);
         store_close(s);
 
@@ -292,9 +254,9 @@ static void test_store(void **state)
         assert_int_equal(
             store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e), ST_OK);
         assert_false(renewed);
-        assert_sound(s);
+        assert_int_equal(tempdb_check(s).problems, 0);
         store_close(s);
-        remove_database();
+        tempdb_remove();
     }
     face_free(&f);
 }
@@ -310,7 +272,7 @@ static void test_stays(void **state)
 
     (void)state;
     make(3, 0, -1, HOLLOW, &f);
-    enroll(s, "x", &f, &was);
+    tempdb_enroll(s, "x", "left", &f, &was);
     load(s, was.id, HOLLOW, &before);
     store_close(s);
 
@@ -323,7 +285,7 @@ static void test_stays(void **state)
                      ST_EVERSION);
     assert_false(renewed);
     assert_int_equal(count(s), 1);
-    assert_sound(s);
+    assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
 
     s = open_for(HOLLOW);
@@ -331,27 +293,21 @@ static void test_stays(void **state)
     assert_same(&before, &after);
     assert_int_equal(count(s), 0);
     store_close(s);
-    remove_database();
+    tempdb_remove();
     face_free(&f);
 }
 
 static int set_up(void **state)
 {
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/surfaced-test.XXXXXX");
-    assert_non_null(mkdtemp(dir));
-    (void)snprintf(path, sizeof path, "%s/db", dir);
     make_models();
-    return 0;
+    return tempdb_begin(state);
 }
 
 static int tear_down(void **state)
 {
-    (void)state;
     for (int i = 0; i < ENGINES; i++)
         face_work_free(work[i]);
-    remove_database();
-    return rmdir(dir);
+    return tempdb_end(state);
 }
 
 int main(void)

@@ -7,61 +7,21 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include <sqlite3.h>
 
 #include "errinfo.h"
 #include "face.h"
-#include "facegen.h"
 #include "store.h"
+#include "tempdb.h"
 
-static char dir[64], path[96];
 static struct face face;
 static struct face_work *work;
 static struct errinfo e;
 
-static struct store *fresh(void)
-{
-    static const char *const suffix[] = {"", "-wal", "-shm"};
-    struct store *s = NULL;
-    char name[128];
-
-    for (size_t i = 0; i < 3; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-    if (store_open(path, STORE_CREATE, NULL, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return s;
-}
-
-/* SQL on the file, as another program would; the first number that comes of it. */
-static int64_t sql(const char *text)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    int64_t n = 0;
-    int rc;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    (void)sqlite3_busy_timeout(db, 5000);
-    assert_int_equal(sqlite3_prepare_v2(db, text, -1, &stmt, NULL), SQLITE_OK);
-    if ((rc = sqlite3_step(stmt)) == SQLITE_ROW)
-        n = sqlite3_column_int64(stmt, 0);
-    assert_true(rc == SQLITE_ROW || rc == SQLITE_DONE);
-    (void)sqlite3_finalize(stmt);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    return n;
-}
-
 static void enroll(struct store *s, const char *subject, struct store_template *t)
 {
-    bool created;
-
-    if (store_enroll(s, "test", subject, "a label", &face, t, &created, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    assert_true(created);
+    tempdb_enroll(s, subject, "a label", &face, t);
 }
 
 static struct store_subject get(struct store *s, const char *subject)
@@ -79,7 +39,7 @@ static int64_t events(const char *kind)
 
     (void)snprintf(text, sizeof text, "SELECT count(*) FROM events WHERE kind = '%s'",
                    kind);
-    return sql(text);
+    return tempdb_number(text);
 }
 
 static enum status set(struct store *s, const char *subject, const char *reference,
@@ -106,7 +66,7 @@ static enum status disable(struct store *s, const char *subject, bool disabled)
 
 static void test_set(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
     char longer[STORE_NOTE_MAX + 2];
@@ -151,7 +111,7 @@ static void test_together(void **state)
                                         .expires = "2001-02-03T04:05:06+01:00",
                                         .hold = &yes,
                                         .disabled = &yes};
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
 
@@ -226,7 +186,7 @@ static void test_times(void **state)
 
 static void test_rename(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t, *list;
     struct store_subject one;
     size_t n;
@@ -243,8 +203,8 @@ static void test_rename(void **state)
     assert_int_equal(store_subject_rename(s, "me", "alice", "carol", &e), ST_OK);
     /* Two, so that it is found under either id. */
     assert_int_equal(events("rename_subject"), 2);
-    assert_int_equal(sql("SELECT count(DISTINCT subject) FROM events "
-                         "WHERE kind = 'rename_subject'"),
+    assert_int_equal(tempdb_number("SELECT count(DISTINCT subject) FROM events "
+                                   "WHERE kind = 'rename_subject'"),
                      2);
     assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ENOTFOUND);
     one = get(s, "carol");
@@ -258,16 +218,16 @@ static void test_rename(void **state)
     /* Another may have the old id; and who was erased may be named again. */
     enroll(s, "alice", &t);
     assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
-    assert_int_equal(sql("SELECT count(*) FROM erased"), 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM erased"), 1);
     assert_int_equal(store_subject_rename(s, "", "carol", "alice", &e), ST_OK);
     /* By whom it is had then is not told by it. */
-    assert_int_equal(sql("SELECT count(*) FROM erased"), 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM erased"), 1);
     store_close(s);
 }
 
 static void test_hold(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
 
@@ -282,9 +242,9 @@ static void test_hold(void **state)
     assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_EHELD);
     assert_int_equal(get(s, "alice").templates, 1);
     /* The bit alone, without the key, is no release: the row is damaged then. */
-    (void)sql("UPDATE subjects SET hold = 0");
+    tempdb_sql("UPDATE subjects SET hold = 0");
     assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ECORRUPT);
-    (void)sql("UPDATE subjects SET hold = 1");
+    tempdb_sql("UPDATE subjects SET hold = 1");
     assert_int_equal(hold(s, "alice", false), ST_OK);
     assert_int_equal(events("hold_subject"), 2);
     assert_int_equal(events("release_subject"), 1);
@@ -295,7 +255,7 @@ static void test_hold(void **state)
 
 static void test_disable(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
 
     (void)state;
@@ -314,7 +274,7 @@ static void test_disable(void **state)
 
 static void test_seen(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
     bool created;
@@ -323,21 +283,21 @@ static void test_seen(void **state)
     enroll(s, "alice", &t);
     one = get(s, "alice");
     assert_string_equal(one.seen, t.created);
-    (void)sql("UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'");
+    tempdb_sql("UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'");
     one = get(s, "alice");
     store_subject_seen(s, &one);
     assert_true(strcmp(get(s, "alice").seen, t.created) >= 0);
     /* Once a minute; but a time that is still to come is a mistake. */
     one = get(s, "alice");
-    (void)sql("UPDATE subjects SET seen = NULL");
+    tempdb_sql("UPDATE subjects SET seen = NULL");
     store_subject_seen(s, &one);
     assert_string_equal(get(s, "alice").seen, "");
-    (void)sql("UPDATE subjects SET seen = '9026-01-01T00:00:00.000Z'");
+    tempdb_sql("UPDATE subjects SET seen = '9026-01-01T00:00:00.000Z'");
     one = get(s, "alice");
     store_subject_seen(s, &one);
     assert_true(get(s, "alice").seen[0] == '2');
     /* The same scan again is a visit too. */
-    (void)sql("UPDATE subjects SET seen = NULL");
+    tempdb_sql("UPDATE subjects SET seen = NULL");
     assert_int_equal(store_enroll(s, "", "alice", "", &face, &t, &created, &e), ST_OK);
     assert_false(created);
     assert_true(get(s, "alice").seen[0] == '2');
@@ -348,16 +308,16 @@ static void test_seen(void **state)
 /* Nobody waits for it to be noted. */
 static void test_seen_locked(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
     sqlite3 *db;
 
     (void)state;
     enroll(s, "alice", &t);
-    (void)sql("UPDATE subjects SET seen = NULL");
+    tempdb_sql("UPDATE subjects SET seen = NULL");
     one = get(s, "alice");
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
     store_subject_seen(s, &one);
     assert_string_equal(get(s, "alice").seen, "");
@@ -377,7 +337,7 @@ static void test_due(void **state)
                 {"second", "2002-01-01T00:00:00.000Z"},
                 {"first", "2001-01-01T00:00:00.000Z"},
                 {"held", "2003-01-01T00:00:00.000Z"}};
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_subject *due, one;
     size_t n;
 
@@ -411,12 +371,12 @@ static void test_due(void **state)
 /* A damaged row is not changed; what is damaged can still be deleted. */
 static void test_damaged(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_template t;
 
     (void)state;
     enroll(s, "alice", &t);
-    (void)sql("UPDATE subjects SET about = zeroblob(length(about))");
+    tempdb_sql("UPDATE subjects SET about = zeroblob(length(about))");
     assert_int_equal(set(s, "alice", "x", NULL, NULL), ST_ECORRUPT);
     assert_int_equal(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
     assert_int_equal(hold(s, "alice", true), ST_ECORRUPT);
@@ -427,7 +387,7 @@ static void test_damaged(void **state)
 
 static void test_vacuum(void **state)
 {
-    struct store *s = fresh(), *reader = NULL;
+    struct store *s = tempdb_fresh(), *reader = NULL;
     struct store_stats before, after;
     struct store_template t;
     char id[32];
@@ -448,7 +408,7 @@ static void test_vacuum(void **state)
     assert_true(after.file_bytes < before.file_bytes / 2);
     assert_int_equal(get(s, "s19").templates, 1);
     enroll(s, "after", &t);
-    assert_int_equal(store_open(path, STORE_READ, NULL, &reader, &e), ST_OK);
+    assert_int_equal(store_open(tempdb_path, STORE_READ, NULL, &reader, &e), ST_OK);
     assert_int_equal(store_vacuum(reader, &e), ST_EDENIED);
     store_close(reader);
     store_close(s);
@@ -456,33 +416,17 @@ static void test_vacuum(void **state)
 
 static int setup(void **state)
 {
-    static struct dvec3 pts[1500];
-    struct facegen_scan scan;
-
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/surfaced-subject-XXXXXX");
-    if (mkdtemp(dir) == NULL || (work = face_work_new(NULL)) == NULL)
+    if ((work = face_work_new(NULL)) == NULL)
         return -1;
-    (void)snprintf(path, sizeof path, "%s/faces.db", dir);
-    facegen_default(&scan);
-    scan.points = 1500;
-    return face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) == ST_OK ? 0
-                                                                                   : -1;
+    tempdb_face(0, work, &face);
+    return tempdb_begin(state);
 }
 
 static int teardown(void **state)
 {
-    static const char *const suffix[] = {"", "-wal", "-shm", ".key"};
-    char name[128];
-
-    (void)state;
-    for (size_t i = 0; i < 4; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
     face_free(&face);
     face_work_free(work);
-    return rmdir(dir);
+    return tempdb_end(state);
 }
 
 int main(void)

@@ -9,91 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include <sqlite3.h>
 
 #include "errinfo.h"
 #include "forge.h"
 #include "store.h"
+#include "tempdb.h"
 
-static char dir[64], path[96];
 static struct errinfo e;
 
-static void remove_database(void)
-{
-    static const char *const suffix[] = {"",     "-wal",    "-shm",
-                                         ".key", ".v1.bak", ".v2.bak"};
-    char name[128];
-
-    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
-        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-}
-
-static struct store *open_store(enum store_mode mode)
-{
-    struct store *s = NULL;
-
-    if (store_open(path, mode, NULL, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return s;
-}
-
-static struct store *fresh(void)
-{
-    remove_database();
-    return open_store(STORE_CREATE);
-}
-
-/* Run SQL on the file as another program would. */
-static void sql(const char *text)
-{
-    sqlite3 *db;
-    char *why = NULL;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    (void)sqlite3_busy_timeout(db, 5000);
-    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
-        fail_msg("%s: %s", text, why);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-}
-
-/* The same with rows that are proved. */
+/* tempdb_sql() with rows that are proved. */
 static void forge(const char *text)
 {
-    if (forge_sql(path, text, &e) != ST_OK)
+    if (forge_sql(tempdb_path, text, &e) != ST_OK)
         fail_msg("%s: %s", text, e.msg);
-}
-
-static uint64_t count(const char *text)
-{
-    sqlite3 *db;
-    sqlite3_stmt *stmt;
-    uint64_t n;
-
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, text, -1, &stmt, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
-    n = (uint64_t)sqlite3_column_int64(stmt, 0);
-    (void)sqlite3_finalize(stmt);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    return n;
-}
-
-static void print_report(void *arg, const char *line)
-{
-    (void)arg;
-    print_message("  reported: %s\n", line);
-}
-
-static uint64_t problems(struct store *s)
-{
-    struct store_check found;
-
-    assert_int_equal(store_check(s, print_report, NULL, &found, &e), ST_OK);
-    return found.problems;
 }
 
 static void create(struct store *s, const char *name, unsigned scopes, int64_t life_s,
@@ -138,7 +68,7 @@ static void test_scopes(void **state)
 
 static void test_tokens(void **state)
 {
-    struct store *s = fresh(), *other;
+    struct store *s = tempdb_fresh(), *other;
     struct store_token t, u, got, *list;
     char secret[65], second[65];
     size_t n;
@@ -162,7 +92,7 @@ static void test_tokens(void **state)
     assert_int_equal(check(s, "' OR 1=1 --"), ST_EDENIED);
 
     /* Revoked beside us: seen at once. */
-    other = open_store(STORE_WRITE);
+    other = tempdb_open(STORE_WRITE);
     assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
     assert_int_equal(check(s, secret), ST_EDENIED);
     assert_int_equal(check(s, second), ST_OK);
@@ -177,16 +107,17 @@ static void test_tokens(void **state)
     assert_string_equal(list[0].name, "gate 1");
     assert_string_equal(list[1].expires, u.expires);
     free(list);
-    assert_int_equal(problems(s), 0);
+    assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
-    assert_int_equal(count("SELECT count(*) FROM tokens WHERE instr(hash, x'00') >= 0"),
-                     2);
-    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'revoke_token'"), 2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM tokens WHERE instr(hash, x'00') >= 0"), 2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE kind = 'revoke_token'"), 2);
 }
 
 static void test_expires(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_token t, *list;
     char secret[65];
     size_t n;
@@ -194,8 +125,8 @@ static void test_expires(void **state)
     (void)state;
     create(s, "day", STORE_SCOPE_ALL, 86400, secret, &t);
     assert_int_equal(
-        count("SELECT round((julianday(expires) - julianday(created)) * 1000) "
-              "FROM tokens"),
+        tempdb_number("SELECT round((julianday(expires) - julianday(created)) * 1000) "
+                      "FROM tokens"),
         1000);
     assert_int_equal(check(s, secret), ST_OK);
     forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z'");
@@ -221,7 +152,7 @@ static void test_expires(void **state)
 
 static void test_rotated(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_token t, got;
     char first[65], second[65], third[65];
 
@@ -257,15 +188,16 @@ static void test_rotated(void **state)
     assert_int_equal(store_token_rotate(s, "test", "0123456789abcdef0123456789abcdef", 0,
                                         0, first, &got, &e),
                      ST_ENOTFOUND);
-    assert_int_equal(problems(s), 0);
+    assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
-    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'rotate_token'"), 2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE kind = 'rotate_token'"), 2);
 }
 
 /* When it was last used: noted, but once a minute, and nobody waits for it. */
 static void test_used(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_token t, got;
     char secret[65], once[32];
     sqlite3 *db;
@@ -281,16 +213,17 @@ static void test_used(void **state)
         assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
         assert_string_equal(got.used, once);
     }
-    sql("UPDATE tokens SET used = '2026-01-01T00:00:00.000Z'");
+    tempdb_sql("UPDATE tokens SET used = '2026-01-01T00:00:00.000Z'");
     assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
     assert_true(strcmp(got.used, once) >= 0);
-    sql("UPDATE tokens SET used = '9026-01-01T00:00:00.000Z'"); /* the clock was wrong */
+    tempdb_sql(
+        "UPDATE tokens SET used = '9026-01-01T00:00:00.000Z'"); /* the clock was wrong */
     assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
     assert_true(got.used[0] == '2');
 
     /* Somebody else holds the database for long. */
-    sql("UPDATE tokens SET used = NULL");
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    tempdb_sql("UPDATE tokens SET used = NULL");
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
     (void)clock_gettime(CLOCK_MONOTONIC, &before);
     assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
@@ -303,21 +236,19 @@ static void test_used(void **state)
     assert_true(got.used[0] != '\0');
     store_close(s);
 
-    s = open_store(STORE_READ);
-    sql("UPDATE tokens SET used = NULL");
+    s = tempdb_open(STORE_READ);
+    tempdb_sql("UPDATE tokens SET used = NULL");
     assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
     store_close(s);
 }
-
-#define UNCHECKED "PRAGMA ignore_check_constraints = ON; "
 
 static void test_damaged(void **state)
 {
     static const char *const damage[] = {
         "UPDATE tokens SET scopes = 'everything'",
         "UPDATE tokens SET scopes = ''",
-        UNCHECKED "UPDATE tokens SET expires = CAST(zeroblob(100) AS TEXT)",
-        UNCHECKED "UPDATE tokens SET id = 'x'",
+        "UPDATE tokens SET expires = CAST(zeroblob(100) AS TEXT)",
+        "UPDATE tokens SET id = 'x'",
         "UPDATE tokens SET id = '0123456789abcdef0123456789abcdef'",
         "UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete'",
         "UPDATE tokens SET expires = '2126-01-01T00:00:00.000Z'",
@@ -332,13 +263,13 @@ static void test_damaged(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
-        struct store *s = fresh();
+        struct store *s = tempdb_fresh();
 
         create(s, "gate", STORE_SCOPE_VERIFY, 60, secret, &t);
-        sql(damage[i]);
+        tempdb_sql(damage[i]);
         assert_int_equal(check(s, secret), ST_ECORRUPT);
         assert_int_equal(store_token_list(s, &list, &n, &e), ST_ECORRUPT);
-        assert_true(problems(s) >= 1);
+        assert_true(tempdb_check(s).problems >= 1);
         assert_true(store_token_rotate(s, "test", t.id, 0, 0, other, &t, &e) != ST_OK);
         store_close(s);
     }
@@ -347,26 +278,27 @@ static void test_damaged(void **state)
 /* What was forged does not become true by what is done to it after. */
 static void test_forged(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_token t, *list;
     char secret[65];
     size_t n;
 
     (void)state;
     create(s, "gate", STORE_SCOPE_VERIFY, 0, secret, &t);
-    sql("INSERT INTO tokens (id, name, hash, created, scopes, mac) SELECT "
+    tempdb_sql(
+        "INSERT INTO tokens (id, name, hash, created, scopes, mac) SELECT "
         "'0123456789abcdef0123456789abcdef', 'mine', zeroblob(32), created, scopes, mac "
         "FROM tokens");
     assert_int_equal(check(s, secret), ST_OK); /* the others go on */
-    assert_int_equal(problems(s), 1);
+    assert_int_equal(tempdb_check(s).problems, 1);
     assert_int_equal(
         store_token_revoke(s, "test", "0123456789abcdef0123456789abcdef", &e), ST_OK);
-    assert_int_equal(problems(s), 0);
+    assert_int_equal(tempdb_check(s).problems, 0);
     assert_int_equal(store_token_list(s, &list, &n, &e), ST_OK);
     assert_true(n == 2 && list[1].revoked);
     free(list);
-    sql("UPDATE tokens SET revoked = NULL WHERE name = 'mine'");
-    assert_int_equal(problems(s), 1);
+    tempdb_sql("UPDATE tokens SET revoked = NULL WHERE name = 'mine'");
+    assert_int_equal(tempdb_check(s).problems, 1);
     store_close(s);
 }
 
@@ -390,7 +322,7 @@ static struct store_attempts attempts(struct store *s)
 
 static void test_attempts(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_attempts *list;
     size_t n;
 
@@ -406,7 +338,7 @@ static void test_attempts(void **state)
     }
     assert_true(attempts(s).age_ms < 60000);
     store_close(s); /* kept */
-    s = open_store(STORE_WRITE);
+    s = tempdb_open(STORE_WRITE);
     assert_int_equal(attempts(s).failures, 5);
     assert_int_equal(store_attempts_list(s, &list, &n, &e), ST_OK);
     assert_int_equal(n, 1);
@@ -419,35 +351,36 @@ static void test_attempts(void **state)
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
     assert_int_equal(attempts(s).failures, 0);
-    assert_int_equal(count("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
-                           "AND actor = 'test'"),
-                     1);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
+                      "AND actor = 'test'"),
+        1);
     /* It stops counting somewhere, and goes with the subject. */
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
-    sql("UPDATE attempts SET failures = 1000000");
+    tempdb_sql("UPDATE attempts SET failures = 1000000");
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
     assert_int_equal(attempts(s).failures, 1000000);
     assert_int_equal(store_subject_delete(s, "test", "alice", NULL, &e), ST_OK);
-    assert_int_equal(count("SELECT count(*) FROM attempts"), 0);
-    assert_int_equal(problems(s), 0);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 0);
+    assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
 }
 
 /* The clock was ahead when it failed, and has been set right since. */
 static void test_clock_back(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_attempts a;
 
     (void)state;
     add_alice(s);
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
-    sql("UPDATE attempts SET at_ms = 253402300799999");
+    tempdb_sql("UPDATE attempts SET at_ms = 253402300799999");
     a = attempts(s);
     assert_int_equal(a.failures, 1);
     assert_int_equal(a.age_ms, 0);
-    assert_int_equal(count("SELECT at_ms < 253402300799999 FROM attempts"), 1);
-    sql("UPDATE attempts SET at_ms = at_ms - 10000"); /* and so time goes on */
+    assert_int_equal(tempdb_number("SELECT at_ms < 253402300799999 FROM attempts"), 1);
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 10000"); /* and so time goes on */
     assert_true(attempts(s).age_ms >= 10000);
     store_close(s);
 }
@@ -464,7 +397,7 @@ static void *fail_often(void *arg)
 
 static void test_threads(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     pthread_t thread[4];
 
     (void)state;
@@ -494,14 +427,15 @@ static void make_version_2(void)
     (void)fclose(in);
     assert_in_range(n, 1000, sizeof text - 2);
     text[n] = '\0';
-    remove_database();
-    sql(text);
-    sql("INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z')");
+    tempdb_remove();
+    tempdb_sql(text);
+    tempdb_sql(
+        "INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z')");
 }
 
 static void test_upgraded(void **state)
 {
-    struct store *s = fresh();
+    struct store *s = tempdb_fresh();
     struct store_token t;
     char secret[65], insert[512];
     sqlite3 *db;
@@ -511,7 +445,7 @@ static void test_upgraded(void **state)
     /* The hash of a secret is what it was: a row of today, as version 2 wrote it. */
     create(s, "old", STORE_SCOPE_READ, 0, secret, &t);
     store_close(s);
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(
         sqlite3_prepare_v2(db, "SELECT hex(hash) FROM tokens", -1, &stmt, NULL),
         SQLITE_OK);
@@ -523,15 +457,15 @@ static void test_upgraded(void **state)
     (void)sqlite3_finalize(stmt);
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
     make_version_2();
-    sql(insert);
+    tempdb_sql(insert);
 
     s = NULL;
-    assert_int_equal(store_open(path, STORE_READ, NULL, &s, &e), ST_EVERSION);
-    assert_int_equal(count("PRAGMA user_version"), 2);
-    assert_int_equal(store_open(path, STORE_WRITE, NULL, &s, &e), ST_EVERSION);
-    s = open_store(STORE_MIGRATE);
-    assert_int_equal(count("PRAGMA user_version"), 4);
-    assert_int_equal(problems(s),
+    assert_int_equal(store_open(tempdb_path, STORE_READ, NULL, &s, &e), ST_EVERSION);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 2);
+    assert_int_equal(store_open(tempdb_path, STORE_WRITE, NULL, &s, &e), ST_EVERSION);
+    s = tempdb_open(STORE_MIGRATE);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 4);
+    assert_int_equal(tempdb_check(s).problems,
                      0); /* its tables are word for word those of a new one */
     assert_int_equal(store_token_check(s, secret, &t, &e), ST_OK);
     /* What it could then, and nothing that there was not. */
@@ -548,30 +482,14 @@ static void test_not_upgraded(void **state)
 
     (void)state;
     make_version_2();
-    sql("CREATE TABLE attempts (nonsense TEXT)");
-    assert_int_equal(store_open(path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
+    tempdb_sql("CREATE TABLE attempts (nonsense TEXT)");
+    assert_int_equal(store_open(tempdb_path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
     assert_null(s);
-    assert_int_equal(count("PRAGMA user_version"), 2);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 2);
     assert_int_equal(
-        count("SELECT count(*) FROM pragma_table_info('tokens') WHERE name = 'scopes'"),
+        tempdb_number(
+            "SELECT count(*) FROM pragma_table_info('tokens') WHERE name = 'scopes'"),
         0);
-}
-
-static int set_up(void **state)
-{
-    (void)state;
-    (void)snprintf(dir, sizeof dir, "/tmp/test_tokens.XXXXXX");
-    if (mkdtemp(dir) == NULL)
-        return 1;
-    (void)snprintf(path, sizeof path, "%s/db", dir);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    remove_database();
-    return rmdir(dir);
 }
 
 int main(void)
@@ -585,5 +503,5 @@ int main(void)
         cmocka_unit_test(test_upgraded),   cmocka_unit_test(test_not_upgraded),
     };
 
-    return cmocka_run_group_tests_name("tokens", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("tokens", tests, tempdb_begin, tempdb_end);
 }

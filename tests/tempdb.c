@@ -1,0 +1,151 @@
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include <sqlite3.h>
+
+#include "clouds.h"
+#include "errinfo.h"
+#include "tempdb.h"
+
+#define POINTS 1500
+
+char tempdb_dir[32], tempdb_path[40];
+
+int tempdb_begin(void **state)
+{
+    (void)state;
+    (void)snprintf(tempdb_dir, sizeof tempdb_dir, "/tmp/surfaced-test.XXXXXX");
+    assert_non_null(mkdtemp(tempdb_dir));
+    (void)snprintf(tempdb_path, sizeof tempdb_path, "%s/db", tempdb_dir);
+    return 0;
+}
+
+static bool emptied(void)
+{
+    DIR *dir = opendir(tempdb_dir);
+    const struct dirent *entry;
+    bool done = dir != NULL;
+
+    while (done && (entry = readdir(dir)) != NULL)
+        done = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+               unlinkat(dirfd(dir), entry->d_name, 0) == 0;
+    if (!done)
+        print_error("%s: cannot be emptied: %s\n", tempdb_dir, strerror(errno));
+    if (dir != NULL)
+        (void)closedir(dir);
+    return done;
+}
+
+void tempdb_remove(void)
+{
+    assert_true(emptied());
+}
+
+int tempdb_end(void **state)
+{
+    (void)state;
+    if (emptied() && rmdir(tempdb_dir) == 0)
+        return 0;
+    print_error("%s is left behind\n", tempdb_dir);
+    exit(EXIT_FAILURE);
+}
+
+struct store *tempdb_open(enum store_mode mode)
+{
+    struct store *s = NULL;
+    struct errinfo e;
+
+    if (store_open(tempdb_path, mode, NULL, &s, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return s;
+}
+
+struct store *tempdb_fresh(void)
+{
+    tempdb_remove();
+    return tempdb_open(STORE_CREATE);
+}
+
+static sqlite3 *open_file(void)
+{
+    sqlite3 *db;
+
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
+    (void)sqlite3_busy_timeout(db, 5000);
+    return db;
+}
+
+void tempdb_sql(const char *text)
+{
+    sqlite3 *db = open_file();
+    char *why = NULL;
+
+    assert_int_equal(
+        sqlite3_exec(db, "PRAGMA ignore_check_constraints = ON", NULL, NULL, NULL),
+        SQLITE_OK);
+    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
+        fail_msg("%s: %s", text, why);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+int64_t tempdb_number(const char *text)
+{
+    sqlite3 *db = open_file();
+    sqlite3_stmt *stmt;
+    int64_t n;
+
+    if (sqlite3_prepare_v2(db, text, -1, &stmt, NULL) != SQLITE_OK ||
+        sqlite3_step(stmt) != SQLITE_ROW)
+        fail_msg("%s: %s", text, sqlite3_errmsg(db));
+    n = sqlite3_column_int64(stmt, 0);
+    (void)sqlite3_finalize(stmt);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    return n;
+}
+
+void tempdb_face(uint64_t subject, struct face_work *w, struct face *f)
+{
+    static struct dvec3 pts[POINTS];
+    const size_t n = clouds_scan(subject, 0, POINTS, pts);
+
+    assert_int_equal(face_build(pts, n, w, f, NULL), ST_OK);
+}
+
+void tempdb_enroll(struct store *s, const char *subject, const char *label,
+                   const struct face *f, struct store_template *t)
+{
+    struct errinfo e;
+    bool created;
+
+    if (store_enroll(s, "test", subject, label, f, t, &created, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_true(created);
+}
+
+static void print_report(void *arg, const char *line)
+{
+    unsigned *lines = arg;
+
+    print_message("  reported: %s\n", line);
+    (*lines)++;
+}
+
+struct store_check tempdb_check(struct store *s)
+{
+    struct store_check found;
+    struct errinfo e;
+    unsigned lines = 0;
+
+    if (store_check(s, print_report, &lines, &found, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(lines, found.problems);
+    return found;
+}

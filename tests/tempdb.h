@@ -1,0 +1,38 @@
+/* tempdb.h -- a database in a folder of its own, for the tests of what is stored; one per
+ * program.  Whatever fails here fails the cmocka test that asked for it, and says why. */
+#ifndef TESTS_TEMPDB_H
+#define TESTS_TEMPDB_H
+#include <stdint.h>
+#include "store.h"
+
+extern char tempdb_dir[32];  /* the folder, under /tmp */
+extern char tempdb_path[40]; /* the database in it; its key is what store_open() makes */
+
+/* Fixtures of cmocka, for a group: tempdb_begin() makes the folder, tempdb_end() removes it
+ * and all files in it.  *state is not used.  Where the folder cannot be removed the program
+ * ends with status 1, as cmocka does not count a tear-down that fails.  Both return 0. */
+int tempdb_begin(void **state);
+int tempdb_end(void **state);
+
+/* tempdb_remove(): every file of the folder, keys and copies as well as the database.
+ * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is there. */
+void tempdb_remove(void);
+struct store *tempdb_fresh(void);
+struct store *tempdb_open(enum store_mode mode);
+
+/* tempdb_sql(text): run statements on the file, as another program would, which does not
+ * keep to the tables' CHECKs; made where it is missing.  Waits for who writes, up to 5 s.
+ * tempdb_number(text): the first number that a query gives. */
+void tempdb_sql(const char *text);
+int64_t tempdb_number(const char *text);
+
+/* tempdb_face(subject, w, f): the face of a scan of 1,500 points; to be released by
+ * face_free().
+ * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
+ * tempdb_check(s): store_check(); what it reports is printed. */
+void tempdb_face(uint64_t subject, struct face_work *w, struct face *f);
+void tempdb_enroll(struct store *s, const char *subject, const char *label,
+                   const struct face *f, struct store_template *t);
+struct store_check tempdb_check(struct store *s);
+
+#endif
