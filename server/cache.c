@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,29 +10,23 @@
 
 #define NBUCKETS 4096
 
-/* A model, in a bucket's list and in the list of all by last use, newest first.  refs counts
- * its holders, and the cache itself while it is in the lists. */
+/* A model: in the list of loads while it is read, then in a bucket's and in that of all by
+ * last use, newest first.  refs counts its holders, and the cache itself while it is in the
+ * latter. */
 struct entry {
     struct face face; /* first: cache_release() gets a pointer to it */
     char id[STORE_ID_LEN + 1];
     unsigned refs;
     bool ahead; /* by cache_load(), and not held since */
     size_t bytes;
-    struct entry *chain; /* next in the bucket */
+    struct entry *chain; /* next in the bucket, or of the loads */
     struct entry *newer, *older;
-};
-
-/* A load that is under way, on the stack of who loads. */
-struct load {
-    const char *id;
-    bool ahead; /* by cache_load() */
-    struct load *next;
 };
 
 struct cache {
     pthread_mutex_t lock;
     pthread_cond_t loaded; /* ahead, or in vain */
-    struct load *loads;
+    struct entry *loads;
     struct entry *bucket[NBUCKETS];
     struct entry *newest, *oldest;
     uint64_t forgets; /* calls of cache_forget() */
@@ -148,46 +143,45 @@ static void take_in(struct cache *c, struct entry *x)
     }
 }
 
-static const struct load *under_way(const struct cache *c, const char *id)
+static const struct entry *under_way(const struct cache *c, const char *id)
 {
-    const struct load *l = c->loads;
+    const struct entry *x = c->loads;
 
-    while (l != NULL && strcmp(l->id, id) != 0)
-        l = l->next;
-    return l;
+    while (x != NULL && strcmp(x->id, id) != 0)
+        x = x->chain;
+    return x;
 }
 
 /* Load what is not there; the lock is held, but not meanwhile. */
 static enum status load(struct cache *c, struct store *s, const char *id, bool ahead,
                         struct face_work *w, struct entry **out, struct errinfo *e)
 {
-    struct load me = {id, ahead, c->loads}, **link = &c->loads;
-    struct entry *x = calloc(1, sizeof *x);
+    struct entry *x = calloc(1, sizeof *x), **link = &c->loads;
     const uint64_t forgets = c->forgets;
-    enum status st = ST_ENOMEM;
     struct store_template t;
+    enum status st;
 
-    c->loads = &me;
+    if (x == NULL)
+        return ST_ENOMEM;
+    (void)snprintf(x->id, sizeof x->id, "%s", id);
+    x->refs = 1;
+    x->ahead = ahead;
+    x->chain = c->loads;
+    c->loads = x;
     c->state.misses++;
     (void)pthread_mutex_unlock(&c->lock);
-    if (x != NULL)
-        st = store_template_load(s, id, &t, w, &x->face, e);
+    st = store_template_load(s, id, &t, w, &x->face, e);
     (void)pthread_mutex_lock(&c->lock);
 
-    while (*link != &me)
-        link = &(*link)->next;
-    *link = me.next;
+    while (*link != x)
+        link = &(*link)->chain;
+    *link = x->chain;
     if (ahead)
         (void)pthread_cond_broadcast(&c->loaded);
     if (st != ST_OK) {
-        if (x != NULL)
-            face_free(&x->face);
-        free(x);
+        unref(x);
         return st;
     }
-    memcpy(x->id, t.id, sizeof x->id);
-    x->refs = 1;
-    x->ahead = ahead;
     x->bytes = face_bytes(&x->face);
     c->state.renewed += store_stale(s, &t);
     /* What was deleted since it was read must not come in behind cache_forget()'s back: it
@@ -201,13 +195,14 @@ static enum status load(struct cache *c, struct store *s, const char *id, bool a
 enum status cache_hold(struct cache *c, struct store *s, const char *id,
                        struct face_work *w, const struct face **out, struct errinfo *e)
 {
-    const struct load *l;
+    const struct entry *other;
     struct entry *x;
     enum status st = ST_OK;
 
     *out = NULL;
     (void)pthread_mutex_lock(&c->lock);
-    while ((x = find(c, id)) == NULL && (l = under_way(c, id)) != NULL && l->ahead)
+    while ((x = find(c, id)) == NULL && (other = under_way(c, id)) != NULL &&
+           other->ahead)
         (void)pthread_cond_wait(&c->loaded, &c->lock);
     if (x != NULL) {
         x->refs++;
