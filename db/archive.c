@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "errinfo.h"
 #include "keyfile.h"
 
@@ -40,33 +41,18 @@ struct archive {
     size_t room, used;
 };
 
-static void put_number(unsigned char *to, uint64_t v, int n)
-{
-    for (int i = 0; i < n; i++)
-        to[i] = (unsigned char)(v >> 8 * i);
-}
-
-static uint32_t get_number(const unsigned char *from, int n)
-{
-    uint32_t v = 0;
-
-    for (int i = 0; i < n; i++)
-        v |= (uint32_t)from[i] << 8 * i;
-    return v;
-}
-
 /* The stream's key: of no other archive, also where the file's key is the same. */
 static enum status derive(const struct archive *a, const struct keyfile *k,
                           unsigned char out[KEY], struct errinfo *e)
 {
     const unsigned char *h = a->header;
-    const uint32_t mib = get_number(h + AT_MIB, 4);
+    const unsigned mib = (unsigned)bytes_number(h + AT_MIB, 4);
     unsigned char key[VAULT_KEY];
     enum status st;
 
     if (h[AT_KIND] == BY_PASSPHRASE) {
         if (crypto_pwhash(out, KEY, k->text, k->len, h + AT_SALT,
-                          get_number(h + AT_PASSES, 4), (size_t)mib << 20,
+                          bytes_number(h + AT_PASSES, 4), (size_t)mib << 20,
                           crypto_pwhash_ALG_ARGON2ID13) != 0)
             return errinfo_set(e, ST_ENOMEM, "no memory for the passphrase: %u MB", mib);
         return ST_OK;
@@ -140,12 +126,12 @@ enum status archive_create(FILE *to, const struct keyfile *k, struct archive **o
     if ((a = new_archive(to, e)) == NULL)
         return ST_ENOMEM;
     memcpy(a->header, MAGIC, 8);
-    put_number(a->header + AT_VERSION, VERSION, 2);
+    bytes_set(a->header + AT_VERSION, VERSION, 2);
     a->header[AT_KIND] = BY_KEY;
     if (keyfile_key(k, "", key, NULL) != ST_OK) {
         a->header[AT_KIND] = BY_PASSPHRASE;
-        put_number(a->header + AT_PASSES, PASSES, 4);
-        put_number(a->header + AT_MIB, MIB, 4);
+        bytes_set(a->header + AT_PASSES, PASSES, 4);
+        bytes_set(a->header + AT_MIB, MIB, 4);
     }
     randombytes_buf(a->header + AT_SALT, crypto_pwhash_SALTBYTES);
     if ((st = derive(a, k, key, e)) == ST_OK) {
@@ -172,7 +158,7 @@ enum status archive_write(struct archive *a, const void *data, size_t n, bool la
         return errinfo_set(e, ST_ELIMIT, "a record of %zu bytes is too long", n);
     if ((st = need_room(a, n, e)) != ST_OK)
         return st;
-    put_number(length, n, 4);
+    bytes_set(length, n, 4);
     /* The first record proves the header, the others follow on it. */
     (void)crypto_secretstream_xchacha20poly1305_push(&a->state, a->sealed, NULL, data, n,
                                                      a->begun ? NULL : a->header,
@@ -207,17 +193,16 @@ enum status archive_open(FILE *from, const struct keyfile *k, struct archive **o
     if (fread(a->header, 1, HEADER, from) != HEADER || memcmp(h, MAGIC, 8) != 0)
         st = ferror(from) ? damaged(a, "", e)
                           : errinfo_set(e, ST_ECORRUPT, "it is no archive of surfacectl");
-    else if (get_number(h + AT_VERSION, 2) != VERSION)
+    else if (bytes_number(h + AT_VERSION, 2) != VERSION)
         st = errinfo_set(e, ST_EVERSION,
-                         "the archive is of version %u, this program "
-                         "knows %d",
-                         get_number(h + AT_VERSION, 2), VERSION);
+                         "the archive is of version %u, this program knows %d",
+                         (unsigned)bytes_number(h + AT_VERSION, 2), VERSION);
     else if ((h[AT_KIND] != BY_KEY && h[AT_KIND] != BY_PASSPHRASE) || h[AT_KIND + 1] != 0)
         st = damaged(a, "its header", e);
     else if (h[AT_KIND] == BY_PASSPHRASE &&
-             (get_number(h + AT_PASSES, 4) < 1 ||
-              get_number(h + AT_PASSES, 4) > MAX_PASSES ||
-              get_number(h + AT_MIB, 4) < 1 || get_number(h + AT_MIB, 4) > MAX_MIB))
+             (bytes_number(h + AT_PASSES, 4) < 1 ||
+              bytes_number(h + AT_PASSES, 4) > MAX_PASSES ||
+              bytes_number(h + AT_MIB, 4) < 1 || bytes_number(h + AT_MIB, 4) > MAX_MIB))
         st = damaged(a, "its header", e);
     else if ((st = derive(a, k, key, e)) == ST_OK &&
              crypto_secretstream_xchacha20poly1305_init_pull(&a->state, h + AT_STREAM,
@@ -239,7 +224,7 @@ enum status archive_read(struct archive *a, const unsigned char **data, size_t *
 
     if (a->ended || fread(length, 1, sizeof length, a->file) != sizeof length)
         return damaged(a, "it ends too early", e);
-    *n = get_number(length, 4);
+    *n = bytes_number(length, 4);
     if (*n > ARCHIVE_RECORD_MAX)
         return damaged(a, "a record's length", e);
     if ((st = need_room(a, *n, e)) != ST_OK)

@@ -2,7 +2,6 @@
 #include "store_archive.h"
 
 #include <errno.h>
-#include <math.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +9,7 @@
 #include <unistd.h>
 
 #include "archive.h"
+#include "bytes.h"
 #include "codec.h"
 #include "errinfo.h"
 #include "mesh.h"
@@ -21,104 +21,30 @@
 #define HEAD_MAX 2048 /* bytes of a record without a model */
 #define PAGE     1000
 
-/* ---- bytes: numbers are little-endian, a text is its length, two bytes, and itself */
+/* ---- what a record has beside numbers and texts (bytes.h) */
 
-struct bytes {
-    unsigned char *at;
-};
-
-static void put(struct bytes *b, const void *from, size_t n)
-{
-    memcpy(b->at, from, n); /* HEAD_MAX suffices for what is valid */
-    b->at += n;
-}
-
-static void put_number(struct bytes *b, uint64_t v, int n)
-{
-    for (int i = 0; i < n; i++)
-        *b->at++ = (unsigned char)(v >> 8 * i);
-}
-
-static void put_text(struct bytes *b, const char *text)
-{
-    const size_t n = strlen(text);
-
-    put_number(b, n, 2);
-    put(b, text, n);
-}
-
-static void put_real(struct bytes *b, double v)
-{
-    uint64_t bits;
-
-    memcpy(&bits, &v, sizeof bits);
-    put_number(b, bits, 8);
-}
-
-struct input {
-    const unsigned char *at, *end;
-};
-
-static bool get_number(struct input *b, int n, uint64_t *out)
-{
-    *out = 0;
-    if (b->end - b->at < n)
-        return false;
-    for (int i = 0; i < n; i++)
-        *out |= (uint64_t)*b->at++ << 8 * i;
-    return true;
-}
-
-static bool get_u32(struct input *b, uint32_t *out)
+static bool get_u32(struct bytes *b, uint32_t *out)
 {
     uint64_t v;
-    const bool ok = get_number(b, 4, &v);
+    const bool ok = bytes_get_number(b, 4, &v);
 
     *out = (uint32_t)v;
     return ok;
 }
 
-static bool get_flag(struct input *b, bool *out)
+static bool get_flag(struct bytes *b, bool *out)
 {
     uint64_t v;
-    const bool ok = get_number(b, 1, &v);
+    const bool ok = bytes_get_number(b, 1, &v);
 
     *out = v == 1;
     return ok && v <= 1;
 }
 
-static bool get_text(struct input *b, char *to, size_t size)
-{
-    uint64_t n;
-
-    to[0] = '\0';
-    if (!get_number(b, 2, &n) || n >= size || (uint64_t)(b->end - b->at) < n ||
-        memchr(b->at, '\0', (size_t)n) != NULL)
-        return false;
-    memcpy(to, b->at, (size_t)n);
-    to[n] = '\0';
-    b->at += n;
-    return true;
-}
-
 /* One of nothing but 0 would be none. */
-static bool get_uid(struct input *b, unsigned char uid[STORE_UID])
+static bool get_uid(struct bytes *b, unsigned char uid[STORE_UID])
 {
-    if (b->end - b->at < STORE_UID)
-        return false;
-    memcpy(uid, b->at, STORE_UID);
-    b->at += STORE_UID;
-    return !sodium_is_zero(uid, STORE_UID);
-}
-
-static bool get_real(struct input *b, double max, double *out)
-{
-    uint64_t bits;
-
-    if (!get_number(b, 8, &bits))
-        return false;
-    memcpy(out, &bits, sizeof bits);
-    return isfinite(*out) && *out >= 0 && *out <= max;
+    return bytes_get(b, uid, STORE_UID) && !sodium_is_zero(uid, STORE_UID);
 }
 
 /* As store_rules_time() writes it, or "" where that may be. */
@@ -140,77 +66,81 @@ static bool time_valid(const char *at, bool never)
 
 static size_t write_subject(const struct store_subject *s, unsigned char out[HEAD_MAX])
 {
-    struct bytes b = {out};
+    unsigned char *to = out;
 
-    put_number(&b, 'S', 1);
-    put(&b, s->uid, sizeof s->uid);
-    put_text(&b, s->id);
-    put_text(&b, s->reference);
-    put_text(&b, s->purpose);
-    put_text(&b, s->created);
-    put_text(&b, s->expires);
-    put_text(&b, s->seen);
-    put_number(&b, s->hold, 1);
-    put_number(&b, s->disabled, 1);
-    return (size_t)(b.at - out);
+    bytes_put_number(&to, 'S', 1);
+    bytes_put(&to, s->uid, sizeof s->uid);
+    bytes_put_text(&to, s->id);
+    bytes_put_text(&to, s->reference);
+    bytes_put_text(&to, s->purpose);
+    bytes_put_text(&to, s->created);
+    bytes_put_text(&to, s->expires);
+    bytes_put_text(&to, s->seen);
+    bytes_put_number(&to, s->hold, 1);
+    bytes_put_number(&to, s->disabled, 1);
+    return (size_t)(to - out);
 }
 
 static size_t write_template(const struct store_template *t, unsigned char out[HEAD_MAX])
 {
     unsigned char digest[DIGEST] = {0};
-    struct bytes b = {out};
+    unsigned char *to = out;
 
     (void)sodium_hex2bin(digest, sizeof digest, t->digest, 2 * DIGEST, NULL, NULL, NULL);
-    put_number(&b, 'T', 1);
-    put_text(&b, t->id);
-    put_text(&b, t->label);
-    put_text(&b, t->created);
-    put_text(&b, t->engine);
-    put(&b, digest, sizeof digest);
-    put_number(&b, t->points, 4);
-    put_number(&b, t->triangles, 4);
-    put_real(&b, t->quality.score);
-    put_real(&b, t->quality.coverage);
-    put_real(&b, t->quality.density_mm);
-    put_real(&b, t->quality.noise_mm);
-    return (size_t)(b.at - out);
+    bytes_put_number(&to, 'T', 1);
+    bytes_put_text(&to, t->id);
+    bytes_put_text(&to, t->label);
+    bytes_put_text(&to, t->created);
+    bytes_put_text(&to, t->engine);
+    bytes_put(&to, digest, sizeof digest);
+    bytes_put_number(&to, t->points, 4);
+    bytes_put_number(&to, t->triangles, 4);
+    bytes_put_real(&to, t->quality.score);
+    bytes_put_real(&to, t->quality.coverage);
+    bytes_put_real(&to, t->quality.density_mm);
+    bytes_put_real(&to, t->quality.noise_mm);
+    return (size_t)(to - out);
 }
 
-static bool parse_subject(struct input *b, struct store_subject *s)
+static bool parse_subject(struct bytes *b, struct store_subject *s)
 {
     memset(s, 0, sizeof *s);
-    return get_uid(b, s->uid) && get_text(b, s->id, sizeof s->id) &&
-           store_subject_valid(s->id) && get_text(b, s->reference, sizeof s->reference) &&
+    return get_uid(b, s->uid) && bytes_get_text(b, s->id, sizeof s->id) &&
+           store_subject_valid(s->id) &&
+           bytes_get_text(b, s->reference, sizeof s->reference) &&
            store_rules_text(s->reference, STORE_NOTE_MAX) &&
-           get_text(b, s->purpose, sizeof s->purpose) &&
+           bytes_get_text(b, s->purpose, sizeof s->purpose) &&
            store_rules_text(s->purpose, STORE_NOTE_MAX) &&
-           get_text(b, s->created, sizeof s->created) && time_valid(s->created, false) &&
-           get_text(b, s->expires, sizeof s->expires) && time_valid(s->expires, true) &&
-           get_text(b, s->seen, sizeof s->seen) && time_valid(s->seen, true) &&
-           get_flag(b, &s->hold) && get_flag(b, &s->disabled) && b->at == b->end;
+           bytes_get_text(b, s->created, sizeof s->created) &&
+           time_valid(s->created, false) &&
+           bytes_get_text(b, s->expires, sizeof s->expires) &&
+           time_valid(s->expires, true) && bytes_get_text(b, s->seen, sizeof s->seen) &&
+           time_valid(s->seen, true) && get_flag(b, &s->hold) &&
+           get_flag(b, &s->disabled) && b->at == b->end;
 }
 
-static bool parse_template(struct input *b, struct store_archive_item *item)
+static bool parse_template(struct bytes *b, struct store_archive_item *item)
 {
     struct store_template *t = &item->template;
 
     memset(t, 0, sizeof *t);
     memcpy(t->subject, item->subject.id, sizeof t->subject);
-    if (!get_text(b, t->id, sizeof t->id) || !store_id_valid(t->id) ||
-        !get_text(b, t->label, sizeof t->label) ||
+    if (!bytes_get_text(b, t->id, sizeof t->id) || !store_id_valid(t->id) ||
+        !bytes_get_text(b, t->label, sizeof t->label) ||
         !store_rules_text(t->label, STORE_LABEL_MAX) ||
-        !get_text(b, t->created, sizeof t->created) || !time_valid(t->created, false) ||
-        !get_text(b, t->engine, sizeof t->engine) ||
+        !bytes_get_text(b, t->created, sizeof t->created) ||
+        !time_valid(t->created, false) ||
+        !bytes_get_text(b, t->engine, sizeof t->engine) ||
         !store_rules_printable(t->engine, 1, FACE_ENGINE_MAX) || b->end - b->at < DIGEST)
         return false;
     (void)sodium_bin2hex(t->digest, sizeof t->digest, b->at, DIGEST);
     b->at += DIGEST;
     if (!get_u32(b, &t->points) || t->points < 3 || t->points > MESH_MAX_POINTS ||
         !get_u32(b, &t->triangles) || t->triangles < 1 ||
-        t->triangles > 2 * t->points - 5 || !get_real(b, 1, &t->quality.score) ||
-        !get_real(b, 1, &t->quality.coverage) ||
-        !get_real(b, 1e6, &t->quality.density_mm) ||
-        !get_real(b, 1e6, &t->quality.noise_mm))
+        t->triangles > 2 * t->points - 5 || !bytes_get_real(b, 1, &t->quality.score) ||
+        !bytes_get_real(b, 1, &t->quality.coverage) ||
+        !bytes_get_real(b, 1e6, &t->quality.density_mm) ||
+        !bytes_get_real(b, 1e6, &t->quality.noise_mm))
         return false;
     item->model = b->at;
     item->len = (size_t)(b->end - b->at);
@@ -220,9 +150,9 @@ static bool parse_template(struct input *b, struct store_archive_item *item)
 enum status store_archive_parse(const unsigned char *data, size_t n,
                                 struct store_archive_item *item, struct errinfo *e)
 {
-    struct input b = {data, data + n};
+    struct bytes b = {data, data + n};
     uint64_t kind = 0;
-    bool ok = get_number(&b, 1, &kind);
+    bool ok = bytes_get_number(&b, 1, &kind);
 
     item->model = NULL;
     item->len = 0;
@@ -234,8 +164,8 @@ enum status store_archive_parse(const unsigned char *data, size_t n,
         ok = ok && item->subject.id[0] != '\0' && parse_template(&b, item);
     } else {
         item->kind = STORE_ARCHIVE_END;
-        ok = ok && kind == 'E' && get_number(&b, 8, &item->subjects) &&
-             get_number(&b, 8, &item->templates) && b.at == b.end;
+        ok = ok && kind == 'E' && bytes_get_number(&b, 8, &item->subjects) &&
+             bytes_get_number(&b, 8, &item->templates) && b.at == b.end;
     }
     return ok ? ST_OK
               : errinfo_set(e, ST_ECORRUPT, "the archive has a record that cannot be");
@@ -320,7 +250,7 @@ static enum status export_records(struct exporting *x, char *const *subjects, si
                                   struct errinfo *e)
 {
     unsigned char end[17];
-    struct bytes b = {end};
+    unsigned char *to = end;
     struct store_subject one;
     enum status st = ST_OK;
 
@@ -334,9 +264,9 @@ static enum status export_records(struct exporting *x, char *const *subjects, si
             st = export_subject(x, &one, e);
     if (st != ST_OK)
         return st;
-    put_number(&b, 'E', 1);
-    put_number(&b, x->out->subjects, 8);
-    put_number(&b, x->out->templates, 8);
+    bytes_put_number(&to, 'E', 1);
+    bytes_put_number(&to, x->out->subjects, 8);
+    bytes_put_number(&to, x->out->templates, 8);
     return archive_write(x->a, end, sizeof end, true, e);
 }
 

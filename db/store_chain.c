@@ -5,12 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bytes.h"
+
 static void add_number(crypto_generichash_state *h, uint64_t v, size_t bytes)
 {
     unsigned char out[8];
 
-    for (size_t i = 0; i < bytes; i++)
-        out[i] = (unsigned char)(v >> 8 * i);
+    bytes_set(out, v, bytes);
     (void)crypto_generichash_update(h, out, bytes);
 }
 
@@ -46,8 +47,7 @@ void store_chain_end(const struct vault *v, uint64_t seq,
     unsigned char data[16 + 8 + STORE_CHAIN_HASH];
 
     memcpy(data, "surface end   1", 16);
-    for (int i = 0; i < 8; i++)
-        data[16 + i] = (unsigned char)(seq >> 8 * i);
+    bytes_set(data + 16, seq, 8);
     memcpy(data + 24, hash, STORE_CHAIN_HASH);
     vault_mac(v, data, sizeof data, mac);
 }

@@ -1,79 +1,11 @@
 #include "store_seal.h"
 
-#include <math.h>
 #include <sodium.h>
 #include <string.h>
 
+#include "bytes.h"
+
 #define DIGEST 32
-
-/* ---- bytes: numbers are little-endian, a text is its length, two bytes, and itself */
-
-struct bytes {
-    unsigned char *at, *end;
-};
-
-static void put(struct bytes *b, const void *from, size_t n)
-{
-    memcpy(b->at, from, n); /* callers' buffers suffice for what is valid */
-    b->at += n;
-}
-
-static void put_number(struct bytes *b, uint64_t v, int n)
-{
-    for (int i = 0; i < n; i++)
-        *b->at++ = (unsigned char)(v >> 8 * i);
-}
-
-static void put_text(struct bytes *b, const char *text)
-{
-    const size_t n = strlen(text);
-
-    put_number(b, n, 2);
-    put(b, text, n);
-}
-
-static void put_real(struct bytes *b, double v)
-{
-    uint64_t bits;
-
-    memcpy(&bits, &v, sizeof bits);
-    put_number(b, bits, 8);
-}
-
-static bool get(struct bytes *b, void *to, size_t n)
-{
-    if ((size_t)(b->end - b->at) < n)
-        return false;
-    memcpy(to, b->at, n);
-    b->at += n;
-    return true;
-}
-
-static bool get_text(struct bytes *b, char *to, size_t size)
-{
-    unsigned char len[2];
-    size_t n;
-
-    to[0] = '\0';
-    if (!get(b, len, 2) || (n = len[0] | (size_t)len[1] << 8) >= size || !get(b, to, n) ||
-        memchr(to, '\0', n) != NULL)
-        return false;
-    to[n] = '\0';
-    return true;
-}
-
-static bool get_real(struct bytes *b, double max, double *out)
-{
-    unsigned char in[8];
-    uint64_t bits = 0;
-
-    if (!get(b, in, 8))
-        return false;
-    for (int i = 0; i < 8; i++)
-        bits |= (uint64_t)in[i] << 8 * i;
-    memcpy(out, &bits, sizeof bits);
-    return isfinite(*out) && *out >= 0 && *out <= max;
-}
 
 /* ---- finding */
 
@@ -125,15 +57,15 @@ bool store_seal_key(const struct vault *v, const unsigned char uid[STORE_SEAL_UI
 static size_t about_subject(const struct store_seal_key *k, const struct store_subject *s,
                             unsigned char out[STORE_SEAL_ABOUT])
 {
-    struct bytes b = {out, NULL};
+    unsigned char *to = out;
 
-    put(&b, "surface who   1", 16);
-    put(&b, k->uid, STORE_SEAL_UID);
-    put_text(&b, s->created);
-    put_text(&b, s->expires);
-    put_number(&b, s->hold, 1);
-    put_number(&b, s->disabled, 1);
-    return (size_t)(b.at - out);
+    bytes_put(&to, "surface who   1", 16);
+    bytes_put(&to, k->uid, STORE_SEAL_UID);
+    bytes_put_text(&to, s->created);
+    bytes_put_text(&to, s->expires);
+    bytes_put_number(&to, s->hold, 1);
+    bytes_put_number(&to, s->disabled, 1);
+    return (size_t)(to - out);
 }
 
 size_t store_seal_subject(const struct store_seal_key *k, const struct store_subject *s,
@@ -141,13 +73,13 @@ size_t store_seal_subject(const struct store_seal_key *k, const struct store_sub
 {
     unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT];
     const size_t n = about_subject(k, s, about);
-    struct bytes b = {open, NULL};
+    unsigned char *to = open;
     size_t len;
 
-    put_text(&b, s->id);
-    put_text(&b, s->reference);
-    put_text(&b, s->purpose);
-    len = (size_t)(b.at - open);
+    bytes_put_text(&to, s->id);
+    bytes_put_text(&to, s->reference);
+    bytes_put_text(&to, s->purpose);
+    len = (size_t)(to - open);
     vault_seal(k->key, about, n, open, len, out);
     sodium_memzero(open, len);
     return len + VAULT_OVER;
@@ -165,9 +97,9 @@ bool store_seal_open_subject(const struct store_seal_key *k, const void *in, siz
         !vault_unseal(k->key, about, nabout, in, n, open))
         return false;
     b.end += n - VAULT_OVER;
-    ok = get_text(&b, s->id, sizeof s->id) && store_subject_valid(s->id) &&
-         get_text(&b, s->reference, sizeof s->reference) &&
-         get_text(&b, s->purpose, sizeof s->purpose) && b.at == b.end;
+    ok = bytes_get_text(&b, s->id, sizeof s->id) && store_subject_valid(s->id) &&
+         bytes_get_text(&b, s->reference, sizeof s->reference) &&
+         bytes_get_text(&b, s->purpose, sizeof s->purpose) && b.at == b.end;
     sodium_memzero(open, n - VAULT_OVER);
     return ok;
 }
@@ -178,17 +110,17 @@ static size_t about_template(const struct store_seal_key *k,
                              const struct store_template *t, char part,
                              unsigned char out[STORE_SEAL_ABOUT])
 {
-    struct bytes b = {out, NULL};
+    unsigned char *to = out;
 
-    put(&b, "surface face  1", 16);
-    put_number(&b, (unsigned char)part, 1);
-    put(&b, k->uid, STORE_SEAL_UID);
-    put_text(&b, t->id);
-    put_text(&b, t->created);
-    put_text(&b, t->engine);
-    put_number(&b, t->points, 4);
-    put_number(&b, t->triangles, 4);
-    return (size_t)(b.at - out);
+    bytes_put(&to, "surface face  1", 16);
+    bytes_put_number(&to, (unsigned char)part, 1);
+    bytes_put(&to, k->uid, STORE_SEAL_UID);
+    bytes_put_text(&to, t->id);
+    bytes_put_text(&to, t->created);
+    bytes_put_text(&to, t->engine);
+    bytes_put_number(&to, t->points, 4);
+    bytes_put_number(&to, t->triangles, 4);
+    return (size_t)(to - out);
 }
 
 size_t store_seal_template(const struct store_seal_key *k, const struct store_template *t,
@@ -196,17 +128,17 @@ size_t store_seal_template(const struct store_seal_key *k, const struct store_te
 {
     unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT], digest[DIGEST];
     const size_t n = about_template(k, t, 'a', about);
-    struct bytes b = {open, NULL};
+    unsigned char *to = open;
     size_t len;
 
     (void)sodium_hex2bin(digest, sizeof digest, t->digest, 2 * DIGEST, NULL, NULL, NULL);
-    put_text(&b, t->label);
-    put(&b, digest, sizeof digest);
-    put_real(&b, t->quality.score);
-    put_real(&b, t->quality.coverage);
-    put_real(&b, t->quality.density_mm);
-    put_real(&b, t->quality.noise_mm);
-    len = (size_t)(b.at - open);
+    bytes_put_text(&to, t->label);
+    bytes_put(&to, digest, sizeof digest);
+    bytes_put_real(&to, t->quality.score);
+    bytes_put_real(&to, t->quality.coverage);
+    bytes_put_real(&to, t->quality.density_mm);
+    bytes_put_real(&to, t->quality.noise_mm);
+    len = (size_t)(to - open);
     vault_seal(k->key, about, n, open, len, out);
     sodium_memzero(open, len);
     return len + VAULT_OVER;
@@ -224,10 +156,12 @@ bool store_seal_open_template(const struct store_seal_key *k, const void *in, si
         !vault_unseal(k->key, about, nabout, in, n, open))
         return false;
     b.end += n - VAULT_OVER;
-    ok = get_text(&b, t->label, sizeof t->label) && get(&b, digest, sizeof digest) &&
-         get_real(&b, 1, &t->quality.score) && get_real(&b, 1, &t->quality.coverage) &&
-         get_real(&b, 1e6, &t->quality.density_mm) &&
-         get_real(&b, 1e6, &t->quality.noise_mm) && b.at == b.end;
+    ok = bytes_get_text(&b, t->label, sizeof t->label) &&
+         bytes_get(&b, digest, sizeof digest) &&
+         bytes_get_real(&b, 1, &t->quality.score) &&
+         bytes_get_real(&b, 1, &t->quality.coverage) &&
+         bytes_get_real(&b, 1e6, &t->quality.density_mm) &&
+         bytes_get_real(&b, 1e6, &t->quality.noise_mm) && b.at == b.end;
     (void)sodium_bin2hex(t->digest, sizeof t->digest, digest, sizeof digest);
     sodium_memzero(open, n - VAULT_OVER);
     return ok;

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "bytes.h"
 #include "errinfo.h"
 #include "store_sqlite.h"
 
@@ -27,26 +28,6 @@ static const char proof[16] = "surface measure", proof_end[16] = "surface newest
 
 /* ---- the knots' bytes */
 
-static void put_double(unsigned char *to, double v)
-{
-    uint64_t bits;
-
-    memcpy(&bits, &v, sizeof bits);
-    for (int i = 0; i < 8; i++)
-        to[i] = (unsigned char)(bits >> 8 * i);
-}
-
-static double get_double(const unsigned char *from)
-{
-    uint64_t bits = 0;
-    double v;
-
-    for (int i = 0; i < 8; i++)
-        bits |= (uint64_t)from[i] << 8 * i;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
 static bool read_knots(sqlite3_stmt *stmt, struct decision *d)
 {
     const unsigned char *bytes = sqlite3_column_blob(stmt, COL_KNOTS);
@@ -57,8 +38,8 @@ static bool read_knots(sqlite3_stmt *stmt, struct decision *d)
         return false;
     d->n = (uint32_t)len / KNOT_BYTES;
     for (uint32_t i = 0; i < d->n; i++) {
-        d->knot[i].mm = get_double(bytes + KNOT_BYTES * i);
-        d->knot[i].rate = get_double(bytes + KNOT_BYTES * i + 8);
+        d->knot[i].mm = bytes_real(bytes + KNOT_BYTES * i);
+        d->knot[i].rate = bytes_real(bytes + KNOT_BYTES * i + 8);
     }
     return true;
 }
@@ -123,15 +104,15 @@ static enum status insert(struct store_sqlite_conn *c, const struct store_calibr
                           struct errinfo *e)
 {
     const struct decision *d = &k->decision;
-    unsigned char knots[DECISION_KNOTS * KNOT_BYTES];
+    unsigned char knots[DECISION_KNOTS * KNOT_BYTES], *to = knots;
     sqlite3_stmt *stmt;
     enum status st = store_sqlite_prepare(c, SQL_CALIBRATION_ADD, &stmt, e);
 
     if (st != ST_OK)
         return st;
     for (uint32_t i = 0; i < d->n; i++) {
-        put_double(knots + KNOT_BYTES * i, d->knot[i].mm);
-        put_double(knots + KNOT_BYTES * i + 8, d->knot[i].rate);
+        bytes_put_real(&to, d->knot[i].mm);
+        bytes_put_real(&to, d->knot[i].rate);
     }
     if (store_sqlite_bind(stmt, 1, k->created) != SQLITE_OK ||
         store_sqlite_bind(stmt, 2, k->actor) != SQLITE_OK ||

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "errinfo.h"
 #include "store_sqlite.h"
 
@@ -103,13 +104,12 @@ static bool put(struct proved *p, const void *from, size_t n)
     return true;
 }
 
-static bool put_number(struct proved *p, uint64_t v, int n)
+static bool put_number(struct proved *p, uint64_t v, size_t n)
 {
     unsigned char bytes[8];
 
-    for (int i = 0; i < n; i++)
-        bytes[i] = (unsigned char)(v >> 8 * i);
-    return put(p, bytes, (size_t)n);
+    bytes_set(bytes, v, n);
+    return put(p, bytes, n);
 }
 
 /* Its type, and its value or length and bytes: no two different columns give the same. */

@@ -1,18 +1,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "surfacectl_explain.h"
 #include "vec.h"
 
-/* Little-endian, whatever the machine is. */
 static unsigned char *put_float(unsigned char *to, double value)
 {
     const float f = (float)value;
     uint32_t bits;
 
     memcpy(&bits, &f, sizeof bits);
-    for (int i = 0; i < 4; i++)
-        *to++ = (unsigned char)(bits >> (8 * i));
+    bytes_put_number(&to, bits, sizeof bits);
     return to;
 }
 

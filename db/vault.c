@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "errinfo.h"
 
 /* Of a new passphrase; the root may ask for more, up to the limits. */
@@ -57,30 +58,18 @@ _Bool vault_unseal(const unsigned char key[VAULT_KEY], const void *about, size_t
  * changed by who has no master key. */
 #define ROOT_ABOUT (16 + 4 + 8 + 4 + 4 + VAULT_SALT + VAULT_KEY + VAULT_KEY)
 
-static void put_number(unsigned char **to, uint64_t v, int bytes)
-{
-    for (int i = 0; i < bytes; i++)
-        *(*to)++ = (unsigned char)(v >> 8 * i);
-}
-
-static void put_bytes(unsigned char **to, const void *from, size_t n)
-{
-    memcpy(*to, from, n);
-    *to += n;
-}
-
 static void root_about(const struct vault_root *r, unsigned char out[ROOT_ABOUT])
 {
     unsigned char *to = out;
 
-    put_bytes(&to, "surface root  1", 16);
-    put_number(&to, (uint64_t)r->kind, 4);
-    put_number(&to, (uint64_t)r->version, 8);
-    put_number(&to, r->passes, 4);
-    put_number(&to, r->mib, 4);
-    put_bytes(&to, r->salt, sizeof r->salt);
-    put_bytes(&to, r->open, sizeof r->open);
-    put_bytes(&to, r->public, sizeof r->public);
+    bytes_put(&to, "surface root  1", 16);
+    bytes_put_number(&to, (uint64_t)r->kind, 4);
+    bytes_put_number(&to, (uint64_t)r->version, 8);
+    bytes_put_number(&to, r->passes, 4);
+    bytes_put_number(&to, r->mib, 4);
+    bytes_put(&to, r->salt, sizeof r->salt);
+    bytes_put(&to, r->open, sizeof r->open);
+    bytes_put(&to, r->public, sizeof r->public);
 }
 
 static enum status master_key(const struct vault_root *r, const void *secret, size_t len,

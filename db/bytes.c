@@ -1,0 +1,97 @@
+#include "bytes.h"
+
+#include <string.h>
+
+void bytes_set(unsigned char *to, uint64_t v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        to[i] = (unsigned char)(v >> 8 * i);
+}
+
+uint64_t bytes_number(const unsigned char *from, size_t n)
+{
+    uint64_t v = 0;
+
+    for (size_t i = 0; i < n; i++)
+        v |= (uint64_t)from[i] << 8 * i;
+    return v;
+}
+
+double bytes_real(const unsigned char from[8])
+{
+    const uint64_t bits = bytes_number(from, 8);
+    double v;
+
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+void bytes_put(unsigned char **to, const void *from, size_t n)
+{
+    memcpy(*to, from, n);
+    *to += n;
+}
+
+void bytes_put_number(unsigned char **to, uint64_t v, size_t n)
+{
+    bytes_set(*to, v, n);
+    *to += n;
+}
+
+void bytes_put_real(unsigned char **to, double v)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &v, sizeof bits);
+    bytes_put_number(to, bits, sizeof bits);
+}
+
+void bytes_put_text(unsigned char **to, const char *text)
+{
+    const size_t n = strlen(text);
+
+    bytes_put_number(to, n, 2);
+    bytes_put(to, text, n);
+}
+
+bool bytes_get(struct bytes *b, void *to, size_t n)
+{
+    if ((size_t)(b->end - b->at) < n)
+        return false;
+    memcpy(to, b->at, n);
+    b->at += n;
+    return true;
+}
+
+bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out)
+{
+    *out = 0;
+    if ((size_t)(b->end - b->at) < n)
+        return false;
+    *out = bytes_number(b->at, n);
+    b->at += n;
+    return true;
+}
+
+bool bytes_get_real(struct bytes *b, double max, double *out)
+{
+    unsigned char in[8];
+
+    if (!bytes_get(b, in, sizeof in))
+        return false;
+    *out = bytes_real(in);
+    return *out >= 0 && *out <= max; /* NaN is neither */
+}
+
+bool bytes_get_text(struct bytes *b, char *to, size_t size)
+{
+    uint64_t n;
+
+    to[0] = '\0';
+    if (!bytes_get_number(b, 2, &n) || n >= size || (uint64_t)(b->end - b->at) < n ||
+        memchr(b->at, '\0', (size_t)n) != NULL)
+        return false;
+    (void)bytes_get(b, to, (size_t)n);
+    to[n] = '\0';
+    return true;
+}

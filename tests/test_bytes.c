@@ -1,0 +1,96 @@
+/* Numbers and texts as bytes: by hand, and cut off at every place. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "bytes.h"
+
+static const unsigned char by_hand[] = {
+    0x34, 0x12,                                 /* 0x1234 */
+    0,    0,    0,   0,    0,    0, 0xf8, 0x3f, /* 1.5 */
+    3,    0,    'a', 0xc3, 0xa4,                /* "aä" */
+    0xff,                                       /* 255 */
+    7,    8,    9,                              /* themselves */
+};
+
+static void test_put(void **state)
+{
+    unsigned char out[sizeof by_hand], *to = out;
+
+    (void)state;
+    bytes_put_number(&to, 0xf1234, 2);
+    bytes_put_real(&to, 1.5);
+    bytes_put_text(&to, "a\xc3\xa4");
+    bytes_put_number(&to, UINT64_MAX, 1);
+    bytes_put(&to, "\7\10\11", 3);
+    assert_ptr_equal(to, out + sizeof out);
+    assert_memory_equal(out, by_hand, sizeof out);
+    assert_true(bytes_number(out, 8) == UINT64_C(0x1234));
+    bytes_set(out, UINT64_C(0x0102030405060708), 8);
+    assert_memory_equal(out, "\10\7\6\5\4\3\2\1", 8);
+    assert_true(bytes_number(out, 8) == UINT64_C(0x0102030405060708));
+}
+
+static bool get_all(struct bytes *b, char text[4])
+{
+    unsigned char rest[3];
+    uint64_t v;
+    double x;
+
+    return bytes_get_number(b, 2, &v) && v == 0x1234 && bytes_get_real(b, 1.5, &x) &&
+           x == 1.5 && bytes_get_text(b, text, 4) && bytes_get_number(b, 1, &v) &&
+           v == 255 && bytes_get(b, rest, 3) && memcmp(rest, "\7\10\11", 3) == 0;
+}
+
+static void test_get(void **state)
+{
+    char text[4];
+
+    (void)state;
+    for (size_t n = 0; n <= sizeof by_hand; n++) {
+        struct bytes b = {by_hand, by_hand + n};
+
+        assert_int_equal(get_all(&b, text), n == sizeof by_hand);
+        assert_true(b.at <= b.end);
+    }
+    assert_string_equal(text, "a\xc3\xa4");
+}
+
+static void test_cannot_be(void **state)
+{
+    static const double bad[] = {-DBL_MIN, 1.0000001, INFINITY, -INFINITY, NAN};
+    static const unsigned char zero_inside[] = {2, 0, 'a', 0};
+    struct bytes b = {by_hand + 10, by_hand + sizeof by_hand};
+    char text[4] = "xyz";
+
+    (void)state;
+    assert_false(bytes_get_text(&b, text, 3)); /* there is no room for its end */
+    assert_string_equal(text, "");
+    b = (struct bytes){zero_inside, zero_inside + sizeof zero_inside};
+    assert_false(bytes_get_text(&b, text, 4));
+    assert_string_equal(text, "");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        unsigned char in[8], *to = in;
+        double x;
+
+        bytes_put_real(&to, bad[i]);
+        b = (struct bytes){in, to};
+        assert_false(bytes_get_real(&b, 1, &x));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_put),
+        cmocka_unit_test(test_get),
+        cmocka_unit_test(test_cannot_be),
+    };
+
+    return cmocka_run_group_tests_name("bytes", tests, NULL, NULL);
+}
