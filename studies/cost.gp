@@ -1,4 +1,6 @@
 # Tables 2 to 4 and the growth of each stage.
+stage = '"triangulation" "spanning tree" "stored template: load" "location" "interpolation" \
+    "general triangulation" "measure"' # the columns from the second on
 name = 'growth'; wide = 900; high = 560
 load begin
 set title 'Processor time of each stage against the number of points in each mesh'
@@ -9,7 +11,7 @@ set xlabel 'N, points in each mesh'
 set ylabel 'time, ms'
 set key outside right
 plot for [k = 2:8] dir . '/growth.csv' using 1:k with linespoints ls k - 1 \
-         title columnheader(k), \
+         title word(stage, k - 1), \
      x * 1e-4 with lines ls 9 dt 2 title 'slope 1'
 
 name = 'perpoint'; wide = 900; high = 560
@@ -22,7 +24,7 @@ set ylabel 'time for each point of a mesh, microseconds'
 set yrange [0:*]
 set key outside right
 plot for [k = 2:8] dir . '/growth.csv' using 1:(1e3 * column(k) / $1) with linespoints \
-         ls k - 1 title columnheader(k)
+         ls k - 1 title word(stage, k - 1)
 
 name = 'paper'; wide = 900; high = 480
 load begin

@@ -17,6 +17,7 @@ set xlabel 'points removed from the probe, %'
 set ylabel 'share of comparisons, %'
 set xrange [-4:98]
 set yrange [-3:128]
+set ytics 0,20,100
 set key top left
 set title 'the same person'
 plot dir . '/madeup.csv' using 1:4 with linespoints ls 3 title 'match', \

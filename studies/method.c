@@ -239,11 +239,11 @@ static void picture(const struct lab *lab, const char *name, const struct mesh *
 {
     const double up = 0.45 / fmax(depth(bottom), depth(top));
     struct render r = {.wide = 320,
-                       .high = 290,
+                       .high = 346,
                        .per = 230,
                        .x = 0.5,
                        .y = 0.5,
-                       .z = 0.4,
+                       .z = 0.5,
                        .turn = 0,
                        .tilt = 0.9};
     FILE *f = lab_open(lab, name);

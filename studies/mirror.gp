@@ -4,7 +4,7 @@ load begin
 set title 'Asymmetry of made-up faces: found in scans against planted'
 set xlabel 'planted: least mean gap to the mirror image, mm'
 set ylabel 'found in a scan, mm'
-set key below
+set key top right
 set xrange [0:*]
 set yrange [0:*]
 plot dir . '/scans.csv' using 3:4 with points ls 6 title 'first: plane of the canonical frame', \

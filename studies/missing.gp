@@ -77,6 +77,7 @@ set multiplot layout 2,3 title 'Total absolute error: printed in table 2, recomp
 set xlabel 'points removed, %'
 set ylabel 'total absolute error (units of z)'
 set xrange [0:80]
+set yrange [1e-3:1e4]
 set logscale y
 set format y '10^{%T}'
 set key bottom right samplen 1

@@ -7,7 +7,7 @@ set xrange [-3:78]
 set key top left
 kinds = 'random blobs ridges flats hull'
 set ylabel 'mean |error|, % of the function''s range'
-set yrange [0.05:60]
+set yrange [0.03:60]
 set logscale y
 set title 'all triangles, the whole square'
 plot for [k = 1:5] dir . '/mean.csv' using (stringcolumn(1) eq word(kinds, k) ? $2 : NaN):3 \
