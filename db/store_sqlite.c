@@ -239,14 +239,26 @@ enum status store_sqlite_written(struct store *s, enum status st, struct errinfo
     return st;
 }
 
+/* SQLite does not wait for its own cut: after a loss of power the log would be whole again. */
+static void sync_log(sqlite3 *db)
+{
+    sqlite3_file *log = NULL;
+
+    if (sqlite3_file_control(db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log) ==
+            SQLITE_OK &&
+        log != NULL && log->pMethods != NULL)
+        (void)log->pMethods->xSync(log, SQLITE_SYNC_NORMAL);
+}
+
 /* Others may be reading: for so long they are waited for. */
 static void truncate_log(struct sqlite_store *q, int ms)
 {
     if (lock_writer(q, STORE_SQLITE_BUSY_MS, NULL) != ST_OK)
         return;
     (void)sqlite3_busy_timeout(q->writer->db, ms);
-    (void)sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
-                                    NULL);
+    if (sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
+                                  NULL) == SQLITE_OK)
+        sync_log(q->writer->db);
     unlock_writer(q);
 }
 
