@@ -30,6 +30,7 @@ struct sqlite_store {
     bool writing;                     /* somebody has the writer's connection */
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
     int synced; /* does the writer wait for the disk?  -1: not yet said */
+    bool uncut; /* what was erased is in the log still: somebody was reading */
 
     pthread_mutex_t read_lock;
     pthread_cond_t read_free;
@@ -225,19 +226,7 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
     return begin(sqlite_store(s), 0, false, c, e);
 }
 
-enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
-{
-    struct sqlite_store *q = sqlite_store(s);
-
-    if (st == ST_OK)
-        st = store_sqlite_exec(q->writer, SQL_COMMIT, e);
-    if (st != ST_OK && !sqlite3_get_autocommit(q->writer->db))
-        (void)store_sqlite_exec(q->writer, SQL_ROLLBACK,
-                                NULL); /* cannot fail in a way that matters:
-                                                         nothing was committed */
-    unlock_writer(q);
-    return st;
-}
+/* ---- the log */
 
 /* SQLite does not wait for its own cut: after a loss of power the log would be whole again. */
 static void sync_log(sqlite3 *db)
@@ -250,16 +239,38 @@ static void sync_log(sqlite3 *db)
         (void)log->pMethods->xSync(log, SQLITE_SYNC_NORMAL);
 }
 
-/* Others may be reading: for so long they are waited for. */
+/* Others may be reading: for ms they are waited for.  The writer's connection is locked. */
+static void cut_log(struct sqlite_store *q, int ms)
+{
+    (void)sqlite3_busy_timeout(q->writer->db, ms);
+    q->uncut = sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE,
+                                         NULL, NULL) != SQLITE_OK;
+    if (!q->uncut)
+        sync_log(q->writer->db);
+}
+
 static void truncate_log(struct sqlite_store *q, int ms)
 {
     if (lock_writer(q, STORE_SQLITE_BUSY_MS, NULL) != ST_OK)
         return;
-    (void)sqlite3_busy_timeout(q->writer->db, ms);
-    if (sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
-                                  NULL) == SQLITE_OK)
-        sync_log(q->writer->db);
+    cut_log(q, ms);
     unlock_writer(q);
+}
+
+enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
+{
+    struct sqlite_store *q = sqlite_store(s);
+
+    if (st == ST_OK)
+        st = store_sqlite_exec(q->writer, SQL_COMMIT, e);
+    if (st != ST_OK && !sqlite3_get_autocommit(q->writer->db))
+        (void)store_sqlite_exec(q->writer, SQL_ROLLBACK,
+                                NULL); /* cannot fail in a way that matters:
+                                                         nothing was committed */
+    if (q->uncut) /* costs little while the reader is there: what can be done, is */
+        cut_log(q, 0);
+    unlock_writer(q);
+    return st;
 }
 
 void store_sqlite_erase_log(struct store *s)

@@ -208,7 +208,8 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
                              struct errinfo *e);
 
 /* store_sqlite_erase_log(s): bring the log into the database file and empty it, where no
- * reader is in the way, so that deleted bytes are gone from both. */
+ * reader is in the way, so that deleted bytes are gone from both; else the next change of
+ * this handle tries again. */
 void store_sqlite_erase_log(struct store *s);
 
 /* store_sqlite_rewrite(s, e): the whole file anew, so that nothing is in it but its rows. */

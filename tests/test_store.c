@@ -290,6 +290,31 @@ static void test_erased(void **state)
     store_close(s);
 }
 
+/* Somebody reads for longer than an erasure waits: the log is cut when they have ended. */
+static void test_erased_while_read(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_template t;
+    unsigned char key[72];
+    sqlite3 *db;
+
+    (void)state;
+    tempdb_enroll(s, "gone", "", &face[1], &t);
+    blob("SELECT key FROM subjects", key, sizeof key);
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_exec(db, "BEGIN; SELECT count(*) FROM subjects", NULL, NULL, NULL),
+        SQLITE_OK);
+    assert_int_equal(store_subject_delete(s, "test", "gone", NULL, &e), ST_OK);
+    assert_true(in_files(key, 16));
+    assert_int_equal(store_event(s, "verify", "test", "x", "", "match", &e), ST_OK);
+    assert_true(in_files(key, 16));
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    assert_int_equal(store_event(s, "verify", "test", "x", "", "match", &e), ST_OK);
+    assert_false(in_files(key, 16));
+    store_close(s);
+}
+
 /* What is stored of a person cannot be read by who has the file alone. */
 static void test_sealed(void **state)
 {
@@ -345,7 +370,7 @@ int main(void)
         cmocka_unit_test(test_templates),     cmocka_unit_test(test_enroll_after),
         cmocka_unit_test(test_subjects),      cmocka_unit_test(test_events),
         cmocka_unit_test(test_bad_arguments), cmocka_unit_test(test_erased),
-        cmocka_unit_test(test_sealed),
+        cmocka_unit_test(test_sealed),        cmocka_unit_test(test_erased_while_read),
     };
 
     return cmocka_run_group_tests_name("store", tests, set_up, tear_down);
