@@ -29,8 +29,8 @@ struct sqlite_store {
     pthread_cond_t write_free;        /* by the monotonic clock */
     bool writing;                     /* somebody has the writer's connection */
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
-    int synced; /* does the writer wait for the disk?  -1: not yet said */
-    bool uncut; /* what was erased is in the log still: somebody was reading */
+    int synced;        /* does the writer wait for the disk?  -1: not yet said */
+    atomic_bool uncut; /* what was erased may be in the log still: somebody was reading */
 
     pthread_mutex_t read_lock;
     pthread_cond_t read_free;
@@ -243,14 +243,16 @@ static void sync_log(sqlite3 *db)
 static void cut_log(struct sqlite_store *q, int ms)
 {
     (void)sqlite3_busy_timeout(q->writer->db, ms);
-    q->uncut = sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE,
-                                         NULL, NULL) != SQLITE_OK;
-    if (!q->uncut)
-        sync_log(q->writer->db);
+    if (sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
+                                  NULL) != SQLITE_OK)
+        return;
+    sync_log(q->writer->db);
+    atomic_store(&q->uncut, false);
 }
 
 static void truncate_log(struct sqlite_store *q, int ms)
 {
+    atomic_store(&q->uncut, true); /* also where the writer cannot be had */
     if (lock_writer(q, STORE_SQLITE_BUSY_MS, NULL) != ST_OK)
         return;
     cut_log(q, ms);
@@ -265,9 +267,8 @@ enum status store_sqlite_written(struct store *s, enum status st, struct errinfo
         st = store_sqlite_exec(q->writer, SQL_COMMIT, e);
     if (st != ST_OK && !sqlite3_get_autocommit(q->writer->db))
         (void)store_sqlite_exec(q->writer, SQL_ROLLBACK,
-                                NULL); /* cannot fail in a way that matters:
-                                                         nothing was committed */
-    if (q->uncut) /* costs little while the reader is there: what can be done, is */
+                                NULL); /* nothing was committed */
+    if (atomic_load(&q->uncut))        /* costs little while the reader is there */
         cut_log(q, 0);
     unlock_writer(q);
     return st;
@@ -398,8 +399,8 @@ void store_sqlite_close(struct store *s)
         q->idle = c->next;
         store_sqlite_disconnect(c);
     }
-    store_sqlite_disconnect(
-        q->writer); /* last: with it SQLite brings in the log and removes it */
+    /* Last: with it SQLite brings in the log and removes it. */
+    store_sqlite_disconnect(q->writer);
     (void)pthread_cond_destroy(&q->read_free);
     (void)pthread_mutex_destroy(&q->read_lock);
     (void)pthread_cond_destroy(&q->write_free);
