@@ -18,6 +18,8 @@
 #define POINTS 1500
 
 char tempdb_dir[32], tempdb_path[40];
+struct face tempdb_face[TEMPDB_FACES];
+struct face_work *tempdb_work;
 
 int tempdb_begin(void **state)
 {
@@ -56,6 +58,28 @@ int tempdb_end(void **state)
         return 0;
     print_error("%s is left behind\n", tempdb_dir);
     exit(EXIT_FAILURE);
+}
+
+int tempdb_begin_faces(void **state)
+{
+    static struct dvec3 pts[POINTS];
+
+    tempdb_work = face_work_new(NULL);
+    assert_non_null(tempdb_work);
+    for (uint64_t i = 0; i < TEMPDB_FACES; i++) {
+        const size_t n = clouds_scan(i + 1, 0, POINTS, pts);
+
+        assert_int_equal(face_build(pts, n, tempdb_work, &tempdb_face[i], NULL), ST_OK);
+    }
+    return tempdb_begin(state);
+}
+
+int tempdb_end_faces(void **state)
+{
+    for (size_t i = 0; i < TEMPDB_FACES; i++)
+        face_free(&tempdb_face[i]);
+    face_work_free(tempdb_work);
+    return tempdb_end(state);
 }
 
 struct store *tempdb_open(enum store_mode mode)
@@ -109,14 +133,6 @@ int64_t tempdb_number(const char *text)
     (void)sqlite3_finalize(stmt);
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
     return n;
-}
-
-void tempdb_face(uint64_t subject, struct face_work *w, struct face *f)
-{
-    static struct dvec3 pts[POINTS];
-    const size_t n = clouds_scan(subject, 0, POINTS, pts);
-
-    assert_int_equal(face_build(pts, n, w, f, NULL), ST_OK);
 }
 
 void tempdb_enroll(struct store *s, const char *subject, const char *label,

@@ -3,6 +3,7 @@
 #ifndef TESTS_TEMPDB_H
 #define TESTS_TEMPDB_H
 #include <stdint.h>
+#include "face.h"
 #include "store.h"
 
 extern char tempdb_dir[32];  /* the folder, under /tmp */
@@ -13,6 +14,14 @@ extern char tempdb_path[40]; /* the database in it; its key is what store_open()
  * ends with status 1, as cmocka does not count a tear-down that fails.  Both return 0. */
 int tempdb_begin(void **state);
 int tempdb_end(void **state);
+
+/* The same two, with as many scans of different people, 1,500 points each, and working
+ * memory to compare them. */
+#define TEMPDB_FACES 4
+extern struct face tempdb_face[TEMPDB_FACES];
+extern struct face_work *tempdb_work;
+int tempdb_begin_faces(void **state);
+int tempdb_end_faces(void **state);
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
  * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is there. */
@@ -26,11 +35,8 @@ struct store *tempdb_open(enum store_mode mode);
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
 
-/* tempdb_face(subject, w, f): the face of a scan of 1,500 points; to be released by
- * face_free().
- * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
+/* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
  * tempdb_check(s): store_check(); what it reports is printed. */
-void tempdb_face(uint64_t subject, struct face_work *w, struct face *f);
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t);
 struct store_check tempdb_check(struct store *s);

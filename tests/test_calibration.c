@@ -19,8 +19,6 @@
 #include "store.h"
 #include "tempdb.h"
 
-static struct face face[2];
-static struct face_work *work;
 static struct errinfo e;
 
 static struct store_calibration example(double threshold_mm)
@@ -128,7 +126,8 @@ static struct face_result compare(void)
 {
     struct face_result r;
 
-    assert_int_equal(face_compare(&face[0], &face[1], 0, NULL, work, &r), ST_OK);
+    assert_int_equal(
+        face_compare(&tempdb_face[0], &tempdb_face[1], 0, NULL, tempdb_work, &r), ST_OK);
     return r;
 }
 
@@ -143,14 +142,14 @@ static void test_followed(void **state)
     k.decision.knot[0].mm = 1;
     assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
     assert_true(in.shipped && in.version == 0);
-    assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
     assert_int_equal(version, 0);
     r = compare();
     assert_int_equal(r.decision, FACE_NO_MATCH);
     assert_true(r.threshold_mm == model_default.decision.threshold_mm);
 
     add(s, &k);
-    assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
     assert_int_equal(version, k.version);
     r = compare();
     assert_int_equal(r.decision, FACE_MATCH);
@@ -159,7 +158,7 @@ static void test_followed(void **state)
 
     k.shipped = true; /* back: the row's own numbers do not matter */
     add(s, &k);
-    assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
     assert_int_equal(version, k.version);
     assert_int_equal(compare().decision, FACE_NO_MATCH);
     assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
@@ -175,7 +174,7 @@ static void test_followed(void **state)
                                "(SELECT max(calibration_key) FROM calibrations)",
                                &e),
                      ST_OK);
-    assert_int_equal(calibration_follow(s, work, &version, &e), ST_OK);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
     assert_int_equal(version, k.version);
     assert_int_equal(compare().decision, FACE_NO_MATCH);
     assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
@@ -258,10 +257,10 @@ static void test_damaged(void **state)
         k.decision.knot[0].mm = 1;
         add(s, &k);
         tempdb_sql(damage[i]);
-        face_work_decide(work, NULL);
+        face_work_decide(tempdb_work, NULL);
         print_message("%s\n", damage[i]);
         assert_int_equal(store_calibration_get(s, &k, &e), ST_ECORRUPT);
-        assert_int_equal(calibration_follow(s, work, &version, &e), ST_ECORRUPT);
+        assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_ECORRUPT);
         assert_int_equal(version, 0);
         assert_int_equal(compare().decision, FACE_NO_MATCH); /* as it was before */
         assert_int_equal(store_calibration_list(s, &list, &n, &e), ST_ECORRUPT);
@@ -419,23 +418,6 @@ static void test_subjects(void **state)
     }
 }
 
-static int setup(void **state)
-{
-    if ((work = face_work_new(NULL)) == NULL)
-        return -1;
-    tempdb_face(1, work, &face[0]);
-    tempdb_face(2, work, &face[1]);
-    return tempdb_begin(state);
-}
-
-static int teardown(void **state)
-{
-    face_free(&face[0]);
-    face_free(&face[1]);
-    face_work_free(work);
-    return tempdb_end(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -451,5 +433,5 @@ int main(void)
         cmocka_unit_test(test_subjects),
     };
 
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
 }

@@ -15,10 +15,6 @@
 #include "store.h"
 #include "tempdb.h"
 
-#define FACES 4
-
-static struct face face[FACES];
-static struct face_work *work;
 static struct errinfo e;
 
 static void test_templates(void **state)
@@ -35,32 +31,32 @@ static void test_templates(void **state)
     assert_int_equal(stat(tempdb_path, &sb), 0);
     assert_int_equal(sb.st_mode & 0777, 0600);
     assert_int_equal(store_ready(s, &e), ST_OK);
-    tempdb_enroll(s, "alice", "", &face[0], &a);
-    assert_int_equal(a.points, face[0].mesh.nv);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &a);
+    assert_int_equal(a.points, tempdb_face[0].mesh.nv);
     assert_string_equal(a.engine, store_made_by(s));
 
     /* The same cloud again is the same template; for somebody else it is another. */
-    assert_int_equal(store_enroll(s, "test", "alice", "x", &face[0], &b, &created, &e),
-                     ST_OK);
+    assert_int_equal(
+        store_enroll(s, "test", "alice", "x", &tempdb_face[0], &b, &created, &e), ST_OK);
     assert_false(created);
     assert_memory_equal(&a, &b, sizeof a);
-    tempdb_enroll(s, "bob", "", &face[0], &b);
+    tempdb_enroll(s, "bob", "", &tempdb_face[0], &b);
     assert_string_equal(a.digest, b.digest);
     assert_string_not_equal(a.id, b.id);
 
-    assert_int_equal(store_template_load(s, a.id, &got, work, &f, &e), ST_OK);
+    assert_int_equal(store_template_load(s, a.id, &got, tempdb_work, &f, &e), ST_OK);
     assert_memory_equal(&a, &got, sizeof a);
-    assert_int_equal(f.mesh.nv, face[0].mesh.nv);
-    assert_memory_equal(f.mesh.twin, face[0].mesh.twin,
+    assert_int_equal(f.mesh.nv, tempdb_face[0].mesh.nv);
+    assert_memory_equal(f.mesh.twin, tempdb_face[0].mesh.twin,
                         3 * f.mesh.nt * sizeof *f.mesh.twin);
-    assert_memory_equal(&f.quality, &face[0].quality, sizeof f.quality);
-    assert_memory_equal(f.spacing, face[0].spacing, f.mesh.nv * sizeof *f.spacing);
-    assert_memory_equal(f.bridge, face[0].bridge, f.mesh.nt);
-    assert_true(f.measured == face[0].measured);
+    assert_memory_equal(&f.quality, &tempdb_face[0].quality, sizeof f.quality);
+    assert_memory_equal(f.spacing, tempdb_face[0].spacing, f.mesh.nv * sizeof *f.spacing);
+    assert_memory_equal(f.bridge, tempdb_face[0].bridge, f.mesh.nt);
+    assert_true(f.measured == tempdb_face[0].measured);
 
-    assert_int_equal(
-        store_enroll(s, "test", "alice", "K\xc3\xb6ln", &face[1], &b, &created, &e),
-        ST_OK);
+    assert_int_equal(store_enroll(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b,
+                                  &created, &e),
+                     ST_OK);
     assert_int_equal(store_template_list(s, "alice", &list, &n, &e), ST_OK);
     assert_int_equal(n, 2);
     assert_string_equal(list[0].id, a.id);
@@ -94,30 +90,34 @@ static void test_enroll_after(void **state)
 
     (void)state;
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[0], "", &a, &created, &e), ST_OK);
+        store_enroll_after(s, "", "alice", "", &tempdb_face[0], "", &a, &created, &e),
+        ST_OK);
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[1], "", &t, &created, &e),
+        store_enroll_after(s, "", "alice", "", &tempdb_face[1], "", &t, &created, &e),
         ST_EEXISTS);
     assert_false(created);
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[0], "", &t, &created, &e), ST_OK);
+        store_enroll_after(s, "", "alice", "", &tempdb_face[0], "", &t, &created, &e),
+        ST_OK);
     assert_false(created); /* the same cloud again changes nothing */
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[1], a.id, &b, &created, &e), ST_OK);
+        store_enroll_after(s, "", "alice", "", &tempdb_face[1], a.id, &b, &created, &e),
+        ST_OK);
     assert_true(created);
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[2], a.id, &t, &created, &e),
+        store_enroll_after(s, "", "alice", "", &tempdb_face[2], a.id, &t, &created, &e),
         ST_EEXISTS);
     assert_int_equal(store_template_delete(s, "", b.id, &e), ST_OK);
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[2], b.id, &t, &created, &e),
+        store_enroll_after(s, "", "alice", "", &tempdb_face[2], b.id, &t, &created, &e),
         ST_EEXISTS); /* nothing new, but it cannot know */
     assert_int_equal(
-        store_enroll_after(s, "", "bob", "", &face[2], a.id, &t, &created, &e),
+        store_enroll_after(s, "", "bob", "", &tempdb_face[2], a.id, &t, &created, &e),
         ST_EEXISTS);
     assert_int_equal(store_subject_get(s, "bob", &who, &e), ST_ENOTFOUND);
     assert_int_equal(
-        store_enroll_after(s, "", "alice", "", &face[2], a.id, &t, &created, &e), ST_OK);
+        store_enroll_after(s, "", "alice", "", &tempdb_face[2], a.id, &t, &created, &e),
+        ST_OK);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
     assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE kind = 'enroll'"),
@@ -138,7 +138,7 @@ static void test_subjects(void **state)
     (void)state;
     for (int i = 0; i < 25; i++) {
         (void)snprintf(name, sizeof name, "s%02d", (i * 7) % 25);
-        tempdb_enroll(s, name, "", &face[i % FACES], &t);
+        tempdb_enroll(s, name, "", &tempdb_face[i % TEMPDB_FACES], &t);
     }
     do {
         assert_int_equal(store_subject_list(s, last, 10, &page, &n, &e), ST_OK);
@@ -151,7 +151,7 @@ static void test_subjects(void **state)
         free(page);
     } while (n == 10);
     assert_int_equal(seen, 25);
-    tempdb_enroll(s, "s03", "", &face[1], &t);
+    tempdb_enroll(s, "s03", "", &tempdb_face[1], &t);
     assert_int_equal(store_subject_delete(s, "test", "s03", &removed, &e), ST_OK);
     assert_int_equal(removed, 2);
     assert_int_equal(store_subject_get(s, "s03", &one, &e), ST_ENOTFOUND);
@@ -169,7 +169,7 @@ static void test_events(void **state)
     struct store_stats stats;
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     assert_int_equal(store_event(s, "verify", "test", "alice", t.id, "match", &e), ST_OK);
     assert_int_equal(store_event(s, "compare", "", "", "", "no_match", &e), ST_OK);
     assert_int_equal(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
@@ -202,23 +202,25 @@ static void test_bad_arguments(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof subject / sizeof *subject; i++) {
         assert_false(store_subject_valid(subject[i]));
-        assert_int_equal(store_enroll(s, "", subject[i], "", &face[0], &t, &created, &e),
-                         ST_EINVAL);
+        assert_int_equal(
+            store_enroll(s, "", subject[i], "", &tempdb_face[0], &t, &created, &e),
+            ST_EINVAL);
     }
     for (size_t i = 0; i < sizeof label / sizeof *label; i++)
-        assert_int_equal(store_enroll(s, "", "a", label[i], &face[0], &t, &created, &e),
-                         ST_EINVAL);
+        assert_int_equal(
+            store_enroll(s, "", "a", label[i], &tempdb_face[0], &t, &created, &e),
+            ST_EINVAL);
     memset(longest, 'x', sizeof longest);
     longest[STORE_SUBJECT_MAX + 1] = '\0';
     assert_false(store_subject_valid(longest));
     longest[STORE_SUBJECT_MAX] = '\0';
     memset(text, 'y', sizeof text);
     text[STORE_LABEL_MAX + 1] = '\0';
-    assert_int_equal(store_enroll(s, "", longest, text, &face[0], &t, &created, &e),
-                     ST_EINVAL);
+    assert_int_equal(
+        store_enroll(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_EINVAL);
     text[STORE_LABEL_MAX] = '\0';
-    assert_int_equal(store_enroll(s, "", longest, text, &face[0], &t, &created, &e),
-                     ST_OK);
+    assert_int_equal(
+        store_enroll(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_OK);
     assert_string_equal(t.subject, longest);
     assert_string_equal(t.label, text);
     assert_int_equal(store_template_get(s, "nonsense", &t, &e), ST_EINVAL);
@@ -276,8 +278,8 @@ static void test_erased(void **state)
     unsigned char key[72], model[64];
 
     (void)state;
-    tempdb_enroll(s, "keep", "", &face[0], &t);
-    tempdb_enroll(s, "gone", "", &face[1], &t);
+    tempdb_enroll(s, "keep", "", &tempdb_face[0], &t);
+    tempdb_enroll(s, "gone", "", &tempdb_face[1], &t);
     blob("SELECT key FROM subjects ORDER BY subject_key DESC LIMIT 1", key, sizeof key);
     blob(
         "SELECT substr(model, 1000, 64) FROM templates ORDER BY template_key DESC LIMIT 1",
@@ -299,7 +301,7 @@ static void test_erased_while_read(void **state)
     sqlite3 *db;
 
     (void)state;
-    tempdb_enroll(s, "gone", "", &face[1], &t);
+    tempdb_enroll(s, "gone", "", &tempdb_face[1], &t);
     blob("SELECT key FROM subjects", key, sizeof key);
     assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(
@@ -327,9 +329,9 @@ static void test_sealed(void **state)
     (void)state;
     assert_int_equal(store_subject_add(s, "test", &who, &e), ST_OK);
     assert_int_equal(store_subject_add(s, "test", &who, &e), ST_EEXISTS);
-    assert_int_equal(
-        store_enroll(s, "test", "mary-jane", "left camera", &face[1], &t, &created, &e),
-        ST_OK);
+    assert_int_equal(store_enroll(s, "test", "mary-jane", "left camera", &tempdb_face[1],
+                                  &t, &created, &e),
+                     ST_OK);
     assert_int_equal(store_event(s, "verify", "door", "mary-jane", t.id, "match", &e),
                      ST_OK);
     assert_true(in_files(t.id, 32)); /* the search finds things */
@@ -338,30 +340,13 @@ static void test_sealed(void **state)
     assert_false(in_files("front door", 10));
     assert_false(in_files("left camera", 11));
     assert_false(in_files(t.digest, 64));
-    assert_false(in_files(face[1].mesh.z + 700, 16));
+    assert_false(in_files(tempdb_face[1].mesh.z + 700, 16));
     memset(&who, 0, sizeof who);
     assert_int_equal(store_subject_get(s, "mary-jane", &who, &e), ST_OK);
     assert_string_equal(who.reference, "consent 4711");
     assert_string_equal(who.purpose, "the front door");
     assert_int_equal(who.templates, 1);
     store_close(s);
-}
-
-static int set_up(void **state)
-{
-    if ((work = face_work_new(NULL)) == NULL)
-        return 1;
-    for (uint64_t i = 0; i < FACES; i++)
-        tempdb_face(i + 1, work, &face[i]);
-    return tempdb_begin(state);
-}
-
-static int tear_down(void **state)
-{
-    for (int i = 0; i < FACES; i++)
-        face_free(&face[i]);
-    face_work_free(work);
-    return tempdb_end(state);
 }
 
 int main(void)
@@ -373,5 +358,6 @@ int main(void)
         cmocka_unit_test(test_sealed),        cmocka_unit_test(test_erased_while_read),
     };
 
-    return cmocka_run_group_tests_name("store", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("store", tests, tempdb_begin_faces,
+                                       tempdb_end_faces);
 }

@@ -19,11 +19,8 @@
 #include "store.h"
 #include "tempdb.h"
 
-#define FACES  2
 #define NOBODY 65534
 
-static struct face face[FACES];
-static struct face_work *work;
 static struct errinfo e;
 
 static void write_file(const char *name, const void *bytes, size_t n)
@@ -91,7 +88,7 @@ static void test_keys(void **state)
     char key[128], away[128];
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     store_close(s);
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     (void)snprintf(away, sizeof away, "%s.away", tempdb_path);
@@ -198,9 +195,9 @@ static void test_damaged_rows(void **state)
         struct store_check found;
         enum status st;
 
-        tempdb_enroll(s, "alice", "", &face[0], &t);
+        tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
         tempdb_sql(damage[i]);
-        st = store_template_load(s, t.id, &got, work, &f, &e);
+        st = store_template_load(s, t.id, &got, tempdb_work, &f, &e);
         print_message("%s: %s\n", damage[i], st == ST_OK ? "loads" : e.msg);
         assert_true(st == ST_ECORRUPT ||
                     (st == ST_ENOTFOUND && (strstr(damage[i], "DELETE") != NULL ||
@@ -225,7 +222,7 @@ static void test_full_disk(void **state)
     char wal[128];
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     (void)snprintf(wal, sizeof wal, "%s-wal", tempdb_path);
     assert_int_equal(stat(wal, &sb), 0);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &was), 0);
@@ -236,7 +233,7 @@ static void test_full_disk(void **state)
         tight = was;
         tight.rlim_cur = (rlim_t)sb.st_size + room;
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
-        st = store_enroll(s, "test", "bob", "", &face[1], &t, &created, &e);
+        st = store_enroll(s, "test", "bob", "", &tempdb_face[1], &t, &created, &e);
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &was), 0);
         if (st == ST_OK) {
             done = true;
@@ -257,23 +254,6 @@ static void test_full_disk(void **state)
     store_close(s);
 }
 
-static int set_up(void **state)
-{
-    if ((work = face_work_new(NULL)) == NULL)
-        return 1;
-    for (uint64_t i = 0; i < FACES; i++)
-        tempdb_face(i + 1, work, &face[i]);
-    return tempdb_begin(state);
-}
-
-static int tear_down(void **state)
-{
-    for (int i = 0; i < FACES; i++)
-        face_free(&face[i]);
-    face_work_free(work);
-    return tempdb_end(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,5 +262,6 @@ int main(void)
         cmocka_unit_test(test_damaged_rows), cmocka_unit_test(test_full_disk),
     };
 
-    return cmocka_run_group_tests_name("store_damaged", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("store_damaged", tests, tempdb_begin_faces,
+                                       tempdb_end_faces);
 }

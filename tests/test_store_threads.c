@@ -16,11 +16,8 @@
 #include "store.h"
 #include "tempdb.h"
 
-#define FACES  4
 #define ROUNDS 40
 
-static struct face face[FACES];
-static struct face_work *work;
 static struct errinfo e;
 
 /* More than one thread checks: each template is read once, also one of an odd key. */
@@ -34,7 +31,7 @@ static void test_check_shares(void **state)
     (void)state;
     for (int i = 0; i < 200; i++) {
         (void)snprintf(subject, sizeof subject, "s%d", i);
-        tempdb_enroll(s, subject, "", &face[0], &t);
+        tempdb_enroll(s, subject, "", &tempdb_face[0], &t);
     }
     tempdb_sql("UPDATE templates SET template_key = -70 WHERE template_key = 70");
     found = tempdb_check(s);
@@ -85,8 +82,8 @@ static void *writer(void *arg)
     bool created;
 
     for (int i = 0; i < ROUNDS && !bad; i++)
-        if (store_enroll(s, "test", "alice", "", &face[1 + i % 3], &t, &created, &why) !=
-                ST_OK ||
+        if (store_enroll(s, "test", "alice", "", &tempdb_face[1 + i % 3], &t, &created,
+                         &why) != ST_OK ||
             store_template_delete(s, "test", t.id, &why) != ST_OK)
             bad = 1;
     return (void *)bad;
@@ -99,7 +96,7 @@ static void test_threads(void **state)
     pthread_t thread[5];
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     for (int i = 0; i < 5; i++)
         assert_int_equal(pthread_create(&thread[i], NULL, i == 0 ? writer : reader, s),
                          0);
@@ -124,7 +121,7 @@ static void test_processes(void **state)
     int status;
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     if ((child = fork()) == 0) {
         /* The parent's connections are not the child's to use: it opens its own. */
         struct store *mine;
@@ -133,7 +130,7 @@ static void test_processes(void **state)
         bool created;
 
         _exit(store_open(tempdb_path, STORE_WRITE, NULL, &mine, &why) == ST_OK &&
-                      store_enroll(mine, "test", "bob", "", &face[1], &u, &created,
+                      store_enroll(mine, "test", "bob", "", &tempdb_face[1], &u, &created,
                                    &why) == ST_OK &&
                       store_template_delete(mine, "test", t.id, &why) == ST_OK
                   ? 0
@@ -145,7 +142,7 @@ static void test_processes(void **state)
     assert_int_equal(store_template_get(s, t.id, &got, &e), ST_ENOTFOUND);
     assert_int_equal(store_subject_get(s, "bob", &one, &e), ST_OK);
     assert_int_equal(one.templates, 1);
-    tempdb_enroll(s, "bob", "", &face[2], &t); /* and we can write after it */
+    tempdb_enroll(s, "bob", "", &tempdb_face[2], &t); /* and we can write after it */
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
 }
@@ -160,35 +157,19 @@ static void test_locked(void **state)
     bool created;
 
     (void)state;
-    tempdb_enroll(s, "alice", "", &face[0], &t);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
-    assert_int_equal(store_enroll(s, "", "bob", "", &face[1], &t, &created, &e),
+    assert_int_equal(store_enroll(s, "", "bob", "", &tempdb_face[1], &t, &created, &e),
                      ST_EBUSY);
     assert_int_equal(store_template_list(s, "alice", &list, &n, &e), ST_OK);
     assert_int_equal(n, 1);
     free(list);
     assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    assert_int_equal(store_enroll(s, "", "bob", "", &face[1], &got, &created, &e), ST_OK);
+    assert_int_equal(store_enroll(s, "", "bob", "", &tempdb_face[1], &got, &created, &e),
+                     ST_OK);
     store_close(s);
-}
-
-static int set_up(void **state)
-{
-    if ((work = face_work_new(NULL)) == NULL)
-        return 1;
-    for (uint64_t i = 0; i < FACES; i++)
-        tempdb_face(i + 1, work, &face[i]);
-    return tempdb_begin(state);
-}
-
-static int tear_down(void **state)
-{
-    for (int i = 0; i < FACES; i++)
-        face_free(&face[i]);
-    face_work_free(work);
-    return tempdb_end(state);
 }
 
 int main(void)
@@ -200,5 +181,6 @@ int main(void)
         cmocka_unit_test(test_locked),
     };
 
-    return cmocka_run_group_tests_name("store_threads", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("store_threads", tests, tempdb_begin_faces,
+                                       tempdb_end_faces);
 }

@@ -15,13 +15,11 @@
 #include "store.h"
 #include "tempdb.h"
 
-static struct face face;
-static struct face_work *work;
 static struct errinfo e;
 
 static void enroll(struct store *s, const char *subject, struct store_template *t)
 {
-    tempdb_enroll(s, subject, "a label", &face, t);
+    tempdb_enroll(s, subject, "a label", &tempdb_face[0], t);
 }
 
 static struct store_subject get(struct store *s, const char *subject)
@@ -298,7 +296,8 @@ static void test_seen(void **state)
     assert_true(get(s, "alice").seen[0] == '2');
     /* The same scan again is a visit too. */
     tempdb_sql("UPDATE subjects SET seen = NULL");
-    assert_int_equal(store_enroll(s, "", "alice", "", &face, &t, &created, &e), ST_OK);
+    assert_int_equal(store_enroll(s, "", "alice", "", &tempdb_face[0], &t, &created, &e),
+                     ST_OK);
     assert_false(created);
     assert_true(get(s, "alice").seen[0] == '2');
     assert_int_equal(events("enroll"), 1);
@@ -414,21 +413,6 @@ static void test_vacuum(void **state)
     store_close(s);
 }
 
-static int setup(void **state)
-{
-    if ((work = face_work_new(NULL)) == NULL)
-        return -1;
-    tempdb_face(0, work, &face);
-    return tempdb_begin(state);
-}
-
-static int teardown(void **state)
-{
-    face_free(&face);
-    face_work_free(work);
-    return tempdb_end(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -440,5 +424,5 @@ int main(void)
         cmocka_unit_test(test_vacuum),
     };
 
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
 }
