@@ -28,7 +28,7 @@ waits() {
 
 # later SECONDS: so long ago the last failure was, for all subjects.
 later() {
-    sqlite3 "$DB" ".timeout 5000" "UPDATE attempts SET at_ms = at_ms - $1 * 1000"
+    sqlite3 "$DB" "UPDATE attempts SET at_ms = at_ms - $1 * 1000"
 }
 
 failures() {
@@ -95,10 +95,10 @@ later 601
 verify alice "$T/b.ply"
 verify alice "$T/a1.ply"
 waits "four times" 1200
-sqlite3 "$DB" ".timeout 5000" "UPDATE attempts SET failures = 60"
+sqlite3 "$DB" "UPDATE attempts SET failures = 60"
 verify alice "$T/a1.ply"
 waits "a day at most" 86400
-sqlite3 "$DB" ".timeout 5000" "UPDATE attempts SET failures = 3, at_ms = at_ms + 86400000"
+sqlite3 "$DB" "UPDATE attempts SET failures = 3, at_ms = at_ms + 86400000"
 verify alice "$T/a1.ply"
 waits "after the clock was set back" 300
 later 301

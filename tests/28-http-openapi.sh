@@ -227,13 +227,7 @@ ask DELETE /v1/subjects/bob 204 -H "$MIN"
 
 # ---- no room in the queue: the one worker waits for the database, which another process
 # has locked, and one more request waits for the worker.
-mkfifo "$T/lock"
-sqlite3 "$DB" <"$T/lock" &
-exec 3>"$T/lock"
-echo 'BEGIN IMMEDIATE;' >&3
-while sqlite3 "$DB" 'BEGIN IMMEDIATE; ROLLBACK' 2>/dev/null; do
-    sleep 0.1
-done
+lock_db
 crowd=
 for _ in 1 2 3; do
     while [ ! -e "$T/enough" ]; do
@@ -258,7 +252,7 @@ while IFS="$(printf '\t')" read -r e_method e_path e_body; do
     note "$e_method" "$e_path"
 done <"$T/each"
 : >"$T/enough"
-exec 3>&-
+unlock_db
 # shellcheck disable=SC2086 # a list
 wait $crowd
 

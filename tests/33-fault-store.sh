@@ -12,17 +12,7 @@ done
 start_daemon --no-auth --workers 6
 send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
 is "enrolled before" "$STATUS" 201
-mkfifo "$T/say"
-sqlite3 "$DB" <"$T/say" >"$T/told" 2>&1 &
-holder=$!
-exec 7>"$T/say"
-printf 'BEGIN EXCLUSIVE;\nSELECT 1;\n' >&7
-tries=0
-until grep -q 1 "$T/told" || [ "$tries" -ge 300 ]; do
-    tries=$((tries + 1))
-    sleep 0.1
-done
-is "another process has it" "$(cat "$T/told")" 1
+lock_db
 clients=
 for s in 2 3 4 5 6; do # each waits as long as one: not for the others' waiting
     curl -sS -m 60 -o /dev/null -w '%{http_code} %{time_total}\n' -H "$PLY" \
@@ -46,9 +36,7 @@ problem "one more" 503 busy
 is "Retry-After" "$(field Retry-After)" 1
 req DELETE /v1/subjects/s1
 problem "nor does deleting" 503 busy
-printf 'ROLLBACK;\n' >&7
-exec 7>&-
-wait "$holder"
+unlock_db
 send POST /v1/subjects/s2/templates "$PLY" "$T/s2.ply"
 is "enrolled after it" "$STATUS" 201
 req GET '/v1/subjects?limit=100'

@@ -19,6 +19,11 @@ for tool in curl jq sqlite3; do
     }
 done
 
+# Beside a daemon, which may be writing just then.
+sqlite3() {
+    command sqlite3 -cmd '.timeout 10000' "$@"
+}
+
 cleanup() {
     [ -z "$PID" ] || kill -9 "$PID" 2>/dev/null
     rm -rf "$T"
@@ -164,4 +169,22 @@ soon() {
         [ "$tries" -lt 300 ] || return 1
         sleep 0.1
     done
+}
+
+# lock_db: another process locks the database against writing, until unlock_db.
+lock_db() {
+    mkfifo "$T/locker"
+    sqlite3 "$DB" <"$T/locker" >"$T/locked" 2>&1 &
+    LOCKER=$!
+    exec 7>"$T/locker"
+    printf 'BEGIN IMMEDIATE;\nSELECT 1;\n' >&7
+    soon grep -q . "$T/locked"
+    is "another process has the database" "$(cat "$T/locked")" 1
+}
+
+unlock_db() {
+    echo .quit >&7 # who was started meanwhile holds the pipe too: its end may come late
+    exec 7>&-
+    wait "$LOCKER"
+    rm "$T/locker"
 }
