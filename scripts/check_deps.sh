@@ -19,26 +19,22 @@ complain() {
 including() {
     pattern=$1
     shift
-    for file in "$@"; do
-        [ -f "$file" ] && grep -Elq "^# *include *[<\"](${pattern})[>\"]" "$file" && echo "$file"
-    done
+    grep -El "^# *include *[<\"](${pattern})[>\"]" "$@"
 }
 
 # own FOLDER ALLOWED...: a quoted include in FOLDER is found in one of ALLOWED
 own() {
     folder=$1
     shift
-    for file in "$folder"/*.c "$folder"/*.h; do
-        [ -f "$file" ] || continue
-        sed -n 's/^# *include *"\(.*\)".*/\1/p' "$file" >"$list"
-        while read -r name; do
-            found=
-            for place in "$@"; do
-                [ -f "$place/$name" ] && found=yes
-            done
-            [ -n "$found" ] || complain "$file includes $name, which is not in: $*"
-        done <"$list"
-    done
+    grep -H '^# *include *"' "$folder"/*.[ch] |
+        sed 's/^\([^:]*\):[^"]*"\(.*\)".*/\1 \2/' >"$list"
+    while read -r file name; do
+        found=
+        for place in "$@"; do
+            [ -f "$place/$name" ] && found=yes
+        done
+        [ -n "$found" ] || complain "$file includes $name, which is not in: $*"
+    done <"$list"
 }
 own core core
 own db db core "$build/gen"
@@ -46,10 +42,8 @@ own server server db core "$build/gen"
 own studies studies tests core
 
 libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
-for file in core/*.c core/*.h; do
-    sed -n 's/^# *include *<\(.*\)\.h>.*/\1/p' "$file" | grep -Ev "^($libc)\$" |
-        sed "s|^|check_deps: $file includes |" | grep . && bad=1
-done
+grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |
+    sed 's|^|check_deps: |' | grep . && bad=1
 
 files=$(including 'sqlite3.*' server/*.[ch] core/*.[ch])
 [ -z "$files" ] || complain "SQLite outside db/:" "$files"
@@ -63,16 +57,16 @@ files=$(including 'microhttpd.*' server/*.[ch])
 [ "$(echo "$files" | wc -w)" -le 2 ] || complain "libmicrohttpd in more than two files:" "$files"
 
 # What the compiled core asks of libc.
+memory='malloc|calloc|realloc|aligned_alloc|posix_memalign|free|strdup'
+world='printf|fprintf|puts|fputs|fputc|putchar|fwrite|perror|exit|_exit|abort|fopen|open|read'
+world="$world|write|time|clock|clock_gettime|rand|random|setlocale|getenv"
 for object in "$build"/core/*.o; do
-    used=$(nm -u "$object" | awk '{ print $2 }')
-    if [ "$(basename "$object")" != mem.o ]; then
-        for name in malloc calloc realloc aligned_alloc posix_memalign free strdup; do
-            echo "$used" | grep -qx "$name" && complain "$object uses $name()"
-        done
-    fi
-    for name in printf fprintf puts fputs fputc putchar fwrite perror exit _exit abort fopen \
-        open read write time clock clock_gettime rand random setlocale getenv; do
-        echo "$used" | grep -Eqx "(__)?$name(_chk)?" && complain "$object uses $name()"
+    case $object in
+    */mem.o) never=$world ;;
+    *) never="$world|$memory" ;;
+    esac
+    for name in $(nm -u "$object" | awk '{ print $2 }' | grep -Ex "(__)?($never)(_chk)?"); do
+        complain "$object uses $name()"
     done
 done
 echo 'int main(void) { return 0; }' |

@@ -4,27 +4,52 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
-bad=0
+sources=
+objects=
 for source in core/*.c db/*.c server/*.c tests/*.c studies/*.c; do
     object=$build/${source%.c}.o
-    [ -f "$object" ] || continue
-    module=$(basename "$source" .c)
-    names="${module}_.*|$module"
-    # store_sqlite_admin.c is a part of store_sqlite.c and may export store_sqlite_*.
-    parent=${module%_*}
-    while [ "$parent" != "$module" ]; do
-        [ ! -f "$(dirname "$source")/$parent.c" ] || names="$names|${parent}_.*"
-        module=$parent
-        parent=${module%_*}
-    done
-    case $source in
-    core/predicates.c) names="incircle_.*" ;; # named as in the literature
-    core/mem.c) names="(mem|scratch)_.*" ;;
-    server/main.c | db/surfacectl.c | tests/*_main.c | studies/*_main.c) names="main" ;;
-    tests/test_* | tests/bench* | tests/fail_alloc.c) names="main|$names|__wrap_.*" ;;
-    tests/fuzz_*) names="main|LLVMFuzzer.*" ;;
-    esac
-    nm -g --defined-only "$object" | awk '{ print $3 }' | grep -Ev "^($names)\$" |
-        sed "s|^|check_symbols: $source exports |" | grep . && bad=1
+    [ ! -f "$object" ] || objects="$objects $object"
+    sources="$sources ${source%.c}"
 done
-exit $bad
+
+# shellcheck disable=SC2086 # file names of our own
+nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
+    BEGIN {
+        for (n = split(sources, each, " "); n > 0; n--)
+            is_source[each[n]]
+    }
+
+    # What a source may export, by its path without the ending.
+    function allowed(source, folder, module, names) {
+        if (source == "core/predicates")
+            return "incircle_.*" # named as in the literature
+        if (source == "core/mem")
+            return "(mem|scratch)_.*"
+        if (source ~ /^(server\/main|db\/surfacectl)$|^(tests|studies)\/.*_main$/)
+            return "main"
+        if (source ~ /^tests\/fuzz_/)
+            return "main|LLVMFuzzer.*"
+        folder = module = source
+        sub(/[^\/]*$/, "", folder)
+        sub(/.*\//, "", module)
+        names = module "_.*|" module
+        if (source ~ /^tests\/(test_|bench|fail_alloc$)/)
+            names = "main|__wrap_.*|" names
+        # store_sqlite_admin.c is a part of store_sqlite.c and may export store_sqlite_*.
+        while (sub(/_[^_]*$/, "", module))
+            if (folder module in is_source)
+                names = names "|" module "_.*"
+        return names
+    }
+
+    {
+        source = substr($1, length(build) + 1)
+        sub(/\.o:.*/, "", source)
+        if (!(source in may))
+            may[source] = "^(" allowed(source) ")$"
+        if ($3 !~ may[source]) {
+            print "check_symbols: " source ".c exports " $3
+            bad = 1
+        }
+    }
+    END { exit bad }'

@@ -56,7 +56,7 @@ check_unfinished() {
 
 # gcc finds the sign conversions; clang also counts an int passed for an enum.
 clang_all() {
-    make -s BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion tests
+    make -s -j2 BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion tests
 }
 
 shell_all() {
