@@ -141,9 +141,15 @@ $(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(call linkflags,tests/$*.c) -lcmocka $(LIBS)
 
-$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) $(CORE_A)
+$(filter-out $(BUILD)/digits,$(TOOL_BIN)): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) \
+    $(CORE_A)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(DB_LIBS)
+
+# Built four times more by scripts/check_digits.sh: without the store.
+$(BUILD)/digits: $(BUILD)/tests/digits_main.o $(HELP_A) $(CORE_A)
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
 
 # To be loaded into a program that is as it is, so never with a sanitizer.
 $(SHIM_BIN): $(BUILD)/%.so: tests/%.c tests/crash_op.h Makefile

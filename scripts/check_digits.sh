@@ -13,7 +13,7 @@ for cc in gcc clang; do
     fi
     for opt in -O0 -O3; do
         dir=$BUILD/digits-$cc$opt
-        if ! make -s BUILD="$dir" CC="$cc" OPT="$opt" WERROR= EXTRA= "$dir/digits"; then
+        if ! make -s -j2 BUILD="$dir" CC="$cc" OPT="$opt" WERROR= EXTRA= "$dir/digits"; then
             echo "FAIL $cc $opt: does not build"
             rc=1
         elif ! "$dir/digits" | diff tests/golden/digits.txt - >"$dir/diff"; then
