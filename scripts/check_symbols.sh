@@ -52,4 +52,4 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             bad = 1
         }
     }
-    END { exit bad }'
+    END { exit bad || NR == 0 }' # also where there is no build
