@@ -31,6 +31,7 @@ struct sqlite_store {
     struct store_sqlite_conn *writer; /* NULL: opened for reading */
     int synced;        /* does the writer wait for the disk?  -1: not yet said */
     atomic_bool uncut; /* what was erased may be in the log still: somebody was reading */
+    int64_t seen;      /* the last event that was looked at for erasures */
 
     pthread_mutex_t read_lock;
     pthread_cond_t read_free;
@@ -229,14 +230,14 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
 /* ---- the log */
 
 /* SQLite does not wait for its own cut: after a loss of power the log would be whole again. */
-static void sync_log(sqlite3 *db)
+static bool sync_log(sqlite3 *db)
 {
     sqlite3_file *log = NULL;
 
-    if (sqlite3_file_control(db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log) ==
-            SQLITE_OK &&
-        log != NULL && log->pMethods != NULL)
-        (void)log->pMethods->xSync(log, SQLITE_SYNC_NORMAL);
+    return sqlite3_file_control(db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log) ==
+               SQLITE_OK &&
+           log != NULL && log->pMethods != NULL &&
+           log->pMethods->xSync(log, SQLITE_SYNC_NORMAL) == SQLITE_OK;
 }
 
 /* Others may be reading: for ms they are waited for.  The writer's connection is locked. */
@@ -244,10 +245,9 @@ static void cut_log(struct sqlite_store *q, int ms)
 {
     (void)sqlite3_busy_timeout(q->writer->db, ms);
     if (sqlite3_wal_checkpoint_v2(q->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
-                                  NULL) != SQLITE_OK)
-        return;
-    sync_log(q->writer->db);
-    atomic_store(&q->uncut, false);
+                                  NULL) == SQLITE_OK &&
+        sync_log(q->writer->db))
+        atomic_store(&q->uncut, false);
 }
 
 static void truncate_log(struct sqlite_store *q, int ms)
@@ -259,6 +259,24 @@ static void truncate_log(struct sqlite_store *q, int ms)
     unlock_writer(q);
 }
 
+/* Whether anybody has erased since this was asked last: another process, too, may have ended
+ * before it could cut the log.  The writer's connection is locked. */
+static bool erased_since(struct sqlite_store *q)
+{
+    sqlite3_stmt *stmt;
+    bool erased = false;
+
+    if (store_sqlite_prepare(q->writer, SQL_EVENT_ERASED, &stmt, NULL) != ST_OK)
+        return false;
+    if (sqlite3_bind_int64(stmt, 1, q->seen) == SQLITE_OK &&
+        sqlite3_step(stmt) == SQLITE_ROW) {
+        q->seen = sqlite3_column_int64(stmt, 0);
+        erased = sqlite3_column_int(stmt, 1) != 0;
+    }
+    (void)sqlite3_reset(stmt);
+    return erased;
+}
+
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e)
 {
     struct sqlite_store *q = sqlite_store(s);
@@ -266,10 +284,12 @@ enum status store_sqlite_written(struct store *s, enum status st, struct errinfo
     if (st == ST_OK)
         st = store_sqlite_exec(q->writer, SQL_COMMIT, e);
     if (st != ST_OK && !sqlite3_get_autocommit(q->writer->db))
-        (void)store_sqlite_exec(q->writer, SQL_ROLLBACK,
-                                NULL); /* nothing was committed */
-    if (atomic_load(&q->uncut))        /* costs little while the reader is there */
+        (void)store_sqlite_exec(q->writer, SQL_ROLLBACK, NULL);
+    if (atomic_load(&q->uncut)) /* costs little while the reader is there */
         cut_log(q, 0);
+    /* Our own is cut by store_sqlite_erase_log(), another process's at the next change. */
+    if (erased_since(q))
+        atomic_store(&q->uncut, true);
     unlock_writer(q);
     return st;
 }
@@ -474,6 +494,7 @@ enum status store_sqlite_open(const char *path, enum store_mode mode,
     }
     q->base.engine = &store_sqlite_engine;
     q->synced = -1;
+    q->seen = INT64_MAX; /* none: what was erased before is cut below */
     (void)pthread_mutex_init(&q->write_lock, NULL);
     (void)pthread_condattr_init(&monotonic);
     (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
@@ -486,6 +507,8 @@ enum status store_sqlite_open(const char *path, enum store_mode mode,
         st = open_writer(q, mode, e);
     if (st == ST_OK)
         st = open_reader(q, e);
+    if (st == ST_OK && mode != STORE_READ)
+        (void)erased_since(q);
     /* Who was killed between an erasure and its end has left the bytes in the log. */
     if (st == ST_OK && mode != STORE_READ && !made)
         truncate_log(q, 0);

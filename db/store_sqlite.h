@@ -74,6 +74,7 @@ enum store_sqlite_sql {
     SQL_EVENT_LIST,
     SQL_EVENT_NEWEST,
     SQL_EVENT_EACH,
+    SQL_EVENT_ERASED,
     SQL_MARK_ADD,
     SQL_MARK_GET,
     SQL_MARK_LIST,
@@ -194,10 +195,12 @@ enum status store_sqlite_rekey(struct store *s, const struct store_act *by,
                                const struct store_rekey *to, struct errinfo *e);
 
 /* store_sqlite_write(s, synced, c, e): wait for the writer's connection and begin a
- * transaction; ST_EBUSY when other threads and processes are in the way for 5 s; synced: it is on the disk when it is committed, else it survives a crash of
- * the program but the next loss of power perhaps not.
+ * transaction; ST_EBUSY when other threads and processes are in the way for 5 s; synced: it
+ * is on the disk when it is committed, else it survives a crash of the program but the next
+ * loss of power perhaps not.
  * After ST_OK store_sqlite_written(s, st, e) must follow: it commits when st is ST_OK,
- * else rolls back, and returns st or why the commit failed. */
+ * else rolls back, and returns st or why the commit failed.  It also cuts the log of an
+ * erasure, of any process, that a reader had kept from it (store_sqlite_erase_log()). */
 enum status store_sqlite_write(struct store *s, bool synced, struct store_sqlite_conn **c,
                                struct errinfo *e);
 enum status store_sqlite_written(struct store *s, enum status st, struct errinfo *e);
@@ -208,8 +211,8 @@ enum status store_sqlite_try(struct store *s, struct store_sqlite_conn **c,
                              struct errinfo *e);
 
 /* store_sqlite_erase_log(s): bring the log into the database file and empty it, where no
- * reader is in the way, so that deleted bytes are gone from both; else the next change of
- * this handle tries again. */
+ * reader is in the way, so that deleted bytes are gone from both; else the next
+ * changes of this or another process try again. */
 void store_sqlite_erase_log(struct store *s);
 
 /* store_sqlite_rewrite(s, e): the whole file anew, so that nothing is in it but its rows. */

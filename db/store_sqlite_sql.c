@@ -98,6 +98,10 @@ const char *const store_sqlite_sql[SQL_COUNT] = {
     [SQL_EVENT_LIST] = "SELECT " EVENT_COLUMNS EVENT_WANTED "ORDER BY seq LIMIT ?5",
     [SQL_EVENT_NEWEST] = "SELECT * FROM (SELECT " EVENT_COLUMNS EVENT_WANTED
                          "ORDER BY seq DESC LIMIT ?5) ORDER BY seq",
+    [SQL_EVENT_ERASED] =
+        "SELECT (SELECT max(seq) FROM events), EXISTS (SELECT 1 FROM events "
+        "WHERE seq > ?1 AND kind IN "
+        "('delete_subject', 'delete_template', 'rekey'))",
     [SQL_EVENT_EACH] = "SELECT " EVENT_COLUMNS ", c.at, c.hash, c.signature "
                        "FROM events e LEFT JOIN checkpoints c USING (seq) ORDER BY seq",
     [SQL_MARK_ADD] =

@@ -293,28 +293,40 @@ static void test_erased(void **state)
 }
 
 /* Somebody reads for longer than an erasure waits: the log is cut when they have ended. */
-static void test_erased_while_read(void **state)
+/* By this handle, or by one that is closed before the reader is. */
+static void erase_while_read(bool by_another)
 {
-    struct store *s = tempdb_fresh();
+    struct store *s = tempdb_fresh(), *eraser = s;
     struct store_template t;
     unsigned char key[72];
     sqlite3 *db;
 
-    (void)state;
     tempdb_enroll(s, "gone", "", &tempdb_face[1], &t);
     blob("SELECT key FROM subjects", key, sizeof key);
+    if (by_another)
+        eraser = tempdb_open(STORE_WRITE);
     assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(
         sqlite3_exec(db, "BEGIN; SELECT count(*) FROM subjects", NULL, NULL, NULL),
         SQLITE_OK);
-    assert_int_equal(store_subject_delete(s, "test", "gone", NULL, &e), ST_OK);
+    assert_int_equal(store_subject_delete(eraser, "test", "gone", NULL, &e), ST_OK);
+    if (by_another)
+        store_close(eraser);
     assert_true(in_files(key, 16));
-    assert_int_equal(store_event(s, "verify", "test", "x", "", "match", &e), ST_OK);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(store_event(s, "verify", "test", "x", "", "match", &e), ST_OK);
     assert_true(in_files(key, 16));
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
     assert_int_equal(store_event(s, "verify", "test", "x", "", "match", &e), ST_OK);
     assert_false(in_files(key, 16));
     store_close(s);
+}
+
+static void test_erased_while_read(void **state)
+{
+    (void)state;
+    erase_while_read(false);
+    erase_while_read(true);
 }
 
 /* What is stored of a person cannot be read by who has the file alone. */
