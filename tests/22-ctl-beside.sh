@@ -41,6 +41,21 @@ is "nor does its subject" "$STATUS" 404
 ctl check
 is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
 
+# Erased by surfacectl while another reads, so that it cannot cut the log: the daemon does, at
+# its next changes after the reader.
+ctl enroll erased "$T/a.ply"
+key=$(sqlite3 "$DB" 'SELECT hex(key) FROM subjects ORDER BY subject_key DESC LIMIT 1')
+hold_db BEGIN
+ctl --yes delete erased
+is "erased beside a reader" $? 0
+ok "its key is in the log" holds "$key" "$DB" "$DB-wal"
+release_db
+for _ in 1 2; do
+    send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+    is "verified" "$STATUS" 200
+done
+is "its key is gone" "$(holds "$key" "$DB" "$DB-wal" && echo there)" ""
+
 # Many at once from both sides.
 i=0
 while [ $i -lt 8 ]; do

@@ -227,7 +227,7 @@ ask DELETE /v1/subjects/bob 204 -H "$MIN"
 
 # ---- no room in the queue: the one worker waits for the database, which another process
 # has locked, and one more request waits for the worker.
-lock_db
+hold_db 'BEGIN IMMEDIATE'
 crowd=
 for _ in 1 2 3; do
     while [ ! -e "$T/enough" ]; do
@@ -252,7 +252,7 @@ while IFS="$(printf '\t')" read -r e_method e_path e_body; do
     note "$e_method" "$e_path"
 done <"$T/each"
 : >"$T/enough"
-unlock_db
+release_db
 # shellcheck disable=SC2086 # a list
 wait $crowd
 

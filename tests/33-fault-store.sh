@@ -12,7 +12,7 @@ done
 start_daemon --no-auth --workers 6
 send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
 is "enrolled before" "$STATUS" 201
-lock_db
+hold_db 'BEGIN IMMEDIATE'
 clients=
 for s in 2 3 4 5 6; do # each waits as long as one: not for the others' waiting
     curl -sS -m 60 -o /dev/null -w '%{http_code} %{time_total}\n' -H "$PLY" \
@@ -36,7 +36,7 @@ problem "one more" 503 busy
 is "Retry-After" "$(field Retry-After)" 1
 req DELETE /v1/subjects/s1
 problem "nor does deleting" 503 busy
-unlock_db
+release_db
 send POST /v1/subjects/s2/templates "$PLY" "$T/s2.ply"
 is "enrolled after it" "$STATUS" 201
 req GET '/v1/subjects?limit=100'

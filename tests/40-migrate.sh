@@ -20,12 +20,7 @@ sqlite3 "$DB" <tests/golden/database_v3.sql
 secret=$(sed -n '3s/-- //p' tests/golden/database_v3.sql)
 model=$(sqlite3 "$DB" 'SELECT hex(substr(model, 300, 40)) FROM templates LIMIT 1')
 
-# holds HEX: these bytes are in the database or its log.
-holds() {
-    cat "$DB" "$DB-wal" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -qi "$1"
-}
-
-ok "what it says stands open" holds "$model"
+ok "what it says stands open" holds "$model" "$DB" "$DB-wal"
 ctl list
 is "an older version is not read as it is" $CODE 65
 ok "nor is it changed" test ! -e "$DB.key"
@@ -65,7 +60,7 @@ is "as it was" "$(sqlite3 "$DB.v3.bak" 'PRAGMA integrity_check; PRAGMA user_vers
     SELECT id FROM subjects')" "$(printf 'ok\n3\nalice\nbob')"
 is "its key is its owner's" "$(stat -c %a "$DB.key")" 600
 ok "nothing stands open any more" sh -c "! grep -aq 'left camera\|alice' '$DB'"
-if holds "$model"; then found=yes; else found=no; fi
+if holds "$model" "$DB" "$DB-wal"; then found=yes; else found=no; fi
 is "nor does the model" "$found" no
 ctl check
 is "all is well" "$CODE $(said .templates)" "0 2"

@@ -32,12 +32,6 @@ is "signed" "$CODE $(said .checkpoint)" "0 8"
 # As they are in the file: the subject's key, and some of the model.
 sealed=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
     JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
-# holds HEX FILE...: these bytes are in one of the files.
-holds() {
-    h_hex=$1
-    shift
-    cat "$@" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -qi "$h_hex"
-}
 for one in $sealed; do
     ok "what is looked for is found" holds "$one" "$DB" "$DB-wal"
 done

@@ -171,20 +171,28 @@ soon() {
     done
 }
 
-# lock_db: another process locks the database against writing, until unlock_db.
-lock_db() {
-    mkfifo "$T/locker"
-    sqlite3 "$DB" <"$T/locker" >"$T/locked" 2>&1 &
-    LOCKER=$!
-    exec 7>"$T/locker"
-    printf 'BEGIN IMMEDIATE;\nSELECT 1;\n' >&7
-    soon grep -q . "$T/locked"
-    is "another process has the database" "$(cat "$T/locked")" 1
+# holds HEX FILE...: these bytes are in one of the files, where they are there.
+holds() {
+    h_hex=$1
+    shift
+    cat "$@" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -qi "$h_hex"
 }
 
-unlock_db() {
+# hold_db BEGIN: another process has the database in a transaction, begun so and having read,
+# until release_db.
+hold_db() {
+    mkfifo "$T/holder"
+    sqlite3 "$DB" <"$T/holder" >"$T/held" 2>&1 &
+    HOLDER=$!
+    exec 7>"$T/holder"
+    printf '%s;\nSELECT count(*) FROM root;\n' "$1" >&7
+    soon grep -q . "$T/held"
+    is "another process has the database" "$(cat "$T/held")" 1
+}
+
+release_db() {
     echo .quit >&7 # who was started meanwhile holds the pipe too: its end may come late
     exec 7>&-
-    wait "$LOCKER"
-    rm "$T/locker"
+    wait "$HOLDER"
+    rm "$T/holder"
 }
