@@ -262,6 +262,24 @@ static enum status is_other(const char *path, const char *from, struct errinfo *
     return ST_OK;
 }
 
+/* SQLite takes what is missing of the last page for zeros, which is not noticed where they
+ * were zeros. */
+static enum status is_whole(struct store_sqlite_conn *c, const char *from,
+                            struct errinfo *e)
+{
+    struct stat sb;
+    uint64_t bytes;
+    const enum status st = store_sqlite_size(c, &bytes, e);
+
+    if (st != ST_OK || store_sqlite_has_log(from))
+        return st;
+    if (stat(from, &sb) != 0 || (uint64_t)sb.st_size < bytes)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "%.160s is cut short: it should have %llu bytes", from,
+                           (unsigned long long)bytes);
+    return ST_OK;
+}
+
 static enum status copy_backup(const char *from, const struct store_key *key,
                                const struct newfile *n, struct store_copied *found,
                                struct errinfo *e)
@@ -273,7 +291,8 @@ static enum status copy_backup(const char *from, const struct store_key *key,
     if ((st = store_sqlite_open(from, STORE_READ, key, &s, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_read(s, &c, e)) == ST_OK) {
-        st = store_sqlite_copy(c, n, e);
+        if ((st = is_whole(c, from, e)) == ST_OK)
+            st = store_sqlite_copy(c, n, e);
         store_sqlite_done(s, c);
     }
     s->engine->close(s);

@@ -203,6 +203,13 @@ for cut in 0 1 100 4096 $((size / 2)) $((size - 4096)) $((size - 1)); do
     ctl restore "$T/cut"
     ok "cut to $cut bytes: exit $CODE" test "$CODE" -ge 65
 done
+# Its last byte, a zero, is missing: SQLite would put it back.
+cp "$T/back" "$T/zero"
+printf '\000' | dd of="$T/zero" bs=1 seek=$((size - 1)) conv=notrunc 2>/dev/null
+head -c $((size - 1)) "$T/zero" >"$T/cut"
+ctl restore "$T/cut"
+is "a zero cut off" "$CODE" 65
+ok "it is said" grep -q "cut short" "$T/ctl.err"
 # A byte in the middle of every page: some are free, so it may be as good as before.
 at=2000 bad=0
 while [ "$at" -lt "$size" ]; do
