@@ -44,42 +44,46 @@ TEST_SRC  := $(wildcard tests/test_*.c)
 FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
 BENCH_SRC := $(wildcard tests/bench*.c)
 BLACK_BOX := $(wildcard tests/[0-9][0-9]-*.sh)
-TOOL_SRC  := $(wildcard tests/*_main.c)
+AUX_SRC   := $(wildcard tests/*_main.c)
 SHIM_SRC  := $(wildcard tests/*_shim.c)
 STUDY_SRC := $(wildcard studies/*.c)
-HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(TOOL_SRC) $(SHIM_SRC),\
-               $(wildcard tests/*.c))
+# Fixtures need cmocka: only unit tests link them.
+FIX_SRC   := $(filter-out $(TEST_SRC),$(shell grep -ls '<cmocka.h>' tests/*.c))
+HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(AUX_SRC) $(SHIM_SRC) \
+               $(FIX_SRC),$(wildcard tests/*.c))
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 FUZZ_BIN  := $(FUZZ_SRC:%.c=$(BUILD)/%)
 BENCH_BIN := $(BENCH_SRC:tests/%.c=$(BUILD)/%)
-TOOL_BIN  := $(TOOL_SRC:tests/%_main.c=$(BUILD)/%)
+AUX_BIN   := $(AUX_SRC:tests/%_main.c=$(BUILD)/%)
 SHIM_BIN  := $(SHIM_SRC:tests/%.c=$(BUILD)/%.so)
 PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
              $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
 EMBED     := json html css js
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))
-ALL_OBJ   := $(call obj,$(wildcard core/*.c db/*.c server/*.c tests/*.c studies/*.c))
+ALL_OBJ   := $(call obj,$(wildcard $(addsuffix /*.c,core db server tools tests studies)))
 
 CORE_A := $(BUILD)/libsurface.a
 DB_A   := $(BUILD)/libdb.a
 HTTP_A := $(BUILD)/libserver.a
 HELP_A := $(BUILD)/libtests.a
+FIX_A  := $(BUILD)/libfixtures.a
 
 # ---- build
 
 ## all: the library, both programs and the face generator
 .PHONY: all
-all: $(CORE_A) $(PROGRAMS) $(TOOL_BIN)
+all: $(CORE_A) $(PROGRAMS) $(BUILD)/facegen
 
 # A folder sees the folders below it and no others: server -> db -> core.
 $(BUILD)/core/%.o:   INCLUDE := -Icore
 $(BUILD)/db/%.o:     INCLUDE := -Idb -Icore -I$(BUILD)/gen
 $(BUILD)/server/%.o: INCLUDE := -Iserver -Idb -Icore -I$(BUILD)/gen
-$(BUILD)/tests/%.o:  INCLUDE := -Itests -Iserver -Idb -Icore -I$(BUILD)/gen
-$(BUILD)/studies/%.o: INCLUDE := -Istudies -Itests -Icore
+$(BUILD)/tools/%.o:  INCLUDE := -Itools -Icore
+$(BUILD)/tests/%.o:  INCLUDE := -Itests -Itools -Iserver -Idb -Icore -I$(BUILD)/gen
+$(BUILD)/studies/%.o: INCLUDE := -Istudies -Itests -Itools -Icore
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -112,7 +116,8 @@ $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c core/model.h Makefile
 $(CORE_A): $(call obj,$(CORE_SRC)) $(BUILD)/gen/default_model.o
 $(DB_A):   $(call obj,$(DB_SRC))
 $(HTTP_A): $(call obj,$(HTTP_SRC))
-$(HELP_A): $(call obj,$(HELP_SRC))
+$(HELP_A): $(call obj,$(HELP_SRC) tools/facegen.c)
+$(FIX_A):  $(call obj,$(FIX_SRC))
 $(BUILD)/lib%.a:
 	@mkdir -p $(@D)
 	@rm -f $@
@@ -127,6 +132,10 @@ $(BUILD)/surfacectl: $(call obj,$(CTL_SRC)) $(DB_A) $(CORE_A)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lcjson $(DB_LIBS)
 
+$(BUILD)/facegen: $(call obj,$(wildcard tools/facegen*.c))
+	$(call say,LD)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+
 # The studies (scripts/studies): the library's geometry and the tests' generators.
 $(BUILD)/study: $(call obj,$(STUDY_SRC)) $(HELP_A) $(CORE_A)
 	$(call say,LD)
@@ -137,11 +146,11 @@ $(BUILD)/study: $(call obj,$(STUDY_SRC)) $(HELP_A) $(CORE_A)
 TEST_LIBS := $(HELP_A) $(HTTP_A) $(DB_A) $(CORE_A)
 linkflags  = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
 
-$(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
+$(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(FIX_A) $(TEST_LIBS)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(call linkflags,tests/$*.c) -lcmocka $(LIBS)
 
-$(filter-out $(BUILD)/digits,$(TOOL_BIN)): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) \
+$(filter-out $(BUILD)/digits,$(AUX_BIN)): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) \
     $(CORE_A)
 	$(call say,LD)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(DB_LIBS)
@@ -162,7 +171,7 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 .PHONY: tests
-tests: all $(TEST_BIN) $(FUZZ_BIN) $(SHIM_BIN) $(BUILD)/study
+tests: all $(TEST_BIN) $(FUZZ_BIN) $(AUX_BIN) $(SHIM_BIN) $(BUILD)/study
 
 ## test: build and run the unit tests and the black-box tests
 .PHONY: test unit
@@ -181,7 +190,7 @@ unit: tests
 
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
-threads: all $(THREAD_BIN)
+threads: all $(THREAD_BIN) $(AUX_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) \
 	    $(filter tests/10-% tests/14-% tests/15-% tests/23-%,$(BLACK_BOX))
 
@@ -239,7 +248,7 @@ lint: all
 .PHONY: format
 format:
 	clang-format -i core/*.[ch] \
-	    $(wildcard db/*.[ch] server/*.[ch] tests/*.[ch] studies/*.[ch])
+	    $(wildcard db/*.[ch] server/*.[ch] tools/*.[ch] tests/*.[ch] studies/*.[ch])
 
 # ---- install
 

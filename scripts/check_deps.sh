@@ -2,7 +2,7 @@
 # check_deps.sh: server -> db -> core and nothing the other way; core is libc and libm only,
 # neither prints nor exits and takes memory in mem.c alone; SQLite stays in db/, JSON in one
 # file of server/ and one of db/, libmicrohttpd in two files of server/.
-# The studies see core and the tests' generators.
+# The face generator sees core alone, the studies core and the tests' generators.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -39,7 +39,8 @@ own() {
 own core core
 own db db core "$build/gen"
 own server server db core "$build/gen"
-own studies studies tests core
+own tools tools core
+own studies studies tests tools core
 
 libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
 grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |

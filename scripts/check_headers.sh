@@ -4,14 +4,15 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 cc=${CC:-gcc}
 bad=0
-for header in core/*.h db/*.h server/*.h tests/*.h studies/*.h; do
+for header in core/*.h db/*.h server/*.h tools/*.h tests/*.h studies/*.h; do
     [ -f "$header" ] || continue
     case $header in
     core/*) dirs="-Icore" ;;
     db/*) dirs="-Idb -Icore" ;;
     server/*) dirs="-Iserver -Idb -Icore" ;;
-    studies/*) dirs="-Istudies -Itests -Icore" ;;
-    *) dirs="-Itests -Iserver -Idb -Icore" ;;
+    tools/*) dirs="-Itools -Icore" ;;
+    studies/*) dirs="-Istudies -Itests -Itools -Icore" ;;
+    *) dirs="-Itests -Itools -Iserver -Idb -Icore" ;;
     esac
     # shellcheck disable=SC2086 # several -I
     printf '#include "%s"\n#include "%s"\n' "$header" "$header" |

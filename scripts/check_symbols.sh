@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
 sources=
 objects=
-for source in core/*.c db/*.c server/*.c tests/*.c studies/*.c; do
+for source in core/*.c db/*.c server/*.c tools/*.c tests/*.c studies/*.c; do
     object=$build/${source%.c}.o
     [ ! -f "$object" ] || objects="$objects $object"
     sources="$sources ${source%.c}"
@@ -25,7 +25,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "incircle_.*" # named as in the literature
         if (source == "core/mem")
             return "(mem|scratch)_.*"
-        if (source ~ /^(server\/main|db\/surfacectl)$|^(tests|studies)\/.*_main$/)
+        if (source ~ /^(server\/main|db\/surfacectl)$|^(tools|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz_/)
             return "main|LLVMFuzzer.*"

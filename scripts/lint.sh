@@ -46,12 +46,12 @@ check_length() {
         /^{/ { start = FNR }
         /^}/ && start && FNR - start > 80 {
             print FILENAME ":" start ": a function of " FNR - start - 1 " lines"; bad = 1 }
-        END { exit bad }' core/*.c db/*.c server/*.c studies/*.c
+        END { exit bad }' core/*.c db/*.c server/*.c tools/*.c studies/*.c
 }
 
 check_unfinished() {
-    ! grep -nE 'TODO|FIXME|XXX|HACK' core/*.[ch] db/*.[ch] server/*.[ch] studies/* scripts/demo \
-        scripts/test scripts/setup README.md
+    ! grep -nE 'TODO|FIXME|XXX|HACK' core/*.[ch] db/*.[ch] server/*.[ch] tools/* studies/* \
+        scripts/demo scripts/test scripts/setup README.md
 }
 
 # gcc finds the sign conversions; clang also counts an int passed for an enum.
@@ -72,7 +72,7 @@ check "no overlong file or function" check_length
 check "nothing unfinished" check_unfinished
 check "no warning from clang at -O0" clang_all
 check "format (make format)" clang-format --dry-run -Werror core/*.[ch] db/*.[ch] \
-    server/*.[ch] tests/*.[ch] studies/*.[ch]
+    server/*.[ch] tools/*.[ch] tests/*.[ch] studies/*.[ch]
 check "the same digits from gcc and clang, -O0 and -O3" scripts/check_digits.sh
 check "shell scripts (shellcheck)" shell_all
 check "Lua (luacheck)" luacheck --quiet --std luajit --globals wrk setup init delay request \
