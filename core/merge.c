@@ -26,12 +26,14 @@ struct grower {
     struct mesh *m;
     uint32_t ghost; /* the ghost's number while vertices are added */
     uint64_t work;  /* steps and flips so far */
+    uint64_t limit; /* of work */
 };
 
 /* Where the new point q lies: *he becomes a half-edge of the triangle that contains it (a
  * ghost triangle when q is outside the hull), the edge itself if *on_edge.  A visibility
- * walk from *he: it ends, because the mesh is Delaunay between insertions. */
-static void find(struct grower *g, uint32_t *he, struct ivec2 q, bool *on_edge)
+ * walk from *he, which can go round in circles where a is not Delaunay.  False when the
+ * work has reached its limit. */
+static bool find(struct grower *g, uint32_t *he, struct ivec2 q, bool *on_edge)
 {
     const struct mesh *m = g->m;
     const struct ivec2 *xy = m->xy;
@@ -48,24 +50,26 @@ static void find(struct grower *g, uint32_t *he, struct ivec2 q, bool *on_edge)
     if (s < 0)
         h = m->twin[h];
     *on_edge = true;
-    for (;;) {
+    while (g->work <= g->limit) {
         const uint32_t n = mesh_next(h), p = mesh_prev(h);
 
-        if (org[p] == g->ghost) /* strictly outside this hull edge */
-            break;
+        if (org[p] == g->ghost) { /* strictly outside this hull edge */
+            *he = h;
+            *on_edge = false;
+            return true;
+        }
         sn = orient2d(xy[org[n]], xy[org[p]], q);
         sp = orient2d(xy[org[p]], xy[org[h]], q);
         if (sn >= 0 && sp >= 0) {
             *he = sn == 0 ? n : sp == 0 ? p : h;
             *on_edge = sn == 0 || sp == 0 || s == 0;
-            return;
+            return true;
         }
         h = m->twin[sn < 0 ? n : p];
         s = 1;
         g->work++;
     }
-    *he = h;
-    *on_edge = false;
+    return false;
 }
 
 static inline void link(struct mesh *m, uint32_t a, uint32_t b)
@@ -177,8 +181,8 @@ static void name_ghost(struct mesh *m, uint32_t from, uint32_t to)
 static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
                  const struct location *b_in_a, uint32_t *b_vertex)
 {
-    struct grower g = {m, a->nv + b->nv, 0};
-    const uint64_t limit = (uint64_t)WORK_PER_POINT * g.ghost;
+    const uint32_t ghost = a->nv + b->nv;
+    struct grower g = {m, ghost, 0, (uint64_t)WORK_PER_POINT * ghost};
 
     name_ghost(m, a->nv, g.ghost);
     for (uint32_t v = 0; v < b->nv; v++) {
@@ -190,9 +194,8 @@ static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
             b_vertex[v] = a->org[he];
             continue;
         }
-        if (g.work > limit)
+        if (!find(&g, &he, q, &on_edge))
             return false;
-        find(&g, &he, q, &on_edge);
         b_vertex[v] = m->nv;
         m->xy[m->nv] = q;
         m->z[m->nv] = b->z[v];

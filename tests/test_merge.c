@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 #include <cmocka.h>
 
 #include "brute.h"
@@ -16,6 +18,7 @@
 #include "mem.h"
 #include "merge.h"
 #include "mst.h"
+#include "predicates.h"
 
 #define MOST 6000
 
@@ -48,15 +51,21 @@ struct pair {
     uint32_t *b_vertex;
 };
 
-static void pair_make(struct pair *p, const struct cloud *a, const struct cloud *b)
+/* b located in p->a. */
+static void pair_locate(struct pair *p, const struct cloud *b)
 {
-    *p = (struct pair){{0}, {0}, {0}, NULL, NULL};
-    triangulate(a, &p->a);
     triangulate(b, &p->b);
     p->b_in_a = calloc(p->b.nv, sizeof *p->b_in_a);
     p->b_vertex = calloc(p->b.nv, sizeof *p->b_vertex);
     assert_true(p->b_in_a != NULL && p->b_vertex != NULL);
     locate_mesh(&p->a, &p->b, p->b_in_a);
+}
+
+static void pair_make(struct pair *p, const struct cloud *a, const struct cloud *b)
+{
+    *p = (struct pair){{0}, {0}, {0}, NULL, NULL};
+    triangulate(a, &p->a);
+    pair_locate(p, b);
 }
 
 static void pair_free(struct pair *p)
@@ -304,6 +313,100 @@ static void test_steady_state(void **state)
     }
 }
 
+/* A square in a square that is turned against it, with spokes that are all aslant in one
+ * direction: from the triangles between the squares a visibility walk to a point near the
+ * centre goes round for ever. */
+static void make_pinwheel(struct mesh *m)
+{
+    static const struct ivec2 xy[8] = {{2, 2},  {-2, 2},  {-2, -2}, {2, -2},
+                                       {-6, 3}, {-3, -6}, {6, -3},  {3, 6}};
+    static const uint32_t org[14][3] = {
+        {4, 7, 8}, {7, 6, 8}, {6, 5, 8}, {5, 4, 8}, {0, 1, 2}, {0, 2, 3}, {1, 0, 4},
+        {2, 1, 5}, {3, 2, 6}, {0, 3, 7}, {1, 4, 5}, {2, 5, 6}, {3, 6, 7}, {0, 7, 4}};
+    static const uint32_t parent[8] = {0, 0, 1, 2, 0, 1, 2, 3};
+
+    assert_int_equal(mesh_reserve(m, 8), ST_OK);
+    m->nv = 8;
+    m->nt = 14;
+    memcpy(m->xy, xy, sizeof xy);
+    memset(m->z, 0, 8 * sizeof *m->z);
+    memcpy(m->org, org, sizeof org);
+    memcpy(m->parent, parent, sizeof parent);
+    assert_int_equal(mesh_link(m, &scratch), ST_OK);
+    assert_int_equal(mesh_check(m, true), ST_ECORRUPT); /* is not Delaunay */
+}
+
+/* The first point's flips put the triangle in which the second one was located among those
+ * between the squares.  The alarm ends a walk without end. */
+static void test_walk_limit(void **state)
+{
+    struct pair p = {{0}, {0}, {0}, NULL, NULL};
+
+    (void)state;
+    make_pinwheel(&p.a);
+    second.n = 0;
+    add(&second, -2, 1);
+    add(&second, -1, 0);
+    add(&second, 0, -18);
+    pair_locate(&p, &second);
+    (void)alarm(60);
+    assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
+                     ST_OK);
+    (void)alarm(0);
+    check_numbers(&p);
+    check_union(&p);
+    pair_free(&p);
+}
+
+/* Twice the area of the real triangles, each of which is counter-clockwise. */
+static int64_t area(const struct mesh *m)
+{
+    int64_t sum = 0;
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+
+        if (!mesh_is_ghost(m, t)) {
+            const int64_t twice = orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]);
+
+            assert_true(twice > 0);
+            sum += twice;
+        }
+    }
+    return sum;
+}
+
+/* Where a is not Delaunay the result is a triangulation of all points all the same. */
+static void test_flipped(void **state)
+{
+    struct brute_rng r = {brute_seed("flipped")};
+
+    (void)state;
+    for (int round = 0; round < 300; round++) {
+        const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
+        struct pair p = {{0}, {0}, {0}, NULL, NULL};
+        struct mesh want = {0};
+
+        first.n = brute_points(shape, 60, &r, first.pts);
+        triangulate(&first, &p.a);
+        for (int i = 0; i < 500; i++)
+            (void)brute_flip(&p.a, (uint32_t)(brute_rand(&r) % (3 * p.a.nt)));
+        second.n = brute_points(BRUTE_RANDOM, 60, &r, second.pts);
+        pair_locate(&p, &second);
+        assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
+                         ST_OK);
+        check_numbers(&p);
+        for (size_t i = 0; i < first.n; i++)
+            add(&second, first.pts[i].x, first.pts[i].y);
+        assert_int_equal(delaunay_build(second.pts, second.n, &scratch, &want), ST_OK);
+        assert_int_equal(p.out.nv, want.nv);
+        assert_int_equal(p.out.nt, want.nt);
+        assert_true(area(&p.out) == area(&want));
+        mesh_free(&want);
+        pair_free(&p);
+    }
+}
+
 static void no_memory(const struct cloud *a, const struct cloud *b, unsigned long want)
 {
     struct pair p;
@@ -366,7 +469,8 @@ int main(void)
         cmocka_unit_test(test_on_edges),     cmocka_unit_test(test_apart),
         cmocka_unit_test(test_interleaved),  cmocka_unit_test(test_work_limit),
         cmocka_unit_test(test_steady_state), cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_limit),        cmocka_unit_test(test_walk_limit),
+        cmocka_unit_test(test_flipped),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 
