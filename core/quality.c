@@ -10,6 +10,7 @@
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
+#include "select.h"
 
 #define EXTENT_MIN (60 * LATTICE_PER_MM)
 #define EXTENT_MAX (500 * LATTICE_PER_MM)
@@ -22,37 +23,6 @@
 #define SPIKE_STEP INT64_C(1000)
 
 #define NOISE_STRIDE 4 /* the noise is taken from every 4th point */
-
-/* The k-th smallest of v[0..n-1], which are put in another order (Hoare's selection). */
-static double kth(double *v, size_t n, size_t k)
-{
-    size_t lo = 0, hi = n - 1;
-
-    while (lo < hi) {
-        const double pivot = v[lo + (hi - lo) / 2];
-        size_t i = lo, j = hi;
-
-        for (;;) {
-            double t;
-
-            while (v[i] < pivot)
-                i++;
-            while (pivot < v[j])
-                j--;
-            if (i >= j)
-                break;
-            t = v[i];
-            v[i++] = v[j];
-            v[j--] = t;
-        }
-        /* v[lo..j] <= pivot <= v[j+1..hi], and j < hi */
-        if (k <= j)
-            hi = j;
-        else
-            lo = j + 1;
-    }
-    return v[k];
-}
 
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
 {
@@ -80,7 +50,7 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
     for (int axis = 0; axis < 3; axis++) {
         for (size_t i = 0; i < n; i++)
             v[i] = axis == 0 ? pts[i].x : axis == 1 ? pts[i].y : pts[i].z;
-        if (kth(v, n, n - 1 - n / 100) - kth(v, n, n / 100) > EXTENT_MAX)
+        if (select_kth(v, n, n - 1 - n / 100) - select_kth(v, n, n / 100) > EXTENT_MAX)
             return ST_EUNITS;
     }
     return ST_OK;
@@ -134,7 +104,7 @@ static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spi
             z[n++] = m->z[w];
         h = mesh_turn(m, h);
     } while (h != first);
-    return n > 0 ? (int32_t)kth(z, n, n / 2) : m->z[v];
+    return n > 0 ? (int32_t)select_kth(z, n, n / 2) : m->z[v];
 }
 
 enum status quality_spikes(struct mesh *m, struct scratch *s)
@@ -252,7 +222,7 @@ static double noise(const struct mesh *m, double *r)
     }
     if (n == 0)
         return 0;
-    return 1.4826 * kth(r, n, n / 2);
+    return 1.4826 * select_kth(r, n, n / 2);
 }
 
 static double hull_area(const struct mesh *m)

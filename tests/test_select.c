@@ -1,0 +1,143 @@
+/* Selection against sorting, on values chosen to be hard for it. */
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "select.h"
+
+#define MOST (1 << 21) /* points of the largest mesh */
+
+static double value[MOST], sorted[MOST], v[MOST];
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* value[0..n-1]: some ranks, the first, the middle and the last among them, and that v keeps
+ * its values. */
+static void check(size_t n)
+{
+    const size_t step = n > 40 ? n / 7 : 1;
+
+    memcpy(sorted, value, n * sizeof *value);
+    qsort(sorted, n, sizeof *sorted, by_value);
+    for (size_t k = 0; k < n; k += step) {
+        memcpy(v, value, n * sizeof *value);
+        assert_true(select_kth(v, n, k) == sorted[k]);
+        assert_true(select_kth(v, n, n - 1 - k) == sorted[n - 1 - k]); /* once more */
+        assert_true(select_kth(v, n, n / 2) == sorted[n / 2]);
+        qsort(v, n, sizeof *v, by_value);
+        for (size_t i = 0; i < n; i++)
+            assert_true(v[i] == sorted[i]);
+    }
+}
+
+/* One value of a kind: close together, of all sizes, few and many times, both signs. */
+static double draw(int kind, struct brute_rng *r)
+{
+    switch (kind) {
+    case 0:
+        return brute_real(r);
+    case 1:
+        return ldexp(brute_real(r) - 0.5, brute_int(r, -1100, 1020));
+    case 2:
+        return brute_int(r, -2, 2);
+    case 3:
+        return brute_int(r, -(1 << 24), 1 << 24);
+    case 4:
+        return brute_real(r) < 0.5 ? 0.0 : -0.0;
+    default:
+        return brute_real(r) < 0.5 ? (double)INFINITY : -DBL_MAX;
+    }
+}
+
+static void test_random(void **state)
+{
+    struct brute_rng r = {brute_seed("select")};
+
+    (void)state;
+    for (int kind = 0; kind < 6; kind++)
+        for (size_t n = 1; n < 3000; n += 1 + n / 3) {
+            for (size_t i = 0; i < n; i++)
+                value[i] = draw(kind, &r);
+            check(n);
+        }
+}
+
+/* Sorted either way, all equal, an organ pipe, powers of 2; and a value for each bit, which
+ * makes the most rounds. */
+static void test_patterns(void **state)
+{
+    const size_t n = 2000;
+
+    (void)state;
+    for (int kind = 0; kind < 5; kind++) {
+        for (size_t i = 0; i < n; i++)
+            value[i] = kind == 0   ? (double)i
+                       : kind == 1 ? -(double)i
+                       : kind == 2 ? 7
+                       : kind == 3 ? (double)(i < n / 2 ? i : n - i)
+                                   : -ldexp(1, (int)i % 900);
+        check(n);
+    }
+    for (size_t i = 0; i < 63; i++) {
+        const uint64_t bits = UINT64_C(1) << i;
+
+        memcpy(&value[i], &bits, sizeof bits);
+    }
+    check(63);
+}
+
+/* value[]: in each round of a selection whose pivot stands in the middle, the pivot is the
+ * least of what is left: quadratic for Hoare's. */
+static void make_killer(size_t n)
+{
+    uint32_t *place = malloc(n * sizeof *place);
+
+    assert_non_null(place);
+    for (size_t i = 0; i < n; i++)
+        place[i] = (uint32_t)i;
+    for (size_t lo = 0; lo < n; lo++) {
+        const size_t middle = lo + (n - 1 - lo) / 2;
+        const uint32_t p = place[middle];
+
+        value[p] = (double)lo;
+        place[middle] = place[lo];
+        place[lo] = p;
+    }
+    free(place);
+}
+
+/* The alarm ends what is quadratic: some 10^12 steps. */
+static void test_killer(void **state)
+{
+    (void)state;
+    make_killer(2000);
+    check(2000);
+    make_killer(MOST);
+    (void)alarm(60);
+    assert_true(select_kth(value, MOST, MOST / 2) == MOST / 2);
+    (void)alarm(0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_patterns),
+        cmocka_unit_test(test_killer),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
