@@ -1,7 +1,9 @@
 # surfaced -- see README.md.  `make help` lists the targets.
 #
-# What is built follows from what is there: every core/*.c goes into libsurface.a, every
-# db/*.c but surfacectl's into the store's library, every tests/test_*.c is a program.
+# A room is a folder of modules.  What is built follows from what is there: the *.c files of
+# a room are an archive, build/libROOM.a; server/main.c and ctl/ctl.c have the programs'
+# main(), tools/NAME_main.c and tests/*/NAME_main.c are programs of their own, build/NAME;
+# tests/ROOM/test_*.c are unit tests, each linked with its room and those below it alone.
 # A test that needs a linker flag says so on a line of its own:  /* link: -Wl,--wrap=f */
 # Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
 # server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* alike.
@@ -19,6 +21,31 @@ WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
 VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
 
+# ---- the rooms, and what each may include and link besides itself, nearest first
+
+ROOMS       := core base scan learn db server ctl tools
+SEES_core   :=
+SEES_base   := core
+SEES_scan   := base core
+SEES_learn  := scan base core
+SEES_db     := scan base core
+SEES_server := db scan base core
+SEES_ctl    := db learn scan base core
+SEES_tools  := base core
+
+# The libraries that a room needs besides the C library.
+NEEDS_core   := -lm
+NEEDS_base   := -linih -lpthread
+NEEDS_db     := -lsqlite3 -lsodium -lxxhash
+NEEDS_server := -lmicrohttpd -lgnutls -lcjson -lsystemd -lz -lzstd
+NEEDS_ctl    := -lcjson
+
+sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
+flags = $(addprefix -I,$(call sees,$(1))) -I$(BUILD)/gen
+arch  = $(BUILD)/lib$(1).a
+archs = $(foreach r,$(call sees,$(1)),$(call arch,$r))
+needs = $(foreach r,$(call sees,$(1)),$(NEEDS_$r))
+
 WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
             -Wmissing-prototypes -Wcast-qual -Wformat=2 -Wvla -Wundef $(WERROR)
 # -ffp-contract=off and no fast-math: the same bytes in, the same digits out.
@@ -27,8 +54,7 @@ CFLAGS   := -std=c11 -g $(OPT) -ffp-contract=off -fno-math-errno \
 FORTIFY  := $(if $(findstring -O0,$(OPT))$(findstring sanitize,$(EXTRA)),0,2)
 CPPFLAGS := -D_POSIX_C_SOURCE=200809L -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=$(FORTIFY)
 LDFLAGS  := -pie -Wl,--as-needed -Wl,-z,relro -Wl,-z,now $(EXTRA)
-DB_LIBS  := -lsqlite3 -lsodium -lxxhash -lpthread -lm
-LIBS     := -lmicrohttpd -lgnutls -lcjson -linih -lsystemd -lz -lzstd $(DB_LIBS)
+link      = $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^
 
 # V=1 shows the commands in full; -s nothing.
 Q   := $(if $(V),,@)
@@ -36,59 +62,50 @@ say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\
 
 # ---- what is there
 
-CORE_SRC  := $(wildcard core/*.c)
-CTL_SRC   := $(wildcard db/surfacectl*.c)
-DB_SRC    := $(filter-out $(CTL_SRC),$(wildcard db/*.c))
-HTTP_SRC  := $(filter-out server/main.c,$(wildcard server/*.c))
-TEST_SRC  := $(wildcard tests/test_*.c)
-FUZZ_SRC  := $(wildcard tests/fuzz_*.c)
-BENCH_SRC := $(wildcard tests/bench*.c)
-BLACK_BOX := $(wildcard tests/[0-9][0-9]-*.sh)
-AUX_SRC   := $(wildcard tests/*_main.c)
-SHIM_SRC  := $(wildcard tests/*_shim.c)
-STUDY_SRC := $(wildcard studies/*.c)
-# Fixtures need cmocka: only unit tests link them.
-FIX_SRC   := $(filter-out $(TEST_SRC),$(shell grep -ls '<cmocka.h>' tests/*.c))
-HELP_SRC  := $(filter-out $(TEST_SRC) $(FUZZ_SRC) $(BENCH_SRC) $(AUX_SRC) $(SHIM_SRC) \
-               $(FIX_SRC),$(wildcard tests/*.c))
-
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
+programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
+TEST_SRC  := $(wildcard tests/*/test_*.c)
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
-FUZZ_BIN  := $(FUZZ_SRC:%.c=$(BUILD)/%)
-BENCH_BIN := $(BENCH_SRC:tests/%.c=$(BUILD)/%)
-AUX_BIN   := $(AUX_SRC:tests/%_main.c=$(BUILD)/%)
-SHIM_BIN  := $(SHIM_SRC:tests/%.c=$(BUILD)/%.so)
-PROGRAMS  := $(if $(wildcard server/main.c),$(BUILD)/surfaced) \
-             $(if $(wildcard db/surfacectl.c),$(BUILD)/surfacectl)
+FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
+BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
+TOOL_BIN  := $(call programs,$(wildcard tools/*_main.c))
+AID_SRC   := $(wildcard tests/*/*_main.c)
+AID_BIN   := $(call programs,$(AID_SRC))
+SHIM_BIN  := $(BUILD)/crash_shim.so
 EMBED     := json html css js
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))
-ALL_OBJ   := $(call obj,$(wildcard $(addsuffix /*.c,core db server tools tests studies)))
-
-CORE_A := $(BUILD)/libsurface.a
-DB_A   := $(BUILD)/libdb.a
-HTTP_A := $(BUILD)/libserver.a
-HELP_A := $(BUILD)/libtests.a
-FIX_A  := $(BUILD)/libfixtures.a
+PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(TOOL_BIN)
 
 # ---- build
 
 ## all: the library, both programs and the face generator
 .PHONY: all
-all: $(CORE_A) $(PROGRAMS) $(BUILD)/facegen
+all: $(call arch,core) $(PROGRAMS)
 
-# A folder sees the folders below it and no others: server -> db -> core.
-$(BUILD)/core/%.o:   INCLUDE := -Icore
-$(BUILD)/db/%.o:     INCLUDE := -Idb -Icore -I$(BUILD)/gen
-$(BUILD)/server/%.o: INCLUDE := -Iserver -Idb -Icore -I$(BUILD)/gen
-$(BUILD)/tools/%.o:  INCLUDE := -Itools -Icore
-$(BUILD)/tests/%.o:  INCLUDE := -Itests -Itools -Iserver -Idb -Icore -I$(BUILD)/gen
-$(BUILD)/studies/%.o: INCLUDE := -Istudies -Itests -Itools -Icore
+define room
+$(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1))
+$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/ctl.c,$(wildcard $(1)/*.c)))
+endef
+$(foreach r,$(ROOMS),$(eval $(call room,$r)))
+
+# A folder of tests sees what its room sees, the room itself, tools and tests/lib.
+TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
+SEES_box   := $(call sees,db)
+SEES_fuzz  := server $(SEES_ctl)
+SEES_bench := $(call sees,db)
+define testroom
+$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Itools $(call flags,$(1))
+endef
+$(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
+$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Itools $(call flags,db)
+$(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Itools $(call flags,scan)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
 	$(call say,CC)
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(INCLUDE) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
 	@mkdir -p $(@D)
@@ -113,86 +130,98 @@ $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c core/model.h Makefile
 	$(call say,CC)
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -Icore -c -o $@ $<
 
-$(CORE_A): $(call obj,$(CORE_SRC)) $(BUILD)/gen/default_model.o
-$(DB_A):   $(call obj,$(DB_SRC))
-$(HTTP_A): $(call obj,$(HTTP_SRC))
-$(HELP_A): $(call obj,$(HELP_SRC) tools/facegen.c)
-$(FIX_A):  $(call obj,$(FIX_SRC))
+$(call arch,core): $(BUILD)/gen/default_model.o
+# What needs cmocka, a package of tests alone, is linked with unit tests alone.
+FIXTURES := $(shell grep -ls '<cmocka.h>' tests/lib/*.c)
+$(call arch,fixtures): $(call obj,$(FIXTURES))
+$(call arch,tests): $(call obj,$(filter-out $(FIXTURES),$(wildcard tests/lib/*.c)))
 $(BUILD)/lib%.a:
 	@mkdir -p $(@D)
 	@rm -f $@
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
 
-$(BUILD)/surfaced: $(call obj,$(wildcard server/main.c)) $(HTTP_A) $(DB_A) $(CORE_A)
+$(BUILD)/surfaced: $(BUILD)/server/main.o $(call archs,server)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(Q)$(link) $(call needs,server)
 
-$(BUILD)/surfacectl: $(call obj,$(CTL_SRC)) $(DB_A) $(CORE_A)
+$(BUILD)/surfacectl: $(BUILD)/ctl/ctl.o $(call archs,ctl)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lcjson $(DB_LIBS)
+	$(Q)$(link) $(call needs,ctl)
 
-$(BUILD)/facegen: $(call obj,$(wildcard tools/facegen*.c))
+$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tools/%_main.o $(call archs,tools)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+	$(Q)$(link) $(call needs,tools)
 
-# The studies (scripts/studies): the library's geometry and the tests' generators.
-$(BUILD)/study: $(call obj,$(STUDY_SRC)) $(HELP_A) $(CORE_A)
+# The studies (scripts/studies): the library's geometry and the face generator.
+$(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,tools) \
+    $(call archs,scan)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+	$(Q)$(link) $(call needs,scan)
 
 # ---- tests
 
-TEST_LIBS := $(HELP_A) $(HTTP_A) $(DB_A) $(CORE_A)
-linkflags  = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
+linkflags = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
 
-$(TEST_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(FIX_A) $(TEST_LIBS)
-	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(call linkflags,tests/$*.c) -lcmocka $(LIBS)
-
-$(filter-out $(BUILD)/digits,$(AUX_BIN)): $(BUILD)/%: $(BUILD)/tests/%_main.o $(HELP_A) $(DB_A) \
-    $(CORE_A)
-	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(DB_LIBS)
-
-# Built four times more by scripts/check_digits.sh: without the store.
-$(BUILD)/digits: $(BUILD)/tests/digits_main.o $(HELP_A) $(CORE_A)
-	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+# Programs below tests/ROOM: with the tests' library, the generator and the rooms seen.
+define testlink
+$(filter $(BUILD)/tests/$(1)/%,$(TEST_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,fixtures) $(call arch,tests) \
+    $(call arch,tools) $(call archs,$(1))
+	$$(call say,LD)
+	$$(Q)$$(link) $$(call linkflags,$$*.c) -lcmocka $(call needs,$(1))
+$(filter $(BUILD)/tests/$(1)/%,$(FUZZ_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,tests) \
+    $(call arch,tools) $(call archs,$(1))
+	$$(call say,LD)
+	$$(Q)$$(link) $$(if $$(findstring fuzzer,$$(EXTRA)),-fsanitize=fuzzer) $(call needs,$(1))
+$(call programs,$(filter tests/$(1)/%,$(AID_SRC))): $(BUILD)/%: $(BUILD)/tests/$(1)/%_main.o \
+    $(call arch,tests) $(call arch,tools) $(call archs,$(1))
+	$$(call say,LD)
+	$$(Q)$$(link) $(call needs,$(1))
+endef
+$(foreach r,$(TEST_ROOMS),$(eval $(call testlink,$r)))
 
 # To be loaded into a program that is as it is, so never with a sanitizer.
-$(SHIM_BIN): $(BUILD)/%.so: tests/%.c tests/crash_op.h Makefile
+$(SHIM_BIN): $(BUILD)/%.so: tests/box/%.c tests/lib/crash_op.h Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
-	$(Q)$(CC) $(filter-out $(EXTRA) -fPIE,$(CFLAGS)) -fPIC -shared -Itests -o $@ $<
+	$(Q)$(CC) $(filter-out $(EXTRA) -fPIE,$(CFLAGS)) -fPIC -shared -Itests/lib -o $@ $<
 
-$(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/%.o $(TEST_LIBS)
+$(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/bench/%.o \
+    $(call arch,tests) $(call arch,tools) $(call archs,bench)
 	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(Q)$(link) $(call needs,bench)
 
+# What the black-box tests run.
+AIDS := $(AID_BIN) $(SHIM_BIN) $(BUILD)/study
+
+## tests: everything that the tests need
 .PHONY: tests
-tests: all $(TEST_BIN) $(FUZZ_BIN) $(AUX_BIN) $(SHIM_BIN) $(BUILD)/study
+tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
-## test: build and run the unit tests and the black-box tests
-.PHONY: test unit
-# The black-box tests wait much and take longest: first, so that others run beside the last.
-test: tests
-	BUILD=$(BUILD) scripts/run_tests.sh \
-	    $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG),$(BLACK_BOX)),$(BLACK_BOX)) \
-	    $(TEST_BIN) $(FUZZ_BIN)
 # Minutes under a sanitizer, of code that other tests take there too; and one that loads what
 # a sanitizer would have to be loaded before.
-LONG := tests/24-% tests/25-% tests/28-% tests/30-% tests/31-studies% tests/36-% tests/39-%
+LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-client crash
+# The black-box tests wait much and take longest: first, so that others run beside the last.
+ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
+    $(BLACK_BOX)),$(BLACK_BOX)) $(TEST_BIN) $(FUZZ_BIN)
+CHECK     := $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
+    $(ALL_TESTS))
+
+## check: build and run the tests whose names contain T (make check T=locate), or all
+.PHONY: check unit
+check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(AIDS))
+	BUILD=$(BUILD) scripts/run_tests.sh $(CHECK)
 
 ## unit: the unit tests alone
-unit: tests
+unit: $(TEST_BIN) $(FUZZ_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
 
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
-threads: all $(THREAD_BIN) $(AUX_BIN)
+threads: all $(AIDS) $(THREAD_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) \
-	    $(filter tests/10-% tests/14-% tests/15-% tests/23-%,$(BLACK_BOX))
+	    $(patsubst %,tests/box/http-%.sh,routes same crowd) tests/box/ctl-calibrate.sh \
+	    tests/box/ctl-explain.sh
 
 ## demo: faces enrolled and verified over HTTP (scripts/demo)
 .PHONY: demo
@@ -214,16 +243,16 @@ SANE := -fno-omit-frame-pointer -fno-sanitize-recover=all
 .PHONY: asan ubsan tsan sanitize
 ## asan: the tests under the address and leak sanitizers
 asan:
-	$(MAKE) test BUILD=build/asan OPT=-O1 EXTRA="-fsanitize=address $(SANE)"
+	$(MAKE) check BUILD=build/asan OPT=-O1 EXTRA="-fsanitize=address $(SANE)"
 ## ubsan: the tests under the undefined-behaviour sanitizer
 ubsan:
-	$(MAKE) test BUILD=build/ubsan OPT=-O1 EXTRA="-fsanitize=undefined $(SANE)"
+	$(MAKE) check BUILD=build/ubsan OPT=-O1 EXTRA="-fsanitize=undefined $(SANE)"
 ## tsan: the tests with threads under the thread sanitizer
 tsan:
 	$(MAKE) threads BUILD=build/tsan OPT=-O1 EXTRA="-fsanitize=thread $(SANE)"
 ## sanitize: address, leak and undefined-behaviour sanitizers in one run
 sanitize:
-	$(MAKE) test BUILD=build/sanitize OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANE)"
+	$(MAKE) check BUILD=build/sanitize OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANE)"
 
 ## fuzz: every fuzzer for FUZZ_SECONDS seconds each (60), with clang's libFuzzer
 .PHONY: fuzz fuzzers
@@ -232,12 +261,13 @@ fuzz:
 	    EXTRA="-fsanitize=fuzzer-no-link,address,undefined $(SANE)"
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
-$(BUILD)/tests/fuzz_%.o: CPPFLAGS += $(if $(findstring fuzzer,$(EXTRA)),-DFUZZ_LIBFUZZER)
+$(BUILD)/tests/fuzz/%.o: CPPFLAGS += $(if $(findstring fuzzer,$(EXTRA)),-DFUZZ_LIBFUZZER)
 fuzzers: $(FUZZ_BIN)
-$(FUZZ_BIN): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(TEST_LIBS)
-	$(call say,LD)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(if $(findstring fuzzer,$(EXTRA)),-fsanitize=fuzzer) \
-	    -o $@ $^ $(LIBS)
+
+# The rooms and what each sees, for the checks.
+.PHONY: layers
+layers:
+	@$(foreach r,$(ROOMS),echo $r $(SEES_$r);)
 
 ## lint: the rules of the house: headers, symbols, dependencies, format, shell scripts
 .PHONY: lint
@@ -247,8 +277,7 @@ lint: all
 ## format: lay out every source file by .clang-format
 .PHONY: format
 format:
-	clang-format -i core/*.[ch] \
-	    $(wildcard db/*.[ch] server/*.[ch] tools/*.[ch] tests/*.[ch] studies/*.[ch])
+	clang-format -i $(wildcard $(ROOMS:%=%/*.[ch]) tests/*/*.[ch] studies/*.[ch])
 
 # ---- install
 
@@ -261,7 +290,7 @@ install: all
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
 	install -m 644 core/*.h "$(DESTDIR)$(PREFIX)/include/surface/"
-	install -m 644 $(CORE_A) "$(DESTDIR)$(LIBDIR)/"
+	install -m 644 $(call arch,core) "$(DESTDIR)$(LIBDIR)/libsurface.a"
 	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|' \
 	    packaging/surface.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/surface.pc"
 	sed 's|=/usr/sbin/|=$(PREFIX)/sbin/|' packaging/surfaced.service \
@@ -301,4 +330,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(ALL_OBJ:.o=.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)

@@ -8,10 +8,8 @@
 #include <stdint.h>
 #include "status.h"
 
-struct decision; /* decision.h */
 struct errinfo;
 struct face_work;         /* face.h */
-struct rates;             /* rates.h */
 struct store;             /* store.h */
 struct store_calibration; /* store.h */
 
@@ -31,17 +29,5 @@ enum status calibration_in_force(struct store *s, struct store_calibration *k,
  * Costs some microseconds when it is the same as before.  On failure w is as it was. */
 enum status calibration_follow(struct store *s, struct face_work *w, int64_t *version,
                                struct errinfo *e);
-
-/* calibration_learn(r, fmr, d): the threshold and the table from comparisons of different
- * people.  The threshold is the largest score at which at most the share fmr of them is
- * accepted; the knots are quantiles that rest on five comparisons or more each, and the
- * threshold; below them the rate halves at the pace it has between the lowest ones, which
- * overstates it where the tail grows thinner, as tails do.
- * ST_ETOOFEW: too few comparisons for the rate, by the rule of 3. */
-enum status calibration_learn(const struct rates *r, double fmr, struct decision *d);
-
-/* calibration_subjects(fmr): how many people with a template each it takes for as many pairs
- * as the rule of 3 asks for: the two comparisons of a pair say much the same. */
-uint32_t calibration_subjects(double fmr);
 
 #endif

@@ -1,8 +1,8 @@
 #!/bin/sh
-# check_deps.sh: server -> db -> core and nothing the other way; core is libc and libm only,
-# neither prints nor exits and takes memory in mem.c alone; SQLite stays in db/, JSON in one
-# file of server/ and one of db/, libmicrohttpd in two files of server/.
-# The face generator sees core alone, the studies core and the tests' generators.
+# check_deps.sh: a room includes itself and the rooms that the Makefile lets it see (SEES_*).
+# core is libc and libm only, neither prints nor exits and takes memory in mem.c alone;
+# SQLite stays in db/, JSON in one file of each of base/, server/ and ctl/, libmicrohttpd in
+# two files of server/.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -15,7 +15,7 @@ complain() {
     bad=1
 }
 
-# including FILE-PATTERN...: the files that include a header matching $1
+# including FILE-PATTERN FILE...: the files that include a header matching the pattern
 including() {
     pattern=$1
     shift
@@ -36,26 +36,37 @@ own() {
         [ -n "$found" ] || complain "$file includes $name, which is not in: $*"
     done <"$list"
 }
-own core core
-own db db core "$build/gen"
-own server server db core "$build/gen"
-own tools tools core
-own studies studies tests tools core
+
+rooms=''
+make -s layers >"$list.rooms"
+while read -r room sees; do
+    rooms="$rooms $room"
+    # shellcheck disable=SC2086 # rooms
+    own "$room" "$room" $sees "$build/gen"
+done <"$list.rooms"
+rm -f "$list.rooms"
+own studies studies tests/lib tools scan base core
 
 libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
 grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |
     sed 's|^|check_deps: |' | grep . && bad=1
 
-files=$(including 'sqlite3.*' server/*.[ch] core/*.[ch])
-[ -z "$files" ] || complain "SQLite outside db/:" "$files"
-files=$(including '(cjson/)?cJSON.*' server/*.[ch] | grep -v '^server/json')
-[ -z "$files" ] || complain "JSON outside server/json*.c:" "$files"
-files=$(including '(cjson/)?cJSON.*' db/*.[ch])
-[ "$(echo "$files" | wc -w)" -le 1 ] || complain "JSON in more than one file of db/:" "$files"
-files=$(including 'microhttpd.*' core/*.[ch] db/*.[ch])
-[ -z "$files" ] || complain "libmicrohttpd outside server/:" "$files"
-files=$(including 'microhttpd.*' server/*.[ch])
-[ "$(echo "$files" | wc -w)" -le 2 ] || complain "libmicrohttpd in more than two files:" "$files"
+# only PATTERN NUMBER FOLDER WHAT: in at most so many files of FOLDER, and in no other room
+only() {
+    for room in $rooms; do
+        files=$(including "$1" "$room"/*.[ch])
+        case " $3 " in
+        *" $room "*)
+            [ "$(echo "$files" | wc -w)" -le "$2" ] ||
+                complain "$4 in more than $2 files:" "$files"
+            ;;
+        *) [ -z "$files" ] || complain "$4 outside of $3:" "$files" ;;
+        esac
+    done
+}
+only 'sqlite3.*' 99 db SQLite
+only '(cjson/)?cJSON.*' 2 'server ctl' JSON
+only 'microhttpd.*' 2 server libmicrohttpd
 
 # What the compiled core asks of libc.
 memory='malloc|calloc|realloc|aligned_alloc|posix_memalign|free|strdup'
@@ -72,6 +83,6 @@ for object in "$build"/core/*.o; do
 done
 echo 'int main(void) { return 0; }' |
     ${CC:-gcc} -x c - -x none -o "$build/core_alone" -Wl,--whole-archive \
-        "$build/libsurface.a" -Wl,--no-whole-archive -lm ||
+        "$build/libcore.a" -Wl,--no-whole-archive -lm ||
     complain "core does not link with -lm alone"
 exit $bad

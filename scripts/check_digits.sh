@@ -1,5 +1,5 @@
 #!/bin/sh
-# check_digits.sh: the digits of a few fixed comparisons (tests/digits.c) are those of
+# check_digits.sh: the digits of a few fixed comparisons (tests/lib/digits.c) are those of
 # tests/golden/digits.txt, whichever compiler built the library, at -O0 and at -O3.  Builds
 # in $BUILD; what is not installed is skipped, visibly.  Exit: 0 all the same, 1 otherwise.
 set -u

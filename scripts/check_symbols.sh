@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
 sources=
 objects=
-for source in core/*.c db/*.c server/*.c tools/*.c tests/*.c studies/*.c; do
+for source in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.c|') tests/*/*.c studies/*.c; do
     object=$build/${source%.c}.o
     [ ! -f "$object" ] || objects="$objects $object"
     sources="$sources ${source%.c}"
@@ -25,15 +25,15 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "incircle_.*" # named as in the literature
         if (source == "core/mem")
             return "(mem|scratch)_.*"
-        if (source ~ /^(server\/main|db\/surfacectl)$|^(tools|tests|studies)\/.*_main$/)
+        if (source ~ /^server\/main$|^(tools|tests|studies)\/.*_main$/)
             return "main"
-        if (source ~ /^tests\/fuzz_/)
+        if (source ~ /^tests\/fuzz\//)
             return "main|LLVMFuzzer.*"
         folder = module = source
         sub(/[^\/]*$/, "", folder)
         sub(/.*\//, "", module)
         names = module "_.*|" module
-        if (source ~ /^tests\/(test_|bench|fail_alloc$)/)
+        if (source ~ /^ctl\/ctl$|^tests\/([a-z]*\/test_|bench\/|lib\/fail_alloc$)/)
             names = "main|__wrap_.*|" names
         # store_sqlite_admin.c is a part of store_sqlite.c and may export store_sqlite_*.
         while (sub(/_[^_]*$/, "", module))

@@ -1,0 +1,465 @@
+/* The audit log: shown, verified, signed, written to a file that can be verified without the
+ * database; and who was erased. */
+#include <inttypes.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "store_chain.h"
+#include "ctl.h"
+#include "ctl_dir.h"
+
+#define SHOWN 100  /* entries without --limit */
+#define PAGE  1000 /* read at a time */
+#define LINE  4096 /* bytes of a file's line, at most */
+
+/* ---- show */
+
+/* Who it was about: a name, or a part of the hash that stands for one. */
+static const char *who(const struct store_audit_entry *a, char out[16])
+{
+    if (a->subject[0] != '\0' || a->ref[0] == '\0')
+        return a->subject;
+    (void)snprintf(out, 16, "#%.12s", a->ref);
+    return out;
+}
+
+static void show_entry(struct ctl *c, const struct store_audit_entry *a)
+{
+    char ref[16];
+
+    ctl_out_object(c->out, NULL);
+    ctl_out_number(c->out, "seq", (double)a->seq);
+    ctl_out_text(c->out, "at", a->at);
+    ctl_out_text(c->out, "kind", a->kind);
+    ctl_out_text(c->out, "actor", a->actor);
+    if (a->subject[0] != '\0')
+        ctl_out_text(c->out, "subject", a->subject);
+    ctl_out_text(c->out, "subject_ref", a->ref);
+    ctl_out_text(c->out, "template_id", a->template_id);
+    ctl_out_text(c->out, "outcome", a->outcome);
+    ctl_out_text(c->out, "hash", a->hash);
+    ctl_out_close(c->out);
+    if (!c->json)
+        (void)printf("%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n",
+                     a->seq, a->at, a->at + 11, a->kind, who(a, ref), a->template_id,
+                     a->outcome, a->actor);
+}
+
+int ctl_audit_show(struct ctl *c)
+{
+    const struct store_audit_filter wanted = {.limit = c->limit != 0 ? c->limit : SHOWN,
+                                              .newest = true,
+                                              .names = true,
+                                              .subject = c->subject,
+                                              .kind = c->kind,
+                                              .since = c->since};
+    struct store_audit_entry *a = NULL;
+    struct store *s = NULL;
+    size_t n = 0;
+    enum status st = ctl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK)
+        st = store_audit_list(s, &wanted, &a, &n, &c->e);
+    store_close(s);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_array(c->out, "entries");
+    if (!c->json && n > 0)
+        (void)printf("%8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "ENTRY",
+                     "TIME (UTC)", "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
+    for (size_t i = 0; i < n; i++)
+        show_entry(c, &a[i]);
+    ctl_out_close(c->out);
+    if (!c->json && n == 0)
+        (void)printf("no entries\n");
+    free(a);
+    return EXIT_FINE;
+}
+
+/* ---- checkpoint */
+
+static void out_mark(struct ctl_out *o, const struct store_audit_mark *m)
+{
+    ctl_out_number(o, "checkpoint", (double)m->seq);
+    ctl_out_text(o, "at", m->at);
+    ctl_out_text(o, "hash", m->hash);
+    ctl_out_text(o, "signature", m->signature);
+}
+
+int ctl_audit_checkpoint(struct ctl *c)
+{
+    struct store_audit_mark m;
+    struct store *s = NULL;
+    char public_key[65];
+    enum status st = ctl_open(c, STORE_WRITE, &s);
+
+    if (st == ST_OK && (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
+        st = store_audit_sign(s, CTL_ACTOR, STORE_CHAIN_SIGN, &m, &c->e);
+    store_close(s);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    out_mark(c->out, &m);
+    ctl_out_text(c->out, "public_key", public_key);
+    if (!c->json)
+        (void)printf("entry       %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
+                     "public key  %s\n",
+                     m.seq, m.at, m.hash, m.signature, public_key);
+    return EXIT_FINE;
+}
+
+/* ---- export */
+
+struct export
+{
+    struct store *store;
+    struct store_audit_mark end, *marks;
+    size_t nmark, next; /* of the marks, the one to be written */
+    char public_key[65];
+};
+
+/* A line of its own: what add() says of arg. */
+static enum status put_line(FILE *to, void (*add)(struct ctl_out *, const void *),
+                            const void *arg, struct errinfo *e)
+{
+    struct ctl_out *o = ctl_out_new(true);
+
+    if (o != NULL)
+        add(o, arg);
+    return ctl_out_line(o, to)
+               ? ST_OK
+               : errinfo_set(e, ST_EIO, "the audit log cannot be written");
+}
+
+static void add_head(struct ctl_out *o, const void *arg)
+{
+    const struct export *x = arg;
+
+    ctl_out_number(o, "surface_audit", 1);
+    ctl_out_text(o, "public_key", x->public_key);
+    ctl_out_text(o, "at", x->end.at);
+    ctl_out_number(o, "entries", (double)x->end.seq);
+}
+
+static void add_entry(struct ctl_out *o, const void *arg)
+{
+    const struct store_audit_entry *a = arg;
+
+    ctl_out_number(o, "seq", (double)a->seq);
+    ctl_out_text(o, "at", a->at);
+    ctl_out_text(o, "kind", a->kind);
+    ctl_out_text(o, "actor", a->actor);
+    ctl_out_text(o, "subject", a->ref);
+    ctl_out_text(o, "template_id", a->template_id);
+    ctl_out_text(o, "outcome", a->outcome);
+    ctl_out_text(o, "hash", a->hash);
+}
+
+static void add_mark(struct ctl_out *o, const void *arg)
+{
+    out_mark(o, arg);
+}
+
+static enum status put_page(FILE *to, struct export *x, const struct store_audit_entry *a,
+                            size_t n, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    for (size_t i = 0; st == ST_OK && i < n; i++) {
+        st = put_line(to, add_entry, &a[i], e);
+        while (st == ST_OK && x->next < x->nmark && x->marks[x->next].seq <= a[i].seq)
+            st = put_line(to, add_mark, &x->marks[x->next++], e);
+    }
+    return st;
+}
+
+/* The log as it is, sound or not: whoever verifies the file finds what is wrong. */
+static enum status put_log(FILE *to, const void *arg, struct errinfo *e)
+{
+    struct export x = *(const struct export *)arg;
+    struct store_audit_filter wanted = {.limit = PAGE};
+    struct store_audit_entry *a;
+    size_t n;
+    enum status st = put_line(to, add_head, &x, e);
+
+    while (st == ST_OK && wanted.after < x.end.seq) {
+        if ((st = store_audit_list(x.store, &wanted, &a, &n, e)) != ST_OK)
+            return st;
+        while (n > 0 && a[n - 1].seq > x.end.seq) /* of after it was signed */
+            n--;
+        wanted.after = n > 0 ? a[n - 1].seq : x.end.seq;
+        st = put_page(to, &x, a, n, e);
+        free(a);
+    }
+    return st;
+}
+
+static enum status put_file(struct ctl *c, const struct export *x)
+{
+    const char *slash = strrchr(c->dir, '/');
+    char *folder = strndup(slash != NULL ? c->dir : "./",
+                           slash != NULL ? (size_t)(slash - c->dir) + 1 : 2);
+    enum status st;
+    int dir = -1;
+
+    if (folder == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if ((st = ctl_dir_open(folder, &dir, &c->e)) == ST_OK)
+        st = ctl_dir_write(dir, slash != NULL ? slash + 1 : c->dir, put_log, x, &c->e);
+    if (dir >= 0)
+        (void)close(dir);
+    free(folder);
+    return st;
+}
+
+int ctl_audit_export(struct ctl *c)
+{
+    struct export x = {.nmark = 0};
+    enum status st;
+
+    if (c->dir == NULL && c->json) {
+        (void)errinfo_set(&c->e, ST_EINVAL,
+                          "the log is JSON lines by itself: --json takes --out FILE");
+        return EXIT_USAGE;
+    }
+    if ((st = ctl_open(c, STORE_WRITE, &x.store)) == ST_OK &&
+        (st = store_audit_public(x.store, x.public_key, &c->e)) == ST_OK &&
+        (st = store_audit_sign(x.store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
+            ST_OK &&
+        (st = store_audit_marks(x.store, &x.marks, &x.nmark, &c->e)) == ST_OK)
+        st = c->dir != NULL ? put_file(c, &x) : put_log(stdout, &x, &c->e);
+    store_close(x.store);
+    free(x.marks);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_text(c->out, "file", c->dir != NULL ? c->dir : "");
+    ctl_out_number(c->out, "entries", (double)x.end.seq);
+    ctl_out_text(c->out, "public_key", x.public_key);
+    if (!c->json)
+        (void)fprintf(c->dir != NULL ? stdout : stderr,
+                      "%" PRIu64 " entries; public key %s\n", x.end.seq, x.public_key);
+    return EXIT_FINE;
+}
+
+/* ---- verify */
+
+static void tell_problem(void *arg, uint64_t seq, const char *line)
+{
+    struct ctl *c = arg;
+
+    ctl_out_object(c->out, NULL);
+    ctl_out_number(c->out, "entry", (double)seq);
+    ctl_out_text(c->out, "problem", line);
+    ctl_out_close(c->out);
+    if (!c->json)
+        (void)printf("at entry %" PRIu64 ": %s\n", seq, line);
+}
+
+static bool take_hex(const struct ctl_out *o, const char *key, unsigned char *out,
+                     size_t most, size_t *n)
+{
+    char text[2 * VAULT_SIGN + 1];
+
+    return ctl_out_take_text(o, key, text, sizeof text) &&
+           sodium_hex2bin(out, most, text, strlen(text), NULL, n, NULL) == 0;
+}
+
+static bool take_bytes(const struct ctl_out *o, const char *key, unsigned char *out,
+                       size_t n)
+{
+    size_t got;
+
+    return take_hex(o, key, out, n, &got) && got == n;
+}
+
+/* An entry or a checkpoint; false: neither. */
+static bool walk_line(struct store_chain_walk *w, const struct ctl_out *o,
+                      uint64_t *entries)
+{
+    unsigned char ref[16], hash[STORE_CHAIN_HASH];
+    struct store_audit_entry a;
+    struct store_chain_entry entry = {.at = a.at,
+                                      .kind = a.kind,
+                                      .actor = a.actor,
+                                      .subject = ref,
+                                      .template_id = a.template_id,
+                                      .outcome = a.outcome};
+    struct store_chain_mark m = {.seq = 0};
+
+    if (ctl_out_take_count(o, "checkpoint", &m.seq)) {
+        if (!ctl_out_take_text(o, "at", m.at, sizeof m.at) ||
+            !take_bytes(o, "hash", m.hash, sizeof m.hash) ||
+            !take_bytes(o, "signature", m.signature, sizeof m.signature))
+            return false;
+        store_chain_pass(w, &m);
+        return true;
+    }
+    if (!ctl_out_take_count(o, "seq", &entry.seq) ||
+        !ctl_out_take_text(o, "at", a.at, sizeof a.at) ||
+        !ctl_out_take_text(o, "kind", a.kind, sizeof a.kind) ||
+        !ctl_out_take_text(o, "actor", a.actor, sizeof a.actor) ||
+        !take_hex(o, "subject", ref, sizeof ref, &entry.nsubject) ||
+        !ctl_out_take_text(o, "template_id", a.template_id, sizeof a.template_id) ||
+        !ctl_out_take_text(o, "outcome", a.outcome, sizeof a.outcome) ||
+        !take_bytes(o, "hash", hash, sizeof hash))
+        return false;
+    store_chain_step(w, &entry, hash);
+    ++*entries;
+    return true;
+}
+
+/* The first line: it must be of this format and of the key that is asked for. */
+static enum status walk_head(struct ctl *c, FILE *in, struct store_chain_walk *w,
+                             uint64_t *entries)
+{
+    unsigned char public[VAULT_KEY];
+    char line[LINE];
+    uint64_t version = 0;
+    struct ctl_out *o = NULL;
+    enum status st = ST_OK;
+
+    if (fgets(line, sizeof line, in) == NULL || (o = ctl_out_parse(line)) == NULL ||
+        !ctl_out_take_count(o, "surface_audit", &version) ||
+        !ctl_out_take_count(o, "entries", entries) ||
+        !take_bytes(o, "public_key", public, sizeof public))
+        st = errinfo_set(&c->e, ST_EINVAL, "%.120s is no audit log", c->args[0]);
+    else if (version != 1)
+        st = errinfo_set(&c->e, ST_EVERSION, "%.120s is of a newer version", c->args[0]);
+    else if (memcmp(public, w->public, sizeof public) != 0)
+        store_chain_problem(w, 1, "the file is of another key than the one given");
+    ctl_out_drop(o);
+    return st;
+}
+
+static enum status walk_file(struct ctl *c, FILE *in, struct store_chain_walk *w,
+                             uint64_t *entries)
+{
+    char line[LINE], text[80];
+    uint64_t wanted;
+    enum status st = walk_head(c, in, w, &wanted);
+
+    if (st != ST_OK)
+        return st;
+    for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
+        struct ctl_out *o = ctl_out_parse(line);
+
+        if (o == NULL || !walk_line(w, o, entries)) {
+            (void)snprintf(text, sizeof text, "line %lu of the file is malformed", n);
+            store_chain_problem(w, w->seq + 1, text);
+        }
+        ctl_out_drop(o);
+    }
+    if (ferror(in))
+        return errinfo_set(&c->e, ST_EIO, "%.120s cannot be read", c->args[0]);
+    store_chain_stop(w, wanted > w->seq ? wanted : w->seq, w->hash);
+    if (w->marked < w->seq)
+        store_chain_problem(w, w->marked + 1, "no checkpoint follows: it is not signed");
+    return ST_OK;
+}
+
+static enum status verify_file(struct ctl *c, struct store_audit *out)
+{
+    unsigned char public[VAULT_KEY];
+    struct store_chain_walk w;
+    size_t n = 0;
+    FILE *in;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if (sodium_init() < 0)
+        return errinfo_set(&c->e, ST_EINTERNAL,
+                           "the cryptographic library does not start");
+    if (sodium_hex2bin(public, sizeof public, c->public_key, strlen(c->public_key), NULL,
+                       &n, NULL) != 0 ||
+        n != sizeof public)
+        return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
+    if ((in = fopen(c->args[0], "rb")) == NULL)
+        return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
+    store_chain_walk(&w, public, tell_problem, c);
+    st = walk_file(c, in, &w, &out->entries);
+    (void)fclose(in);
+    out->checkpoints = w.marks;
+    out->problems = w.problems;
+    out->first = w.first;
+    return st;
+}
+
+static enum status verify_database(struct ctl *c, struct store_audit *out,
+                                   char public_key[65])
+{
+    struct store *s = NULL;
+    enum status st;
+
+    if ((st = ctl_open(c, STORE_READ, &s)) == ST_OK &&
+        (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
+        st = store_audit_verify(s, tell_problem, c, out, &c->e);
+    store_close(s);
+    return st;
+}
+
+int ctl_audit_verify(struct ctl *c)
+{
+    struct store_audit found;
+    char public_key[65] = "";
+    enum status st;
+
+    if ((c->nargs > 0) != (c->public_key != NULL)) {
+        (void)errinfo_set(&c->e, ST_EINVAL,
+                          "a file is verified by --public-key, a database without");
+        return EXIT_USAGE;
+    }
+    if (c->nargs == 0 && ctl_config_database(c, false) != ST_OK)
+        return EXIT_USAGE;
+    ctl_out_array(c->out, "problems");
+    st = c->nargs > 0 ? verify_file(c, &found) : verify_database(c, &found, public_key);
+    ctl_out_close(c->out);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_flag(c->out, "ok", found.problems == 0);
+    ctl_out_number(c->out, "entries", (double)found.entries);
+    ctl_out_number(c->out, "checkpoints", (double)found.checkpoints);
+    if (public_key[0] != '\0')
+        ctl_out_text(c->out, "public_key", public_key);
+    if (found.problems > 0)
+        ctl_out_number(c->out, "first_entry", (double)found.first);
+    if (!c->json)
+        (void)printf("%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64
+                     " problems%s%s\n",
+                     found.problems == 0 ? "ok" : "NOT ok", found.entries,
+                     found.checkpoints, found.problems,
+                     public_key[0] != '\0' ? "; public key " : "", public_key);
+    return found.problems == 0 ? EXIT_FINE : EXIT_NO;
+}
+
+/* ---- erased */
+
+int ctl_audit_erased(struct ctl *c)
+{
+    const char *subject = c->nargs > 0 ? c->args[0] : NULL;
+    struct store_erased *list = NULL;
+    struct store *s = NULL;
+    size_t n = 0;
+    enum status st = ctl_open(c, STORE_READ, &s);
+
+    if (st == ST_OK)
+        st = store_audit_erased(s, subject, &list, &n, &c->e);
+    store_close(s);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_array(c->out, "erased");
+    for (size_t i = 0; i < n; i++) {
+        ctl_out_object(c->out, NULL);
+        ctl_out_text(c->out, "at", list[i].at);
+        ctl_out_text(c->out, "lookup", list[i].lookup);
+        ctl_out_close(c->out);
+        if (!c->json)
+            (void)printf("%s  %s\n", list[i].at, list[i].lookup);
+    }
+    ctl_out_close(c->out);
+    if (!c->json && n == 0)
+        (void)printf("%s\n", subject == NULL ? "nobody was erased" : "not erased");
+    free(list);
+    return subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
+}

@@ -1,0 +1,111 @@
+/* backup and restore: the database as a whole. */
+#include <limits.h>
+#include <stdio.h>
+
+#include "ctl.h"
+
+/* The key of a copy is that of the database: its usual name goes by the database's. */
+static enum status key_of(struct ctl *c, const char *db, struct store_key *key,
+                          char usual[PATH_MAX])
+{
+    const enum status st = ctl_key(c, db, key);
+
+    if (key->path == NULL) {
+        (void)snprintf(usual, PATH_MAX, "%s.key", c->db);
+        key->path = usual;
+    }
+    return st;
+}
+
+static void print_count(uint64_t n, const char *what)
+{
+    (void)printf("%llu %s%s", (unsigned long long)n, what, n == 1 ? "" : "s");
+}
+
+static void out_copied(struct ctl *c, const struct store_copied *k)
+{
+    ctl_out_number(c->out, "subjects", (double)k->subjects);
+    ctl_out_number(c->out, "templates", (double)k->templates);
+    ctl_out_number(c->out, "events", (double)k->events);
+    ctl_out_number(c->out, "bytes", (double)k->bytes);
+}
+
+int ctl_backup(struct ctl *c)
+{
+    struct store_copied copied;
+    struct store_key key;
+    struct store *s = NULL;
+    char usual[PATH_MAX], size[32];
+    enum status st = key_of(c, c->db, &key, usual);
+
+    if (st == ST_OK && (st = store_open(c->db, STORE_READ, &key, &s, &c->e)) == ST_OK)
+        st = store_backup(s, c->args[0], &key, &copied, &c->e);
+    store_close(s);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_text(c->out, "backup", c->args[0]);
+    out_copied(c, &copied);
+    if (!c->json) {
+        (void)printf("%s: verified: ", c->args[0]);
+        print_count(copied.subjects, "subject");
+        (void)printf(", ");
+        print_count(copied.templates, "template");
+        (void)printf(", %s\n", ctl_bytes(copied.bytes, size));
+    }
+    return EXIT_FINE;
+}
+
+static void tell_restored(const struct ctl *c, const struct store_restored *r)
+{
+    (void)printf("%s: ", c->args[0]);
+    print_count(r->backup.subjects, "subject");
+    (void)printf(", ");
+    print_count(r->backup.templates, "template");
+    if (r->was_there) {
+        (void)printf("; in its place now: ");
+        print_count(r->had_subjects, "subject");
+        (void)printf(", ");
+        print_count(r->had_templates, "template");
+        (void)printf("\n");
+        print_count(r->lost, "subject");
+        (void)printf(" of those are not in the backup\n");
+        print_count(r->erased, "subject");
+        (void)printf(" of the backup erased since: erased again\n");
+        print_count(r->revoked, "token");
+        (void)printf(" revoked since: revoked again");
+    }
+    (void)printf("\n");
+    if (c->dry_run)
+        (void)printf("nothing was changed\n");
+    else if (r->was_there)
+        (void)printf("restored; the database that was there is %s.before-restore: delete "
+                     "it when all is well\n",
+                     c->db);
+    else
+        (void)printf("restored\n");
+}
+
+int ctl_backup_restore(struct ctl *c)
+{
+    struct store_restored r;
+    struct store_key key;
+    char usual[PATH_MAX];
+    enum status st = key_of(c, c->args[0], &key, usual);
+
+    if (st == ST_OK)
+        st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_object(c->out, "backup");
+    out_copied(c, &r.backup);
+    ctl_out_close(c->out);
+    ctl_out_number(c->out, "subjects_before", (double)r.had_subjects);
+    ctl_out_number(c->out, "templates_before", (double)r.had_templates);
+    ctl_out_number(c->out, "subjects_lost", (double)r.lost);
+    ctl_out_number(c->out, "subjects_erased", (double)r.erased);
+    ctl_out_number(c->out, "tokens_revoked", (double)r.revoked);
+    ctl_out_flag(c->out, "restored", !c->dry_run);
+    if (!c->json)
+        tell_restored(c, &r);
+    return EXIT_FINE;
+}

@@ -1,0 +1,405 @@
+/* The command calibrate: a threshold and a table of false match rates from the owner's own
+ * database (docs/decision.md). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "calibrate.h"
+#include "calibration.h"
+#include "model.h"
+#include "rates.h"
+#include "ctl.h"
+#include "ctl_people.h"
+
+#define SEED         UINT64_C(20250) /* of everything that is drawn */
+#define DEFAULT_FMR  0.001
+#define LEAST_LIMIT  20000.0 /* comparisons of different people: so many, or */
+#define ERRORS_LIMIT 60.0    /* as many as give so many errors at the wanted rate */
+#define SUSPICIOUS                                                                       \
+    1e-4            /* false match rate by the shipped table, below which two people
+                                may be one, or relatives */
+#define SUSPECTS 20 /* shown as text; all as JSON */
+
+struct suspect {
+    uint32_t a, b;
+    double mm;
+};
+
+struct result {
+    struct ctl_people people;
+    struct rates *rates;
+    struct store_calibration k;
+    size_t pairs; /* of people that were compared, at least */
+    double fnmr, fnmr_low, fnmr_high;
+    double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
+    struct suspect *suspect;
+    size_t nsuspect;
+};
+
+/* ---- two ids, one face? */
+
+static int by_pair(const void *x, const void *y)
+{
+    const struct suspect *a = x, *b = y;
+
+    if (a->a != b->a)
+        return a->a < b->a ? -1 : 1;
+    if (a->b != b->b)
+        return a->b < b->b ? -1 : 1;
+    return (a->mm > b->mm) - (a->mm < b->mm);
+}
+
+static int by_mm(const void *x, const void *y)
+{
+    const struct suspect *a = x, *b = y;
+
+    return a->mm != b->mm ? (a->mm > b->mm) - (a->mm < b->mm) : by_pair(x, y);
+}
+
+/* Pairs of people who are too alike, each once, the most alike first. */
+static enum status find_suspects(const struct ctl *c, struct result *r)
+{
+    const struct ctl_people *p = &r->people;
+    size_t n = 0, kept = 0;
+
+    if ((r->suspect = malloc((p->nscore + 1) * sizeof *r->suspect)) == NULL)
+        return ST_ENOMEM;
+    for (size_t i = 0; i < p->nscore; i++) {
+        const struct rates_score *s = &p->score[i];
+
+        if (s->template == s->probe ||
+            decision_fmr(&c->model->decision, s->mm) >= SUSPICIOUS)
+            continue;
+        r->suspect[n++] =
+            s->template <s->probe ? (struct suspect){s->template, s->probe, s->mm}
+                                  : (struct suspect){s->probe, s->template, s->mm};
+    }
+    qsort(r->suspect, n, sizeof *r->suspect, by_pair);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || r->suspect[i].a != r->suspect[kept - 1].a ||
+            r->suspect[i].b != r->suspect[kept - 1].b)
+            r->suspect[kept++] = r->suspect[i];
+    qsort(r->suspect, kept, sizeof *r->suspect, by_mm);
+    r->nsuspect = kept;
+    return ST_OK;
+}
+
+/* ---- the work */
+
+static enum status too_few(struct ctl *c, size_t subjects, size_t pairs)
+{
+    char supported[64] = "";
+
+    if (pairs > 3)
+        (void)snprintf(supported, sizeof supported, ", which support %.2g",
+                       rates_least(pairs));
+    return errinfo_set(&c->e, ST_ETOOFEW,
+                       "a false match rate of %g takes %u subjects with templates (%zu "
+                       "pairs of people, rule of 3); there are %zu (%zu pairs%s)",
+                       c->fmr, calibrate_subjects(c->fmr), rates_needed(c->fmr), subjects,
+                       pairs, supported);
+}
+
+static size_t pairs_of(size_t n)
+{
+    return n > 1 ? n * (n - 1) / 2 : 0;
+}
+
+static enum status compare_all(struct ctl *c, struct store *s, struct result *r)
+{
+    struct ctl_people *p = &r->people;
+    enum status st = ctl_people_load(c, s, SEED, p);
+
+    if (st != ST_OK)
+        return st;
+    if (!rates_supported(c->fmr, pairs_of(p->nperson)))
+        return too_few(c, p->nsubject, pairs_of(p->nperson));
+    st = ctl_people_impostors(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
+    /* Each pair was compared from both sides, or else in so many comparisons. */
+    r->pairs =
+        p->nscore / 2 < pairs_of(p->nperson) ? p->nscore / 2 : pairs_of(p->nperson);
+    if (st == ST_OK && !rates_supported(c->fmr, r->pairs))
+        return too_few(c, p->nsubject, r->pairs);
+    if (st == ST_OK)
+        st = ctl_people_genuine(c, p);
+    if (st == ST_OK && c->genuine != NULL)
+        st = ctl_people_manifest(c, p, c->genuine);
+    return st;
+}
+
+/* From the scores to the calibration. */
+static enum status learn(struct ctl *c, struct result *r)
+{
+    struct store_calibration *k = &r->k;
+    struct rates_figures low, high;
+    double threshold;
+    enum status st =
+        rates_new(r->people.score, r->people.nscore, r->people.nperson, &r->rates);
+
+    if (st == ST_OK)
+        st = find_suspects(c, r);
+    if (st == ST_OK)
+        st = calibrate_learn(r->rates, c->fmr, &k->decision);
+    threshold = k->decision.threshold_mm;
+    if (st == ST_OK)
+        st = rates_at_bootstrap(r->rates, c->fmr, RATES_REPLICATES, SEED, &k->low_mm,
+                                &k->high_mm);
+    if (st == ST_OK)
+        st = rates_bootstrap(r->rates, threshold, RATES_REPLICATES, SEED, &low, &high);
+    if (st != ST_OK)
+        return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));
+    k->low_mm = fmin(fmax(0, k->low_mm), threshold);
+    k->high_mm = fmax(k->high_mm, threshold);
+    k->fmr = c->fmr;
+    k->subjects = r->people.nperson;
+    k->impostors = rates_nimpostor(r->rates);
+    k->genuine = rates_ngenuine(r->rates);
+    r->fnmr = rates_fnmr(r->rates, threshold);
+    r->fnmr_low = low.fnmr;
+    r->fnmr_high = high.fnmr;
+    r->shipped_fmr = rates_fmr(r->rates, c->model->decision.threshold_mm);
+    r->shipped_fnmr = rates_fnmr(r->rates, c->model->decision.threshold_mm);
+    return ST_OK;
+}
+
+/* ---- printing */
+
+static void out_table(struct ctl_out *o, const struct decision *d)
+{
+    ctl_out_array(o, "table");
+    for (uint32_t i = 0; i < d->n; i++) {
+        ctl_out_object(o, NULL);
+        ctl_out_number(o, "mm", d->knot[i].mm);
+        ctl_out_number(o, "rate", d->knot[i].rate);
+        ctl_out_close(o);
+    }
+    ctl_out_close(o);
+    ctl_out_number(o, "halving_mm", d->halving_mm);
+}
+
+/* What is the same of a new one and of those in the list. */
+static void out_calibration(struct ctl_out *o, const struct store_calibration *k)
+{
+    ctl_out_text(o, "source", k->shipped ? "shipped" : "database");
+    ctl_out_number(o, "threshold_mm", k->decision.threshold_mm);
+    ctl_out_number(o, "fmr", k->fmr);
+    if (!k->shipped) {
+        ctl_out_number(o, "low_mm", k->low_mm);
+        ctl_out_number(o, "high_mm", k->high_mm);
+        ctl_out_number(o, "subjects", (double)k->subjects);
+        ctl_out_number(o, "impostors", (double)k->impostors);
+        ctl_out_number(o, "genuine", (double)k->genuine);
+    }
+    out_table(o, &k->decision);
+}
+
+static void out_result(struct ctl *c, const struct result *r)
+{
+    const struct ctl_person *who = r->people.person;
+    struct ctl_out *o = c->out;
+
+    out_calibration(o, &r->k);
+    ctl_out_number(o, "templates", r->people.ntemplate);
+    ctl_out_number(o, "pairs", (double)r->pairs);
+    ctl_out_number(o, "replicates", RATES_REPLICATES);
+    ctl_out_number(o, "seed", (double)SEED);
+    ctl_out_object(o, "shipped");
+    ctl_out_number(o, "threshold_mm", c->model->decision.threshold_mm);
+    ctl_out_number(o, "fmr", r->shipped_fmr);
+    if (r->k.genuine > 0)
+        ctl_out_number(o, "fnmr", r->shipped_fnmr);
+    ctl_out_close(o);
+    if (r->k.genuine > 0) {
+        ctl_out_number(o, "fnmr", r->fnmr);
+        ctl_out_number(o, "fnmr_low", r->fnmr_low);
+        ctl_out_number(o, "fnmr_high", r->fnmr_high);
+    }
+    ctl_out_number(o, "scans_outside", (double)r->people.outside);
+    ctl_out_number(o, "scans_refused", (double)r->people.refused);
+    ctl_out_array(o, "suspicious");
+    for (size_t i = 0; i < r->nsuspect; i++) {
+        ctl_out_object(o, NULL);
+        ctl_out_text(o, "a", who[r->suspect[i].a].id);
+        ctl_out_text(o, "b", who[r->suspect[i].b].id);
+        ctl_out_number(o, "disparity_mm", r->suspect[i].mm);
+        ctl_out_close(o);
+    }
+    ctl_out_close(o);
+}
+
+static void print_suspects(const struct result *r)
+{
+    const struct ctl_person *who = r->people.person;
+
+    if (r->nsuspect == 0)
+        return;
+    (void)printf(
+        "\nAs alike as one person's scans, by the shipped table (a false match rate "
+        "below %g).\nOne person under two ids, or relatives?  They are counted as "
+        "different people:\n",
+        SUSPICIOUS);
+    for (size_t i = 0; i < r->nsuspect && i < SUSPECTS; i++)
+        (void)printf("  %.3f mm  %s  %s\n", r->suspect[i].mm, who[r->suspect[i].a].id,
+                     who[r->suspect[i].b].id);
+    if (r->nsuspect > SUSPECTS)
+        (void)printf("  and %zu pairs more (--json has all)\n", r->nsuspect - SUSPECTS);
+}
+
+static void print_result(const struct ctl *c, const struct result *r)
+{
+    const struct ctl_people *p = &r->people;
+    const struct store_calibration *k = &r->k;
+    const struct decision *d = &k->decision;
+
+    (void)printf("subjects     %u%s, %u templates\n", p->nperson,
+                 p->nsubject > p->nperson ? " of more, drawn" : "", p->ntemplate);
+    (void)printf("impostors    %llu comparisons of %zu pairs of people\n",
+                 (unsigned long long)k->impostors, r->pairs);
+    (void)printf("threshold    %.4f mm for a false match rate of %g %%\n",
+                 d->threshold_mm, 100 * k->fmr);
+    (void)printf(
+        "             95 %% interval %.4f to %.4f mm (%d bootstrap replicates over "
+        "subjects, seed %llu)\n",
+        k->low_mm, k->high_mm, RATES_REPLICATES, (unsigned long long)SEED);
+    (void)printf("shipped      %.4f mm: %.3g %% here\n", c->model->decision.threshold_mm,
+                 100 * r->shipped_fmr);
+    if (k->genuine > 0)
+        (void)printf(
+            "genuine      %llu comparisons: %.3g %% refused, 95 %% interval %.3g to "
+            "%.3g %%; %.3g %% by the shipped threshold\n",
+            (unsigned long long)k->genuine, 100 * r->fnmr, 100 * r->fnmr_low,
+            100 * r->fnmr_high, 100 * r->shipped_fnmr);
+    else
+        (void)printf("genuine      none: how many of the right people it refuses is not "
+                     "known\n");
+    if (p->outside + p->refused > 0)
+        (void)printf(
+            "scans        %zu are of nobody here or enrolled themselves, %zu are "
+            "refused\n",
+            p->outside, p->refused);
+    (void)printf("\n  false match rate  disparity\n");
+    for (uint32_t i = 0; i < d->n; i++)
+        (void)printf("  %14.4g %%  %6.4f mm\n", 100 * d->knot[i].rate, d->knot[i].mm);
+    print_suspects(r);
+}
+
+/* ---- the command */
+
+static enum status store_it(struct ctl *c, struct store *s, struct store_calibration *k)
+{
+    enum status st = ST_OK;
+
+    if (!c->dry_run)
+        st = store_calibration_add(s, CTL_ACTOR, k, &c->e);
+    if (st != ST_OK)
+        return st;
+    ctl_out_flag(c->out, "stored", !c->dry_run);
+    if (!c->dry_run)
+        ctl_out_number(c->out, "version", (double)k->version);
+    if (!c->json && c->dry_run)
+        (void)printf("\nnothing was stored (--dry-run)\n");
+    else if (!c->json)
+        (void)printf("\nversion %lld is in force\n", (long long)k->version);
+    return ST_OK;
+}
+
+static enum status calibrate(struct ctl *c, struct store *s)
+{
+    struct result r = {0};
+    enum status st = compare_all(c, s, &r);
+
+    if (st == ST_OK)
+        st = learn(c, &r);
+    if (st == ST_OK) {
+        out_result(c, &r);
+        if (!c->json)
+            print_result(c, &r);
+        st = store_it(c, s, &r.k);
+    }
+    free(r.suspect);
+    rates_free(r.rates);
+    ctl_people_free(&r.people);
+    return st;
+}
+
+static enum status reset(struct ctl *c, struct store *s)
+{
+    const struct decision *d = &c->model->decision;
+    struct store_calibration k = {.shipped = true,
+                                  .fmr = decision_fmr(d, d->threshold_mm),
+                                  .low_mm = d->threshold_mm,
+                                  .high_mm = d->threshold_mm,
+                                  .decision = *d};
+
+    out_calibration(c->out, &k);
+    if (!c->json)
+        (void)printf("back to the shipped table: %.4f mm\n", d->threshold_mm);
+    return store_it(c, s, &k);
+}
+
+static enum status list(struct ctl *c, struct store *s)
+{
+    struct store_calibration *k, now;
+    size_t n;
+    enum status st = store_calibration_list(s, &k, &n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    if ((st = calibration_in_force(s, &now, &c->e)) != ST_OK)
+        goto out;
+    ctl_out_array(c->out, "calibrations");
+    if (!c->json)
+        (void)printf("%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED",
+                     "SOURCE", "THRESHOLD", "INTERVAL", "FMR", "SUBJECTS");
+    for (size_t i = 0; i < n; i++) {
+        ctl_out_object(c->out, NULL);
+        ctl_out_number(c->out, "version", (double)k[i].version);
+        ctl_out_text(c->out, "created", k[i].created);
+        ctl_out_text(c->out, "actor", k[i].actor);
+        ctl_out_text(c->out, "engine", k[i].engine);
+        out_calibration(c->out, &k[i]);
+        ctl_out_close(c->out);
+        if (!c->json)
+            (void)printf("%7lld  %-24s  %-8s  %9.4f  %6.4f - %6.4f  %7.2g  %8llu\n",
+                         (long long)k[i].version, k[i].created,
+                         k[i].shipped ? "shipped" : "database",
+                         k[i].decision.threshold_mm, k[i].low_mm, k[i].high_mm, k[i].fmr,
+                         (unsigned long long)k[i].subjects);
+    }
+    ctl_out_close(c->out);
+    ctl_out_object(c->out, "in_force");
+    ctl_out_number(c->out, "version", (double)now.version);
+    ctl_out_text(c->out, "source", now.shipped ? "shipped" : "database");
+    ctl_out_number(c->out, "threshold_mm", now.decision.threshold_mm);
+    ctl_out_close(c->out);
+    if (!c->json)
+        (void)printf("in force: %s, %.4f mm\n",
+                     now.shipped ? "the shipped table" : "the newest",
+                     now.decision.threshold_mm);
+out:
+    free(k);
+    return st;
+}
+
+int ctl_calibrate(struct ctl *c)
+{
+    const bool learns = !c->list && !c->reset;
+    struct store *s = NULL;
+    enum status st;
+
+    if ((c->list && c->reset) || (!learns && (c->genuine != NULL || c->fmr > 0)) ||
+        (c->list && c->dry_run)) {
+        (void)errinfo_set(&c->e, ST_EINVAL,
+                          "--list and --reset go with no other option of calibrate, but "
+                          "--reset with --dry-run");
+        return EXIT_USAGE;
+    }
+    if (!(c->fmr > 0))
+        c->fmr = DEFAULT_FMR;
+    st = ctl_model_store(c, c->list || c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    if (st == ST_OK)
+        st = c->list ? list(c, s) : c->reset ? reset(c, s) : calibrate(c, s);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+}

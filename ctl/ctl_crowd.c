@@ -1,0 +1,242 @@
+#include "ctl_crowd.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "codec.h"
+#include "corpus.h"
+#include "pool.h"
+#include "ctl.h"
+
+enum result { UNDONE, ENROLLED, PRESENT, FAILED };
+
+struct outcome { /* of a scan */
+    enum result result;
+    struct errinfo e; /* FAILED: why */
+};
+
+struct crowd {
+    struct ctl *c;
+    struct store *store;
+    const struct corpus *corpus;
+    uint32_t *scan;  /* [corpus->nscan] those that are enrolled, a subject's together */
+    uint32_t *first; /* [corpus->nsubject + 2] each subject's first, of scan */
+    struct outcome *outcome; /* [corpus->nscan] */
+};
+
+/* ---- what is enrolled */
+
+static bool wanted(const struct crowd *w, const struct corpus_scan *scan)
+{
+    return w->c->kind == NULL || strcmp(w->corpus->kind[scan->kind], w->c->kind) == 0;
+}
+
+/* The scans by subject, each one's in the order of the collection: by counting. */
+static uint32_t sort_scans(struct crowd *w)
+{
+    const struct corpus *k = w->corpus;
+
+    for (uint32_t i = 0; i < k->nscan; i++)
+        if (wanted(w, &k->scan[i]))
+            w->first[k->scan[i].subject + 2]++;
+    for (uint32_t i = 0; i <= k->nsubject; i++)
+        w->first[i + 1] += w->first[i]; /* a subject's first stands one place too far */
+    for (uint32_t i = 0; i < k->nscan; i++)
+        if (wanted(w, &k->scan[i]))
+            w->scan[w->first[k->scan[i].subject + 1]++] =
+                i; /* and is the next one's then */
+    return w->first[k->nsubject];
+}
+
+/* ---- one subject after the other */
+
+/* Has the subject this very cloud?  Nobody of that id: no. */
+static enum status is_there(struct ctl *c, struct store *s, const char *subject,
+                            const struct face *f, bool *there)
+{
+    struct store_template *t = NULL;
+    char digest[65];
+    size_t n = 0;
+    enum status st = store_template_list(s, subject, &t, &n, &c->e);
+
+    *there = false;
+    if (st == ST_ENOTFOUND)
+        return ST_OK;
+    if (st == ST_OK && codec_digest(&f->mesh, digest) != ST_OK)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; st == ST_OK && i < n; i++)
+        *there = *there || strcmp(t[i].digest, digest) == 0;
+    free(t);
+    return st;
+}
+
+/* A scan's own fault, which does not stop the others; else the machine's. */
+static bool is_fault(enum status st, bool stored)
+{
+    return stored ? st == ST_EMISMATCH || st == ST_EINVAL || st == ST_EDENIED
+                  : st != ST_ENOMEM;
+}
+
+/* c: of this thread. */
+static enum status enroll_scan(const struct crowd *w, struct ctl *c, uint32_t i,
+                               struct face_work *work, struct face *f)
+{
+    const struct corpus_scan *scan = &w->corpus->scan[i];
+    const char *subject = w->corpus->subject[scan->subject].id;
+    const char *label = c->label != NULL ? c->label : w->corpus->kind[scan->kind];
+    struct outcome *o = &w->outcome[i];
+    struct store_template t;
+    bool there = false, created = false, stored = false;
+    enum status st = ctl_scan_read(c, scan->path, work, f);
+
+    if (st == ST_OK) {
+        stored = true;
+        st = is_there(c, w->store, subject, f, &there);
+    }
+    if (st == ST_OK && !there)
+        st = ctl_enroll_face(c, w->store, subject, label, scan->path, work, f, &t,
+                             &created);
+    if (st == ST_OK) {
+        o->result = created ? ENROLLED : PRESENT;
+        return ST_OK;
+    }
+    o->e = c->e;
+    o->e.code = st;
+    if (!is_fault(st, stored))
+        return st;
+    o->result = FAILED;
+    return ST_OK;
+}
+
+/* All of a subject's scans, since the later have to fit the earlier. */
+static enum status enroll_subject(void *arg, size_t i, struct face_work *work,
+                                  struct errinfo *e)
+{
+    const struct crowd *w = arg;
+    struct ctl mine = *w->c; /* with an errinfo of its own */
+    struct face f = {0};
+    enum status st = ST_OK;
+
+    for (uint32_t k = w->first[i]; st == ST_OK && k < w->first[i + 1]; k++)
+        if ((st = enroll_scan(w, &mine, w->scan[k], work, &f)) != ST_OK && e != NULL)
+            *e = mine.e;
+    face_free(&f);
+    return st;
+}
+
+/* ---- the report */
+
+static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
+                        const struct outcome *o)
+{
+    ctl_out_object(c->out, NULL);
+    ctl_out_text(c->out, "file", k->scan[i].file);
+    ctl_out_text(c->out, "subject", k->subject[k->scan[i].subject].id);
+    ctl_out_text(c->out, "reason", status_message(o->e.code));
+    ctl_out_text(c->out, "detail", o->e.msg);
+    ctl_out_close(c->out);
+    (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
+}
+
+/* Returns how many failed. */
+static uint32_t report(const struct crowd *w, uint32_t n, double seconds)
+{
+    struct ctl *c = w->c;
+    uint32_t count[FAILED + 1] = {0}, why[ST_COUNT] = {0};
+
+    ctl_out_text(c->out, "collection", c->args[0]);
+    ctl_out_array(c->out, "failures");
+    for (uint32_t k = 0; k < n; k++) {
+        const struct outcome *o = &w->outcome[w->scan[k]];
+
+        count[o->result]++;
+        if (o->result == FAILED) {
+            why[o->e.code]++;
+            tell_failed(c, w->corpus, w->scan[k], o);
+        }
+    }
+    ctl_out_close(c->out);
+    ctl_out_number(c->out, "scans", n);
+    ctl_out_number(c->out, "enrolled", count[ENROLLED]);
+    ctl_out_number(c->out, "present", count[PRESENT]);
+    ctl_out_number(c->out, "failed", count[FAILED]);
+    ctl_out_number(c->out, "undone", count[UNDONE]);
+    ctl_out_number(c->out, "seconds", seconds);
+    if (c->json)
+        return count[FAILED];
+    (void)printf("%u scans of %s: %u enrolled, %u were there already, %u failed", n,
+                 c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
+    if (count[UNDONE] > 0)
+        (void)printf(", %u not tried", count[UNDONE]);
+    (void)printf("; %.1f s\n", seconds);
+    for (int st = 0; st < ST_COUNT; st++)
+        if (why[st] > 0)
+            (void)printf("  %6u  %s\n", why[st], status_message((enum status)st));
+    return count[FAILED];
+}
+
+static double clock_s(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
+/* Ids that no subject can have are told of before anything is enrolled. */
+static enum status check_ids(struct ctl *c, const struct corpus *k)
+{
+    for (uint32_t i = 0; i < k->nsubject; i++)
+        if (!store_subject_valid(k->subject[i].id))
+            return errinfo_set(&c->e, ST_EINVAL,
+                               "%.80s: '%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 "
+                               ". _ - @ :",
+                               c->args[0], k->subject[i].id, STORE_SUBJECT_MAX);
+    return ST_OK;
+}
+
+static enum status enroll(struct crowd *w, uint32_t *failed, uint32_t *n)
+{
+    const double start = clock_s();
+    const struct corpus *k = w->corpus;
+    enum status st;
+
+    w->scan = calloc(k->nscan, sizeof *w->scan);
+    w->first = calloc((size_t)k->nsubject + 2, sizeof *w->first);
+    w->outcome = calloc(k->nscan, sizeof *w->outcome);
+    if (w->scan == NULL || w->first == NULL || w->outcome == NULL)
+        return errinfo_set(&w->c->e, ST_ENOMEM, "out of memory");
+    if ((*n = sort_scans(w)) == 0)
+        return errinfo_set(&w->c->e, ST_ENOTFOUND, "%.120s has no scan of kind %.40s",
+                           w->c->args[0], w->c->kind);
+    st = pool_run("enroll", w->c->threads, w->c->model, k->nsubject, enroll_subject, w,
+                  &w->c->e);
+    *failed = report(w, *n, clock_s() - start);
+    return st;
+}
+
+int ctl_crowd_enroll(struct ctl *c)
+{
+    struct crowd w = {.c = c};
+    struct corpus *corpus = NULL;
+    uint32_t failed = 0, n = 0;
+    enum status st = corpus_read(c->args[0], &corpus, &c->e);
+
+    w.corpus = corpus;
+    if (st == ST_OK && (st = check_ids(c, corpus)) == ST_OK &&
+        (st = ctl_model_store(c, STORE_WRITE, &w.store)) == ST_OK)
+        st = enroll(&w, &failed, &n);
+    store_close(w.store);
+    corpus_free(corpus);
+    free(w.scan);
+    free(w.first);
+    free(w.outcome);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    if (failed == 0)
+        return EXIT_FINE;
+    (void)errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed, n);
+    return EXIT_DATA;
+}

@@ -1,0 +1,441 @@
+/* The command dedup: the same face under two subjects. */
+#include <inttypes.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "calibration.h"
+#include "decision.h"
+#include "pool.h"
+#include "ctl.h"
+
+#define PAGE   1000 /* subjects read at a time */
+#define TRIALS 16   /* comparisons that the time is estimated by */
+#define NOBODY UINT32_MAX
+
+struct entry { /* a template */
+    char id[STORE_ID_LEN + 1];
+    char digest[65];
+    uint32_t owner; /* of subject[] */
+};
+
+struct pair {
+    uint32_t a, b; /* of entry[], a before b */
+    uint32_t x, y; /* whose */
+    double mm;
+};
+
+struct dedup {
+    struct ctl *c;
+    struct store *store;
+    char (*subject)[STORE_SUBJECT_MAX + 1]; /* [nsubject] with templates, as they came */
+    uint32_t nsubject;
+    struct entry *entry; /* [n] */
+    uint32_t n;
+    uint32_t alone; /* the subject that is compared with all others; or NOBODY */
+
+    struct store_calibration calibration; /* in force */
+    double threshold_mm;
+    double pairs;      /* of templates that are to be compared */
+    double estimate_s; /* that it takes, where the threads have a core each */
+
+    pthread_mutex_t lock; /* of what follows */
+    struct pair *found;   /* [nfound]; when done, of each two subjects the nearest */
+    size_t nfound, room;
+    uint64_t compared, inconclusive;
+};
+
+/* Of this thread's own work: what else the machine does at the moment is not counted. */
+static double clock_s(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
+/* ---- who is compared */
+
+static enum status no_memory(struct dedup *d)
+{
+    return errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
+}
+
+static enum status list_one(struct dedup *d, const char *subject)
+{
+    struct store_template *t = NULL;
+    void *larger;
+    size_t n = 0;
+    enum status st = store_template_list(d->store, subject, &t, &n, &d->c->e);
+
+    if (st == ST_ENOTFOUND)
+        return ST_OK; /* erased since it was listed */
+    if (st != ST_OK || n == 0)
+        goto out;
+    st = ST_ENOMEM;
+    if ((larger = realloc(d->subject, (d->nsubject + 1) * sizeof *d->subject)) == NULL)
+        goto out;
+    d->subject = larger;
+    if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
+        goto out;
+    d->entry = larger;
+    if (d->c->subject != NULL && strcmp(subject, d->c->subject) == 0)
+        d->alone = d->nsubject;
+    memcpy(d->subject[d->nsubject], t[0].subject, sizeof t[0].subject);
+    for (size_t i = 0; i < n; i++, d->n++) {
+        memcpy(d->entry[d->n].id, t[i].id, sizeof t[i].id);
+        memcpy(d->entry[d->n].digest, t[i].digest, sizeof t[i].digest);
+        d->entry[d->n].owner = d->nsubject;
+    }
+    d->nsubject++;
+    st = ST_OK;
+out:
+    free(t);
+    return st == ST_ENOMEM ? no_memory(d) : st;
+}
+
+static enum status list_all(struct dedup *d)
+{
+    struct store_subject *page = NULL;
+    int64_t after = 0;
+    size_t n = 0;
+    enum status st;
+
+    d->alone = NOBODY;
+    while ((st = store_subject_list(d->store, after, PAGE, &page, &n, &d->c->e)) ==
+               ST_OK &&
+           n > 0) {
+        for (size_t i = 0; i < n && st == ST_OK; i++)
+            if (page[i].templates > 0)
+                st = list_one(d, page[i].id);
+        after = page[n - 1].key;
+        free(page);
+        if (st != ST_OK)
+            break;
+    }
+    if (st == ST_OK && d->c->subject != NULL && d->alone == NOBODY)
+        st = errinfo_set(&d->c->e, ST_ENOTFOUND,
+                         "there is no subject %.128s with a template", d->c->subject);
+    return st;
+}
+
+/* Each two once, the one that came first as the template. */
+static bool is_pair(const struct dedup *d, uint32_t a, uint32_t b)
+{
+    const uint32_t x = d->entry[a].owner, y = d->entry[b].owner;
+
+    return x < y && (d->alone == NOBODY || x == d->alone || y == d->alone);
+}
+
+static void count_pairs(struct dedup *d)
+{
+    for (uint32_t from = 0, to; from < d->n; from = to) { /* a subject's */
+        for (to = from; to < d->n && d->entry[to].owner == d->entry[from].owner;)
+            to++;
+        if (d->alone == NOBODY)
+            d->pairs += (double)(to - from) * (d->n - to);
+        else if (d->entry[from].owner == d->alone)
+            d->pairs = (double)(to - from) * (d->n - (to - from));
+    }
+}
+
+/* The largest disparity whose false match rate is at most fmr. */
+static enum status threshold_for(struct dedup *d, double fmr)
+{
+    const struct decision *k = &d->calibration.decision;
+    double low = 0, high = k->knot[k->n - 1].mm;
+
+    if (decision_fmr(k, low) >= fmr)
+        return errinfo_set(&d->c->e, ST_EINVAL,
+                           "no threshold has a false match rate of %g: that of 0 mm is "
+                           "%.2g",
+                           fmr, decision_fmr(k, low));
+    for (int i = 0; i < 60; i++) {
+        const double mid = (low + high) / 2;
+
+        if (decision_fmr(k, mid) <= fmr)
+            low = mid;
+        else
+            high = mid;
+    }
+    d->threshold_mm = low;
+    return ST_OK;
+}
+
+/* ---- comparing */
+
+static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double mm)
+{
+    if (d->nfound == d->room) {
+        const size_t room = 2 * d->room + 64;
+        void *larger = realloc(d->found, room * sizeof *d->found);
+
+        if (larger == NULL)
+            return ST_ENOMEM;
+        d->found = larger;
+        d->room = room;
+    }
+    d->found[d->nfound++] = (struct pair){a, b, d->entry[a].owner, d->entry[b].owner, mm};
+    return ST_OK;
+}
+
+/* Entry i into *f; it is empty where the template was deleted since, or is of another engine
+ * and no face to this one. */
+static enum status load(const struct dedup *d, uint32_t i, struct face_work *w,
+                        struct face *f, struct errinfo *e)
+{
+    struct store_template t;
+    const enum status st = store_template_load(d->store, d->entry[i].id, &t, w, f, e);
+
+    if (st != ST_ENOTFOUND && st != ST_EVERSION)
+        return st;
+    f->mesh.nv = 0;
+    return ST_OK;
+}
+
+struct row { /* a template with all later ones */
+    struct face a, b;
+    uint64_t compared, inconclusive;
+};
+
+static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_work *w,
+                           struct row *r, struct errinfo *e)
+{
+    struct face_result x;
+    enum status st = face_compare(&r->a, &r->b, d->threshold_mm, NULL, w, &x);
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "comparing: %s", status_message(st));
+    r->compared++;
+    r->inconclusive += x.decision == FACE_INCONCLUSIVE;
+    if (x.decision != FACE_MATCH)
+        return ST_OK;
+    (void)pthread_mutex_lock(&d->lock);
+    st = keep(d, a, b, x.disparity_mm);
+    (void)pthread_mutex_unlock(&d->lock);
+    return st == ST_OK ? ST_OK : errinfo_set(e, st, "out of memory");
+}
+
+/* Loading a template costs a tenth of comparing it, so none but the row's own is kept: memory
+ * does not grow with the database. */
+static enum status compare_row(struct dedup *d, uint32_t a, struct face_work *w,
+                               struct row *r, struct errinfo *e)
+{
+    bool loaded = false;
+    enum status st = ST_OK;
+
+    for (uint32_t b = a + 1; b < d->n && st == ST_OK; b++) {
+        if (!is_pair(d, a, b))
+            continue;
+        if (!loaded && (st = load(d, a, w, &r->a, e)) != ST_OK)
+            break;
+        loaded = true;
+        if (r->a.mesh.nv == 0)
+            break;
+        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b.mesh.nv > 0)
+            st = compare(d, a, b, w, r, e);
+    }
+    return st;
+}
+
+/* Rows from both ends in turns: the first are the longest, and the progress is to be even. */
+static enum status do_row(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    struct dedup *d = arg;
+    const uint32_t k = (uint32_t)i / 2;
+    struct row r = {0};
+    const enum status st = compare_row(d, i % 2 == 0 ? k : d->n - 1 - k, w, &r, e);
+
+    (void)pthread_mutex_lock(&d->lock);
+    d->compared += r.compared;
+    d->inconclusive += r.inconclusive;
+    (void)pthread_mutex_unlock(&d->lock);
+    face_free(&r.a);
+    face_free(&r.b);
+    return st;
+}
+
+/* Some templates with the next ones, where the processors are free. */
+static enum status estimate(struct dedup *d)
+{
+    struct face_work *w = face_work_new(d->c->model);
+    const double start = clock_s();
+    struct face_result x;
+    struct row r = {0};
+    uint32_t n = 0;
+    enum status st = w != NULL ? ST_OK : no_memory(d);
+
+    for (uint32_t k = 0; st == ST_OK && k < TRIALS && d->n > 1; k++) {
+        const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);
+
+        if ((st = load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
+            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a.mesh.nv == 0 ||
+            r.b.mesh.nv == 0)
+            continue;
+        if ((st = face_compare(&r.a, &r.b, 0, NULL, w, &x)) != ST_OK)
+            (void)errinfo_set(&d->c->e, st, "comparing: %s", status_message(st));
+        n++;
+    }
+    if (n > 0)
+        d->estimate_s = d->pairs * (clock_s() - start) / n / pool_threads(d->c->threads);
+    face_free(&r.a);
+    face_free(&r.b);
+    face_work_free(w);
+    return st;
+}
+
+/* ---- what is told */
+
+static int by_people(const void *p, const void *q)
+{
+    const struct pair *v = p, *w = q;
+
+    if (v->x != w->x)
+        return v->x < w->x ? -1 : 1;
+    if (v->y != w->y)
+        return v->y < w->y ? -1 : 1;
+    if (v->mm != w->mm)
+        return v->mm < w->mm ? -1 : 1;
+    return v->a != w->a ? (v->a > w->a) - (v->a < w->a) : (v->b > w->b) - (v->b < w->b);
+}
+
+static int by_mm(const void *p, const void *q)
+{
+    const struct pair *v = p, *w = q;
+
+    return v->mm != w->mm ? (v->mm > w->mm) - (v->mm < w->mm) : by_people(p, q);
+}
+
+/* Of each two subjects the nearest templates, the most alike first: the same in whatever
+ * order the threads came. */
+static void sort_found(struct dedup *d)
+{
+    size_t n = 0;
+
+    if (d->nfound == 0)
+        return;
+    qsort(d->found, d->nfound, sizeof *d->found, by_people);
+    for (size_t i = 0; i < d->nfound; i++)
+        if (n == 0 || d->found[n - 1].x != d->found[i].x ||
+            d->found[n - 1].y != d->found[i].y)
+            d->found[n++] = d->found[i];
+    d->nfound = n;
+    qsort(d->found, d->nfound, sizeof *d->found, by_mm);
+}
+
+static void tell_costs(const struct dedup *d)
+{
+    const double chance =
+        d->pairs * decision_fmr(&d->calibration.decision, d->threshold_mm);
+
+    ctl_out_text(d->c->out, "engine", d->c->engine);
+    ctl_out_number(d->c->out, "subjects", d->nsubject);
+    ctl_out_number(d->c->out, "templates", d->n);
+    ctl_out_number(d->c->out, "pairs", d->pairs);
+    ctl_out_number(d->c->out, "estimate_s", d->estimate_s);
+    ctl_out_number(d->c->out, "threshold_mm", d->threshold_mm);
+    ctl_out_number(d->c->out, "by_chance", chance);
+    (void)fprintf(stderr,
+                  "surfacectl: %.0f comparisons of %" PRIu32
+                  " subjects' templates, about "
+                  "%.*f s; by chance about %.2g of them at or below %.4f mm\n",
+                  d->pairs, d->nsubject, d->estimate_s < 10 ? 1 : 0, d->estimate_s,
+                  chance, d->threshold_mm);
+}
+
+static void tell_pair(const struct dedup *d, const struct pair *p)
+{
+    const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
+    const double fmr = decision_fmr(&d->calibration.decision, p->mm);
+    const bool same = strcmp(a->digest, b->digest) == 0;
+
+    ctl_out_object(d->c->out, NULL);
+    ctl_out_text(d->c->out, "subject_a", d->subject[p->x]);
+    ctl_out_text(d->c->out, "subject_b", d->subject[p->y]);
+    ctl_out_text(d->c->out, "template_a", a->id);
+    ctl_out_text(d->c->out, "template_b", b->id);
+    ctl_out_number(d->c->out, "disparity_mm", p->mm);
+    ctl_out_number(d->c->out, "fmr_at_score", fmr);
+    ctl_out_flag(d->c->out, "same_scan", same);
+    ctl_out_close(d->c->out);
+    if (!d->c->json)
+        (void)printf("%9.4f  %8.1e  %s  %s%s\n", p->mm, fmr, d->subject[p->x],
+                     d->subject[p->y], same ? "  (the very same scan)" : "");
+}
+
+static void tell_found(const struct dedup *d)
+{
+    if (!d->c->json && d->nfound > 0)
+        (void)printf("%9s  %8s  %s\n", "DISPARITY", "FMR", "SUBJECTS");
+    ctl_out_array(d->c->out, "duplicates");
+    for (size_t i = 0; i < d->nfound; i++)
+        tell_pair(d, &d->found[i]);
+    ctl_out_close(d->c->out);
+    ctl_out_number(d->c->out, "compared", (double)d->compared);
+    ctl_out_number(d->c->out, "inconclusive", (double)d->inconclusive);
+    if (d->c->json)
+        return;
+    (void)printf("%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,
+                 d->nfound == 1 ? "" : "s", d->compared);
+    if (d->inconclusive > 0)
+        (void)printf(", of which %" PRIu64 " had too little in common to tell",
+                     d->inconclusive);
+    (void)printf("\n");
+    if ((double)d->compared < d->pairs)
+        (void)printf("%.0f were left out: deleted meanwhile, or of another engine "
+                     "(template reprocess)\n",
+                     d->pairs - (double)d->compared);
+}
+
+/* ---- the command */
+
+static enum status dedup(struct dedup *d)
+{
+    struct ctl *c = d->c;
+    enum status st;
+
+    if ((st = calibration_in_force(d->store, &d->calibration, &c->e)) != ST_OK ||
+        (st = list_all(d)) != ST_OK)
+        return st;
+    d->threshold_mm = d->calibration.decision.threshold_mm;
+    if (c->threshold_mm > 0)
+        d->threshold_mm = c->threshold_mm;
+    else if (c->fmr > 0 && (st = threshold_for(d, c->fmr)) != ST_OK)
+        return st;
+    count_pairs(d);
+    if ((st = estimate(d)) != ST_OK)
+        return st;
+    tell_costs(d);
+    if (c->dry_run)
+        return ST_OK;
+    if (d->pairs > 0)
+        st = pool_run("compare", c->threads, c->model, d->n, do_row, d, &c->e);
+    if (st != ST_OK)
+        return st;
+    sort_found(d);
+    tell_found(d);
+    return ST_OK;
+}
+
+int ctl_dedup(struct ctl *c)
+{
+    struct dedup d = {.c = c};
+    enum status st;
+    int code;
+
+    if (c->fmr > 0 && c->threshold_mm > 0)
+        return ctl_usage(c, "--fmr or --threshold-mm, not both");
+    (void)pthread_mutex_init(&d.lock, NULL);
+    if ((st = ctl_model_store(c, STORE_READ, &d.store)) == ST_OK)
+        st = dedup(&d);
+    code = st != ST_OK ? ctl_fail(c, st) : d.nfound > 0 ? EXIT_NO : EXIT_FINE;
+    store_close(d.store);
+    (void)pthread_mutex_destroy(&d.lock);
+    free(d.subject);
+    free(d.entry);
+    free(d.found);
+    return code;
+}

@@ -1,0 +1,29 @@
+/* ctl_dir.h -- a folder of results: files that are there whole or not at all, and
+ * readable by their owner alone, for they tell of people. */
+#ifndef DB_SURFACECTL_DIR_H
+#define DB_SURFACECTL_DIR_H
+#include <stdio.h>
+#include "errinfo.h"
+
+struct mesh; /* mesh.h */
+
+/* ctl_dir_open(path, dir, e): make the folder, unless it is there, and open it; *dir
+ * is closed by the caller.  ST_EIO, ST_EDENIED. */
+enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
+
+/* ctl_dir_write(dir, name, write, arg, e): a file with what write(to, arg, e) writes;
+ * one of that name is replaced.  write need not look at write errors; when it fails, or not
+ * everything could be written, nothing has changed. */
+enum status ctl_dir_write(int dir, const char *name,
+                          enum status (*write)(FILE *to, const void *arg,
+                                               struct errinfo *e),
+                          const void *arg, struct errinfo *e);
+
+/* ctl_dir_mesh(path, m, e): the mesh in a file, PLY in millimetres; its folder is made
+ * if it is missing. */
+enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e);
+
+/* ctl_dir_remove(dir, name, e): of a former run, where there is one. */
+enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e);
+
+#endif

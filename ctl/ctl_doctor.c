@@ -1,0 +1,308 @@
+/* doctor: what is wrong around a database, and what to do.  Nothing is changed. */
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "keyfile.h"
+#include "ctl.h"
+
+#define LEAST_FREE (UINT64_C(64) << 20) /* bytes */
+#define PAGE       1000                 /* subjects read at a time */
+#define STICKY     01000                /* S_ISVTX, which POSIX leaves to XSI */
+
+enum level { FINE, NOTE, TROUBLE };
+
+struct doctor {
+    struct ctl *c;
+    unsigned troubles;
+    char key[PATH_MAX],
+        next[PATH_MAX]; /* the key's file, and where rekey puts a new one */
+    bool used;          /* somebody has the database open */
+};
+
+/* One finding, and what to do about it. */
+__attribute__((format(printf, 5, 6))) static void say(struct doctor *d, enum level level,
+                                                      const char *about, const char *todo,
+                                                      const char *format, ...)
+{
+    static const char *const word[] = {"ok", "note", "trouble"};
+    char text[400];
+    va_list args;
+
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    d->troubles += level == TROUBLE;
+    ctl_out_object(d->c->out, NULL);
+    ctl_out_text(d->c->out, "level", word[level]);
+    ctl_out_text(d->c->out, "about", about);
+    ctl_out_text(d->c->out, "finding", text);
+    if (level != FINE)
+        ctl_out_text(d->c->out, "todo", todo);
+    ctl_out_close(d->c->out);
+    if (d->c->json)
+        return;
+    (void)printf("%-8s %-9s %s\n", word[level], about, text);
+    if (level != FINE)
+        (void)printf("%19s%s\n", "-> ", todo);
+}
+
+/* ---- files */
+
+static bool look_at_file(struct doctor *d)
+{
+    const char *db = d->c->db;
+    struct stat sb;
+
+    if (stat(db, &sb) != 0 || !S_ISREG(sb.st_mode)) {
+        say(d, TROUBLE, "database", "name it with --db, or make one: surfacectl init",
+            "there is no file %s", db);
+        return false;
+    }
+    if ((sb.st_mode & 077) != 0)
+        say(d, TROUBLE, "database", "chmod 600, unless a group is meant to",
+            "%s may be read or changed by others (mode %03o)", db,
+            (unsigned)sb.st_mode & 0777);
+    else if (access(db, R_OK | W_OK) != 0)
+        say(d, TROUBLE, "database", "run this as its owner, as with runuser -u surfaced",
+            "%s belongs to user %u: not to be read and written by this one", db,
+            (unsigned)sb.st_uid);
+    else
+        say(d, FINE, "database", "", "%s is its owner's alone", db);
+    return access(db, R_OK) == 0;
+}
+
+static void look_at_folder(struct doctor *d)
+{
+    const char *db = d->c->db, *slash = strrchr(db, '/');
+    char dir[PATH_MAX];
+    struct stat sb;
+    struct statvfs fs;
+    char text[32];
+    uint64_t left;
+
+    (void)snprintf(dir, sizeof dir, "%.*s", slash == NULL ? 1 : (int)(slash - db + 1),
+                   slash == NULL ? "." : db);
+    if (stat(dir, &sb) != 0 || statvfs(dir, &fs) != 0)
+        return;
+    if ((sb.st_mode & 022) != 0 && (sb.st_mode & STICKY) == 0)
+        say(d, TROUBLE, "folder", "chmod go-w on it",
+            "others may exchange files in %s (mode %03o)", dir,
+            (unsigned)sb.st_mode & 0777);
+    else if (access(dir, W_OK | X_OK) != 0)
+        say(d, TROUBLE, "folder", "make it the daemon's user's: chown, chmod 700",
+            "no file can be made in %s, as the log beside the database", dir);
+    else
+        say(d, FINE, "folder", "", "%s can be written", dir);
+    left = (uint64_t)fs.f_bavail * fs.f_frsize;
+    if (left < LEAST_FREE)
+        say(d, TROUBLE, "disk", "make room: enrolments fail when it is full",
+            "%s are left", ctl_bytes(left, text));
+    else
+        say(d, FINE, "disk", "", "%s are left", ctl_bytes(left, text));
+}
+
+static void look_at_log(struct doctor *d)
+{
+    char name[PATH_MAX];
+    struct stat sb;
+    int64_t pid;
+
+    if ((d->used = store_in_use(d->c->db, &pid)))
+        say(d, FINE, "in use", "", "process %lld has the database open", (long long)pid);
+    (void)snprintf(name, sizeof name, "%s-wal", d->c->db);
+    if (stat(name, &sb) != 0 || sb.st_size == 0)
+        return;
+    if (access(name, R_OK | W_OK) != 0)
+        say(d, TROUBLE, "log", "chown it to the database's owner, and PATH-shm too",
+            "%s belongs to user %u, and this one may not write it", name,
+            (unsigned)sb.st_uid);
+    else if (!d->used)
+        say(d, NOTE, "log",
+            "nothing: the next command brings it in; never copy or remove one without the "
+            "other",
+            "%s is left, %lld bytes: whoever had the database was killed", name,
+            (long long)sb.st_size);
+}
+
+/* What commands that were killed have left, or that came to their end and nobody removed. */
+static void look_at_left(struct doctor *d)
+{
+    static const struct {
+        const char *suffix, *finding, *todo;
+    } left[] = {
+        {".part", "is what a restore or an upgrade that was killed had written",
+         "nothing: the next one writes over it; or delete it while none is running"},
+        {".before-restore", "is the database from before a restore",
+         "delete it when all is well: it has people in it who may be erased by now"},
+        {".before-restore.part", "is what a restore that was killed had copied",
+         "nothing: the next one writes over it; or delete it while none is running"},
+    };
+    char name[PATH_MAX];
+
+    for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", d->c->db, left[i].suffix);
+        if (access(name, F_OK) == 0)
+            say(d, NOTE, "left", left[i].todo, "%s %s", name, left[i].finding);
+    }
+}
+
+/* ---- what is in them */
+
+static bool look_at_schema(struct doctor *d)
+{
+    struct store_look l;
+    struct errinfo e;
+    const enum status st = store_look(d->c->db, &l, &e);
+
+    if (st == ST_EVERSION)
+        say(d, TROUBLE, "schema", "use the program that made it, or a newer one", "%s",
+            e.msg);
+    else if (st != ST_OK)
+        say(d, TROUBLE, "schema", "surfacectl restore brings a backup back", "%s", e.msg);
+    else if (l.version == 0)
+        say(d, TROUBLE, "schema", "surfacectl init", "the database is empty");
+    else if (l.version < l.newest)
+        say(d, TROUBLE, "schema", "surfacectl migrate",
+            "the database is of version %d, this program of %d", l.version, l.newest);
+    else
+        say(d, FINE, "schema", "", "version %d, as this program's", l.version);
+    return st == ST_OK && l.version == l.newest;
+}
+
+/* Does a key's file open the database? */
+static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
+{
+    const struct store_key key = {.path = path, .make = VAULT_FILE};
+    struct store *s = NULL;
+    const enum status st = store_open(d->c->db, STORE_READ, &key, &s, e);
+
+    store_close(s);
+    return st;
+}
+
+static void look_at_next(struct doctor *d)
+{
+    if (access(d->next, F_OK) != 0)
+        return;
+    if (try_key(d, d->next, NULL) == ST_OK)
+        say(d, TROUBLE, "key",
+            "rename it over the other: nothing else opens the database",
+            "a change of the key was interrupted: the key is %s", d->next);
+    else
+        say(d, TROUBLE, "key", "remove it: surfacectl rekey does not begin before",
+            "%s is left of a change of the key that was not made", d->next);
+}
+
+/* Is there a key that opens the database? */
+static bool look_at_key(struct doctor *d)
+{
+    enum vault_kind kind;
+    struct errinfo e;
+    enum status st = store_kind(d->c->db, &kind, &e);
+
+    if (st == ST_OK && kind == VAULT_OPEN) {
+        say(d, NOTE, "key", "surfacectl rekey gives it a key",
+            "the database is plaintext: whoever has the file can read it");
+        return true;
+    }
+    if (st == ST_OK && kind == VAULT_PASSPHRASE && access(d->key, F_OK) != 0) {
+        say(d, NOTE, "key", "give a file with it to --key to have it tried",
+            "a passphrase opens the database: it was not asked for");
+        return false;
+    }
+    if (st == ST_OK)
+        st = try_key(d, d->key, &e);
+    if (st == ST_OK)
+        say(d, FINE, "key", "", "%s opens the database", d->key);
+    else if (st == ST_ENOTFOUND)
+        say(d, TROUBLE, "key", "put the copy of it there, or name it with --key", "%s",
+            e.msg);
+    else if (st == ST_EDENIED)
+        say(d, TROUBLE, "key", "chmod 600 it, or name the right one with --key", "%s",
+            e.msg);
+    else
+        say(d, TROUBLE, "key", "surfacectl check says more", "%s", e.msg);
+    return st == ST_OK;
+}
+
+static enum status count_others(struct store *s, const char *subject, uint64_t *all,
+                                uint64_t *others, struct errinfo *e)
+{
+    struct store_template *list;
+    size_t n;
+    const enum status st = store_template_list(s, subject, &list, &n, e);
+
+    if (st == ST_ENOTFOUND)
+        return ST_OK; /* erased meanwhile */
+    if (st != ST_OK)
+        return st;
+    for (size_t i = 0; i < n; i++)
+        *others += store_stale(s, &list[i]);
+    *all += n;
+    free(list);
+    return ST_OK;
+}
+
+static void look_at_templates(struct doctor *d)
+{
+    const struct store_key key = {.path = d->key, .make = VAULT_FILE};
+    struct store_subject *page = NULL;
+    struct store *s = NULL;
+    struct errinfo e;
+    uint64_t all = 0, others = 0;
+    int64_t after = 0;
+    size_t n = 0;
+    enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+
+    if (st == ST_OK)
+        store_use_model(s, d->c->model);
+    while (st == ST_OK &&
+           (st = store_subject_list(s, after, PAGE, &page, &n, &e)) == ST_OK && n > 0) {
+        for (size_t i = 0; i < n && st == ST_OK; i++)
+            st = count_others(s, page[i].id, &all, &others, &e);
+        after = page[n - 1].key;
+        free(page);
+    }
+    store_close(s);
+    if (st != ST_OK)
+        say(d, TROUBLE, "templates", "surfacectl check finds all that is damaged", "%s",
+            e.msg);
+    else if (others > 0)
+        say(d, TROUBLE, "templates",
+            "surfacectl template reprocess, or name their model with --model",
+            "%llu of %llu were made by another engine than %s",
+            (unsigned long long)others, (unsigned long long)all, d->c->engine);
+    else
+        say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)all);
+}
+
+int ctl_doctor(struct ctl *c)
+{
+    struct doctor d = {.c = c};
+
+    if (c->key != NULL)
+        (void)snprintf(d.key, sizeof d.key, "%s", c->key);
+    else
+        (void)snprintf(d.key, sizeof d.key, "%s.key", c->db);
+    (void)snprintf(d.next, sizeof d.next, "%.*s.new", (int)sizeof d.next - 5, d.key);
+    ctl_out_array(c->out, "findings");
+    if (look_at_file(&d)) {
+        look_at_folder(&d);
+        look_at_log(&d); /* before it is brought in */
+        look_at_left(&d);
+        if (look_at_schema(&d)) {
+            look_at_next(&d);
+            if (look_at_key(&d))
+                look_at_templates(&d);
+        }
+    }
+    ctl_out_close(c->out);
+    ctl_out_flag(c->out, "ok", d.troubles == 0);
+    return d.troubles == 0 ? EXIT_FINE : EXIT_NO;
+}

@@ -1,0 +1,144 @@
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ctl_explain.h"
+
+#include "mem.h"
+#include "ctl.h"
+#include "ctl_dir.h"
+
+/* A from the database: of a subject the template that decides, or else the template; by the
+ * database's calibration, which the attempt to find a subject sets in any case. */
+static enum status template_stored(struct ctl *c, struct face_work *w,
+                                   struct explanation *x, struct store_template *t)
+{
+    struct ctl_nearest best;
+    struct store *s;
+    enum status st = ctl_model_store(c, STORE_WRITE, &s);
+
+    if (st != ST_OK)
+        return st;
+    st = ctl_face_nearest(c, s, x->a, &x->probe, w, &best);
+    if (st == ST_OK) {
+        x->compared = best.compared;
+        x->result = best.result;
+        st = store_template_load(s, best.tmpl.id, t, w, &x->tmpl, &c->e);
+    } else if (st == ST_ENOTFOUND && store_id_valid(x->a)) {
+        x->compared = 1;
+        st = store_template_load(s, x->a, t, w, &x->tmpl, &c->e);
+        if (st == ST_OK)
+            st = face_compare(&x->tmpl, &x->probe, c->threshold_mm, NULL, w, &x->result);
+    }
+    x->template_id = t->id;
+    if (st == ST_OK)
+        st = store_event(s, "explain", CTL_ACTOR, t->subject, t->id,
+                         ctl_face_decision(x->result.decision), &c->e);
+    store_close(s);
+    return st;
+}
+
+static enum status compare(struct ctl *c, struct face_work *w, struct explanation *x,
+                           struct store_template *t)
+{
+    enum status st = ctl_scan_points(c, x->b, &x->pts, &x->n);
+
+    if (st == ST_OK)
+        st = ctl_scan_build(c, x->b, x->pts, x->n, w, &x->probe);
+    if (st == ST_OK && c->db != NULL) {
+        st = template_stored(c, w, x, t);
+    } else if (st == ST_OK) {
+        st = ctl_scan_read(c, x->a, w, &x->tmpl);
+        if (st == ST_OK)
+            st = face_compare(&x->tmpl, &x->probe, c->threshold_mm, NULL, w, &x->result);
+    }
+    if (st == ST_OK)
+        st = ctl_explain_gap(x);
+    if (st != ST_OK && c->e.msg[0] == '\0')
+        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+    return st;
+}
+
+/* One file of an explanation, for ctl_dir_write(). */
+struct part {
+    explain_writer *write;
+    const struct explanation *x;
+};
+
+static enum status write_part(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct part *p = arg;
+
+    return p->write(to, p->x, e);
+}
+
+/* Every file, or as many as there can be: of the pictures none without gnuplot, which is
+ * no failure.  *pictures: are they there? */
+static enum status write_all(struct ctl *c, const struct explanation *x, const char *path,
+                             bool *pictures)
+{
+    static const struct {
+        const char *name;
+        explain_writer *write;
+        bool picture;
+    } file[] = {{"explain.txt", ctl_explain_text, false},
+                {"explain.json", ctl_explain_json, false},
+                {"gap.ply", ctl_explain_cloud, false},
+                {"gap.png", ctl_explain_picture, true},
+                {"histogram.png", ctl_explain_histogram, true}};
+    int dir;
+    enum status st = ctl_dir_open(path, &dir, &c->e);
+
+    /* What an earlier comparison left must not stand beside this one's. */
+    for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++)
+        st = ctl_dir_remove(dir, file[i].name, &c->e);
+    *pictures = true;
+    for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++) {
+        const struct part p = {file[i].write, x};
+
+        st = ctl_dir_write(dir, file[i].name, write_part, &p, &c->e);
+        if (st == ST_ENOTFOUND && file[i].picture) {
+            *pictures = false;
+            st = ST_OK;
+        } else if (st == ST_EINVAL) {
+            st = ST_EINTERNAL; /* the script that gnuplot refused is this program's */
+        }
+    }
+    if (dir >= 0)
+        (void)close(dir);
+    return st;
+}
+
+int ctl_explain(struct ctl *c)
+{
+    const char *path = c->dir != NULL ? c->dir : "explanation";
+    struct explanation x = {.a = c->args[0], .b = c->args[1], .engine = c->engine};
+    struct face_work *w = face_work_new(c->model);
+    struct store_template t = {0};
+    bool pictures = false;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else
+        st = compare(c, w, &x, &t);
+    if (st == ST_OK)
+        st = write_all(c, &x, path, &pictures);
+    if (st == ST_OK) {
+        ctl_explain_out(c->out, &x);
+        ctl_out_text(c->out, "directory", path);
+        ctl_out_flag(c->out, "pictures", pictures);
+        if (!c->json) {
+            (void)ctl_explain_text(stdout, &x, NULL);
+            (void)printf("written to   %s\n", path);
+        }
+        if (!pictures)
+            (void)fprintf(stderr, "surfacectl: no pictures: %s\n", c->e.msg);
+    }
+    mem_free(x.gap);
+    mem_free(x.pts);
+    face_free(&x.tmpl);
+    face_free(&x.probe);
+    face_work_free(w);
+    return st == ST_OK ? ctl_face_exit(x.result.decision) : ctl_fail(c, st);
+}

@@ -1,0 +1,134 @@
+#include <math.h>
+
+#include "ctl.h"
+#include "ctl_explain.h"
+
+/* Why the decision is what it is, in a sentence. */
+static const char *reason(const struct face_result *r)
+{
+    if (r->decision == FACE_MATCH)
+        return "the disparity is not above the threshold";
+    if (r->decision == FACE_NO_MATCH)
+        return "the disparity is above the threshold";
+    if (r->align.stop == ALIGN_APART)
+        return "no pose was found in which the surfaces have enough in common";
+    if (r->measure.overlap < decision_min_overlap)
+        return "the common area is too small a share of the template's";
+    return "the common area has too small a share of the weight";
+}
+
+/* What the comparison found; by region of the face at the end. */
+static void print_result(FILE *to, const struct face_result *r)
+{
+    (void)fprintf(to, "decision     %s: %s\n", ctl_face_decision(r->decision), reason(r));
+    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+                  r->threshold_mm);
+    (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
+                  r->fmr_at_score);
+    (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
+                  r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
+    (void)fprintf(
+        to,
+        "common       %.1f %% of the template's area, %.1f %% of a face's weight "
+        "(at least %.0f and %.0f %% are needed)\n",
+        100 * r->measure.overlap, 100 * r->weight_overlap, 100 * decision_min_overlap,
+        100 * decision_min_weight);
+    (void)fprintf(to,
+                  "change       %.3f mm (root mean square) taken out as change of one "
+                  "face\n",
+                  r->change_mm);
+    ctl_face_alignment(to, &r->align);
+    ctl_face_regions(to, r);
+}
+
+static void print_quality(FILE *to, const char *who, const struct face *f)
+{
+    (void)fprintf(to,
+                  "%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
+                  "noise %.3f mm)",
+                  who, f->mesh.nv, f->quality.score, f->quality.coverage,
+                  f->quality.density_mm, f->quality.noise_mm);
+    ctl_face_reasons(to, f);
+}
+
+static void print_gap(FILE *to, const struct explanation *x)
+{
+    const struct explain_gap *s = &x->sum;
+
+    (void)fprintf(to, "gap          at %zu of %zu points of the probe\n", s->compared,
+                  x->n);
+    if (s->compared == 0)
+        return;
+    (void)fprintf(to, "  median     %+.3f mm (probe minus template)\n", s->median_mm);
+    (void)fprintf(to, "  beyond     %.1f %% of them by more than %g mm\n",
+                  100 * s->beyond, EXPLAIN_BEYOND_MM);
+    (void)fprintf(to, "  size      ");
+    for (int k = 0; k < EXPLAIN_QUANTILES; k++)
+        (void)fprintf(to, " %.0f %%: %.3f%s", 100 * ctl_explain_levels[k],
+                      s->quantile_mm[k],
+                      k + 1 < EXPLAIN_QUANTILES ? "," : " mm or less\n");
+}
+
+enum status ctl_explain_text(FILE *to, const struct explanation *x, struct errinfo *e)
+{
+    const struct face_result *r = &x->result;
+
+    (void)e;
+    (void)fprintf(to, "template     %s\n", x->a);
+    if (x->template_id != NULL)
+        (void)fprintf(to, "             %s, the nearest of %u\n", x->template_id,
+                      x->compared);
+    (void)fprintf(to, "probe        %s\n", x->b);
+    print_result(to, r);
+    print_quality(to, "template", &x->tmpl);
+    print_quality(to, "probe", &x->probe);
+    print_gap(to, x);
+    (void)fprintf(to, "transform    of the probe onto the template, mm\n");
+    for (int i = 0; i < 16; i += 4)
+        (void)fprintf(to, "  %12.6f %12.6f %12.6f %12.4f\n", r->align.transform[i],
+                      r->align.transform[i + 1], r->align.transform[i + 2],
+                      r->align.transform[i + 3]);
+    return ST_OK;
+}
+
+void ctl_explain_out(struct ctl_out *o, const struct explanation *x)
+{
+    const struct explain_gap *s = &x->sum;
+
+    ctl_out_text(o, "template", x->a);
+    if (x->template_id != NULL)
+        ctl_out_text(o, "template_id", x->template_id);
+    ctl_out_text(o, "probe", x->b);
+    ctl_face_verdict(o, x->engine, &x->result, &x->probe);
+    ctl_face_quality(o, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
+    ctl_out_text(o, "reason", reason(&x->result));
+    ctl_out_object(o, "region_weight");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        ctl_out_number(o, grid_region_name((enum grid_region)i),
+                       x->result.region_weight[i]);
+    ctl_out_close(o);
+    ctl_out_object(o, "gap");
+    ctl_out_number(o, "points", (double)x->n);
+    ctl_out_number(o, "compared", (double)s->compared);
+    ctl_out_number(o, "median_mm", s->median_mm);
+    ctl_out_number(o, "share_beyond_1_mm", s->beyond);
+    ctl_out_array(o, "size_quantiles");
+    for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
+        ctl_out_object(o, NULL);
+        ctl_out_number(o, "share", ctl_explain_levels[k]);
+        ctl_out_number(o, "mm", s->quantile_mm[k]);
+        ctl_out_close(o);
+    }
+    ctl_out_close(o);
+    ctl_out_close(o);
+}
+
+enum status ctl_explain_json(FILE *to, const struct explanation *x, struct errinfo *e)
+{
+    struct ctl_out *o = ctl_out_new(true);
+
+    if (o == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    ctl_explain_out(o, x);
+    return ctl_out_end(o, to) ? ST_OK : errinfo_set(e, ST_EIO, "it cannot be written");
+}

@@ -1,0 +1,288 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "calibration.h"
+#include "frame.h"
+#include "grid.h"
+#include "quality.h"
+#include "ctl.h"
+
+static double clock_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+const char *ctl_face_decision(enum face_decision d)
+{
+    static const char *const name[] = {[FACE_MATCH] = "match",
+                                       [FACE_NO_MATCH] = "no_match",
+                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+
+    return name[d];
+}
+
+int ctl_face_exit(enum face_decision d)
+{
+    return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
+}
+
+/* A comparison that says something before one that does not, then the smaller disparity. */
+static bool better(const struct face_result *a, const struct face_result *b)
+{
+    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
+        return a->decision != FACE_INCONCLUSIVE;
+    if (a->decision == FACE_INCONCLUSIVE)
+        return a->measure.overlap > b->measure.overlap;
+    return a->disparity_mm < b->disparity_mm;
+}
+
+enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
+                             const struct face *probe, struct face_work *w,
+                             struct ctl_nearest *best)
+{
+    struct store_template *list = NULL, t;
+    struct face f = {0};
+    int64_t version = 0;
+    size_t n;
+    enum status st = calibration_follow(s, w, &version, &c->e);
+
+    if (st == ST_OK)
+        st = store_template_list(s, subject, &list, &n, &c->e);
+    memset(best, 0, sizeof *best);
+    if (st == ST_OK && n > 0)
+        memcpy(best->newest, list[n - 1].id, sizeof best->newest);
+    for (size_t i = 0; st == ST_OK && i < n; i++) {
+        struct face_result r;
+
+        if ((st = store_template_load(s, list[i].id, &t, w, &f, &c->e)) == ST_ENOTFOUND) {
+            st = ST_OK; /* deleted since it was listed */
+            continue;
+        }
+        if (st == ST_EVERSION) { /* of another engine, and of no use to this one */
+            (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+            st = ST_OK;
+            continue;
+        }
+        if (st == ST_OK &&
+            (st = face_compare(&f, probe, c->threshold_mm, NULL, w, &r)) != ST_OK)
+            (void)errinfo_set(&c->e, st, "template %s: %s", t.id, status_message(st));
+        if (st == ST_OK && (best->compared++ == 0 || better(&r, &best->result))) {
+            best->result = r;
+            best->tmpl = t;
+        }
+    }
+    if (st == ST_OK && best->compared == 0)
+        st = errinfo_set(&c->e, ST_ENOTFOUND, "%s has no template", subject);
+    free(list);
+    face_free(&f);
+    return st;
+}
+
+void ctl_face_quality(struct ctl_out *o, const char *key, const struct face_quality *q,
+                      const struct frame *frame)
+{
+    const unsigned reasons = quality_reasons(q, frame);
+
+    ctl_out_object(o, key);
+    ctl_out_number(o, "score", q->score);
+    ctl_out_number(o, "coverage", q->coverage);
+    ctl_out_number(o, "density_mm", q->density_mm);
+    ctl_out_number(o, "noise_mm", q->noise_mm);
+    ctl_out_array(o, "reasons");
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        if (reasons & (1U << i))
+            ctl_out_text(o, NULL, quality_reason_name((enum quality_reason)i));
+    ctl_out_close(o);
+    ctl_out_close(o);
+}
+
+static void out_alignment(struct ctl_out *o, const struct align_result *a)
+{
+    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
+                                       [ALIGN_STEPS] = "steps",
+                                       [ALIGN_APART] = "apart"};
+
+    ctl_out_object(o, "alignment");
+    ctl_out_number(o, "starts", a->starts);
+    ctl_out_number(o, "evaluations", a->evaluations);
+    ctl_out_text(o, "stop", stop[a->stop]);
+    ctl_out_number(o, "turn_deg", a->turn_deg); /* null where infinite */
+    ctl_out_number(o, "shift_mm", a->shift_mm);
+    ctl_out_number(o, "cost_mm", a->cost_mm);
+    ctl_out_number(o, "rival_mm", a->rival_mm);
+    ctl_out_close(o);
+}
+
+void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_result *r,
+                      const struct face *probe)
+{
+    ctl_out_text(o, "decision", ctl_face_decision(r->decision));
+    ctl_out_number(o, "disparity_mm", r->disparity_mm);
+    ctl_out_number(o, "threshold_mm", r->threshold_mm);
+    ctl_out_number(o, "fmr_at_score", r->fmr_at_score);
+    ctl_out_number(o, "plain_mm", r->measure.plain_mm);
+    ctl_out_number(o, "volume_mm3", r->measure.volume_mm3);
+    ctl_out_number(o, "overlap_mm2", r->measure.area_mm2);
+    ctl_out_number(o, "overlap", r->measure.overlap);
+    ctl_out_array(o, "transform");
+    for (int i = 0; i < 16; i++)
+        ctl_out_number(o, NULL, r->align.transform[i]);
+    ctl_out_close(o);
+    out_alignment(o, &r->align);
+    ctl_out_number(o, "weight_overlap", r->weight_overlap);
+    ctl_out_number(o, "change_mm", r->change_mm);
+    ctl_out_object(o, "regions");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        ctl_out_number(o, grid_region_name((enum grid_region)i), r->region_mm[i]);
+    ctl_out_close(o);
+    ctl_face_quality(o, "quality", &probe->quality, &probe->frame);
+    ctl_out_text(o, "engine", engine);
+}
+
+void ctl_face_regions(FILE *to, const struct face_result *r)
+{
+    (void)fprintf(to, "regions      disparity  of the weight\n");
+    for (int i = 0; i < GRID_REGIONS; i++) {
+        (void)fprintf(to, "  %-10s ", grid_region_name((enum grid_region)i));
+        if (isnan(r->region_mm[i]))
+            (void)fprintf(to, "%12s", "not covered");
+        else
+            (void)fprintf(to, "%9.3f mm", r->region_mm[i]);
+        (void)fprintf(to, " %8.1f %%\n", 100 * r->region_weight[i]);
+    }
+}
+
+void ctl_face_alignment(FILE *to, const struct align_result *a)
+{
+    (void)fprintf(to, "alignment    ");
+    if (isfinite(a->turn_deg) && isfinite(a->shift_mm))
+        (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
+                      a->turn_deg, a->shift_mm);
+    else
+        (void)fprintf(to, "how well it is known cannot be told");
+    if (isfinite(a->rival_mm))
+        (void)fprintf(to, "; mean gap %.2f mm, %.2f mm at the next best", a->cost_mm,
+                      a->rival_mm);
+    (void)fprintf(to, "\n");
+}
+
+void ctl_face_reasons(FILE *to, const struct face *f)
+{
+    const unsigned reasons = quality_reasons(&f->quality, &f->frame);
+    const char *between = " (";
+
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        if (reasons & (1U << i)) {
+            (void)fprintf(to, "%s%s", between,
+                          quality_reason_name((enum quality_reason)i));
+            between = ", ";
+        }
+    (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");
+}
+
+/* Everything about a comparison but the templates. */
+static void print_result(struct ctl *c, const struct face_result *r,
+                         const struct face *probe, double ms)
+{
+    ctl_face_verdict(c->out, c->engine, r, probe);
+    ctl_out_number(c->out, "total_ms", ms);
+    if (c->json)
+        return;
+    (void)printf("decision     %s\n", ctl_face_decision(r->decision));
+    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+                 r->threshold_mm);
+    (void)printf("impostors    a share of %.2g would score this low or lower\n",
+                 r->fmr_at_score);
+    (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
+                 100 * r->measure.overlap, 100 * r->weight_overlap);
+    (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
+    ctl_face_alignment(stdout, &r->align);
+    ctl_face_regions(stdout, r);
+    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->measure.plain_mm,
+                 r->measure.volume_mm3, r->measure.area_mm2);
+    (void)printf("scan         %u points, quality %.2f", probe->mesh.nv,
+                 probe->quality.score);
+    ctl_face_reasons(stdout, probe);
+    (void)printf("time         %.1f ms\n", ms);
+}
+
+static enum status may_verify(struct ctl *c, const struct store_subject *one)
+{
+    if (one->disabled)
+        return errinfo_set(&c->e, ST_EDENIED,
+                           "subject %s is disabled (surfacectl subject enable)", one->id);
+    if (one->expired)
+        return errinfo_set(&c->e, ST_EDENIED,
+                           "subject %s expired at %s (surfacectl subject set)", one->id,
+                           one->expires);
+    return ST_OK;
+}
+
+int ctl_face_verify(struct ctl *c)
+{
+    const char *subject = c->args[0];
+    struct face_work *w = face_work_new(c->model);
+    struct face probe = {0};
+    struct store *s = NULL;
+    struct ctl_nearest best;
+    struct store_subject one;
+    double start = 0;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else
+        st = ctl_model_store(c, STORE_WRITE, &s);
+    start = clock_ms();
+    if (st == ST_OK && (st = store_subject_get(s, subject, &one, &c->e)) == ST_OK)
+        st = may_verify(c, &one);
+    if (st == ST_OK)
+        st = ctl_scan_read(c, c->args[1], w, &probe);
+    if (st == ST_OK)
+        st = ctl_face_nearest(c, s, subject, &probe, w, &best);
+    if (st == ST_OK)
+        st = store_event(s, "verify", CTL_ACTOR, subject, best.tmpl.id,
+                         ctl_face_decision(best.result.decision), &c->e);
+    if (st == ST_OK) {
+        store_subject_seen(s, &one);
+        ctl_out_text(c->out, "subject", subject);
+        ctl_out_text(c->out, "template_id", best.tmpl.id);
+        ctl_out_number(c->out, "templates_compared", best.compared);
+        print_result(c, &best.result, &probe, clock_ms() - start);
+        if (!c->json)
+            (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
+                         best.tmpl.id, best.compared, subject, best.tmpl.created);
+    }
+    store_close(s);
+    face_free(&probe);
+    face_work_free(w);
+    return st == ST_OK ? ctl_face_exit(best.result.decision) : ctl_fail(c, st);
+}
+
+int ctl_face_compare(struct ctl *c)
+{
+    const double start = clock_ms();
+    struct face_work *w = face_work_new(c->model);
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = ctl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
+             (st = ctl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
+             (st = face_compare(&a, &b, c->threshold_mm, NULL, w, &r)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+    if (st == ST_OK)
+        print_result(c, &r, &b, clock_ms() - start);
+    face_free(&a);
+    face_free(&b);
+    face_work_free(w);
+    return st == ST_OK ? ctl_face_exit(r.decision) : ctl_fail(c, st);
+}

@@ -1,0 +1,40 @@
+/* The model that a command judges by, and the database opened for it. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "calibration.h"
+#include "model.h"
+#include "modelfile.h"
+#include "ctl.h"
+
+enum status ctl_model_read(struct ctl *c, struct model **owned)
+{
+    const char *path = c->model_path;
+    enum status st = ST_OK;
+
+    *owned = NULL;
+    if (path != NULL)
+        st = modelfile_read(path, owned, &c->e);
+    c->model = *owned != NULL ? *owned : &model_default;
+    if (st == ST_OK)
+        face_engine(c->model, c->engine);
+    return st;
+}
+
+enum status ctl_model_store(struct ctl *c, enum store_mode mode, struct store **s)
+{
+    struct store_calibration k;
+    enum status st = ctl_open(c, mode, s);
+
+    if (st != ST_OK)
+        return st;
+    store_use_model(*s, c->model);
+    if (calibration_in_force(*s, &k, NULL) == ST_OK && k.ignored)
+        (void)fprintf(stderr,
+                      "surfacectl: calibration %" PRId64
+                      " is not used: it was made by %s, "
+                      "and this is %s; the model's own decides\n",
+                      k.version, k.engine, c->engine);
+    return ST_OK;
+}

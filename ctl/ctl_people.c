@@ -1,0 +1,369 @@
+#include "ctl_people.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "codec.h"
+#include "corpus.h"
+#include "ctl.h"
+#include "pool.h"
+
+#define PAGE   1000 /* subjects read at a time */
+#define NOBODY UINT32_MAX
+
+static enum status no_memory(struct ctl *c)
+{
+    return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+}
+
+/* ---- loading */
+
+/* Every subject with a template, in order; the caller frees *out. */
+static enum status list_people(struct ctl *c, struct store *s, struct ctl_person **out,
+                               uint32_t *count)
+{
+    struct store_subject *page = NULL;
+    int64_t after = 0;
+    size_t n = 0;
+    enum status st;
+
+    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
+           n > 0) {
+        void *larger = realloc(*out, (*count + n) * sizeof **out);
+
+        if (larger == NULL) {
+            free(page);
+            return no_memory(c);
+        }
+        *out = larger;
+        for (size_t i = 0; i < n; i++)
+            if (page[i].templates > 0)
+                memcpy((*out)[(*count)++].id, page[i].id, sizeof page[i].id);
+        after = page[n - 1].key;
+        free(page);
+    }
+    return st;
+}
+
+/* Keep n of list[0..m-1], in their order (Knuth's algorithm S). */
+static void draw_people(struct ctl_person *list, uint32_t m, uint32_t n, uint64_t seed)
+{
+    uint32_t taken = 0;
+
+    for (uint32_t i = 0; i < m && taken < n; i++)
+        if (rates_below(&seed, m - i) < n - taken)
+            list[taken++] = list[i];
+}
+
+static enum status load_person(struct ctl *c, struct store *s, struct ctl_person *one,
+                               struct face_work *w, struct ctl_people *p)
+{
+    struct store_template *list = NULL, t;
+    size_t n = 0;
+    void *faces, *digests;
+    enum status st = store_template_list(s, one->id, &list, &n, &c->e);
+
+    one->first = p->ntemplate;
+    one->n = 0;
+    if (st == ST_ENOTFOUND)
+        return ST_OK; /* deleted since it was listed */
+    if (st != ST_OK)
+        return st;
+    if ((faces = realloc(p->face, (p->ntemplate + n + 1) * sizeof *p->face)) != NULL)
+        p->face = faces;
+    digests = realloc(p->digest, (p->ntemplate + n + 1) * sizeof *p->digest);
+    if (digests != NULL)
+        p->digest = digests;
+    if (faces == NULL || digests == NULL)
+        st = no_memory(c);
+    for (size_t i = 0; i < n && st == ST_OK; i++) {
+        struct face *f = &p->face[p->ntemplate];
+
+        memset(f, 0, sizeof *f);
+        if ((st = store_template_load(s, list[i].id, &t, w, f, &c->e)) == ST_OK) {
+            memcpy(p->digest[p->ntemplate++], t.digest, sizeof t.digest);
+            one->n++;
+        } else {
+            face_free(f);
+            if (st == ST_EVERSION) /* of another engine, and of no use to this one */
+                (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+            st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
+        }
+    }
+    free(list);
+    return st;
+}
+
+enum status ctl_people_load(struct ctl *c, struct store *s, uint64_t seed,
+                            struct ctl_people *p)
+{
+    struct face_work *w = face_work_new(c->model);
+    enum status st = w != NULL ? ST_OK : no_memory(c);
+    uint32_t all = 0;
+
+    if (st == ST_OK)
+        st = list_people(c, s, &p->person, &all);
+    p->nsubject = all;
+    if (st == ST_OK && all > CTL_PEOPLE_MAX) {
+        draw_people(p->person, all, CTL_PEOPLE_MAX, seed);
+        all = CTL_PEOPLE_MAX;
+    }
+    for (uint32_t i = 0; i < all && st == ST_OK; i++) {
+        p->person[p->nperson] = p->person[i];
+        if ((st = load_person(c, s, &p->person[p->nperson], w, p)) == ST_OK &&
+            p->person[p->nperson].n > 0)
+            p->nperson++;
+    }
+    face_work_free(w);
+    return st;
+}
+
+void ctl_people_free(struct ctl_people *p)
+{
+    for (uint32_t i = 0; i < p->ntemplate; i++)
+        face_free(&p->face[i]);
+    free(p->face);
+    free(p->digest);
+    free(p->person);
+    free(p->score);
+    memset(p, 0, sizeof *p);
+}
+
+/* ---- comparing */
+
+/* A probe against the templates of a person, but template skip. */
+static enum status compare(const struct ctl_people *p, uint32_t person, uint32_t skip,
+                           const struct face *probe, struct face_work *w, double *mm,
+                           struct errinfo *e)
+{
+    const struct ctl_person *one = &p->person[person];
+
+    *mm = (double)INFINITY;
+    for (uint32_t t = one->first; t < one->first + one->n; t++) {
+        struct face_result r;
+        enum status st;
+
+        if (t == skip)
+            continue;
+        if ((st = face_compare(&p->face[t], probe, 0, NULL, w, &r)) != ST_OK)
+            return errinfo_set(e, st, "comparing: %s", status_message(st));
+        if (r.decision != FACE_INCONCLUSIVE && r.disparity_mm < *mm)
+            *mm = r.disparity_mm;
+    }
+    return ST_OK;
+}
+
+/* A template as the probe. */
+struct trial {
+    uint32_t person, probe;
+};
+
+struct trials {
+    const struct ctl_people *p;
+    const struct trial *trial;
+    struct rates_score *score; /* [trials] */
+};
+
+static uint32_t owner(const struct ctl_people *p, uint32_t template)
+{
+    uint32_t low = 0, high = p->nperson;
+
+    while (high - low > 1) {
+        const uint32_t mid = low + (high - low) / 2;
+
+        if (p->person[mid].first <= template)
+            low = mid;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+static enum status do_trial(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct trials *t = arg;
+    const struct trial *x = &t->trial[i];
+
+    t->score[i].template = x->person;
+    t->score[i].probe = owner(t->p, x->probe);
+    return compare(t->p, x->person, x->probe, &t->p->face[x->probe], w, &t->score[i].mm,
+                   e);
+}
+
+/* Room for n more scores; what they will be, at *out. */
+static enum status make_room(struct ctl *c, struct ctl_people *p, size_t n,
+                             struct rates_score **out)
+{
+    void *larger = realloc(p->score, (p->nscore + n + 1) * sizeof *p->score);
+
+    if (larger == NULL)
+        return no_memory(c);
+    p->score = larger;
+    *out = p->score + p->nscore;
+    return ST_OK;
+}
+
+static enum status do_trials(struct ctl *c, struct ctl_people *p, const char *what,
+                             const struct trial *trial, size_t n)
+{
+    struct trials t = {.p = p, .trial = trial};
+    enum status st = make_room(c, p, n, &t.score);
+
+    if (st == ST_OK && n > 0)
+        st = pool_run(what, c->threads, c->model, n, do_trial, &t, &c->e);
+    if (st == ST_OK)
+        p->nscore += n;
+    return st;
+}
+
+/* How many probes a person meets: all others' templates, or an equal share of limit. */
+static uint32_t wanted(const struct ctl_people *p, uint32_t person, double limit)
+{
+    const uint32_t n = p->person[person].n, others = p->ntemplate - n;
+    const double share = limit / p->nperson / n;
+
+    return share >= others ? others : share > 1 ? (uint32_t)share : others > 0;
+}
+
+enum status ctl_people_impostors(struct ctl *c, struct ctl_people *p, double limit,
+                                 uint64_t seed)
+{
+    struct trial *trial;
+    double all = 0;
+    size_t n = 0;
+    enum status st;
+
+    for (uint32_t i = 0; i < p->nperson; i++)
+        all += (double)p->person[i].n * (p->ntemplate - p->person[i].n);
+    if (all <= limit)
+        limit = (double)INFINITY;
+    for (uint32_t i = 0; i < p->nperson; i++)
+        n += wanted(p, i, limit);
+    if ((trial = malloc((n + 1) * sizeof *trial)) == NULL)
+        return no_memory(c);
+    n = 0;
+    for (uint32_t i = 0; i < p->nperson; i++) {
+        const struct ctl_person *one = &p->person[i];
+        uint32_t left = p->ntemplate - one->n, want = wanted(p, i, limit);
+
+        for (uint32_t t = 0; t < p->ntemplate && want > 0; t++) {
+            if (t >= one->first && t < one->first + one->n)
+                continue;
+            if (rates_below(&seed, left--) < want) {
+                trial[n++] = (struct trial){i, t};
+                want--;
+            }
+        }
+    }
+    st = do_trials(c, p, "different people", trial, n);
+    free(trial);
+    return st;
+}
+
+enum status ctl_people_genuine(struct ctl *c, struct ctl_people *p)
+{
+    struct trial *trial = malloc((p->ntemplate + (size_t)1) * sizeof *trial);
+    size_t n = 0;
+    enum status st;
+
+    if (trial == NULL)
+        return no_memory(c);
+    for (uint32_t i = 0; i < p->nperson; i++)
+        for (uint32_t k = 0; k < p->person[i].n && p->person[i].n > 1; k++)
+            trial[n++] = (struct trial){i, p->person[i].first + k};
+    st = do_trials(c, p, "same people", trial, n);
+    free(trial);
+    return st;
+}
+
+/* ---- scans of a manifest */
+
+struct scans {
+    const struct ctl *c;
+    const struct ctl_people *p;
+    const struct corpus *corpus;
+    const uint32_t *person;    /* [corpus->nsubject] or NOBODY */
+    struct rates_score *score; /* [corpus->nscan]; mm: -1 refused, -2 not compared */
+};
+
+static enum status do_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct scans *s = arg;
+    const struct corpus_scan *scan = &s->corpus->scan[i];
+    const uint32_t person = s->person[scan->subject];
+    struct rates_score *x = &s->score[i];
+    struct ctl c = {.units = s->c->units};
+    struct face f = {0};
+    char digest[65];
+    enum status st;
+
+    *x = (struct rates_score){.mm = -2, .template = person, .probe = person};
+    if (person == NOBODY)
+        return ST_OK;
+    st = ctl_scan_read(&c, scan->path, w, &f);
+    if (st == ST_OK && (st = codec_digest(&f.mesh, digest)) == ST_OK) {
+        const struct ctl_person *one = &s->p->person[person];
+        uint32_t t = 0;
+
+        while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
+            t++;
+        if (t == one->n) /* else it is one of the templates */
+            st = compare(s->p, person, NOBODY, &f, w, &x->mm, &c.e);
+    } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
+        x->mm = -1;
+        st = ST_OK;
+    }
+    face_free(&f);
+    return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", c.e.msg);
+}
+
+static uint32_t find_person(const struct ctl_people *p, const char *id)
+{
+    for (uint32_t i = 0; i < p->nperson; i++)
+        if (strcmp(p->person[i].id, id) == 0)
+            return i;
+    return NOBODY;
+}
+
+/* Keep the scores that are some. */
+static void keep_scores(struct ctl_people *p, const struct rates_score *score, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (score[i].mm >= 0)
+            p->score[p->nscore++] = score[i];
+        else if (score[i].mm < -1)
+            p->outside++;
+        else
+            p->refused++;
+    }
+}
+
+enum status ctl_people_manifest(struct ctl *c, struct ctl_people *p, const char *path)
+{
+    struct corpus *corpus = NULL;
+    struct scans s = {.c = c, .p = p};
+    uint32_t *person = NULL;
+    enum status st = corpus_read(path, &corpus, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    s.corpus = corpus;
+    if ((person = malloc(corpus->nsubject * sizeof *person)) == NULL) {
+        st = no_memory(c);
+        goto out;
+    }
+    for (uint32_t i = 0; i < corpus->nsubject; i++)
+        person[i] = find_person(p, corpus->subject[i].id);
+    s.person = person;
+    if ((st = make_room(c, p, corpus->nscan, &s.score)) != ST_OK)
+        goto out;
+    st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
+    if (st == ST_OK)
+        keep_scores(p, s.score, corpus->nscan);
+out:
+    free(person);
+    corpus_free(corpus);
+    return st;
+}

@@ -1,0 +1,206 @@
+/* audit receipt: is what somebody shows as the receipt of an erasure true? */
+#include <errno.h>
+#include <inttypes.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "store_receipt.h"
+#include "ctl.h"
+
+#define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
+#define TEMPLATES_MAX 100000
+
+struct review {
+    struct ctl *c;
+    struct store_receipt r;
+    unsigned problems;
+};
+
+static void problem(struct review *v, const char *text)
+{
+    v->problems++;
+    ctl_out_text(v->c->out, NULL, text);
+    if (!v->c->json)
+        (void)printf("%s\n", text);
+}
+
+/* ---- the file: as DELETE over HTTP answers, or subject erase --json */
+
+static enum status read_file(struct ctl *c, char **out)
+{
+    const char *path = c->args[0];
+    FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "rb");
+    char *text = malloc(FILE_MAX + 1);
+    enum status st = ST_OK;
+    size_t n;
+
+    *out = text;
+    if (in == NULL) {
+        st = errinfo_set(&c->e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO,
+                         "cannot read %.160s: %s", path, strerror(errno));
+    } else if (text == NULL) {
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    } else {
+        n = fread(text, 1, FILE_MAX + 1, in);
+        if (ferror(in))
+            st = errinfo_set(&c->e, ST_EIO, "cannot read %.160s", path);
+        else if (n > FILE_MAX || memchr(text, '\0', n) != NULL)
+            st = errinfo_set(&c->e, ST_EINVAL, "%.160s is no receipt", path);
+        else
+            text[n] = '\0';
+    }
+    if (in != NULL && in != stdin)
+        (void)fclose(in);
+    return st;
+}
+
+static bool read_templates(struct ctl_out *o, struct store_receipt *r)
+{
+    char id[STORE_ID_LEN + 1];
+    bool good = ctl_out_enter(o, "template_ids");
+
+    r->template_id = calloc(TEMPLATES_MAX, sizeof *r->template_id);
+    if (!good || r->template_id == NULL)
+        return false;
+    while (r->templates < TEMPLATES_MAX &&
+           ctl_out_take_item(o, r->templates, id, sizeof id))
+        memcpy(r->template_id[r->templates++], id, sizeof id);
+    good = ctl_out_count(o) == r->templates;
+    ctl_out_close(o);
+    return good;
+}
+
+static bool read_entry(struct ctl_out *o, struct store_receipt *r)
+{
+    const bool good = ctl_out_enter(o, "audit") &&
+                      ctl_out_take_count(o, "seq", &r->seq) &&
+                      ctl_out_take_text(o, "hash", r->hash, sizeof r->hash);
+
+    ctl_out_close(o);
+    return good;
+}
+
+static enum status read_receipt(struct review *v)
+{
+    struct store_receipt *r = &v->r;
+    struct ctl_out *o = NULL;
+    char *text = NULL;
+    enum status st = read_file(v->c, &text);
+
+    if (st == ST_OK &&
+        ((o = ctl_out_parse(text)) == NULL ||
+         !ctl_out_take_text(o, "subject", r->subject, sizeof r->subject) ||
+         !store_subject_valid(r->subject) ||
+         !ctl_out_take_text(o, "erased_at", r->at, sizeof r->at) ||
+         !ctl_out_take_text(o, "digest", r->digest, sizeof r->digest) ||
+         !ctl_out_take_text(o, "signature", r->signature, sizeof r->signature) ||
+         !ctl_out_take_text(o, "public_key", r->public_key, sizeof r->public_key) ||
+         !read_templates(o, r) || !read_entry(o, r) || r->seq == 0))
+        st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is no receipt", v->c->args[0]);
+    ctl_out_drop(o);
+    free(text);
+    return st;
+}
+
+/* ---- the database that is said to have given it */
+
+static enum status look_at_log(struct review *v, struct store *s)
+{
+    const struct store_audit_filter wanted = {
+        .after = v->r.seq - 1, .limit = 1, .subject = v->r.subject};
+    struct store_audit_entry *a = NULL;
+    size_t n;
+    const enum status st = store_audit_list(s, &wanted, &a, &n, &v->c->e);
+
+    if (st == ST_OK &&
+        (n == 0 || a->seq != v->r.seq || strcmp(a->kind, "delete_subject") != 0 ||
+         strcmp(a->at, v->r.at) != 0 || strcmp(a->hash, v->r.hash) != 0))
+        problem(v, "the audit log has another entry in that place, or none");
+    free(a);
+    return st;
+}
+
+static enum status look_at_erased(struct review *v, struct store *s)
+{
+    struct store_erased *list = NULL;
+    size_t n, i = 0;
+    const enum status st = store_audit_erased(s, v->r.subject, &list, &n, &v->c->e);
+
+    while (st == ST_OK && i < n && strcmp(list[i].at, v->r.at) != 0)
+        i++;
+    if (st == ST_OK && i == n)
+        problem(v, "the list of the erased does not have the subject at that time");
+    free(list);
+    return st;
+}
+
+static enum status look_at_templates(struct review *v, struct store *s)
+{
+    struct store_template t;
+    enum status st = ST_OK;
+
+    for (uint32_t i = 0; st == ST_OK && i < v->r.templates; i++) {
+        st = store_template_get(s, v->r.template_id[i], &t, &v->c->e);
+        if (st == ST_OK)
+            problem(v, "a template of it is there");
+        else if (st == ST_ENOTFOUND || st == ST_EINVAL) /* "????": it was damaged */
+            st = ST_OK;
+    }
+    return st;
+}
+
+static enum status ask_database(struct review *v)
+{
+    struct store *s = NULL;
+    char public_key[65];
+    enum status st;
+
+    if ((st = ctl_open(v->c, STORE_READ, &s)) == ST_OK &&
+        (st = store_audit_public(s, public_key, &v->c->e)) == ST_OK) {
+        if (strcmp(public_key, v->r.public_key) != 0)
+            problem(v, "it is of another database: its public key is another");
+        else if ((st = look_at_log(v, s)) == ST_OK &&
+                 (st = look_at_erased(v, s)) == ST_OK)
+            st = look_at_templates(v, s);
+    }
+    store_close(s);
+    return st;
+}
+
+int ctl_receipt(struct ctl *c)
+{
+    struct review v = {.c = c};
+    enum status st;
+
+    if (c->public_key == NULL && ctl_config_database(c, false) != ST_OK)
+        return EXIT_USAGE;
+    st = sodium_init() >= 0 ? read_receipt(&v)
+                            : errinfo_set(&c->e, ST_EINTERNAL,
+                                          "the cryptographic library does not start");
+    ctl_out_array(c->out, "problems");
+    if (st == ST_OK && !store_receipt_true(&v.r))
+        problem(&v, "what it says is not what was signed");
+    if (st == ST_OK && c->public_key != NULL &&
+        strcmp(c->public_key, v.r.public_key) != 0)
+        problem(&v, "it is signed by another key than the one given");
+    if (st == ST_OK && c->db != NULL)
+        st = ask_database(&v);
+    ctl_out_close(c->out);
+    if (st == ST_OK) {
+        ctl_out_flag(c->out, "ok", v.problems == 0);
+        ctl_out_text(c->out, "subject", v.r.subject);
+        ctl_out_text(c->out, "erased_at", v.r.at);
+        ctl_out_number(c->out, "templates", v.r.templates);
+        ctl_out_number(c->out, "entry", (double)v.r.seq);
+        if (!c->json)
+            (void)printf("%s: %s with %u template%s, at %s, entry %" PRIu64 "\n",
+                         v.problems == 0 ? "ok" : "NOT ok", v.r.subject, v.r.templates,
+                         v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
+    }
+    store_receipt_free(&v.r);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    return v.problems == 0 ? EXIT_FINE : EXIT_NO;
+}

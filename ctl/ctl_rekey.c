@@ -1,0 +1,97 @@
+/* rekey: another master key for the database. */
+#include <limits.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "keyfile.h"
+#include "ctl.h"
+
+/* What the command line says of the new key; *owned is to be freed. */
+static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfile **owned)
+{
+    enum status st = ST_OK;
+
+    *owned = NULL;
+    *to = (struct store_rekey){.kind = VAULT_FILE, .keep = c->keep_old};
+    if (c->plaintext && c->new_key != NULL)
+        return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
+    if (c->plaintext)
+        to->kind = VAULT_OPEN;
+    else if (c->passphrase)
+        to->kind = VAULT_PASSPHRASE;
+    if (c->new_key != NULL)
+        st = keyfile_read(c->new_key, owned, &c->e);
+    else if (c->passphrase)
+        st = ctl_key_new(c, "--new-key", owned);
+    to->given = *owned;
+    to->in_file = c->new_key != NULL;
+    return st;
+}
+
+static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
+{
+    static const char *const word[] = {"plaintext", "file", "passphrase"};
+    const bool in_file = to->in_file || to->kind == VAULT_FILE;
+
+    ctl_out_text(c->out, "database", c->db);
+    ctl_out_text(c->out, "kind", word[to->kind]);
+    if (in_file)
+        ctl_out_text(c->out, "key", path);
+    if (c->json)
+        return;
+    if (in_file)
+        (void)printf("%s: the key is another one now, in %s: keep a copy of it "
+                     "elsewhere.\n",
+                     c->db, path);
+    else if (to->kind == VAULT_PASSPHRASE)
+        (void)printf("%s: a passphrase opens it now, and nothing else.\n", c->db);
+    else
+        (void)printf("%s: whoever has the file can read it now.\n", c->db);
+}
+
+/* The old key's file goes with it, and with that whatever was backed up until now. */
+static bool may_lose_key(struct ctl *c)
+{
+    enum vault_kind kind;
+
+    return c->keep_old || store_kind(c->db, &kind, &c->e) != ST_OK ||
+           kind != VAULT_FILE ||
+           ctl_confirmed(c,
+                         "takes the old key away, without which older backups are "
+                         "worth nothing (--keep-old keeps it)",
+                         "rekey");
+}
+
+int ctl_rekey(struct ctl *c)
+{
+    char usual[PATH_MAX];
+    struct store_rekey to;
+    struct keyfile *owned = NULL;
+    struct store *s = NULL;
+    const bool plaintext = c->plaintext, passphrase = c->passphrase;
+    int code = EXIT_FINE;
+    enum status st;
+
+    /* These are of the new key, not of how the database is opened. */
+    c->plaintext = c->passphrase = false;
+    st = ctl_open(c, STORE_WRITE, &s);
+    c->plaintext = plaintext;
+    c->passphrase = passphrase;
+    if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK) {
+        if (!may_lose_key(c)) {
+            code = EXIT_USAGE;
+            goto out;
+        }
+        st = store_rekey(s, CTL_ACTOR, &to, &c->e);
+    }
+    if (st != ST_OK) {
+        code = ctl_fail(c, st);
+        goto out;
+    }
+    (void)snprintf(usual, sizeof usual, "%s.key", c->db);
+    tell(c, &to, c->key != NULL ? c->key : usual);
+out:
+    store_close(s);
+    keyfile_free(owned);
+    return code;
+}

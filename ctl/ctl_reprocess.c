@@ -1,0 +1,148 @@
+/* The command template reprocess: what another engine made, as this one makes it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pool.h"
+#include "ctl.h"
+
+enum result { UNDONE, RENEWED, CURRENT, GONE, FAILED, RESULTS };
+
+struct outcome { /* of a template */
+    enum result result;
+    struct errinfo e; /* FAILED: why */
+};
+
+struct batch {
+    struct ctl *c;
+    struct store *store;
+    char (*id)[STORE_ID_LEN + 1];
+    size_t n;
+    struct outcome *outcome; /* [n] */
+};
+
+/* As store_renew(), but that nothing is written. */
+static enum status try_one(const struct batch *b, const char *id, struct face_work *w,
+                           struct face *f, struct store_template *t, bool *renewed,
+                           struct errinfo *e)
+{
+    const enum status st = store_template_load(b->store, id, t, w, f, e);
+
+    *renewed = st == ST_OK && store_stale(b->store, t);
+    return st;
+}
+
+static enum status do_one(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct batch *b = arg;
+    struct outcome *o = &b->outcome[i];
+    struct store_template t;
+    struct face f = {0};
+    bool renewed = false;
+    enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &renewed, &o->e)
+                                   : store_renew(b->store, CTL_ACTOR, b->id[i], w, &f, &t,
+                                                 &renewed, &o->e);
+
+    face_free(&f);
+    if (st == ST_OK)
+        o->result = renewed ? RENEWED : CURRENT;
+    else if (st == ST_ENOTFOUND)
+        o->result = GONE;
+    else if (st == ST_EVERSION || st == ST_ECORRUPT)
+        o->result = FAILED;
+    else
+        return errinfo_set(e, st, "%s", o->e.msg);
+    return ST_OK;
+}
+
+/* Those that the command line names: all there, or nothing is done. */
+static enum status take_ids(struct batch *b)
+{
+    struct ctl *c = b->c;
+    struct store_template t;
+    enum status st = ST_OK;
+
+    b->n = (size_t)c->nargs;
+    if ((b->id = calloc(b->n, sizeof *b->id)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; i < b->n && st == ST_OK; i++)
+        if ((st = store_template_get(b->store, c->args[i], &t, &c->e)) == ST_OK)
+            memcpy(b->id[i], t.id, sizeof t.id);
+    return st;
+}
+
+/* Returns how many failed. */
+static size_t report(const struct batch *b)
+{
+    struct ctl *c = b->c;
+    size_t count[RESULTS] = {0};
+
+    ctl_out_text(c->out, "engine", c->engine);
+    ctl_out_array(c->out, "failures");
+    for (size_t i = 0; i < b->n; i++) {
+        const struct outcome *o = &b->outcome[i];
+
+        count[o->result]++;
+        if (o->result != FAILED)
+            continue;
+        ctl_out_object(c->out, NULL);
+        ctl_out_text(c->out, "template_id", b->id[i]);
+        ctl_out_text(c->out, "detail", o->e.msg);
+        ctl_out_close(c->out);
+        (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
+    }
+    ctl_out_close(c->out);
+    ctl_out_number(c->out, "templates", (double)b->n);
+    ctl_out_number(c->out, "renewed", (double)count[RENEWED]);
+    ctl_out_number(c->out, "current", (double)count[CURRENT]);
+    ctl_out_number(c->out, "gone", (double)count[GONE]);
+    ctl_out_number(c->out, "failed", (double)count[FAILED]);
+    ctl_out_number(c->out, "undone", (double)count[UNDONE]);
+    ctl_out_flag(c->out, "dry_run", c->dry_run);
+    if (c->json)
+        return count[FAILED];
+    (void)printf("%zu templates: %zu %s anew by %s, %zu current, %zu failed\n", b->n,
+                 count[RENEWED], c->dry_run ? "can be made" : "made", c->engine,
+                 count[CURRENT], count[FAILED]);
+    if (count[GONE] > 0)
+        (void)printf("%zu were deleted meanwhile\n", count[GONE]);
+    if (count[UNDONE] > 0)
+        (void)printf("%zu were not tried\n", count[UNDONE]);
+    return count[FAILED];
+}
+
+static enum status reprocess(struct batch *b, size_t *failed)
+{
+    struct ctl *c = b->c;
+    enum status st =
+        c->nargs > 0 ? take_ids(b) : store_renew_due(b->store, &b->id, &b->n, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    if ((b->outcome = calloc(b->n + 1, sizeof *b->outcome)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (b->n > 0)
+        st = pool_run("reprocess", c->threads, c->model, b->n, do_one, b, &c->e);
+    *failed = report(b);
+    return st;
+}
+
+int ctl_reprocess(struct ctl *c)
+{
+    struct batch b = {.c = c};
+    size_t failed = 0;
+    enum status st = ctl_model_store(c, c->dry_run ? STORE_READ : STORE_WRITE, &b.store);
+
+    if (st == ST_OK)
+        st = reprocess(&b, &failed);
+    store_close(b.store);
+    free(b.id);
+    free(b.outcome);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    if (failed == 0)
+        return EXIT_FINE;
+    (void)errinfo_set(&c->e, ST_EVERSION, "%zu of %zu templates stay as they are", failed,
+                      b.n);
+    return EXIT_DATA;
+}

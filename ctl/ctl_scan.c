@@ -1,0 +1,109 @@
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cloudfile.h"
+#include "mem.h"
+#include "ctl.h"
+
+#define MAX_FILE ((size_t)256 << 20)
+
+/* All of a file, to be released by free(). */
+static enum status read_file(const char *path, unsigned char **bytes, size_t *len,
+                             struct errinfo *e)
+{
+    const bool standard = strcmp(path, "-") == 0;
+    FILE *in = standard ? stdin : fopen(path, "rb");
+    unsigned char *larger;
+    size_t room = 1 << 20, n;
+    enum status st = ST_OK;
+
+    *len = 0;
+    *bytes = NULL;
+    if (in == NULL)
+        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%s: %s", path,
+                           strerror(errno));
+    do {
+        if (*bytes == NULL || *len == room) {
+            room = *bytes == NULL ? room : 2 * room;
+            if ((larger = realloc(*bytes, room)) == NULL) {
+                st = errinfo_set(e, ST_ENOMEM, "%s: out of memory", path);
+                break;
+            }
+            *bytes = larger;
+        }
+        *len += n = fread(*bytes + *len, 1, room - *len, in);
+        if (*len > MAX_FILE)
+            st =
+                errinfo_set(e, ST_ELIMIT, "%s: larger than %zu MB", path, MAX_FILE >> 20);
+    } while (n != 0 && st == ST_OK);
+    if (st == ST_OK && ferror(in))
+        st = errinfo_set(e, ST_EIO, "%s: %s", path, strerror(errno));
+    if (!standard)
+        (void)fclose(in);
+    return st;
+}
+
+static double unit_mm(const char *units)
+{
+    if (units == NULL || strcmp(units, "mm") == 0)
+        return 1;
+    return strcmp(units, "cm") == 0 ? 10 : 1000;
+}
+
+enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
+                            size_t *n)
+{
+    const double mm = unit_mm(c->units);
+    struct cloudfile_error why = {.what = "out of memory"};
+    unsigned char *bytes;
+    size_t len;
+    enum status st = read_file(path, &bytes, &len, &c->e);
+
+    *pts = NULL;
+    *n = 0;
+    if (st == ST_OK && (st = cloudfile_parse(bytes, len, CLOUDFILE_ANY, FACE_MAX_POINTS,
+                                             pts, n, &why)) != ST_OK) {
+        if (why.line != 0)
+            (void)errinfo_set(&c->e, st, "%s, line %u: %s", path, why.line, why.what);
+        else
+            (void)errinfo_set(&c->e, st, "%s, byte %zu: %s", path, why.where, why.what);
+    }
+    free(bytes);
+    if (st == ST_OK)
+        for (size_t i = 0; i < *n; i++)
+            (*pts)[i] =
+                (struct dvec3){(*pts)[i].x * mm, (*pts)[i].y * mm, (*pts)[i].z * mm};
+    return st;
+}
+
+enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
+                           size_t n, struct face_work *w, struct face *out)
+{
+    size_t bad = 0;
+    const enum status st = face_build(pts, n, w, out, &bad);
+
+    if (st == ST_ENOTFINITE || st == ST_ERANGE)
+        (void)errinfo_set(&c->e, st, "%s: point %zu of %zu: %s", path, bad + 1, n,
+                          status_message(st));
+    else if (st == ST_ETOOFEW)
+        (void)errinfo_set(&c->e, st, "%s: %zu points, fewer than %d usable ones", path, n,
+                          FACE_MIN_POINTS);
+    else if (st != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s: %s", path, status_message(st));
+    return st;
+}
+
+enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,
+                          struct face *out)
+{
+    struct dvec3 *pts;
+    size_t n;
+    enum status st = ctl_scan_points(c, path, &pts, &n);
+
+    if (st == ST_OK)
+        st = ctl_scan_build(c, path, pts, n, w, out);
+    mem_free(pts);
+    return st;
+}

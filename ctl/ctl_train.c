@@ -1,0 +1,160 @@
+/* The command train: a model from a collection of scans (docs/model.md). */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "corpus.h"
+#include "model.h"
+#include "modelfile.h"
+#include "pool.h"
+#include "ctl.h"
+#include "train.h"
+
+/* The scans of a collection as faces. */
+struct scans {
+    const struct ctl *c;
+    const struct corpus *corpus;
+    struct face *face;
+    char **refused; /* [nscan] why, or NULL */
+};
+
+static enum status read_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct scans *s = arg;
+    struct ctl c = {.units = s->c->units}; /* for its own error */
+    const enum status st = ctl_scan_read(&c, s->corpus->scan[i].path, w, &s->face[i]);
+
+    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
+        return errinfo_set(e, st, "%s", c.e.msg);
+    if (st != ST_OK && (s->refused[i] = strdup(c.e.msg)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    return ST_OK;
+}
+
+static void list_refused(struct ctl *c, const struct scans *s)
+{
+    ctl_out_array(c->out, "refused");
+    for (uint32_t i = 0; i < s->corpus->nscan; i++)
+        if (s->refused[i] != NULL) {
+            ctl_out_object(c->out, NULL);
+            ctl_out_text(c->out, "file", s->corpus->scan[i].file);
+            ctl_out_text(c->out, "reason", s->refused[i]);
+            ctl_out_close(c->out);
+            (void)fprintf(stderr, "surfacectl: not used: %s\n", s->refused[i]);
+        }
+    ctl_out_close(c->out);
+}
+
+static void say(void *arg, const char *line)
+{
+    (void)arg;
+    (void)fprintf(stderr, "surfacectl: %s\n", line);
+}
+
+static void print_figures(struct ctl *c, const char *key, const struct rates_figures *f)
+{
+    ctl_out_object(c->out, key);
+    ctl_out_number(c->out, "eer", f->eer);
+    ctl_out_number(c->out, "tar_at_fmr_1e-2", f->tar[0]);
+    ctl_out_number(c->out, "tar_at_fmr_1e-3", f->tar[1]);
+    ctl_out_close(c->out);
+    if (!c->json)
+        (void)printf(
+            "%-12s EER %.2f %%; accepted %.1f %% at FMR 1 %%, %.1f %% at 0.1 %%\n", key,
+            100 * f->eer, 100 * f->tar[0], 100 * f->tar[1]);
+}
+
+static void print_report(struct ctl *c, const char *path, const struct model *m,
+                         const struct train_report *r)
+{
+    char engine[FACE_ENGINE_MAX + 1];
+
+    face_engine(m, engine);
+    ctl_out_text(c->out, "model", path);
+    ctl_out_text(c->out, "name", m->name);
+    ctl_out_text(c->out, "engine", engine);
+    ctl_out_number(c->out, "genuine", (double)r->genuine);
+    ctl_out_number(c->out, "impostor", (double)r->impostor);
+    ctl_out_number(c->out, "threshold_mm", r->threshold_mm);
+    if (!c->json)
+        (void)printf("pairs        %zu of one subject, %zu of different ones\n",
+                     r->genuine, r->impostor);
+    print_figures(c, "before", &r->before);
+    print_figures(c, "after", &r->after);
+    if (!c->json)
+        (void)printf("             (after: each half of the subjects judged by what the "
+                     "other taught)\n"
+                     "threshold    %.4f mm for a false match rate of 0.1 %%\n"
+                     "model        %s: %s\n",
+                     r->threshold_mm, path, strchr(engine, ' ') + 1);
+}
+
+/* A name that the file can hold. */
+static bool check_name(struct ctl *c, const char *name)
+{
+    const size_t n = strlen(name);
+
+    for (size_t i = 0; i < n; i++)
+        if (n > MODEL_NAME_MAX || name[i] < ' ' || name[i] > '~') {
+            (void)errinfo_set(&c->e, ST_EINVAL,
+                              "a model's label is up to %d printable ASCII characters",
+                              MODEL_NAME_MAX);
+            return false;
+        }
+    return true;
+}
+
+/* The learning and the file, when the scans have been found. */
+static enum status train(struct ctl *c, struct scans *s, const char *path,
+                         const char *name)
+{
+    const struct train_set set = {s->corpus, s->face};
+    struct model *m = malloc(sizeof *m);
+    struct train_report report;
+    enum status st;
+
+    if (m == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = pool_run("reading", c->threads, c->model, s->corpus->nscan, read_scan, s, &c->e);
+    if (st == ST_OK) {
+        list_refused(c, s);
+        st = train_model(&set, c->model, name, c->threads, say, NULL, m, &report, &c->e);
+    }
+    if (st == ST_OK)
+        st = modelfile_write(path, m, &c->e);
+    if (st == ST_OK)
+        print_report(c, path, m, &report);
+    free(m);
+    return st;
+}
+
+int ctl_train(struct ctl *c)
+{
+    const char *path = c->dir != NULL ? c->dir : "faces.model";
+    const char *name = c->label != NULL ? c->label : "a collection of scans";
+    struct scans s = {.c = c};
+    struct corpus *corpus = NULL;
+    enum status st;
+
+    if (!check_name(c, name))
+        return EXIT_USAGE;
+    if ((st = corpus_read(c->args[0], &corpus, &c->e)) != ST_OK)
+        return ctl_fail(c, st);
+    s.corpus = corpus;
+    s.face = calloc(corpus->nscan, sizeof *s.face);
+    s.refused = calloc(corpus->nscan, sizeof *s.refused);
+    if (s.face == NULL || s.refused == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else
+        st = train(c, &s, path, name);
+    for (uint32_t i = 0; i < corpus->nscan; i++) {
+        if (s.face != NULL)
+            face_free(&s.face[i]);
+        if (s.refused != NULL)
+            free(s.refused[i]);
+    }
+    free(s.face);
+    free(s.refused);
+    corpus_free(corpus);
+    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+}

@@ -1,0 +1,307 @@
+#include "ctl_trials.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "pool.h"
+
+#define SEED UINT64_C(19795) /* the standard's number */
+
+static const double pi = 3.14159265358979323846;
+
+static double clock_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+/* ---- what is compared */
+
+/* A growing list of comparisons. */
+struct plan {
+    struct ctl_trial *trial;
+    size_t n, room;
+};
+
+static bool plan_add(struct plan *p, uint32_t template, uint32_t probe,
+                     enum corpus_pair type)
+{
+    if (p->n == p->room) {
+        const size_t room = p->room > 0 ? 2 * p->room : 4096;
+        void *larger = realloc(p->trial, room * sizeof *p->trial);
+
+        if (larger == NULL)
+            return false;
+        p->trial = larger;
+        p->room = room;
+    }
+    p->trial[p->n++] = (struct ctl_trial){
+        .template = template, .probe = probe, .type = type, .rotation_deg = (double)NAN};
+    return true;
+}
+
+/* n of list[0..m-1], in their order, drawn without replacement: those are moved to the
+ * front (Knuth's algorithm S). */
+static uint32_t draw(uint32_t *list, uint32_t m, uint32_t n, uint64_t seed)
+{
+    uint32_t taken = 0;
+
+    for (uint32_t i = 0; i < m && taken < n; i++)
+        if (rates_below(&seed, m - i) < n - taken)
+            list[taken++] = list[i];
+    return taken;
+}
+
+/* The comparisons of one probe: its own template, close relatives', others'. */
+static bool plan_probe(struct plan *p, const struct corpus *c, uint32_t probe,
+                       uint32_t impostors, uint32_t *list)
+{
+    const uint32_t subject = c->scan[probe].subject;
+    uint64_t seed = SEED + ((uint64_t)probe << 32);
+    uint32_t m = 0;
+    bool ok = plan_add(p, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
+
+    for (uint32_t s = 0; s < c->nsubject && ok; s++) {
+        const enum corpus_pair type = corpus_pair(c, s, subject);
+
+        if (type == CORPUS_RELATIVE)
+            ok = plan_add(p, c->subject[s].enrolled, probe, type);
+        else if (type == CORPUS_IMPOSTOR)
+            list[m++] = c->subject[s].enrolled;
+    }
+    m = draw(list, m, impostors < m ? impostors : m, rates_random(&seed));
+    for (uint32_t i = 0; i < m && ok; i++)
+        ok = plan_add(p, list[i], probe, CORPUS_IMPOSTOR);
+    return ok;
+}
+
+/* How many impostors of each probe keep the sum below the limit; UINT32_MAX: all of them. */
+static uint32_t share(const struct corpus *c)
+{
+    uint32_t *size = calloc(c->npopulation, sizeof *size);
+    uint32_t nprobe = 0;
+    double all = 0;
+
+    if (size == NULL)
+        return 0;
+    for (uint32_t i = 0; i < c->nsubject; i++)
+        size[c->subject[i].population]++;
+    for (uint32_t i = 0; i < c->nscan; i++)
+        if (!c->scan[i].enrolled) {
+            nprobe++;
+            all += size[c->subject[c->scan[i].subject].population] - 1;
+        }
+    free(size);
+    if (all <= CTL_TRIALS_IMPOSTORS)
+        return UINT32_MAX;
+    return nprobe < CTL_TRIALS_IMPOSTORS ? CTL_TRIALS_IMPOSTORS / nprobe : 1;
+}
+
+static enum status plan_all(struct ctl_trials *t)
+{
+    const struct corpus *c = t->corpus;
+    uint32_t *list = malloc(c->nsubject * sizeof *list);
+    struct plan p = {0};
+    bool ok = list != NULL && t->impostors > 0;
+
+    for (uint32_t i = 0; i < c->nscan && ok; i++)
+        if (!c->scan[i].enrolled)
+            ok = plan_probe(&p, c, i, t->impostors, list);
+    free(list);
+    t->trial = p.trial;
+    t->n = p.n;
+    return ok ? ST_OK : ST_ENOMEM;
+}
+
+/* ---- doing it */
+
+struct run {
+    struct ctl_trials *t;
+    struct ctl c; /* units and threshold; an item has its own copy */
+    const struct ctl_trials_options *o;
+    struct face *template; /* [nsubject] */
+    size_t *first;         /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
+};
+
+/* A model of a scan; why there can be none is kept. */
+static enum status build(const struct run *r, uint32_t scan, struct face_work *w,
+                         struct face *out, struct errinfo *e)
+{
+    struct ctl c = r->c; /* its error is this thread's */
+    enum status st = ctl_scan_read(&c, r->t->corpus->scan[scan].path, w, out);
+
+    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
+        return errinfo_set(e, st, "%s", c.e.msg);
+    if (st != ST_OK && (r->t->refused[scan] = strdup(c.e.msg)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    return ST_OK;
+}
+
+static enum status enroll_item(void *arg, size_t i, struct face_work *w,
+                               struct errinfo *e)
+{
+    const struct run *r = arg;
+
+    return build(r, r->t->corpus->subject[i].enrolled, w, &r->template[i], e);
+}
+
+/* rotation(s, r): Rz Rx Ry. */
+static void rotation(const struct corpus_scan *s, double r[9])
+{
+    const double y = s->pose[0] * pi / 180, x = s->pose[1] * pi / 180,
+                 z = s->pose[2] * pi / 180;
+    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
+                 sz = sin(z);
+    const double m[9] = {cz * cy - sz * sx * sy,
+                         -sz * cx,
+                         cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy,
+                         cz * cx,
+                         sz * sy - cz * sx * cy,
+                         -cx * sy,
+                         sx,
+                         cx * cy};
+
+    memcpy(r, m, sizeof m);
+}
+
+/* Degrees between the rotation found, probe to template, and the true one. */
+static double angle(const struct corpus_scan *template, const struct corpus_scan *probe,
+                    const double transform[16])
+{
+    double p[9], e[9], trace = 0;
+
+    rotation(probe, p);
+    rotation(template, e);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++)
+                trace += transform[4 * i + j] * e[3 * i + k] * p[3 * j + k];
+    trace = fmax(-1, fmin(1, (trace - 1) / 2));
+    return acos(trace) * 180 / pi;
+}
+
+static enum status compare(const struct run *r, const struct face *face,
+                           struct face_work *w, struct ctl_trial *x, struct errinfo *e)
+{
+    const struct corpus *c = r->t->corpus;
+    const struct corpus_scan *template = &c->scan[x->template],
+                             *probe = &c->scan[x->probe];
+    struct face_result f;
+    const enum status st = face_compare(&r->template[template->subject], face,
+                                        r -> c.threshold_mm, clock_ms, w, &f);
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
+                           status_message(st));
+    x->done = true;
+    x->decision = f.decision;
+    x->disparity_mm = f.disparity_mm;
+    x->threshold_mm = f.threshold_mm;
+    x->fmr_at_score = f.fmr_at_score;
+    x->overlap = f.measure.overlap;
+    x->weight_overlap = f.weight_overlap;
+    x->align_ms = f.align_ms;
+    x->measure_ms = f.measure_ms;
+    if (c->posed && x->type == CORPUS_GENUINE)
+        x->rotation_deg = angle(template, probe, f.align.transform);
+    return ST_OK;
+}
+
+static enum status probe_item(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct run *r = arg;
+    struct ctl_trials *t = r->t;
+    const uint32_t scan = t->trial[r->first[i]].probe;
+    struct face face = {0};
+    enum status st = build(r, scan, w, &face, e);
+
+    if (r->o->decision != NULL)
+        face_work_decide(w, r->o->decision);
+    for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++)
+        if (t->refused[scan] == NULL && t->refused[t->trial[k].template] == NULL)
+            st = compare(r, &face, w, &t->trial[k], e);
+    face_free(&face);
+    return st;
+}
+
+/* Where each probe's comparisons begin; their number in *n. */
+static enum status find_items(struct run *r, size_t *n)
+{
+    const struct ctl_trials *t = r->t;
+
+    *n = 0;
+    if ((r->first = malloc((t->corpus->nscan + (size_t)1) * sizeof *r->first)) == NULL)
+        return ST_ENOMEM;
+    for (size_t i = 0; i < t->n; i++)
+        if (i == 0 || t->trial[i].probe != t->trial[i - 1].probe)
+            r->first[(*n)++] = i;
+    r->first[*n] = t->n;
+    return ST_OK;
+}
+
+static enum status run_all(struct run *r, struct errinfo *e)
+{
+    struct ctl_trials *t = r->t;
+    const double start = clock_ms();
+    size_t nprobe;
+    enum status st = find_items(r, &nprobe);
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "the comparisons: %s", status_message(st));
+    st = pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject, enroll_item,
+                  r, e);
+    t->build_s = (clock_ms() - start) / 1e3;
+    if (st == ST_OK)
+        st = pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item, r, e);
+    t->compare_s = (clock_ms() - start) / 1e3 - t->build_s;
+    return st;
+}
+
+enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
+                           const struct ctl_trials_options *o, struct ctl_trials **out)
+{
+    struct ctl_trials *t = calloc(1, sizeof *t);
+    struct run r = {.t = t, .o = o};
+    enum status st = ST_ENOMEM;
+
+    *out = NULL;
+    r.c.units = c->units;
+    r.c.threshold_mm = c->threshold_mm;
+    if (t != NULL) {
+        t->corpus = corpus;
+        t->seed = SEED;
+        t->nthread = pool_threads(o->threads);
+        t->impostors = o->impostors > 0 ? o->impostors : share(corpus);
+        t->refused = calloc(corpus->nscan, sizeof *t->refused);
+        r.template = calloc(corpus->nsubject, sizeof *r.template);
+    }
+    if (t == NULL || t->refused == NULL || r.template == NULL || plan_all(t) != ST_OK)
+        (void)errinfo_set(&c->e, st, "the comparisons: out of memory");
+    else
+        st = run_all(&r, &c->e);
+    for (uint32_t i = 0; r.template != NULL && i < corpus->nsubject; i++)
+        face_free(&r.template[i]);
+    free(r.template);
+    free(r.first);
+    if (st == ST_OK)
+        *out = t;
+    else
+        ctl_trials_free(t);
+    return st;
+}
+
+void ctl_trials_free(struct ctl_trials *t)
+{
+    if (t == NULL)
+        return;
+    for (uint32_t i = 0; t->refused != NULL && i < t->corpus->nscan; i++)
+        free(t->refused[i]);
+    free(t->refused);
+    free(t->trial);
+    free(t);
+}

@@ -1,0 +1,223 @@
+#!/bin/sh
+# Goal: the audit log tells who did what; whatever is done to one row of it is found, and
+# where; what was exported can be verified without the database; an erasure leaves a receipt.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+# ctl OPTION...: its JSON in $T/ctl, its exit status in CODE.
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+
+said() {
+    jq -r "$1" "$T/ctl"
+}
+
+# ---- a log of everything, by the daemon and beside it
+scan 1 0 "$T/a.ply"
+scan 2 0 "$T/b.ply"
+AUTH=
+start_daemon
+ctl token create door
+AUTH=$(said .token) DOOR=$(said .id)
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+id=$(get .template_id)
+send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
+ctl verify bob "$T/b.ply"
+ctl audit checkpoint
+is "signed" "$CODE $(said .checkpoint)" "0 8"
+# As they are in the file: the subject's key, and some of the model.
+sealed=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
+    JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
+for one in $sealed; do
+    ok "what is looked for is found" holds "$one" "$DB" "$DB-wal"
+done
+req DELETE /v1/subjects/alice
+cp "$T/body" "$T/receipt"
+ctl backup "$T/backup"
+is "a backup afterwards" $CODE 0
+for one in $sealed; do
+    if holds "$one" "$DB" "$DB-wal" "$T/backup"; then found=yes; else found=no; fi
+    is "the key and the model are nowhere any more" "$found" no
+done
+ctl delete "$(sqlite3 "$DB" 'SELECT id FROM templates')" --yes
+ctl token revoke "$DOOR"
+ctl audit show
+is "who did what" "$(said '.entries[] | [.kind, .actor, .outcome] | join(" ")')" "\
+create_key  file
+create_token surfacectl $DOOR
+enroll $DOOR created
+verify $DOOR match
+verify $DOOR no_match
+enroll $DOOR created
+verify surfacectl match
+checkpoint surfacectl 
+delete_subject $DOOR deleted
+delete_template surfacectl deleted
+revoke_token surfacectl $DOOR"
+is "with which template" "$(said '.entries[2].template_id')" "$id"
+is "who is here is named" "$(said '.entries[5].subject')" bob
+is "who was erased is not" "$(said '.entries[2] | [.subject, (.subject_ref | length)] | @csv')" ',32'
+ctl audit show --subject alice
+is "but found by the id" "$(said '[.entries[].seq] | @csv')" 3,4,5,9
+ctl audit show --kind verify --limit 2
+is "of a kind, the newest" "$(said '[.entries[].seq] | @csv')" 5,7
+ctl audit show --since 2999
+is "since then" "$CODE $(said '.entries | length')" "0 0"
+ctl audit show --since soon
+is "no such time" $CODE 65
+"$BUILD/surfacectl" --db "$DB" audit show >"$T/text"
+ok "as text" grep -q "   9  20.*delete_subject .*#[0-9a-f]\{12\} .*$DOOR\$" "$T/text"
+ctl audit verify
+is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,11,1"
+key=$(said .public_key)
+
+# ---- the receipt
+receipt() {
+    jq -r "$1" "$T/receipt"
+}
+is "of whom, what" "$(receipt '[.subject, .template_ids[]] | @csv')" "\"alice\",\"$id\""
+is "where in the log" "$(receipt .audit.seq)" 9
+is "by which key" "$(receipt .public_key)" "$key"
+if command -v openssl >/dev/null && command -v xxd >/dev/null; then
+    receipt '"surface receipt 1", .digest, .audit.seq, .audit.hash' >"$T/signed"
+    receipt .signature | xxd -r -p >"$T/signature"
+    # An Ed25519 key as X.509 has it: RFC 8410.
+    printf '302a300506032b6570032100%s' "$key" | xxd -r -p >"$T/key.der"
+    ok "the signature holds" openssl pkeyutl -verify -rawin -pubin -keyform DER \
+        -inkey "$T/key.der" -in "$T/signed" -sigfile "$T/signature" -out "$T/out"
+fi
+ctl audit erased
+is "it is remembered" "$CODE $(said '.erased[].at')" "0 $(receipt .erased_at)"
+ctl audit erased alice
+is "by the id" $CODE 0
+ctl audit erased bob
+is "bob was not" "$CODE $(said '.erased | length')" "1 0"
+# proves WANTED FILE [OPTION...]: exit code and problems of verifying a receipt
+proves() {
+    p_wanted=$1
+    shift
+    ctl audit receipt "$@"
+    is "receipt $*" "$CODE $(said '[.ok, (.problems | length)] | @csv')" "$p_wanted"
+}
+proves '0 true,0' "$T/receipt"
+is "what it is of" "$(said '[.subject, .templates, .entry] | @csv')" '"alice",1,9'
+offline() { "$BUILD/surfacectl" --json audit receipt "$@" >"$T/ctl" 2>"$T/ctl.err"; }
+offline "$T/receipt" --public-key "$key"
+is "with the public key alone" "$? $(said .ok)" '0 true'
+offline "$T/receipt" --public-key "$(printf '%064d' 0)"
+is "with another" "$? $(said '.problems | length')" '1 1'
+offline "$T/receipt"
+is "by nothing" $? 64
+"$BUILD/surfacectl" --db "$DB" audit receipt - <"$T/receipt" >"$T/text"
+is "from a pipe, as text" "$? $(cut -c 1-29 "$T/text")" '0 ok: alice with 1 template, at'
+for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.template_ids = []' \
+    '.template_ids += ["x"]' '.audit.seq = 8'; do
+    jq "$change" "$T/receipt" >"$T/forged"
+    ctl audit receipt "$T/forged"
+    is "changed: $change" "$CODE $(said '.problems[0]')" '1 what it says is not what was signed'
+done
+for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
+    'del(.signature)' '.subject = "a b"' '[.]'; do
+    jq "$change" "$T/receipt" >"$T/forged"
+    ctl audit receipt "$T/forged"
+    is "no receipt: $change" "$CODE" 65
+done
+ctl audit receipt "$T/none"
+is "no file" "$CODE" 66
+"$BUILD/surfacectl" --db "$T/third.db" init >"$T/text"
+"$BUILD/surfacectl" --db "$T/third.db" --json audit receipt "$T/receipt" >"$T/ctl"
+is "another database's" "$? $(said '.problems | length')" '1 1'
+cp "$DB" "$T/copy.db"
+sqlite3 "$T/copy.db" "DELETE FROM erased; UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = 9"
+"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
+is "what the database does not know of it" "$? $(said '.problems | length')" '1 2'
+ctl delete bob --yes
+cp "$T/ctl" "$T/receipt"
+is "the command gives one too" "$CODE $(receipt '[.subject, .templates_deleted, .audit.seq] | @csv')" \
+    '0 "bob",0,12'
+is "with its digest" "$(receipt .digest)" \
+    "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+
+# ---- exported
+ctl audit export --out "$T/log"
+is "exported" "$CODE $(said '[.entries, .public_key] | @csv')" "0 13,\"$key\""
+is "its owner's" "$(stat -c %a "$T/log")" 600
+file() {
+    "$BUILD/surfacectl" --json audit verify "$1" --public-key "${2:-$key}" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+file "$T/log"
+is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 13,2"
+"$BUILD/surfacectl" --db "$DB" audit export >"$T/log2" 2>"$T/err"
+is "to standard output" "$?" 0
+file "$T/log2"
+is "sound too" "$CODE $(said .entries)" "0 14"
+ok "nobody is named" sh -c "! grep -q 'alice\|bob' '$T/log2'"
+ctl audit export
+is "not as another JSON" $CODE 64
+file "$T/log" "$(echo "$key" | tr 0-9a-f 1-9a-f0)"
+is "another key" "$CODE $(said .first_entry)" "1 1"
+file "$T/log" abc
+is "no key at all" $CODE 65
+file "$T/none"
+is "no file" $CODE 66
+file "$T/a.ply"
+is "no log" $CODE 65
+"$BUILD/surfacectl" audit verify "$T/log" >"$T/out" 2>&1
+is "no key given" $? 64
+
+# wrong FIRST SED: the exported log, changed, is found to be wrong from there on.
+wrong() {
+    sed "$2" "$T/log" >"$T/changed"
+    file "$T/changed"
+    is "file: $2" "$CODE $(said .first_entry)" "1 $1"
+}
+wrong 3 '/"seq":3,/d'
+wrong 4 '/"seq":4,/s/match/no_match/'
+wrong 5 '/"seq":5,/s/"actor":"./"actor":"x/'
+wrong 5 '/"seq":5,/{h;d};/"seq":6,/G'
+wrong 9 '/"seq":9,/s/.*/{}/'
+wrong 8 '/"checkpoint":8,/s/"signature":"..../"signature":"0000/'
+wrong 9 '/"checkpoint":13,/d'
+wrong 9 '/"seq":13,/d'
+wrong 9 '/"seq":9,/,/nothing/d'
+wrong 2 '3s/.*/garbage/'
+wrong 14 '/"checkpoint":13,/s/.*/&\n{"seq":14}/'
+
+# ---- every row of the table, one after the other, in every way
+cp "$DB" "$T/whole"
+stop_daemon
+sqlite3 "$DB" 'PRAGMA wal_checkpoint(TRUNCATE)' >/dev/null
+cp "$DB" "$T/whole"
+last=$(sqlite3 "$DB" 'SELECT max(seq) FROM events')
+# tampered FIRST SQL
+tampered() {
+    cp "$T/whole" "$DB"
+    sqlite3 "$DB" "$2"
+    ctl audit verify
+    is "$2" "$CODE $(said .first_entry)" "1 $1"
+}
+for seq in $(seq "$last"); do
+    tampered "$seq" "DELETE FROM events WHERE seq = $seq"
+    tampered "$seq" "UPDATE events SET outcome = outcome || '.' WHERE seq = $seq"
+    tampered "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = $seq"
+    tampered "$seq" "UPDATE events SET hash = randomblob(32) WHERE seq = $seq"
+done
+for seq in $(seq $((last - 1))); do
+    tampered "$seq" "UPDATE events SET seq = 99 WHERE seq = $seq;
+        UPDATE events SET seq = $seq WHERE seq = $seq + 1; UPDATE events SET seq = $seq + 1 WHERE seq = 99"
+done
+tampered 5 "DELETE FROM events WHERE seq >= 5"
+tampered 8 "DELETE FROM checkpoints WHERE seq = 8"
+ctl backup "$T/backup2"
+is "nor is it taken for a backup" "$CODE $(ls "$T/backup2" 2>/dev/null)" "65 "
+ctl check
+is "check finds it as well" "$CODE $(said '.problems | length')" "1 1"
+cp "$T/whole" "$DB"
+ctl check
+is "restored" "$CODE $(said .events)" "0 $last"
+finish

@@ -1,0 +1,287 @@
+#!/bin/sh
+# Goal: a backup that is made while the daemon enrolls is whole and verified, or not there;
+# restoring it brings back what was, but nobody who was erased since, and no revoked token.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+
+said() {
+    jq -r "$1" "$T/ctl"
+}
+
+# people: who is in the database.
+people() {
+    "$BUILD/surfacectl" --db "$DB" --json list | jq -r '[.subjects[].subject] | join(" ")'
+}
+
+for s in 1 2 3 4; do
+    scan "$s" 0 "$T/s$s.ply" --points 600
+done
+ctl init
+ctl enroll alice "$T/s1.ply"
+ctl enroll bob "$T/s2.ply"
+ctl enroll carol "$T/s3.ply"
+token=$("$BUILD/surfacectl" --db "$DB" --json token create front)
+AUTH=$(printf '%s' "$token" | jq -r .token)
+id=$(printf '%s' "$token" | jq -r '.id // .token_id')
+
+# ---- beside a daemon that enrolls meanwhile
+start_daemon
+(
+    i=0
+    while [ ! -e "$T/enough" ] && [ "$i" -lt 500 ]; do
+        i=$((i + 1))
+        curl -sS -m 60 -o /dev/null -H "$PLY" -H "Authorization: Bearer $AUTH" \
+            --data-binary "@$T/s4.ply" "$URL/v1/subjects/more$i/templates"
+        echo "$i" >"$T/enrolled"
+    done
+) &
+loop=$!
+tries=0
+until [ -s "$T/enrolled" ] || [ "$tries" -ge 300 ]; do
+    tries=$((tries + 1))
+    sleep 0.1
+done
+for i in 1 2 3; do
+    ctl backup "$T/b$i"
+    is "backup $i" "$CODE" 0
+    is "its file is its owner's" "$(stat -c %a "$T/b$i")" 600
+done
+n=$(said .subjects)
+touch "$T/enough"
+wait "$loop"
+ok "it has who was there ($n)" test "$n" -ge 4
+ok "one file" test ! -e "$T/b3-wal" -a ! -e "$T/b3-shm" -a ! -e "$T/b3.part"
+is "it can be opened" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --json check |
+    jq -r .ok)" true
+is "and its counts are those told" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" \
+    --json stats | jq -r .subjects)" "$n"
+ok "nothing stands open in it" sh -c "! grep -aq 'alice\|more1' '$T/b3'"
+
+# ---- not while somebody has it open
+ctl restore "$T/b3"
+is "not while the daemon runs" "$CODE" 75
+ok "and it is said what to do" grep -q 'stop surfaced first' "$T/ctl.err"
+ctl restore "$T/b3" --dry-run
+is "what it would do can be asked" "$CODE $(said .restored)" "0 false"
+alive "a refused restore"
+req GET /v1/subjects/alice
+is "it serves as before" "$STATUS" 200
+stop_daemon
+
+# ---- what is overwritten, and what is not
+ctl backup "$T/b3"
+is "an older backup is replaced" "$CODE" 0
+echo mine >"$T/notes"
+ctl backup "$T/notes"
+is "another file is not" "$CODE" 65
+is "it is as it was" "$(cat "$T/notes")" mine
+ctl backup "$DB"
+is "nor the database" "$CODE" 65
+ctl backup "$T/nowhere/b"
+is "nor is it in a folder that is not there" "$CODE" 74
+ctl check
+is "the database is well" "$CODE" 0
+
+# ---- back to what was
+ctl backup "$T/back"
+before=$(people)
+cp "$DB.key" "$T/key"
+ctl delete --yes bob
+ctl enroll dave "$T/s4.ply"
+ctl delete --yes carol
+ctl enroll carol "$T/s4.ply" # erased, and there again with another face
+ctl token revoke "$id"
+ctl restore "$T/back" --dry-run
+is "what would change" "$CODE $(said '.subjects_lost, .subjects_erased, .tokens_revoked' |
+    tr '\n' ' ')" "0 2 2 1 "
+is "nothing did" "$(people | grep -c dave)" 1
+ok "nothing is left of trying" test ! -e "$DB.part" -a ! -e "$DB.before-restore"
+ctl restore "$T/back"
+is "restored" "$CODE $(said '.restored')" "0 true"
+is "who was there is, but for the erased" "$(people)" \
+    "$(printf '%s' "$before" | sed 's/ bob//; s/ carol//')"
+ctl check
+is "all is well" "$CODE" 0
+ctl verify alice "$T/s1.ply"
+is "alice is alice" "$CODE" 0
+is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outcome, ' ')
+    FROM (SELECT * FROM events WHERE kind != 'verify' ORDER BY seq DESC LIMIT 3)")" \
+    "restore:restored delete_subject:erased again delete_subject:erased again"
+is "a revoked token stays so" \
+    "$("$BUILD/surfacectl" --db "$DB" --json token list | jq -r '.tokens[0].revoked')" true
+is "what was there is kept" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
+    --key "$DB.key" --json list | jq -r '[.subjects[].subject] | map(select(. == "dave"))[]')" dave
+is "for its owner alone" "$(stat -c %a "$DB.before-restore")" 600
+ctl restore "$T/back"
+is "it is not overwritten by another restore" "$CODE" 65
+ok "it is said what to do" grep -q 'before-restore.*delete it when all is well' "$T/ctl.err"
+rm "$DB.before-restore"
+ctl restore "$T/back"
+is "a second time" "$CODE $(said .subjects_erased)" "0 2"
+start_daemon --no-auth
+send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
+is "the daemon serves it" "$STATUS $(get .decision)" "200 match"
+stop_daemon
+rm "$DB.before-restore"
+
+# ---- whoever was erased after another id was given
+ctl backup "$T/old-ids"
+ctl subject rename alice ann
+ctl enroll dan "$T/s4.ply" --force
+ctl subject rename dan alice # who is somebody else
+ctl subject erase ann --yes
+is "erased under the new id" "$CODE" 0
+ctl backup "$T/new-ids"
+ctl restore "$T/old-ids"
+is "the old id comes back with nobody" "$CODE $(said .subjects_erased)" "0 1"
+is "neither id" "$(people | tr ' ' '\n' | grep -c -e '^alice$' -e '^ann$')" 0
+ctl check
+is "all is well" "$CODE" 0
+rm "$DB.before-restore"
+ctl restore "$T/new-ids"
+is "and is free for another" "$CODE $(said .subjects_erased) $(people | grep -c alice)" "0 0 1"
+rm "$DB.before-restore"
+ctl restore "$T/back"
+is "an older one still" "$CODE $(people | grep -c 'alice\|bob\|carol')" "0 0"
+rm "$DB.before-restore"
+
+# ---- a restore that was killed when it had put the database aside, and nothing else: the
+# next one knows that, also after the database went on, and needs nobody's help.
+ctl backup "$DB.before-restore"
+ctl restore "$T/back"
+is "put aside alone" "$CODE" 0
+ctl restore "$T/new-ids"
+is "what one that was not killed put aside stays" "$CODE" 65
+rm "$DB.before-restore"
+ctl backup "$DB.before-restore"
+ctl enroll eve "$T/s4.ply" --force
+ctl restore "$T/back"
+is "and gone on" "$CODE" 0
+is "what is aside now is the newer one" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
+    --key "$DB.key" --json list | jq -r '.subjects[].subject' | grep -c eve)" 1
+rm "$DB.before-restore"
+end() { sqlite3 "$DB" 'SELECT hex(hash) FROM events_end'; }
+for _ in 1 2 3 4 5 6; do # killed there indeed, or a little later
+    was=$(end)
+    "$BUILD/surfacectl" --db "$DB" restore "$T/back" >"$T/text" 2>&1 &
+    pid=$!
+    while [ ! -e "$DB.before-restore" ] && kill -0 "$pid" 2>/dev/null; do :; done
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+    after=$(end)
+    ctl restore "$T/back"
+    if [ "$after" = "$was" ]; then
+        is "killed before it replaced anything" "$CODE" 0
+    else
+        is "killed after" "$CODE" 65
+    fi
+    rm "$DB.before-restore"
+done
+ctl check
+is "all is well after that" "$CODE" 0
+
+# ---- where there is nothing
+mv "$DB" "$T/away"
+rm -f "$DB"-*
+ctl restore "$T/back"
+is "without a database" "$CODE" 0
+is "all are back" "$(people)" "$before"
+ok "nothing is aside" test ! -e "$DB.before-restore"
+ctl check
+is "well" "$CODE" 0
+
+# ---- a backup that is no good
+size=$(stat -c %s "$T/back")
+sum=$(sha256sum <"$DB")
+for cut in 0 1 100 4096 $((size / 2)) $((size - 4096)) $((size - 1)); do
+    head -c "$cut" "$T/back" >"$T/cut"
+    ctl restore "$T/cut"
+    ok "cut to $cut bytes: exit $CODE" test "$CODE" -ge 65
+done
+# Its last byte, a zero, is missing: SQLite would put it back.
+cp "$T/back" "$T/zero"
+printf '\000' | dd of="$T/zero" bs=1 seek=$((size - 1)) conv=notrunc 2>/dev/null
+head -c $((size - 1)) "$T/zero" >"$T/cut"
+ctl restore "$T/cut"
+is "a zero cut off" "$CODE" 65
+ok "it is said" grep -q "cut short" "$T/ctl.err"
+# A byte in the middle of every page: some are free, so it may be as good as before.
+at=2000 bad=0
+while [ "$at" -lt "$size" ]; do
+    cp "$T/back" "$T/flipped"
+    byte=$(od -An -tu1 -j "$at" -N 1 "$T/flipped" | tr -d ' ')
+    # shellcheck disable=SC2059 # an octal number
+    printf "\\$(printf %o $((byte ^ 255)))" |
+        dd of="$T/flipped" bs=1 seek="$at" conv=notrunc 2>/dev/null
+    ctl restore "$T/flipped"
+    if [ "$CODE" = 0 ]; then
+        ctl check
+        is "flipped at $at: it made no difference" "$CODE" 0
+        rm -f "$DB.before-restore"
+        cp "$T/back" "$T/whole"
+        ctl restore "$T/whole"
+        rm -f "$DB.before-restore"
+        sum=$(sha256sum <"$DB")
+    else
+        bad=$((bad + 1))
+    fi
+    at=$((at + 8192))
+done
+ok "flipped bytes were found ($bad)" test "$bad" -gt 5
+is "the database is what it was" "$(sha256sum <"$DB")" "$sum"
+ok "nothing is left" test ! -e "$DB.part" -a ! -e "$DB.before-restore"
+
+# ---- another's
+"$BUILD/surfacectl" --db "$T/other" init >/dev/null
+"$BUILD/surfacectl" --db "$T/other" enroll eve "$T/s1.ply" >/dev/null
+"$BUILD/surfacectl" --db "$T/other" backup "$T/other.bak" >/dev/null
+ctl restore "$T/other.bak"
+is "another key" "$CODE" 77
+ctl --key "$T/other.key" restore "$T/other.bak"
+is "another database" "$CODE" 65
+ok "it is said" grep -q 'another database' "$T/ctl.err"
+is "nothing changed" "$(sha256sum <"$DB")" "$sum"
+
+# ---- a log that was left: nothing else may come under its name, and it is not kept for long
+start_daemon --no-auth
+send POST /v1/subjects/frank/templates "$PLY" "$T/s3.ply"
+is "somebody comes in" "$STATUS" 201
+kill -9 "$PID"
+wait "$PID" 2>/dev/null
+PID=
+cp "$DB" "$T/dead"
+cp "$DB-wal" "$T/dead-wal"
+ok "who was killed has left a log" test -s "$T/dead-wal"
+ctl backup "$T/dead"
+is "no backup over a database with a log" "$CODE" 65
+rm "$T/dead"
+"$BUILD/surfacectl" --db "$T/dead" --key "$DB.key" restore "$T/back" >/dev/null 2>"$T/ctl.err"
+is "nor a restore beside one" $? 65
+ok "it is said" grep -q 'dead-wal without its database' "$T/ctl.err"
+ok "nothing was made" test ! -e "$T/dead" -a ! -e "$T/dead.part"
+start_daemon --no-auth
+ok "the next daemon empties it" test ! -s "$DB-wal"
+stop_daemon
+
+# ---- a backup that is killed
+for wait in 0.002 0.005 0.01 0.02 0.04; do
+    rm -f "$T/k"
+    "$BUILD/surfacectl" --db "$DB" backup "$T/k" >/dev/null 2>&1 &
+    pid=$!
+    sleep "$wait"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+    if [ -e "$T/k" ]; then
+        is "killed after $wait s: whole" "$("$BUILD/surfacectl" --db "$T/k" --key "$DB.key" \
+            --json check | jq -r .ok)" true
+    fi
+done
+ctl backup "$T/k"
+is "what it left is in nobody's way" "$CODE" 0
+ok "nor is it left" test ! -e "$T/k.part"
+finish

@@ -1,0 +1,95 @@
+#!/bin/sh
+# Goal: commands that change a database are killed at one of their changes to its folder, or
+# lose the power there, again and again: afterwards `check` is clean, an acknowledged change is
+# there, no other is half there, what was destroyed is gone, and the command run again ends
+# what it began.
+# CRASH_TRIALS: of each command and kind (6); SEED: of the first; CRASH_ONLY: a command's name.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+trials=${CRASH_TRIALS:-6} seed=${SEED:-$(date +%s)}
+ctl() {
+    "$BUILD/surfacectl" --db "$@" >"$T/ctl" 2>&1 || {
+        echo "surfacectl --db $*: $(cat "$T/ctl")"
+        exit 1
+    }
+}
+
+T=$(cd "$T" && pwd -P) # as the programs name it
+mkdir "$T/empty" "$T/work"
+for n in 1 2 3 4; do
+    scan "$n" 0 "$T/s$n.ply" --points 300
+done
+
+# ---- what there is before
+mkdir "$T/full" "$T/old" "$T/lost"
+db=$T/full/db
+ctl "$db" init
+ctl "$db" enroll alice "$T/s1.ply"
+ctl "$db" enroll bob "$T/s2.ply"
+ctl "$db" token create gate
+ctl "$db" backup "$T/full/copy"
+cp "$T/full/copy" "$T/backup"
+cp "$db.key" "$T/lost/"
+ctl "$db" delete --yes bob
+ctl "$db" enroll carol "$T/s3.ply"
+ctl "$db" enroll bob "$T/s2.ply"
+sqlite3 "$T/old/db" <tests/golden/database_v3.sql
+chmod 600 "$T/old/db"
+ctl "$T/other" init
+ctl "$T/other" enroll dave "$T/s4.ply"
+ctl "$T/other" enroll erin "$T/s1.ply"
+od -An -tx1 -N 32 /dev/urandom | tr -d ' \n' >"$T/akey"
+chmod 600 "$T/akey"
+ctl "$T/other" export --all -o "$T/archive" --archive-key "$T/akey"
+
+# crash NAME BASE ARGUMENT...: trials of a command, of both kinds.
+crash() {
+    name=$1 base=$T/$2
+    shift 2
+    [ -z "${CRASH_ONLY:-}" ] || [ "$CRASH_ONLY" = "$name" ] || return 0
+    for kind in kill power; do
+        "$BUILD/crash" "$BUILD/crash_shim.so" "$base" "$T/work" "$kind" "$seed" "$trials" \
+            "$BUILD/surfacectl" --db @db "$@" >"$T/said" 2>&1
+        code=$?
+        echo "$name, $kind: $(cat "$T/said")"
+        is "$name, $kind, from seed $seed" "$code" 0
+        [ "$code" = 0 ] || cp -r "$T/work" "${CRASH_KEEP:-$T}/$name.$kind"
+    done
+}
+
+echo "seed $seed"
+crash init empty init
+crash enroll full enroll dave "$T/s4.ply"
+crash erase full delete --yes alice
+crash rename full subject rename bob rob
+crash rekey full rekey --yes
+crash rekey-keep full rekey --keep-old
+crash rekey-plain full rekey --plaintext --yes
+crash migrate old migrate
+crash import full import "$T/archive" --archive-key "$T/akey"
+crash restore full restore "$T/backup"
+crash restore-lost lost restore "$T/backup"
+crash backup full backup @copy
+crash vacuum full vacuum
+
+# ---- the daemon
+if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
+    for kind in kill power; do
+        "$BUILD/crash_daemon" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
+            "$trials" "$T/s4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
+            --no-auth --workers 2 >"$T/said" 2>&1
+        code=$?
+        echo "daemon, $kind: $(cat "$T/said")"
+        is "daemon, $kind, from seed $seed" "$code" 0
+    done
+fi
+
+# ---- what a file system without renameat2(RENAME_NOREPLACE) may leave: two names of one file
+if [ -z "${CRASH_ONLY:-}" ]; then
+    ln "$db" "$T/second.part"
+    sum=$(sha256sum <"$db")
+    ctl "$db" backup "$T/second"
+    is "a part that is the database itself is not overwritten" "$(sha256sum <"$db")" "$sum"
+fi
+finish

@@ -1,0 +1,114 @@
+#!/bin/sh
+# Goal: surfacectl and a running daemon share a database: each sees at once what the other
+# did, a template that was deleted beside the daemon never matches again, a damaged one is
+# an error, and the daemon killed in the middle loses nothing that it answered.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+}
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a1.ply" --pose 5 --shift 5
+scan 2 0 "$T/b.ply"
+start_daemon --no-auth
+
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is "enrolled over HTTP" "$STATUS" 201
+alice=$(get .template_id)
+ctl show alice
+is "seen by surfacectl" "$(jq -r '.templates[0].template_id' "$T/ctl")" "$alice"
+ctl verify alice "$T/a1.ply"
+is "it verifies" $? 0
+send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
+is "the daemon verifies too" "$(get .decision)" match
+is "to the same digits" "$(get .disparity_mm)" "$(jq -r .disparity_mm "$T/ctl")"
+
+ctl enroll bob "$T/b.ply"
+is "enrolled by surfacectl" $? 0
+bob=$(jq -r '.templates[0].template_id' "$T/ctl")
+send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+is "seen by the daemon" "$(get .decision)" match
+
+# Both templates are in the daemon's cache now.
+ctl --yes delete "$alice"
+is "deleted by surfacectl" $? 0
+send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
+is "a deleted template never matches" "$STATUS" 404
+send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
+is "nor does its subject" "$STATUS" 404
+ctl check
+is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
+
+# Erased by surfacectl while another reads, so that it cannot cut the log: the daemon does, at
+# its next changes after the reader.
+ctl enroll erased "$T/a.ply"
+key=$(sqlite3 "$DB" 'SELECT hex(key) FROM subjects ORDER BY subject_key DESC LIMIT 1')
+hold_db BEGIN
+ctl --yes delete erased
+is "erased beside a reader" $? 0
+ok "its key is in the log" holds "$key" "$DB" "$DB-wal"
+release_db
+for _ in 1 2; do
+    send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+    is "verified" "$STATUS" 200
+done
+is "its key is gone" "$(holds "$key" "$DB" "$DB-wal" && echo there)" ""
+
+# Many at once from both sides.
+i=0
+while [ $i -lt 8 ]; do
+    scan $((100 + i)) 0 "$T/c$i.ply" --points 1000
+    (ctl enroll "c$i" "$T/c$i.ply" || touch "$T/lost") &
+    send POST "/v1/subjects/h$i/templates" "$PLY" "$T/c$i.ply"
+    is "enrolled while surfacectl enrolls" "$STATUS" 201
+    wait $!
+    i=$((i + 1))
+done
+ok "surfacectl enrolled all" test ! -e "$T/lost"
+
+# Two people at once as the first sample of a subject, one from each side: never both.
+i=0
+while [ $i -lt 8 ]; do
+    (ctl enroll "both$i" "$T/a.ply") &
+    send POST "/v1/subjects/both$i/templates" "$PLY" "$T/b.ply"
+    wait $!
+    req GET "/v1/subjects/both$i"
+    is "one of two people is in" "$(get '.templates | length')" 1
+    req DELETE "/v1/subjects/both$i"
+    i=$((i + 1))
+done
+
+# Killed: what was answered is there.
+kill -9 "$PID"
+wait "$PID" 2>/dev/null
+PID=
+ctl list
+is "nothing is lost" "$(jq '.subjects | length' "$T/ctl")" 18
+ctl check
+is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
+
+# A model damaged in the database.
+sqlite3 "$DB" "UPDATE templates SET model = CAST(substr(model, 1, 9000) || x'00' || substr(model, 9002) AS BLOB)
+               WHERE id = '$bob'"
+start_daemon --no-auth
+send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+is "a damaged template is an error" "$STATUS" 500
+ok "that tells nothing of the database" test -z "$(get .detail | grep -i -e sql -e "$DB")"
+ctl check
+is "which check finds" "$?/$(jq -r .bad_templates "$T/ctl")" 1/1
+ctl --yes delete bob
+is "and delete removes" $? 0
+ctl check
+is "so that all is well" $? 0
+
+# A newer version's database.
+stop_daemon
+sqlite3 "$DB" 'PRAGMA user_version = 99'
+"$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --no-auth >"$T/out" 2>&1
+ok "the daemon refuses a newer database" test $? -ne 0
+ok "and says so: $(tail -1 "$T/out")" grep -q 'version 99' "$T/out"
+ctl list
+is "surfacectl too" $? 65
+finish

@@ -1,0 +1,170 @@
+#!/bin/sh
+# Goal: surfacectl calibrate makes a threshold from the database's own faces, says what it
+# rests on, and refuses what it cannot know; a running daemon and surfacectl decide by it at
+# once; the way back and a damaged calibration.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+export SURFACED_DB="$DB"
+
+# ctl ARGUMENT...: its exit code is in CODE, the JSON in $T/ctl
+ctl() {
+    "$BUILD/surfacectl" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+said() {
+    jq -r "$1" "$T/ctl"
+}
+
+ctl init
+ctl calibrate
+is "nobody to learn from" $CODE 65
+for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    scan $i 0 "$T/s$i.ply" --points 1000
+    ctl enroll "s$i" "$T/s$i.ply"
+    is "enrolled" $CODE 0
+done
+scan 1 1 "$T/again.ply" --points 1000 --pose 5
+scan 2 1 "$T/probe.ply" --points 1000 --pose 5
+ctl enroll s1 "$T/again.ply"
+
+# ---- what cannot be known
+ctl calibrate
+is "one in a thousand of 66 pairs" $CODE 65
+ok "says how many people it takes: $(said .error.detail)" \
+    matches "$(said .error.detail)" '0.001 takes 78 subjects.*3000 pairs.*12 \(66 pairs.*0.045'
+for wrong in "--fmr 0" "--fmr 0.6" "--fmr nan" "--fmr" "--list --reset" "--list --dry-run" \
+    "--reset --fmr 0.1" "--list --genuine x" "--yes"; do
+    # shellcheck disable=SC2086 # words
+    ctl calibrate $wrong
+    is "calibrate $wrong" $CODE 64
+done
+ctl calibrate --fmr 0.05 --genuine "$T/nowhere"
+is "a manifest that is not there" $CODE 66
+
+# ---- shown, not stored
+start_daemon --no-auth
+req GET /readyz
+is "the shipped table" "$(get '.calibration | [.version, .source] | @csv')" '0,"shipped"'
+ctl calibrate --fmr 0.05 --dry-run
+is "a dry run" $CODE 0
+is "what it rests on" "$(said '[.subjects, .templates, .pairs, .impostors, .genuine] | @csv')" \
+    12,13,66,143,2
+is "is not stored" "$(said .stored)" false
+ok "its interval holds it" jq -e '.low_mm <= .threshold_mm and .threshold_mm <= .high_mm
+    and .high_mm > .low_mm' "$T/ctl" >/dev/null
+# shellcheck disable=SC2016 # the variables are jq's
+ok "the table rises to 1" jq -e '[.table[].rate] as $r | [.table[].mm] as $m
+    | $r == ($r | unique) and $m == ($m | unique) and $r[-1] == 1' "$T/ctl" >/dev/null
+is "nobody is refused of two" "$(said .fnmr)" 0
+is "nobody is suspicious" "$(said '.suspicious | length')" 0
+cp "$T/ctl" "$T/first"
+ctl calibrate --fmr 0.05 --dry-run --threads 3
+ok "the same again" cmp "$T/ctl" "$T/first"
+ctl calibrate --list
+is "none is there" "$(said '[(.calibrations | length), .in_force.version, .in_force.source] | @csv')" \
+    '0,0,"shipped"'
+
+# ---- further scans of the subjects
+mkdir "$T/more"
+scan 2 1 "$T/more/s2_later.ply" --points 1000 --pose 5
+scan 3 1 "$T/more/s3_later.ply" --points 1000 --pose 5
+cp "$T/s3.ply" "$T/more/s3_enrolled.ply"
+scan 99 1 "$T/more/stranger_1.ply" --points 1000
+"$BUILD/facegen" --subject 4 --points 120 --format xyz | awk '{ print $1 / 99, $2, $3 }' \
+    >"$T/more/s4_bad.xyz"
+ctl calibrate --fmr 0.05 --dry-run --genuine "$T/more"
+is "two more, two that do not count, one refused" \
+    "$(said '[.genuine, .scans_outside, .scans_refused] | @csv')" 4,2,1
+
+# ---- in force at once
+ctl calibrate --fmr 0.05
+is "stored" "$CODE $(said '[.stored, .version] | @csv')" "0 true,1"
+mm=$(said .threshold_mm)
+req GET /readyz
+is "the daemon knows" "$(get '.calibration | [.version, .source, .threshold_mm, .fmr <= 0.05] | @csv')" \
+    "1,\"database\",$mm,true"
+send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
+is "and verifies by it" "$(get '[.decision, .threshold_mm] | @csv')" "\"match\",$mm"
+"$BUILD/facegen" --subject 5 --points 1000 --format json >"$T/c.json"
+jq '{a: ., b: .}' "$T/c.json" >"$T/two.json"
+send POST /v1/compare "$JSON" "$T/two.json"
+is "and compares" "$(get .threshold_mm)" "$mm"
+send POST "/v1/subjects/s2/verify?threshold_mm=0.001" "$PLY" "$T/probe.ply"
+is "a request's own threshold wins" "$(get '[.decision, .threshold_mm] | @csv')" '"no_match",0.001'
+ctl verify s2 "$T/probe.ply"
+is "surfacectl too" "$CODE $(said .threshold_mm)" "0 $mm"
+is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'calibrate'")" \
+    'surfacectl|version 1'
+
+# A threshold that nothing is below: enrolment is judged by it too.
+"$BUILD/forge" "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, low_mm,
+    high_mm, subjects, impostors, genuine, halving_mm, knots) SELECT created, actor, engine, shipped,
+    fmr, 0.0001, 0, 1, subjects, impostors, genuine, halving_mm, knots FROM calibrations"
+send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
+problem "a sample, by a strict calibration" 409 sample_mismatch
+is "with its threshold" "$(get .threshold_mm)" 0.0001
+ctl enroll s2 "$T/probe.ply"
+is "surfacectl enrolls by it too" $CODE 65
+
+# ---- back
+ctl calibrate --reset --dry-run
+is "back, only shown" "$(said .stored)" false
+ctl calibrate --reset
+is "back to the shipped table" "$CODE $(said '[.version, .source] | @csv')" '0 3,"shipped"'
+send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
+is "the daemon follows" "$STATUS" 201
+ctl calibrate --list
+is "nothing is deleted" "$(said '[.calibrations[].version, .in_force.source] | @csv')" \
+    '1,2,3,"shipped"'
+"$BUILD/surfacectl" calibrate --list >"$T/text"
+is "the list as text" "$(grep -c -e database -e shipped "$T/text")" 4
+ctl check
+is "all is well" "$CODE" 0
+
+# ---- one person under two ids
+scan 7 3 "$T/twin.ply" --points 1000 --pose 3
+ctl enroll s7b "$T/twin.ply"
+ctl calibrate --fmr 0.05 --dry-run
+is "two ids of one person are found" "$(said '.suspicious | map([.a, .b] | join(" ")) | join(",")')" \
+    "s7 s7b"
+"$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"
+ok "as text too" grep -q 's7  s7b' "$T/text"
+
+# ---- damaged: nobody decides, until there is another
+sqlite3 "$DB" "UPDATE calibrations SET threshold_mm = threshold_mm + 1 WHERE calibration_key = 3"
+stop_daemon
+start_daemon --no-auth
+send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
+problem "a damaged calibration" 500 internal
+send POST /v1/compare "$JSON" "$T/two.json"
+problem "compare" 500 internal
+req GET /readyz
+problem "not ready" 503 not_ready
+ctl verify s2 "$T/probe.ply"
+is "surfacectl says so" $CODE 65
+ctl check
+is "check finds it" "$CODE $(said '.problems | length')" "1 1"
+ctl calibrate --reset
+is "a new one" $CODE 0
+send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
+is "is the way out" "$STATUS" 200
+stop_daemon
+
+# ---- a database of version 1, which had no calibrations
+rm -f "$DB" "$DB.key"
+sed '/^-- version 2$/,$d' schema.sql >"$T/version1.sql"
+sqlite3 "$DB" <"$T/version1.sql"
+ctl list
+is "version 1 is not read as it is" $CODE 65
+ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*migrate'
+ctl init
+is "nor made anew" $CODE 65
+ctl migrate
+is "it is upgraded" "$CODE $(said .upgraded)" "0 true"
+ctl check
+is "to what a new one is" $CODE 0
+ctl migrate
+is "only once" "$CODE $(said .upgraded)" "0 false"
+ctl calibrate --list
+is "and has no calibration" "$CODE $(said '.calibrations | length')" "0 0"
+finish

@@ -1,0 +1,112 @@
+#!/bin/sh
+# Goal: surfacectl doctor names the trouble there is around a database, says what to do, and
+# changes nothing.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+doctor() {
+    "$BUILD/surfacectl" --db "$DB" --json doctor "$@" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+
+# finds TITLE LEVEL ABOUT PATTERN: there is such a finding, and trouble ends with 1.
+finds() {
+    found=$(jq -r --arg l "$2" --arg a "$3" \
+        '.findings[] | select(.level == $l and .about == $a) | .finding' "$T/ctl")
+    ok "$1: '$found' like '$4'" matches "$found" "$4"
+    [ "$2" != trouble ] || is "$1: exit" "$CODE" 1
+    is "$1: each that is not fine says what to do" \
+        "$(jq '[.findings[] | select(.level != "ok" and (.todo | length) == 0)] | length' \
+            "$T/ctl")" 0
+}
+
+doctor
+finds "no database" trouble database 'no file'
+"$BUILD/surfacectl" --db "$DB" init >"$T/ctl"
+scan 1 0 "$T/s1.ply" --points 600
+"$BUILD/surfacectl" --db "$DB" enroll s1 "$T/s1.ply" >"$T/ctl"
+doctor
+is "all is well" "$CODE $(jq -r .ok "$T/ctl")" "0 true"
+finds "templates" ok templates '^1, by'
+"$BUILD/surfacectl" --db "$DB" doctor >"$T/text"
+is "as text" "$?" 0
+ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
+sum=$(cksum <"$DB")
+
+# ---- what was left
+: >"$DB.part"
+"$BUILD/surfacectl" --db "$DB" backup "$DB.before-restore" >"$T/text"
+doctor
+is "that is no trouble" "$CODE" 0
+finds "what was left" note left 'faces.db.part is what a restore'
+finds "what a restore put aside" note left 'from before a restore'
+rm "$DB.part" "$DB.before-restore"
+
+# ---- permissions
+chmod 644 "$DB"
+doctor
+finds "others may read it" trouble database 'mode 644'
+chmod 600 "$DB"
+chmod 644 "$DB.key"
+doctor
+finds "others may read the key" trouble key 'mode 644.*chmod 600'
+chmod 600 "$DB.key"
+chmod 777 "$T"
+doctor
+finds "others may write the folder" trouble folder 'mode 777'
+chmod 700 "$T"
+
+# ---- keys
+mv "$DB.key" "$T/aside"
+doctor
+finds "no key" trouble key 'No such file'
+doctor --key "$T/aside"
+is "elsewhere" "$CODE" 0
+mv "$T/aside" "$DB.key.new"
+doctor
+finds "a change of the key that was interrupted" trouble key 'interrupted.*key.new'
+mv "$DB.key.new" "$DB.key"
+printf '%064d\n' 7 >"$DB.key.new"
+chmod 600 "$DB.key.new"
+doctor
+finds "one that was not made" trouble key 'was not made'
+doctor --key "$DB.key.new"
+finds "the wrong key" trouble key 'not the key'
+rm "$DB.key.new"
+is "nothing was changed by all that" "$(cksum <"$DB")" "$sum"
+
+# ---- a daemon, and one that was killed
+start_daemon --no-auth
+doctor
+is "beside a daemon" "$CODE" 0
+finds "which it sees" ok 'in use' "process $PID"
+send POST /v1/subjects/s2/templates "$PLY" "$T/s1.ply"
+kill -9 "$PID"
+wait "$PID" 2>/dev/null
+PID=
+doctor
+is "a log that is left is no trouble" "$CODE" 0
+finds "but told of" note log 'was killed'
+
+# ---- schema, engine, kinds of keys
+sqlite3 "$DB" 'PRAGMA user_version = 99'
+doctor
+finds "a newer program's" trouble schema 'version 99'
+sqlite3 "$DB" 'PRAGMA user_version = 4'
+cp "$DB" "$T/kept"
+rm "$DB"
+sqlite3 "$DB" <tests/golden/database_v3.sql
+chmod 600 "$DB"
+doctor
+finds "an older one's" trouble schema 'version 3'
+echo nonsense >"$DB"
+doctor
+finds "no database at all" trouble schema 'not a database'
+cp "$T/kept" "$DB"
+"$BUILD/surfacectl" --db "$DB" rekey --yes --plaintext >"$T/text"
+doctor
+finds "plaintext" note key 'plaintext'
+sqlite3 "$DB" "UPDATE templates SET points = points - 1"
+doctor
+finds "damaged" trouble templates 'damaged'
+finish

@@ -1,0 +1,53 @@
+#!/bin/sh
+# Goal: the wall clock steps back, and forward: requests are served, waits end, order is kept
+# by keys and not by times.  Only what is told of times shows the step.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+command -v faketime >/dev/null 2>&1 || {
+    echo "SKIP $0: faketime is not installed"
+    exit 0
+}
+if nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'; then
+    echo "SKIP $0: faketime's library and a sanitizer's do not go together"
+    exit 0
+fi
+
+# clock SHIFT: as of now, the daemon's wall clock; its monotonic one is the machine's.
+clock() {
+    echo "$1" >"$T/shift.new"
+    mv "$T/shift.new" "$T/shift"
+}
+
+for n in 0 1 2; do
+    scan 1 "$n" "$T/a$n.ply" --points 1500
+done
+clock +0
+FAKETIME_TIMESTAMP_FILE=$T/shift FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1
+export FAKETIME_TIMESTAMP_FILE FAKETIME_NO_CACHE FAKETIME_DONT_FAKE_MONOTONIC
+LD_PRELOAD=$(faketime -f +0 printenv LD_PRELOAD)
+UNDER="env LD_PRELOAD=$LD_PRELOAD" start_daemon --no-auth
+unset LD_PRELOAD
+send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
+is "before the step" "$STATUS" 201
+first=$(get .created)
+for step in -3d +3d -400d; do
+    clock "$step"
+    send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
+    is "$step: verify" "$STATUS $(get .decision)" "200 match"
+    req GET /readyz
+    is "$step: ready" "$STATUS" 200
+done
+send POST /v1/subjects/alice/templates "$PLY" "$T/a1.ply"
+is "a sample after the step back" "$STATUS" 201
+ok "its time ($(get .created)) is the clock's, before the first's ($first)" \
+    test "$(printf '%s\n' "$first" "$(get .created)" | sort | head -n 1)" = "$(get .created)"
+second=$(get .template_id)
+send POST /v1/subjects/alice/templates "$PLY" "$T/a2.ply"
+is "another" "$STATUS" 201
+req GET /v1/subjects/alice
+is "samples are in the order of enrolment" "$(get '.templates | length, .[1].template_id' |
+    tr '\n' ' ')" "3 $second "
+stop_daemon
+is "the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
+finish

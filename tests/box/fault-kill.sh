@@ -1,0 +1,77 @@
+#!/bin/sh
+# Goal: kill -9 amid enrolments: everything that was answered with 201 is there after a
+# restart, whatever else is there is whole, and each template has its event, neither without
+# the other.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+for s in $(seq 8); do
+    scan "$s" 0 "$T/s$s.ply" --points 1500
+done
+
+# enroll_on ROUND CLIENT: subject after subject until nobody answers; "STATUS SUBJECT" of each
+# in a.CLIENT.
+enroll_on() {
+    n=0
+    while [ "$n" -lt 1000 ]; do
+        n=$((n + 1))
+        subject=r$1-c$2-$n
+        answer=$(curl -sS -m 60 -o /dev/null -w '%{http_code}' -H "$PLY" \
+            --data-binary "@$T/s$2.ply" "$URL/v1/subjects/$subject/templates" 2>/dev/null)
+        echo "$answer $subject" >>"$T/a.$2"
+        [ "$answer" != 000 ] || break
+    done
+}
+
+# answered: how many 201 there were so far in this round.
+answered() {
+    cat "$T"/a.* 2>/dev/null | grep -c '^201 '
+}
+
+total=0
+for round in 1 2 3 4 5; do
+    rm -f "$T"/a.*
+    start_daemon --no-auth --workers 2
+    clients=
+    for c in $(seq 8); do
+        enroll_on "$round" "$c" &
+        clients="$clients $!"
+    done
+    tries=0
+    until [ "$(answered)" -ge $((round * 4)) ] || [ "$tries" -ge 600 ]; do
+        tries=$((tries + 1))
+        sleep 0.03
+    done
+    kill -9 "$PID"
+    wait "$PID" 2>/dev/null
+    PID=
+    # shellcheck disable=SC2086 # a list
+    wait $clients
+    ok "round $round: some were answered" test "$(answered)" -ge 1
+    total=$((total + $(answered)))
+
+    start_daemon --no-auth
+    lost=
+    cat "$T"/a.* | sed -n 's/^201 //p' >"$T/kept"
+    while read -r subject; do
+        req GET "/v1/subjects/$subject"
+        [ "$STATUS $(get '.templates | length')" = "200 1" ] || lost="$lost $subject"
+    done <"$T/kept"
+    is "round $round: nothing that was answered is lost" "$lost" ""
+    first=$(head -n 1 "$T/kept") client=${first#*-c}
+    send POST "/v1/subjects/$first/verify" "$PLY" "$T/s${client%-*}.ply"
+    is "round $round: the first one verifies" "$STATUS $(get .decision)" "200 match"
+    stop_daemon
+    is "round $round: the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
+    ok "round $round: every template can be read" "$BUILD/surfacectl" --db "$DB" check >"$T/check"
+    is "round $round: templates without event, events without template" "$(sqlite3 "$DB" \
+        "SELECT (SELECT count(*) FROM templates WHERE id NOT IN
+            (SELECT template_id FROM events WHERE kind = 'enroll')),
+            (SELECT count(*) FROM events WHERE kind = 'enroll' AND template_id NOT IN
+            (SELECT id FROM templates))")" "0|0"
+    is "round $round: subjects without template" "$(sqlite3 "$DB" \
+        'SELECT count(*) FROM subjects WHERE subject_key NOT IN
+            (SELECT subject_key FROM templates)')" 0
+done
+ok "in all $total were answered" test "$total" -ge 40
+finish

@@ -1,0 +1,240 @@
+#!/bin/sh
+# Goal: bad input gets a clear error with its code, and the daemon lives and loses nothing.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/a.ply"
+scan 1 0 "$T/a.json"
+start_daemon --no-auth --max-body 40000000
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is enroll "$STATUS" 201
+id=$(get .template_id)
+
+# bad TITLE STATUS CODE DETAIL TEXT: TEXT as a JSON body.
+bad() {
+    printf '%s' "$5" >"$T/x"
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+    problem "$1" "$2" "$3" "$4"
+}
+
+# ---- JSON
+bad "truncated" 400 malformed 'ends too early' '{"points": [[1,2,3],'
+bad "malformed" 400 malformed 'byte 12' '{"points": [}'
+bad "something behind" 400 malformed 'byte 15' '{"points": []} {}'
+bad "NaN" 400 malformed 'byte 17' '{"points": [[1,2,NaN]]}'
+bad "Infinity" 400 malformed 'byte 17' '{"points": [[1,2,-Infinity]]}'
+bad "a huge number" 422 not_finite 'points\[1\] is not three finite numbers' \
+    '{"points": [[1,2,3],[1,2,1e999]]}'
+bad "a large number" 422 out_of_range 'points\[200\]' "{\"points\": [$(seq -s, -f '[%.0f,1,2]' 1 200),[1e300,2,3]]}"
+bad "a string" 400 malformed 'points\[0\] is not three finite numbers' \
+    '{"points": [["1",2,3]]}'
+bad "null" 400 malformed 'points\[2\]' '{"points": [[1,2,3],[1,2,3],[1,2,null]]}'
+bad "two elements" 400 malformed 'points\[1\]' '{"points": [[1,2,3],[1,2]]}'
+bad "four elements" 400 malformed 'points\[0\]' '{"points": [[1,2,3,4]]}'
+bad "a number for a point" 400 malformed 'points\[0\]' '{"points": [1,2,3]}'
+bad "an object for a point" 400 malformed 'points\[0\]' '{"points": [{"x":1,"y":2,"z":3}]}'
+bad "points twice" 400 malformed 'earlier' '{"points": [], "points": []}'
+bad "another key twice" 400 malformed 'earlier' '{"x": 1, "points": [], "x": 2}'
+bad "no points" 400 malformed 'points is missing' '{"pts": []}'
+bad "points an object" 400 malformed 'points is not an array' '{"points": {}}'
+bad "an array" 400 malformed 'not an object' '[[1,2,3]]'
+bad "a number" 400 malformed 'not an object' '17'
+bad "units" 400 malformed 'units' '{"points": [], "units": "inch"}'
+bad "units a number" 400 malformed 'units' '{"points": [], "units": 1}'
+bad "deep nesting" 400 malformed 'not valid JSON' "$(printf '%05000d' 0 | tr 0 '[')"
+bad "deep nesting of objects" 400 malformed '' \
+    "{\"points\": $(printf '%03000d' 0 | sed 's/0/{"a":/g')"
+bad "not UTF-8" 400 malformed 'not UTF-8 at byte 12' "$(printf '{"points": "\377"}')"
+bad "many members" 400 malformed 'members' "{$(seq -s, -f '"k%.0f":1' 1 100)}"
+bad "few points" 422 too_few_points '100' '{"points": [[1,2,3]]}'
+bad "none" 422 too_few_points '' '{"points": []}'
+printf '{"points": []}\0{}' >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+problem "a NUL in it" 400 malformed 'byte 14'
+: >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+problem "empty" 400 malformed empty
+send POST /v1/subjects/alice/verify "$PLY" "$T/x"
+problem "empty file" 400 malformed empty
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H 'Transfer-Encoding: chunked'
+problem "empty, in chunks" 400 malformed empty
+req POST /v1/subjects/alice/verify -H "$JSON"
+problem "no length" 411 length_required
+
+# ---- media types
+send POST /v1/subjects/alice/verify 'Content-Type:' "$T/a.json"
+problem "no Content-Type" 415 unsupported_media_type
+send POST /v1/subjects/alice/verify 'Content-Type: application/x-www-form-urlencoded' "$T/a.json"
+problem "a form" 415 unsupported_media_type
+send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: gzip'
+problem "said to be compressed" 400 damaged_content_encoding
+send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: br'
+problem "compressed in a way not known here" 415 unsupported_content_encoding
+send POST /v1/subjects/alice/verify "$JSON" "$T/a.ply"
+problem "PLY sent as JSON" 400 malformed
+send POST /v1/subjects/alice/verify "$PLY" "$T/a.json"
+problem "JSON sent as PLY" 400 malformed
+
+# ---- scanner's files
+# ply LINE...: a PLY header of these lines, without any data.
+ply() {
+    printf '%s\n' "$@" >"$T/x"
+    send POST /v1/subjects/alice/verify "$PLY" "$T/x"
+}
+ply ply 'format ascii 1.0' 'element vertex 4000000000' 'property float x' \
+    'property float y' 'property float z' end_header '1 2 3'
+ok "a lying count: $STATUS $(get .code)" test "$STATUS" -ge 400 -a "$STATUS" -lt 500
+ply ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' \
+    'property float z' end_header '1 2 3'
+problem "too few lines" 400 malformed
+ply ply 'format ascii 1.0' 'element vertex 1' 'property string x' end_header '1'
+problem "an unknown type" 400 malformed
+ply ply 'format ascii 1.0' 'element vertex 1' 'property float x' end_header '1'
+problem "no y and z" 400 malformed
+ply ply 'format binary_pdp_endian 1.0' 'element vertex 1' 'property float x' end_header '1'
+problem "an unknown format" 400 malformed
+head -c 9000 "$T/a.ply" >"$T/x"
+send POST /v1/subjects/alice/verify "$PLY" "$T/x"
+problem "a truncated file" 400 malformed
+printf '1 2 3\n4 5 \001\002\377\n' >"$T/x"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
+problem "text with binary inside" 400 malformed 'line 2'
+head -c 20000 /dev/zero >"$T/x"
+send POST /v1/subjects/alice/verify "$BYTES" "$T/x"
+problem "zeros" 400 malformed
+
+# ---- shapes
+# shape TITLE CODE AWK: points printed by an awk program, as text.
+shape() {
+    awk "BEGIN { $3 }" >"$T/x"
+    send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
+    problem "$1" 422 "$2"
+}
+shape "three collinear points" too_few_points 'for (i = 0; i < 3; i++) print i, i, i'
+shape "collinear points" degenerate 'for (i = 0; i < 300; i++) print i, i, i'
+is "its detail" "$(get .code)" degenerate
+awk 'BEGIN { for (i = 0; i < 300; i++) print 1, 2, 3 }' >"$T/x"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
+ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
+shape "a plane" not_a_face \
+    'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 2.5 * i, 2.5 * j, 5'
+shape "a cylinder" not_a_face \
+    'for (i = -30; i <= 30; i++) for (j = -40; j <= 40; j++) print 2 * i, 2 * j, sqrt(5625 - 4 * i * i)'
+scan 1 1 "$T/a.xyz"
+awk '{ print -$1, -$2, $3 }' "$T/a.xyz" >"$T/x"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
+problem "a face upside down" 422 not_a_face
+scan 1 1 "$T/noisy.ply" --noise 6
+send POST /v1/subjects/alice/verify "$PLY" "$T/noisy.ply"
+problem "a noisy scan" 422 low_quality
+shape "a kilometre" units_suspicious \
+    'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 200 * i, 200 * j, 5'
+shape "far away" out_of_range \
+    'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 1e9 + i, j, 5'
+shape "one million points" too_many_points \
+    'for (i = 0; i < 1000; i++) for (j = 0; j < 1000; j++) print i / 8, j / 8, 5'
+awk 'BEGIN { printf "{\"points\": [[1,2,3]"
+    for (i = 1; i < 1000000; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+problem "one million points as JSON" 422 too_many_points
+awk 'BEGIN { printf "{\"points\": [[1,2,3]"
+    for (i = 1; i < 300001; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+problem "one point too many" 422 too_many_points 'points has 300001'
+
+# ---- over the limit: refused before it is all read
+head -c 60000000 /dev/zero >"$T/big"
+for how in 'Expect: 100-continue' 'Expect:' 'Transfer-Encoding: chunked'; do
+    send POST /v1/subjects/alice/verify "$BYTES" "$T/big" -H "$how"
+    problem "over the limit, $how" 413 body_too_large 40000000
+done
+sent=$(curl -sS -m 5 --limit-rate 2M -o "$T/body" -w '%{http_code} %{size_upload}' -H "$BYTES" \
+    -H 'Expect:' --data-binary "@$T/big" "$URL/v1/subjects/alice/verify" 2>/dev/null)
+ok "refused by the headers alone: $sent" test "${sent% *}" = 413 -a "${sent#* }" -lt 20000000
+send GET /healthz "$BYTES" "$T/big" -H 'Expect:'
+problem "a large body where none belongs" 413 body_too_large
+rm "$T/big"
+
+# ---- clients that stop in the middle
+clients=
+for _ in 1 2 3; do
+    curl -sS -m 1 --limit-rate 2000 -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
+        "$URL/v1/subjects/alice/verify" 2>/dev/null &
+    clients="$clients $!"
+    curl -sS -m 0.02 -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
+        "$URL/v1/subjects/alice/verify" 2>/dev/null &
+    clients="$clients $!"
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+alive "clients that stop"
+req GET /v1/subjects/alice
+is "nothing changed" "$(get '.templates | length')" 1
+
+# ---- paths
+for path in /v1/subjects/a%2Fb /v1/subjects/a%00 /v1/subjects/%zz /v1/subjects/%4 \
+    "/v1/subjects/$(printf '%0129d' 1)" /v1/subjects/%C3%A9 /v1/subjects/a%20b; do
+    req GET "$path"
+    problem "GET $path" 400 invalid_parameter 'subject id'
+done
+req GET "/v1/subjects/$(printf '%0128d' 1)"
+problem "the longest id" 404 not_found
+for path in /v1/templates/x /v1/templates/..%2f..%2fetc%2fpasswd "/v1/templates/${id}0"; do
+    req GET "$path"
+    problem "GET $path" 404 not_found
+done
+req GET /v1/subjects/../../etc/passwd --path-as-is
+problem "dots" 404 no_such_route
+req GET "/healthz?$(printf '%08000d' 1)"
+is "a long query" "$STATUS" 200
+req GET "/healthz?$(printf '%020000d' 1)"
+is "one that is too long" "$STATUS" 414
+for label in "$(printf '%0257d' 1)" %01 %FF %00 %; do
+    send POST "/v1/subjects/bob/templates?label=$label" "$PLY" "$T/a.ply"
+    is "label $label" "$STATUS" 400
+done
+req GET /v1/subjects/bob
+is "nothing was stored" "$STATUS" 404
+
+# ---- a damaged database
+restart() {
+    stop_daemon
+    start_daemon --no-auth
+}
+sqlite3 "$DB" "UPDATE templates
+    SET model = CAST(substr(model, 1, 5000) || x'ff' || substr(model, 5002) AS BLOB)"
+restart
+send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
+problem "a damaged model" 500 internal
+ok "tells nothing of the inside" sh -c "! grep -Eiq 'model|checksum|sqlite|corrupt|/tmp' '$T/body'"
+ok "the log tells" grep -Eq 'status=500 .*fault="' "$LOG"
+alive "a damaged model"
+req GET "/v1/templates/$id"
+is "its description is there" "$STATUS" 200
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+ok "no enrolment beside it: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
+req DELETE /v1/subjects/alice
+is "it can be erased" "$STATUS" 200
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is "and enrolled again" "$STATUS" 201
+stop_daemon
+
+# ---- databases that are none of ours
+# refused TITLE PATTERN: the daemon must not start on $DB, and say why.
+refused() {
+    timeout 20 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
+    is "$1: exit status" $? 1
+    ok "$1: '$(cat "$T/out")' like '$2'" grep -Eiq "$2" "$T/out"
+    ok "$1: before it listens" sh -c "! grep -q listening '$T/out'"
+}
+sqlite3 "$DB" 'PRAGMA user_version = 999' >/dev/null
+refused "a newer database" 'newer|version'
+DB=$T/none.db
+echo 'This is not a database; far from it, for it is long enough to tell.' >"$DB"
+head -c 8192 /dev/zero >>"$DB"
+refused "not a database" 'database'
+DB=$T/no/such/folder/x.db
+refused "no such folder" 'no/such/folder|open'
+DB=$T
+refused "a folder" 'not a file'
+finish

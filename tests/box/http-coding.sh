@@ -1,0 +1,249 @@
+#!/bin/sh
+# Goal: what a client may say of how it sends and what it wants back.  Compressed bodies are
+# read within the limit, and damaged or unknown ones refused; return=minimal gives no body;
+# an Idempotency-Key gives the same answer again and nothing is done twice.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+GZ='Content-Encoding: gzip' ZST='Content-Encoding: zstd'
+LIMIT=1000000
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a2.json" --pose 8 --shift 10
+scan 2 0 "$T/b.ply"
+for file in a.ply a2.json b.ply; do
+    gzip -k "$T/$file"
+    zstd -q "$T/$file"
+done
+start_daemon --no-auth --max-body $LIMIT
+
+# ---- the same answers as to the plain bodies
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is "enroll" "$STATUS" 201
+cp "$T/body" "$T/plain"
+for coding in gz:gzip gz:x-gzip gz:GZIP zst:zstd; do
+    send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply.${coding%:*}" \
+        -H "Content-Encoding: ${coding#*:}"
+    is "the same cloud, ${coding#*:}" "$STATUS" 200
+    ok "the same template" cmp -s "$T/body" "$T/plain"
+done
+send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json"
+without_times "$T/body" >"$T/plain"
+send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json" -H 'Content-Encoding: identity'
+is "identity" "$STATUS" 200
+for coding in gz:gzip zst:zstd; do
+    for how in 'Expect:' 'Transfer-Encoding: chunked'; do
+        send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json.${coding%:*}" \
+            -H "Content-Encoding: ${coding#*:}" -H "$how"
+        is "verify, ${coding#*:}, $how" "$STATUS" 200
+        without_times "$T/body" >"$T/packed"
+        ok "the same answer" cmp -s "$T/plain" "$T/packed"
+    done
+done
+{
+    head -c 40000 "$T/a2.json" | gzip
+    tail -c +40001 "$T/a2.json" | gzip
+} >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
+is "two members" "$STATUS" 200
+{
+    head -c 40000 "$T/a2.json" | zstd -q
+    tail -c +40001 "$T/a2.json" | zstd -q
+} >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$ZST"
+is "two frames" "$STATUS" 200
+printf '{"a": %s, "b": %s}' "$(cat "$T/a2.json")" "$(cat "$T/a2.json")" | gzip >"$T/x"
+send POST /v1/compare "$JSON" "$T/x" -H "$GZ"
+is "compare" "$STATUS $(get .decision)" "200 match"
+
+# ---- damaged
+# bad TITLE CODING [DETAIL]: $T/x must be refused.
+bad() {
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $2"
+    problem "$1" 400 damaged_content_encoding "${3:-}"
+}
+for coding in gz:gzip zst:zstd; do
+    name=${coding#*:} whole=$T/a2.json.${coding%:*}
+    cp "$T/a2.json" "$T/x"
+    bad "not $name" "$name" "$name"
+    head -c 20000 "$whole" >"$T/x"
+    bad "$name cut short" "$name" "ends too early"
+    head -c 3 "$whole" >"$T/x"
+    bad "$name cut very short" "$name"
+    { head -c 9000 "$whole"; printf XXXX; tail -c +9005 "$whole"; } >"$T/x"
+    bad "$name damaged" "$name"
+    { cat "$whole"; echo behind; } >"$T/x"
+    bad "$name and something behind" "$name"
+    : | case $name in gzip) gzip ;; *) zstd -q ;; esac >"$T/x"
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $name"
+    problem "$name of nothing" 400 malformed 'empty'
+    : >"$T/x"
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $name"
+    problem "nothing as $name" 400 malformed 'empty'
+done
+cp "$T/a2.json.zst" "$T/x"
+bad "zstd sent as gzip" gzip
+cp "$T/a2.json.gz" "$T/x"
+bad "gzip sent as zstd" zstd
+printf '\050\265\057\375\000\210\011\000\000a' >"$T/x"
+bad "a window of 128 MB" zstd 'memory'
+gzip -c "$T/a2.json.gz" >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
+problem "packed twice, said once" 400 malformed
+
+# ---- not read here
+for coding in br deflate compress 'gzip, gzip' 'zstd,gzip' 'gzip;q=1' aes128gcm '*'; do
+    send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json" -H "Content-Encoding: $coding"
+    problem "$coding" 415 unsupported_content_encoding 'gzip or zstd'
+    is "Accept-Encoding" "$(field Accept-Encoding)" "gzip, zstd"
+done
+send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json.gz" -H "$GZ" -H "$GZ"
+problem "gzip in two lines" 415 unsupported_content_encoding
+send GET /healthz "$JSON" "$T/a2.json.gz" -H 'Content-Encoding: br'
+is "no matter where no body belongs" "$STATUS" 200
+
+# ---- bombs: refused early, and without the memory they ask for
+peak() {
+    awk '/^VmHWM/ { print $2 }' "/proc/$PID/status"
+}
+before=$(peak)
+head -c 300000000 /dev/zero | gzip >"$T/bomb.gz"
+head -c 300000000 /dev/zero | zstd -q >"$T/bomb.zst"
+for coding in gz:gzip zst:zstd; do
+    send POST /v1/subjects/alice/verify "$BYTES" "$T/bomb.${coding%:*}" \
+        -H "Content-Encoding: ${coding#*:}"
+    problem "a bomb, ${coding#*:}" 413 body_too_large "$LIMIT bytes when unpacked"
+done
+gzip -c "$T/bomb.zst" >"$T/x"
+send POST /v1/subjects/alice/verify "$BYTES" "$T/x" -H "$GZ"
+is "a bomb in a packet" "$STATUS" 400
+if ! grep -aq __asan_init "$BUILD/surfaced"; then
+    ok "no more than 40 MB for them" test $(($(peak) - before)) -lt 40000
+fi
+send POST /v1/subjects/alice/verify "$BYTES" "$T/bomb.zst"
+is "not said to be one" "$STATUS" 400
+head -c $LIMIT /dev/zero | tr '\0' ' ' | gzip >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
+problem "exactly the limit" 400 malformed
+head -c $((LIMIT + 1)) /dev/zero | tr '\0' ' ' | gzip >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
+problem "a byte over the limit" 413 body_too_large
+alive "bombs"
+req GET /v1/subjects/alice
+is "nothing changed" "$(get '.templates | length')" 1
+rm "$T"/bomb.*
+stop_daemon
+
+# ---- Prefer: return=minimal
+MIN='Prefer: return=minimal'
+TOKEN=$("$BUILD/surfacectl" --db "$DB" token create one 2>/dev/null)
+OTHER=$("$BUILD/surfacectl" --db "$DB" token create two 2>/dev/null)
+AUTH=$TOKEN
+start_daemon
+# minimal TITLE STATUS: no body, and the preference is said to be applied.
+minimal() {
+    is "$1" "$STATUS $(field Preference-Applied)" "$2 return=minimal"
+    ok "$1: no body" test ! -s "$T/body"
+}
+send POST /v1/subjects/min/templates "$PLY" "$T/a.ply" -H "$MIN"
+minimal "enroll" 201
+first=$(field Location)
+req GET "$first"
+is "Location leads to it" "$STATUS $(get .subject)" "200 min"
+send POST /v1/subjects/min/templates "$PLY" "$T/a.ply" -H 'prefer: wait=5, return="minimal"'
+minimal "the same again" 204
+is "Location" "$(field Location)" "$first"
+send POST /v1/subjects/min/templates "$PLY" "$T/a.ply" -H 'Prefer: return=representation'
+is "representation" "$STATUS $(get .subject) $(field Preference-Applied)" "200 min "
+send POST /v1/subjects/min/templates "$PLY" "$T/b.ply" -H "$MIN"
+problem "an error has its body" 409 sample_mismatch
+is "and no preference is applied" "$(field Preference-Applied)" ""
+send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H "$MIN"
+is "verify changes nothing, and answers" "$STATUS $(get .decision) $(field Preference-Applied)" \
+    "200 match "
+req DELETE "$first" -H "$MIN"
+minimal "delete the template" 204
+req DELETE /v1/subjects/min -H "$MIN"
+minimal "erase" 204
+req GET /v1/subjects/min
+is "it is erased" "$STATUS" 404
+
+# ---- Idempotency-Key
+KEY='Idempotency-Key: "8e03978e-40d5-43e8-bc93-6894a57f9324"'
+# enroll FILE [CURL-OPTION...]: into subject key.
+enroll() {
+    scan_file=$1
+    shift
+    send POST '/v1/subjects/key/templates?label=one' "$PLY" "$scan_file" "$@"
+}
+enroll "$T/a.ply" -H "$KEY"
+is "the first" "$STATUS $(field Idempotent-Replayed)" "201 "
+cp "$T/body" "$T/first"
+first=$(field Location)
+enroll "$T/a.ply" -H "$KEY"
+is "again" "$STATUS $(field Idempotent-Replayed) $(field Location)" "201 true $first"
+ok "the same body" cmp -s "$T/body" "$T/first"
+enroll "$T/a.ply.gz" -H "$KEY" -H "$GZ"
+is "packed, the same request" "$STATUS $(field Idempotent-Replayed)" "201 true"
+enroll "$T/a.ply" -H 'Idempotency-Key: 8e03978e-40d5-43e8-bc93-6894a57f9324'
+is "without quotes, the same key" "$STATUS $(field Idempotent-Replayed)" "201 true"
+enroll "$T/a.ply" -H 'Idempotency-Key: "another"'
+is "another key" "$STATUS $(field Idempotent-Replayed)" "200 "
+enroll "$T/b.ply" -H "$KEY"
+problem "another cloud" 422 idempotency_key_reused
+send POST '/v1/subjects/key/templates?label=two' "$PLY" "$T/a.ply" -H "$KEY"
+problem "another query" 422 idempotency_key_reused
+send POST '/v1/subjects/key2/templates?label=one' "$PLY" "$T/a.ply" -H "$KEY"
+problem "another path" 422 idempotency_key_reused
+AUTH=$OTHER
+enroll "$T/a.ply" -H "$KEY"
+is "another token has keys of its own" "$STATUS $(field Idempotent-Replayed)" "200 "
+AUTH=$TOKEN
+enroll "$T/b.ply" -H 'Idempotency-Key: fails'
+problem "refused" 409 sample_mismatch
+enroll "$T/b.ply" -H 'Idempotency-Key: fails'
+is "refused again" "$STATUS $(get .code) $(field Idempotent-Replayed)" "409 sample_mismatch true"
+for key in '' '""' 'a b' '"a' "$(printf '%0256d' 1)"; do
+    enroll "$T/a.ply" -H "Idempotency-Key;" -H "Idempotency-Key: $key"
+    problem "the key '$key'" 400 invalid_parameter Idempotency-Key
+done
+enroll "$T/a.ply" -H "$KEY" -H "$KEY"
+problem "the key twice" 400 invalid_parameter
+req GET /v1/subjects/key
+is "one template in all" "$(get '.templates | length')" 1
+
+# Many at once: one is done, each of the others gets its answer or is told to wait.
+scan 3 0 "$T/c.ply"
+clients=
+for i in 1 2 3 4 5 6 7 8; do
+    curl -sS -m 60 -o "$T/c$i" -w '%{http_code}\n' -H "Authorization: Bearer $AUTH" -H "$PLY" \
+        -H 'Idempotency-Key: together' --data-binary "@$T/c.ply" \
+        "$URL/v1/subjects/together/templates" >"$T/s$i" &
+    clients="$clients $!"
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+is "201 or 409" "$(cat "$T"/s? | grep -vcE '^(201|409)$')" 0
+ok "one was done" grep -q 201 "$T"/s?
+is "409 by its code" "$(jq -r '.code // empty' "$T"/c? | sort -u | grep -v idempotency_key_in_use)" ""
+req GET /v1/subjects/together
+is "once" "$(get '.templates | length')" 1
+
+# What has been erased is told of no more, and a late retry does not bring it back.
+req DELETE /v1/subjects/key
+is "erase" "$STATUS" 200
+enroll "$T/a.ply" -H "$KEY"
+problem "a late retry" 404 not_found 'deleted since'
+is "not the answer it was" "$(field Idempotent-Replayed)" ""
+send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
+is "another's answer stays" "$STATUS" 201
+"$BUILD/surfacectl" --db "$DB" delete "$(get .template_id)" >/dev/null 2>&1 ||
+    sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
+send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
+problem "deleted beside the daemon" 404 not_found
+enroll "$T/a.ply" -H 'Idempotency-Key: anew'
+is "enrolled anew" "$STATUS" 201
+stop_daemon
+start_daemon
+enroll "$T/a.ply" -H 'Idempotency-Key: anew'
+is "after a restart it is known by its content" "$STATUS" 200
+finish

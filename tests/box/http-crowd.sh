@@ -1,0 +1,143 @@
+#!/bin/sh
+# Goal: many clients at once are all answered; a full queue says so at once; a stop finishes
+# the running requests and takes no new ones.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/p.ply" --pose 8 --shift 10
+scan 2 0 "$T/b.ply"
+scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
+
+# crowd N PATH FILE: N clients at once, waited for; statuses, answers and headers are in
+# $T/s.*, $T/o.* and $T/h.*.
+crowd() {
+    clients=
+    rm -f "$T"/[soh].*
+    for i in $(seq "$1"); do
+        curl -sS -m 60 -o "$T/o.$i" -D "$T/h.$i" -w '%{http_code}\n' -H "$PLY" \
+            --data-binary "@$3" "$URL$2" >"$T/s.$i" 2>/dev/null &
+        clients="$clients $!"
+    done
+    # shellcheck disable=SC2086 # a list
+    wait $clients
+}
+
+# count STATUS: of the last crowd.
+count() {
+    cat "$T"/s.* | grep -c "^$1\$"
+}
+
+# ---- all are answered, and enrolments at once leave one template
+start_daemon --no-auth --workers 4
+crowd 12 /v1/subjects/alice/templates "$T/a.ply"
+is "the same cloud at once: enrolled" "$(count 201)" 1
+is "the same cloud at once: there already" "$(count 200)" 11
+crowd 60 /v1/subjects/alice/verify "$T/p.ply"
+is "verified at once" "$(count 200)" 60
+crowd 20 /v1/subjects/alice/templates "$T/b.ply"
+is "another's at once: all refused" "$(count 409)" 20
+req GET /v1/subjects/alice
+is "one template is left" "$(get '.templates | length')" 1
+
+# Two people at once as the first sample of a new subject: one comes in.
+clients=
+rm -f "$T"/s.*
+for f in a b; do
+    curl -sS -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/$f.ply" \
+        "$URL/v1/subjects/new/templates" >"$T/s.$f" &
+    clients="$clients $!"
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+is "two people as one" "$(cat "$T/s.a" "$T/s.b" | sort | tr '\n' ' ')" "201 409 "
+
+# Six people, three times each, at once as the samples of a new subject: whoever came first,
+# no other person is in.
+rm -f "$T"/s.*
+clients=
+for who in 11 12 13 14 15 16; do
+    for n in 0 1 2; do
+        scan $who $n "$T/m.$who.$n" --points 1500
+    done
+done
+for n in 0 1 2; do
+    for who in 11 12 13 14 15 16; do
+        curl -sS -o "$T/o.$who.$n" -w "$who %{http_code}\n" -H "$PLY" \
+            --data-binary "@$T/m.$who.$n" \
+            "$URL/v1/subjects/mixed/templates?label=$who" >"$T/s.$who.$n" &
+        clients="$clients $!"
+    done
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+is "18 samples of six people at once: one person's three" "$(cat "$T"/s.* |
+    awk '{ n[$2]++ } $2 == 201 { who[$1] = 1 } END { print n[201], n[409], length(who) }')" "3 15 1"
+
+# Deleting and enrolling while others verify: never anything but 200 and 404.
+rm -f "$T"/w.*
+writer() {
+    for i in 1 2 3 4 5 6; do
+        curl -sS -o /dev/null -X DELETE "$URL/v1/subjects/alice"
+        curl -sS -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
+            "$URL/v1/subjects/alice/templates"
+    done
+}
+writer &
+writing=$!
+crowd 40 /v1/subjects/alice/verify "$T/p.ply"
+wait "$writing"
+is "verify while others erase" "$(($(count 200) + $(count 404)))" 40
+stop_daemon
+
+# ---- a full queue
+start_daemon --no-auth --workers 1 --queue 1
+crowd 12 /v1/subjects/x/templates "$T/large.ply"
+busy=$(count 503)
+ok "a full queue refuses some ($busy)" test "$busy" -ge 1 -a "$busy" -le 11
+is "and answers the others" "$((busy + $(count 201) + $(count 200)))" 12
+refused=$(grep -lx 503 "$T"/s.* | head -n 1)
+cp "$T/o.${refused##*.}" "$T/body"
+cp "$T/h.${refused##*.}" "$T/head"
+STATUS=503
+problem "a full queue" 503 overloaded 'queue is full'
+is "Retry-After" "$(field Retry-After)" 1
+alive "a full queue"
+stop_daemon
+
+# ---- a stop amid work
+start_daemon --no-auth --workers 1
+clients=
+rm -f "$T"/s.*
+for i in 1 2 3 4; do
+    curl -sS -m 60 -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/large.ply" \
+        "$URL/v1/subjects/x/verify" >"$T/s.$i" 2>/dev/null &
+    clients="$clients $!"
+done
+tries=0
+while [ "$tries" -lt 100 ]; do # until all four are with the daemon
+    req GET /metrics
+    [ "$(awk '/^surfaced_(queue_depth|workers_busy) / { n += $2 } END { print n }' "$T/body")" -ge 3 ] && break
+    sleep 0.02
+    tries=$((tries + 1))
+done
+stop_daemon
+# shellcheck disable=SC2086 # a list
+wait $clients
+ok "running requests are finished ($(cat "$T"/s.* | tr '\n' ' '))" test "$(count 200)" -ge 3
+ok "the stop is logged" grep -q 'msg="stopped"' "$LOG"
+req GET /healthz
+is "nobody listens" "$STATUS" 000
+
+# SIGINT alike, with a client in the middle of its body.
+start_daemon --no-auth
+curl -sS -m 20 --limit-rate 3000 -o /dev/null -H "$PLY" --data-binary "@$T/large.ply" \
+    "$URL/v1/subjects/x/verify" 2>/dev/null &
+slow=$!
+sleep 0.3
+kill -INT "$PID"
+wait "$PID"
+is "exit status after SIGINT" $? 0
+PID=
+kill "$slow" 2>/dev/null
+finish

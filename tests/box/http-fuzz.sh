@@ -1,0 +1,105 @@
+#!/bin/sh
+# Goal: whatever bytes are sent, the daemon answers well-formed HTTP or closes, never with
+# 500; it lives, stops cleanly, and has kept its database whole.
+# Usage: 33-http-fuzz.sh [REQUESTS [SEED]]: of each of four clients; the seed is printed.
+# Worth most on a build with sanitizers (make sanitize), whose reports and leaks fail it.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+REQUESTS=${1:-600} SEED=${2:-33}
+[ -x "$BUILD/http_fuzz" ] || make -s BUILD="$BUILD" "$BUILD/http_fuzz" || exit 1
+
+# raw NAME METHOD TARGET [HEADER...] <BODY: a request, as it goes over the wire, into
+# $T/req.NAME.  With a Transfer-Encoding the body is cut into chunks.
+raw() {
+    r_name=$1 r_line="$2 $3 HTTP/1.1"
+    shift 3
+    cat >"$T/raw"
+    {
+        printf '%s\r\nHost: x\r\n' "$r_line"
+        [ -z "$AUTH" ] || printf 'Authorization: Bearer %s\r\n' "$AUTH"
+        for r_header; do
+            printf '%s\r\n' "$r_header"
+        done
+        case " $* " in
+        *chunked*)
+            split -b 1500 "$T/raw" "$T/chunk."
+            printf '\r\n'
+            for r_chunk in "$T"/chunk.*; do
+                printf '%x\r\n' "$(wc -c <"$r_chunk")"
+                cat "$r_chunk"
+                printf '\r\n'
+            done
+            rm "$T"/chunk.*
+            printf '0\r\n\r\n'
+            ;;
+        *)
+            printf 'Content-Length: %d\r\n\r\n' "$(wc -c <"$T/raw")"
+            cat "$T/raw"
+            ;;
+        esac
+    } >"$T/req.$r_name"
+}
+
+# corpus: a request of each kind.
+corpus() {
+    for path in /healthz /readyz /metrics /openapi.json /docs /version \
+        '/v1/subjects?limit=2&cursor=a' /v1/subjects/alice "/v1/templates/$id"; do
+        raw "get$(echo "$path" | tr -c 'a-z\n' _)" GET "$path" 'X-Request-Id: abc.1' </dev/null
+    done
+    raw head HEAD /v1/subjects/b%40x 'Accept: */*' 'User-Agent: fuzz' </dev/null
+    raw erase DELETE /v1/subjects/b%40x 'Prefer: return=minimal, wait=5' </dev/null
+    raw delete DELETE "/v1/templates/$(printf '%032d' 0)" </dev/null
+    raw enroll POST '/v1/subjects/b%40x/templates?label=a%20b&force=true&units=mm' "$PLY" \
+        'Idempotency-Key: "k-1"' <"$T/s.ply"
+    raw ply POST /v1/subjects/alice/verify "$PLY" 'Expect: 100-continue' <"$T/s.ply"
+    raw json POST '/v1/subjects/alice/verify?threshold_mm=0.2&detail=heatmap' \
+        "$JSON; charset=utf-8" <"$T/s.json"
+    raw obj POST "/v1/templates/$id/verify" 'Content-Type: model/obj' \
+        'Transfer-Encoding: chunked' <"$T/s.obj"
+    raw xyz POST /v1/subjects/alice/verify 'Content-Type: text/plain' <"$T/s.xyz"
+    raw bytes POST /v1/subjects/alice/verify "$BYTES" 'Transfer-Encoding: chunked' <"$T/s.xyz"
+    gzip -c "$T/s.json" | raw gzip POST /v1/subjects/alice/verify "$JSON" \
+        'Content-Encoding: gzip'
+    zstd -qc "$T/s.ply" | raw zstd POST /v1/subjects/alice/verify "$PLY" \
+        'Content-Encoding: zstd' 'Transfer-Encoding: chunked'
+    jq -c '{a: ., b: .}' "$T/s.json" | raw compare POST /v1/compare "$JSON"
+    cat "$T/req.get_healthz" "$T/req.xyz" "$T/req.head" >"$T/req.pipelined"
+}
+
+# fuzz TITLE SEED: four clients at once.
+fuzz() {
+    clients=
+    for i in 0 1 2 3; do
+        "$BUILD/http_fuzz" "${URL##*:}" "$REQUESTS" $(($2 + i)) "$T"/req.* >"$T/fuzz.$i" 2>&1 &
+        clients="$clients $!"
+    done
+    for client in $clients; do
+        wait "$client"
+        is "$1: exit status of a client" $? 0
+    done
+    cat "$T"/fuzz.?
+    ok "$1: some were good" grep -q ' 200: ' "$T"/fuzz.?
+    ok "$1: some were bad" grep -q ' 400: ' "$T"/fuzz.?
+}
+
+for form in ply json obj xyz; do
+    scan 1 1 "$T/s.$form" --points 400 --pose 5
+done
+scan 1 0 "$T/a.ply"
+start_daemon --no-auth --max-body 300000
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+id=$(get .template_id)
+corpus
+fuzz "without tokens" "$SEED"
+alive "malformed requests"
+stop_daemon
+
+AUTH=$("$BUILD/surfacectl" --db "$DB" token create fuzz 2>/dev/null)
+start_daemon
+corpus
+fuzz "with a token" $((SEED + 4))
+alive "malformed requests"
+ok "the log is printable" sh -c "! LC_ALL=C grep -q '[^ -~]' '$LOG'"
+stop_daemon
+is "the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
+finish

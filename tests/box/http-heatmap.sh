@@ -1,0 +1,86 @@
+#!/bin/sh
+# Goal: detail=heatmap gives the signed gap at each point that was sent, in the order sent,
+# null where there is nothing to compare it with; the same from compare and from verify.
+# shellcheck disable=SC2016 # the variables are jq's
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+# The template lacks one cheek of the probe.
+scan 1 1 "$T/b.json" --pose 8 --shift 10
+scan 1 1 "$T/b.xyz" --pose 8 --shift 10
+jq -c '{points: .points | map(select(.[0] < 25))}' "$T/b.json" >"$T/a.json"
+jq -c -n --slurpfile a "$T/a.json" --slurpfile b "$T/b.json" '{a: $a[0], b: $b[0]}' >"$T/ab.json"
+start_daemon --no-auth
+
+# shellcheck disable=SC2317 # ok calls it
+holds() { jq -e "$@" >"$T/jq"; }
+
+# heatmap TITLE CONDITION: jq's, on $m, the answer's heatmap, and $p, each [x, gap] of it
+heatmap() {
+    ok "$1" holds -n --slurpfile b "$T/b.json" --slurpfile m "$T/body" \
+        '$m[0].heatmap as $m | $b[0].points as $b
+         | ([range($b | length) | [$b[.][0], $m[.]]]) as $p | '"$2"
+}
+
+send POST /v1/compare "$JSON" "$T/ab.json"
+is "compare" "$STATUS $(get 'has("heatmap")')" "200 false"
+send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ab.json"
+is "compare with a heatmap" "$STATUS $(get .decision)" "200 match"
+fits "compare with a heatmap" Verdict
+heatmap "a gap for each point of b" '($m | length) == ($b | length)'
+heatmap "null where a has nothing" \
+    '$p | map(select(.[0] > 27)) | length > 100 and all(.[1] == null)'
+heatmap "else a number near 0" '$p | map(select(.[0] < 15)) | length > 1000 and
+    (map(select(.[1] != null and (.[1] | fabs) < 0.01)) | length) > 0.97 * length'
+cp "$T/body" "$T/first"
+jq -c '.b.points |= reverse' "$T/ab.json" >"$T/ba.json"
+send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ba.json"
+ok "b backwards: its heatmap too" holds -n --slurpfile a "$T/first" --slurpfile b "$T/body" \
+    '[$a[0].heatmap, ($b[0].heatmap | reverse)] | transpose
+    | all(.[0] == .[1] or (.[0] != null and .[1] != null and (.[0] - .[1] | fabs) < 1e-4))'
+i=$(jq '.points | map(.[0] > -10 and .[0] < 10 and .[1] > 30 and .[1] < 50) | index(true)' "$T/b.json")
+jq -c --argjson i "$i" '.b.points[$i][2] += 2 | .b.points += [.b.points[11]]' "$T/ab.json" \
+    >"$T/odd.json"
+send POST '/v1/compare?detail=heatmap' "$JSON" "$T/odd.json"
+ok "a point moved 2 mm to the scanner, another sent twice" holds --argjson i "$i" \
+    --slurpfile a "$T/first" '.heatmap as $m | $a[0].heatmap as $n
+    | ($m | length) == ($n | length) + 1 and $m[-1] == $m[11] and
+      ($m[$i] - $n[$i] | . > 1.5 and . < 2.5)' "$T/body"
+send POST '/v1/compare?detail=all' "$JSON" "$T/ab.json"
+problem "compare with detail=all" 400 invalid_parameter
+
+send POST /v1/subjects/a/templates "$JSON" "$T/a.json"
+id=$(get .template_id)
+for route in "subjects/a" "templates/$id"; do
+    send POST "/v1/$route/verify?detail=heatmap" "$JSON" "$T/b.json"
+    is "verify at $route" "$STATUS" 200
+    fits "verify with a heatmap" Verdict
+    ok "compare's heatmap" holds --slurpfile a "$T/first" '.heatmap == $a[0].heatmap' \
+        "$T/body"
+done
+send POST '/v1/subjects/a/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
+heatmap "a file: a gap for each of its points" '($m | length) == ($b | length)'
+
+# The figures of surfacectl explain are those of the heatmap.
+scan 2 0 "$T/c.xyz"
+send POST /v1/subjects/c/templates 'Content-Type: text/plain' "$T/c.xyz"
+send POST '/v1/subjects/c/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
+"$BUILD/surfacectl" explain --json "$T/c.xyz" "$T/b.xyz" --out "$T/why" >"$T/why.json" \
+    2>"$T/why.err"
+is "explain's exit: no match" $? 1
+ok "explain's figures" holds --slurpfile m "$T/body" \
+    'def near(x): . - x | fabs < 1e-12; .gap as $g
+    | ($m[0].heatmap | map(numbers)) as $gap | ($gap | length) as $n
+    | ($gap | map(fabs) | sort) as $size
+    | $g.points == ($m[0].heatmap | length) and $g.compared == $n
+      and ($g.median_mm | near(($gap | sort)[($n / 2 | ceil) - 1]))
+      and ($g.share_beyond_1_mm | near(($gap | map(select(fabs > 1)) | length) / $n))
+      and all($g.size_quantiles[]; .share as $p | .mm | near($size[($p * $n | ceil) - 1]))' "$T/why.json"
+
+# Both are described alike.
+req GET /openapi.json
+is "described at all three" "$(get '[.paths[].post? | select(.parameters // [] |
+    any(."$ref" == "#/components/parameters/Detail")) |
+    .responses["200"].content["application/json"].schema."$ref"] | [unique[], length] | @csv')" \
+    '"#/components/schemas/Verdict",3'
+finish

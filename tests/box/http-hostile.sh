@@ -1,0 +1,74 @@
+#!/bin/sh
+# Goal: requests that are malformed on purpose get one answer or none, never a second one for
+# what was smuggled in behind, never a file or a header of the sender's; and the daemon lives.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+start_daemon --no-auth --timeout 2
+
+# raw BYTES: sent as they are, by printf's format; the answers are in $T/answer.
+raw() {
+    # shellcheck disable=SC2059 # with \r\n in it
+    printf "$1" | curl -sS -m 60 "telnet://${URL#http://}" >"$T/answer" 2>/dev/null
+}
+
+# statuses: of the answers, one after another.
+statuses() {
+    tr -d '\r' <"$T/answer" | sed -n 's/.*HTTP\/1\.[01] \([0-9]*\) .*/\1/p' | tr '\n' ' '
+}
+
+# refused TITLE STATUS BYTES: one answer, and the rest of the connection is not read.
+refused() {
+    raw "$3$next"
+    is "$1" "$(tr -d '\r' <"$T/answer" | grep -a -o 'HTTP/1\.1 [0-9]*' | cut -d ' ' -f 2 | sort -u)" "$2"
+    ok "$1: what came behind is not served" sh -c "! grep -aq '\"status\":\"ok\"' '$T/answer'"
+}
+next='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
+post='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n'
+chunks='2\r\n{}\r\n0\r\n\r\n'
+
+# ---- where does the body end?
+refused "two lengths" 400 "${post}Content-Length: 2\r\nContent-Length: 40\r\n\r\n{}"
+refused "the first of them 0" 400 "${post}Content-Length: 0\r\nContent-Length: 40\r\n\r\n"
+refused "the same length twice" 400 "${post}Content-Length: 2\r\nContent-Length: 2\r\n\r\n{}"
+refused "length and chunks" 400 "${post}Content-Length: 2\r\nTransfer-Encoding: chunked\r\n\r\n$chunks"
+refused "chunks and length" 400 "${post}Transfer-Encoding: chunked\r\nContent-Length: 2\r\n\r\n$chunks"
+refused "two codings" 400 "${post}Transfer-Encoding: chunked\r\nTransfer-Encoding: identity\r\n\r\n$chunks"
+for length in '2, 2' +2 -2 0x2 '2 2' ''; do
+    refused "Content-Length '$length'" 400 "${post}Content-Length: $length\r\n\r\n{}"
+done
+refused "a length of 23 digits" 413 "${post}Content-Length: 99999999999999999999999\r\n\r\n{}"
+refused "a negative chunk" 400 "${post}Transfer-Encoding: chunked\r\n\r\n-1\r\n{}\r\n0\r\n\r\n"
+refused "a chunk in C's way" 400 "${post}Transfer-Encoding: chunked\r\n\r\n0x2\r\n{}\r\n0\r\n\r\n"
+refused "an endless chunk" 413 "${post}Transfer-Encoding: chunked\r\n\r\nffffffffffffffffff\r\n{}"
+refused "a chunk longer than it says" 400 "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}XX0\r\n\r\n"
+for coding in 'gzip, chunked' xchunked; do
+    refused "Transfer-Encoding '$coding': closed" '' "${post}Transfer-Encoding: $coding\r\n\r\n$chunks"
+done
+
+# ---- paths and headers
+for path in /../../etc/passwd /docs/..%%2f..%%2fetc/passwd //etc/passwd /docs/../../etc/passwd; do
+    raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    ok "$path: $(statuses)" grep -aq '^HTTP/1.1 404 ' "$T/answer"
+done
+for path in /v1/subjects/a%%00b /v1/subjects/a%%0d%%0aSet-Cookie:%%20x=1; do
+    raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    ok "$path: $(statuses)" grep -aq '^HTTP/1.1 400 ' "$T/answer"
+    ok "$path: no header of the sender's" sh -c "! grep -aiq '^Set-Cookie' '$T/answer'"
+done
+raw "GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: a\tb<script>\r\nConnection: close\r\n\r\n"
+ok "an id that is none is not sent back" sh -c "! grep -aq script '$T/answer'"
+raw "TRACE / HTTP/1.1\r\nHost: x\r\nCookie: secret\r\nConnection: close\r\n\r\n"
+ok "TRACE gives nothing back" sh -c "! grep -aq secret '$T/answer'"
+for line in 'GET /healthz' 'GET /healthz HTTX/1.1' 'GET /healthz HTTP/2.0' 'PRI * HTTP/2.0' \
+    'CONNECT a:1 HTTP/1.1' 'GET http://other/healthz HTTP/1.1'; do
+    raw "$line\r\nHost: x\r\nConnection: close\r\n\r\n"
+    ok "$line: $(statuses)" sh -c "! grep -aq 'HTTP/1.1 200' '$T/answer'"
+done
+for bytes in '\001\002\003\r\n\r\n' '\026\003\001\002\000\001\000\001' '\000\000\000\000' '\r\n\r\n'; do
+    raw "$bytes"
+    alive "junk"
+done
+raw "GET /healthz HTTP/1.1\r\nHost: x\r\nA: $(printf '%030000d' 1)\r\n\r\n"
+is "too many headers" "$(statuses)" '431 '
+stop_daemon
+finish

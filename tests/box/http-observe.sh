@@ -1,0 +1,271 @@
+#!/bin/sh
+# Goal: an operator sees what the daemon does (metrics, health, log) and nothing that is
+# private; the cache never brings back what was deleted, by whomever.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/p.ply" --pose 8 --shift 10
+scan 1 1 "$T/p.xyz" --pose 8 --shift 10
+scan 2 0 "$T/b.ply" --pose 8 --shift 10
+scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
+
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+}
+
+# metric SERIES: its value; nothing where there is none.
+metric() {
+    req GET /metrics
+    awk -v name="$1" '$1 == name { print $2 }' "$T/body"
+}
+
+# ---- some of everything, with tokens
+ctl init
+ctl token create operator
+AUTH=$(jq -r .token "$T/ctl")
+token_id=$(jq -r .id "$T/ctl")
+ok "a token" matches "$AUTH $token_id" '^[^ ]{20,} [0-9a-f]{32}$'
+start_daemon --workers 2
+send POST '/v1/subjects/alice/templates?label=secretlabel' "$PLY" "$T/a.ply"
+is "enrolled" "$STATUS" 201
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
+is "refused" "$STATUS" 409
+send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" -H 'X-Request-Id: traced-1'
+is "verified" "$(get .decision)" match
+get .disparity_mm >"$T/private"
+send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+is "not verified" "$(get .decision)" no_match
+get .disparity_mm >>"$T/private"
+send POST /v1/subjects/alice/verify "$BYTES" "$T/p.xyz"
+echo '{"points": [[12.3456789, 1, "oops"]]}' >"$T/bad.json"
+send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
+is "malformed" "$STATUS" 400
+printf '12.3456789 1 2\n3 4 5e999\n' >"$T/bad.xyz"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/bad.xyz"
+is "not finite" "$STATUS" 422
+req GET "/v1/subjects/alice?probe=12.3456789"
+good=$AUTH
+AUTH=0123456789abcdef-wrong-token
+req GET /v1/subjects/alice
+is "a wrong token" "$STATUS" 401
+AUTH=$good
+for hostile in 'x" level="error' 'x level=error' 'a\nb' "$(printf 'a\tb')" '","x":"'; do
+    req GET "/v1/subjects/al%22%0aice?x=$AUTH" -H "X-Request-Id: $hostile"
+done
+
+# ---- metrics
+is "created" "$(metric 'surfaced_enrollments_total{outcome="created"}')" 1
+is "known" "$(metric 'surfaced_enrollments_total{outcome="known"}')" 1
+is "mismatch" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 1
+is "match" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
+is "no match" "$(metric 'surfaced_decisions_total{decision="no_match"}')" 1
+is "wrong tokens" "$(metric surfaced_wrong_tokens_total)" 1
+is "cache misses" "$(metric surfaced_cache_misses_total)" 1
+is "cache hits" "$(metric surfaced_cache_hits_total)" 4
+is "cache limit" "$(metric surfaced_cache_limit_bytes)" 268435456
+is "measured" "$(metric 'surfaced_stage_duration_seconds_count{stage="measure"}')" 5
+is "parsed" "$(metric 'surfaced_stage_duration_seconds_count{stage="parse"}')" 6
+is "in all" "$(metric 'surfaced_stage_duration_seconds_count{stage="total"}')" 6
+is "refused for its route" "$(metric \
+    'surfaced_http_requests_total{route="/v1/subjects/{subject}/verify",method="POST",status="422"}')" 1
+ok "started a moment ago" test "$(metric process_start_time_seconds)" -gt 1000000000
+ok "resident memory" test "$(metric process_resident_memory_bytes)" -gt 1000000
+req GET /metrics
+ok "no subject, label or token in the metrics" \
+    sh -c "! grep -q -e alice -e secretlabel -e operator -e $token_id -e $AUTH '$T/body'"
+# The exposition format: HELP and TYPE before the samples of a family, each family once,
+# names by the conventions, cumulative buckets of which the last is the count.
+# shellcheck disable=SC2016 # awk's
+ok "the metrics' format" awk '
+    function bad(why) { print why ": " $0; failed = 1 }
+    /^# HELP / { if (NF < 4 || ($3 in help)) bad("help"); help[$3] = 1; next }
+    /^# TYPE / {
+        if (!($3 in help) || ($3 in type)) bad("type")
+        if ($4 !~ /^(counter|gauge|histogram)$/) bad("type")
+        if (($4 == "counter") != ($3 ~ /_total$/)) bad("name of a counter")
+        if ($3 ~ /(_ms|_milliseconds|_kb)(_|$)/) bad("unit")
+        type[$3] = $4; last = $3; next }
+    /^#/ { bad("comment"); next }
+    !/^[a-z_]+(\{([a-z]+="[^"\\]*",?)+\})? [0-9.e+-]+$/ { bad("sample"); next }
+    {   name = $1; sub(/\{.*/, "", name); family = name
+        if (!(family in type)) sub(/_(bucket|sum|count)$/, "", family)
+        if (family != last) bad("family")
+        if ($1 " " in seen) bad("twice")
+        seen[$1 " "] = 1
+        if (name ~ /_bucket$/ && type[family] == "histogram") {
+            series = $1; sub(/,?le="[^"]*"/, "", series)
+            if ($2 < bucket[series]) bad("not cumulative")
+            bucket[series] = $2 }
+        if (name ~ /_count$/ && type[family] == "histogram") {
+            series = $1; sub(/_count/, "_bucket", series)
+            if ($2 != bucket[series]) bad("count") } }
+    END { exit failed }' "$T/body"
+if command -v promtool >/dev/null 2>&1; then
+    ok "promtool" promtool check metrics <"$T/body"
+fi
+
+# ---- the dashboard: every query is of metrics and labels that are there
+board=scripts/grafana-dashboard.json
+# shellcheck disable=SC2016 # $__rate_interval is Grafana's
+jq -r '.panels[].targets[].expr' "$board" | sed 's/\$__rate_interval/5m/g' >"$T/queries"
+jq -r '.templating.list[].query | .query? // empty' "$board" >>"$T/queries"
+ok "the dashboard has queries" test "$(wc -l <"$T/queries")" -gt 20
+sed -n 's/^\([a-z_]*\)[{ ].*/\1/p' "$T/body" | sort -u >"$T/names"
+grep -oE '(surfaced|process)_[a-z_]+' "$T/queries" | sort -u >"$T/asked"
+is "metrics that it asks for and nobody has" "$(comm -13 "$T/names" "$T/asked")" ''
+is "and that it leaves out" "$(grep -c '^surfaced_' "$T/asked")" \
+    "$(grep '^surfaced_' "$T/names" | grep -vc '^surfaced_http_request_duration_seconds_[sc]')"
+{ # the first two are Prometheus's own
+    printf 'instance=\njob=\n'
+    grep -oE '[a-z]+=' "$T/body"
+} | sort -u >"$T/labels"
+grep -oE '[a-z]+(=|!|~)' "$T/queries" | tr '!~' '==' | sort -u >"$T/filters"
+is "labels that nobody has" "$(comm -13 "$T/labels" "$T/filters")" ''
+if command -v promtool >/dev/null 2>&1; then
+    {
+        printf 'groups:\n- name: board\n  rules:\n'
+        # shellcheck disable=SC2016
+        grep -v label_values "$T/queries" |
+            awk '{ gsub(/\047/, "\047\047"); printf "  - {record: q%d, expr: \047%s\047}\n", NR, $0 }'
+    } >"$T/rules.yml"
+    ok "the queries are PromQL" promtool check rules "$T/rules.yml" >"$T/promtool"
+fi
+
+# ---- the log
+stop_daemon
+ok "one line a request, with id, times and the token's id" grep -Eq \
+    "^ts=[^ ]+ level=info msg=\"request\" request_id=traced-1 method=POST route=/v1/subjects/\{subject\}/verify status=200 ms=[0-9.]+ queue_ms=[0-9.]+ parse_ms=[0-9.]+ prepare_ms=[0-9.]+ align_ms=[0-9.]+ measure_ms=[0-9.]+ token=$token_id\$" "$LOG"
+tr ' ' '\n' <"$T/p.xyz" | grep -E '.{7}' >>"$T/private"
+printf '%s\n' "$AUTH" 0123456789abcdef-wrong 12.3456789 5e999 oops alice secretlabel \
+    operator disparity decision 'level=error' al%22 >>"$T/private"
+ok "coordinates to look for" test "$(wc -l <"$T/private")" -gt 3000
+ok "no coordinate, score, token or subject in the log" sh -c "! grep -F -f '$T/private' '$LOG'"
+
+: >"$T/refused"
+start_daemon --log-format json
+send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" -H 'X-Request-Id: traced-2'
+send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
+req GET "/v1/subjects/al%22%0aice" -H 'X-Request-Id: x","level":"error'
+stop_daemon
+ok "every line is JSON" jq -e -s 'all(has("ts") and has("level") and has("msg"))' "$LOG" \
+    >"$T/refused"
+# shellcheck disable=SC2016
+ok "with numbers as such" jq -e -s --arg token "$token_id" 'map(select(.request_id == "traced-2"))
+    | length == 1 and (.[0] | .status == 200 and .ms > .measure_ms and .token == $token)' \
+    "$LOG" >"$T/refused"
+ok "nor in JSON" sh -c "! grep -F -f '$T/private' '$LOG'"
+AUTH=
+
+# ---- health
+start_daemon --no-auth --workers 2 --cache-mb 1
+req GET /healthz
+is "alive" "$STATUS $(get .status)" "200 ok"
+sqlite3 "$DB" 'PRAGMA user_version' >"$T/version"
+sqlite3 "$DB" 'PRAGMA user_version = 99'
+req GET /readyz
+problem "another schema" 503 not_ready 'another schema'
+is "Retry-After" "$(field Retry-After)" 1
+req GET /healthz
+is "alive all the same" "$STATUS" 200
+sqlite3 "$DB" "PRAGMA user_version = $(cat "$T/version")"
+req GET /readyz
+is "ready again" "$STATUS" 200
+is "counted" "$(metric 'surfaced_database_errors_total{kind="version"}')" 1
+mv "$DB" "$T/elsewhere"
+req GET /readyz
+problem "the database is gone" 503 not_ready 'cannot be read'
+mv "$T/elsewhere" "$DB"
+req GET /readyz
+is "and back" "$STATUS" 200
+
+# Deleted beside the daemon while it verifies: never again once surfacectl has said so.
+lost=0 i=0
+while [ $i -lt 10 ]; do
+    ctl enroll "s$i" "$T/a.ply"
+    send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply" # it is decoded now
+    [ "$STATUS" = 200 ] || lost=$((lost + 1))
+    clients=
+    for n in 1 2 3; do
+        curl -sS -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/p.ply" \
+            "$URL/v1/subjects/s$i/verify" >"$T/s.$n" &
+        clients="$clients $!"
+    done
+    ctl --yes delete "s$i"
+    send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply"
+    [ "$STATUS" = 404 ] || lost=$((lost + 1))
+    # shellcheck disable=SC2086 # a list
+    wait $clients
+    grep -Evq '^(200|404)$' "$T/s.1" "$T/s.2" "$T/s.3" && lost=$((lost + 1))
+    i=$((i + 1))
+done
+is "verified before, never after surfacectl deleted it" "$lost" 0
+ok "a small cache drops what is oldest" test "$(metric surfaced_cache_evictions_total)" -ge 1
+ok "and keeps its bound" test "$(metric surfaced_cache_bytes)" -le 1048576
+
+# While it stops, a connection that is still there is told so.
+for n in 1 2 3 4 5 6 7 8; do
+    curl -sS -m 60 -o /dev/null -H "$PLY" --data-binary "@$T/large.ply" \
+        "$URL/v1/subjects/alice/verify" 2>/dev/null &
+done
+tries=0
+while [ "$tries" -lt 100 ] && [ "$(metric surfaced_workers_busy)" -lt 2 ]; do
+    tries=$((tries + 1))
+done
+host=${URL#http://}
+(
+    printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
+    tries=0
+    while [ "$tries" -lt 500 ] && ! grep -q 'stopping' "$LOG"; do
+        sleep 0.01
+        tries=$((tries + 1))
+    done
+    printf 'GET /readyz HTTP/1.1\r\nHost: x\r\n\r\n'
+    sleep 5
+) | curl -sSN -m 10 "telnet://$host" >"$T/telnet" 2>/dev/null &
+telnet=$!
+tries=0
+while [ "$tries" -lt 500 ] && ! grep -q '"ok"' "$T/telnet"; do
+    sleep 0.01
+    tries=$((tries + 1))
+done
+stop_daemon
+wait "$telnet"
+ok "ready no more while it stops" grep -q 'the daemon is stopping' "$T/telnet"
+ok "with 503" grep -q 'HTTP/1.1 503 ' "$T/telnet"
+
+# ---- without a cache
+start_daemon --no-auth --cache-mb 0
+send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply"
+is "the same answers" "$STATUS $(get .decision)" "200 match"
+is "no hits" "$(metric surfaced_cache_hits_total)" 0
+is "two misses" "$(metric surfaced_cache_misses_total)" 2
+is "no bytes" "$(metric surfaced_cache_bytes)" 0
+stop_daemon
+
+# ---- connections
+start_daemon --no-auth --max-connections-per-address 1
+{
+    printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
+    while kill -0 "$PID" 2>/dev/null; do sleep 0.1; done
+} | curl -sSN -m 60 "telnet://${URL#http://}" >"$T/telnet" 2>/dev/null &
+telnet=$!
+tries=0
+while [ "$tries" -lt 3000 ] && ! grep -q '"ok"' "$T/telnet"; do
+    sleep 0.01
+    tries=$((tries + 1))
+done
+req GET /healthz
+is "a second connection" "$STATUS" 000
+kill "$telnet"
+tries=0
+while [ "$tries" -lt 500 ] && [ "$STATUS" != 200 ]; do
+    req GET /metrics
+    tries=$((tries + 1))
+done
+is "one is open" "$(metric surfaced_connections)" 1
+ok "one was refused" test \
+    "$(metric 'surfaced_connections_closed_total{reason="too_many_of_one_address"}')" -ge 1
+finish

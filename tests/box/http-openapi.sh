@@ -1,0 +1,347 @@
+#!/bin/sh
+# Goal: the API's description is valid and true.  Every operation that it describes is asked
+# of the daemon so that every status that it describes comes, and each answer, body and
+# headers, is held against what is said of it; so are its own examples.  A status that is
+# not described fails, and one that never comes fails unless it is named in UNSEEN.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+command -v jsonschema >/dev/null 2>&1 || {
+    echo "SKIP $0: jsonschema (python3-jsonschema) is not installed"
+    exit 0
+}
+
+# What cannot be brought about from outside: METHOD PATH STATUS, * for any.
+# 500, 503: these touch neither the database nor the queue, and fail for want of memory alone.
+UNSEEN='GET /healthz 503
+GET /metrics 503
+GET /openapi.json 503
+GET /docs 503
+GET /version 503'
+
+LIMIT=200000
+SEEN=$T/seen
+
+# ---- asking
+
+# note METHOD PATH: keep the last answer for the end.
+note() {
+    n_type=$(field Content-Type)
+    case $n_type in
+    *json) n_read=--slurpfile ;;
+    *) n_read=--rawfile ;;
+    esac
+    # A header twice: its values together, which no pattern here allows.
+    tr -d '\r' <"$T/head" | sed -n '/^HTTP/d; s/^\([^:]*\): \(.*\)$/\L\1\E\t\2/p' |
+        jq -R -s 'split("\n") | map(select(. != "") | split("\t")) | group_by(.[0])
+            | map({key: .[0][0], value: (map(.[1]) | join(", "))}) | from_entries' >"$T/headers"
+    jq -c -n --arg m "$1" --arg p "$2" --arg s "$STATUS" --arg t "${n_type%%;*}" \
+        --slurpfile h "$T/headers" $n_read b "$T/body" \
+        '{method: $m, path: ($p | sub("\\?.*"; "")), status: $s, type: $t, headers: $h[0],
+          body: (if $b | type == "array" then $b[0] else $b end)}' >>"$SEEN"
+}
+
+# ask METHOD PATH WANTED-STATUS [CURL-OPTION...]
+ask() {
+    a_method=$1 a_path=$2 a_status=$3
+    shift 3
+    req "$a_method" "$a_path" "$@"
+    is "$a_method $a_path $*" "$STATUS" "$a_status"
+    note "$a_method" "$a_path"
+}
+
+# put METHOD PATH WANTED-STATUS TYPE FILE [CURL-OPTION...]
+put() {
+    p_method=$1 p_path=$2 p_status=$3 p_type=$4 p_file=$5
+    shift 5
+    ask "$p_method" "$p_path" "$p_status" -H "$p_type" --data-binary "@$p_file" "$@"
+}
+
+# select_operations FILTER: those that the jq filter selects, a line each, into $T/each.
+select_operations() {
+    jq -r "$OPERATIONS | select($1) | [.method, .asked, (.body | tojson)] | @tsv" \
+        "$T/api" >"$T/each"
+    ok "some operations: $1" test -s "$T/each"
+}
+
+# each WANTED-STATUS FILTER [CURL-OPTION...]: ask the operations, by the examples of the
+# parameters in their paths.
+each() {
+    e_status=$1
+    select_operations "$2"
+    shift 2
+    while IFS="$(printf '\t')" read -r e_method e_path _; do
+        ask "$e_method" "$e_path" "$e_status" "$@"
+    done <"$T/each"
+}
+
+# jq: the document's operations, with references followed one step.
+# shellcheck disable=SC2016 # the variables are jq's
+OPERATIONS='. as $d
+    | def deref: if type == "object" and has("$ref")
+        then . as $r | $d | getpath($r["$ref"] | ltrimstr("#/") / "/") else . end;
+    .paths | to_entries[] | .key as $path | .value as $item
+    | $item | to_entries[] | select(.key != "parameters") | .value as $op
+    | [($item.parameters // [])[], ($op.parameters // [])[] | deref] as $params
+    | {method: (.key | ascii_upcase), path: $path, params: $params,
+       asked: (reduce ($params[] | select(.in == "path")) as $p ($path;
+            sub("\\{" + $p.name + "\\}"; $p.example))),
+       open: ($op.security == []), scope: $op.security[0].token[0],
+       cloud: ($op.requestBody["$ref"] != null),
+       body: ($op.requestBody | deref | if . then .content["application/json"].example else null end),
+       request: ($op.requestBody | deref | if . then .content else {} end),
+       responses: ($op.responses | map_values(deref
+            | .headers = ((.headers // {}) | map_values(deref))))}'
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a2.json" --pose 8 --shift 10
+scan 2 0 "$T/b.ply"
+jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/ab.json"
+jq -r '.points[] | map(tostring) | join(" ")' "$T/a2.json" >"$T/a2.xyz"
+AUTH=
+start_daemon --workers 1 --queue 1 --max-body $LIMIT
+TOKEN=$("$BUILD/surfacectl" --db "$DB" token create one 2>/dev/null)
+curl -sS -o "$T/api" "$URL/openapi.json"
+
+# ---- the document itself
+jsonschema -i "$T/api" tests/box/openapi-3.1.schema.json >"$T/body" 2>&1
+is "it is OpenAPI 3.1" $? 0
+# One code stands for what no request can bring about.
+is "its codes are the daemon's" \
+    "$(jq -r '.components.schemas.Problem.properties.code.enum[]' "$T/api" | sort)" \
+    "$(sed -n 's/.*{[0-9]*, "\([a-z_]*\)",.*/\1/p' server/errmap.c |
+        grep -vx forbidden | sort -u)"
+is "its names of operations differ" "$(jq -r '.paths[][] | .operationId? // empty' "$T/api" |
+    sort | uniq -d)" ""
+is "every body has an example" "$(jq -c 'paths(objects | has("schema") and (has("in") or has("required") | not)
+    and (has("example") or has("examples") | not) and (.schema | has("const") | not))
+    | select(.[-2] == "content")' "$T/api")" ""
+
+# ---- without a token, and what asks for none
+each 401 '.open | not'
+ask GET /v1/subjects 401 -H 'Authorization: Bearer 0123456789abcdef'
+each 200 .open
+for scope in verify read; do
+    AUTH=$("$BUILD/surfacectl" --db "$DB" token create "$scope" --scope "$scope" 2>/dev/null)
+    each 403 "(.open | not) and .scope != \"$scope\""
+done
+AUTH=$TOKEN
+
+# ---- refused for what the headers and parameters say
+head -c $((LIMIT + 1)) /dev/zero >"$T/big"
+each 413 true -H "$BYTES" --data-binary "@$T/big"
+rm "$T/big"
+each 411 .body
+each 415 .body -H 'Content-Type: image/png' -d x
+put POST /v1/compare 415 "$JSON" "$T/ab.json" -H 'Content-Encoding: br'
+for last in templates verify; do
+    put POST "/v1/subjects/a%20b/$last" 400 "$PLY" "$T/a.ply"
+    put POST "/v1/subjects/alice/$last" 400 "$PLY" "$T/a.ply" -H 'Content-Encoding: gzip'
+done
+put POST '/v1/subjects/alice/templates?units=inch' 400 "$PLY" "$T/a.ply"
+ask GET /v1/subjects/a%20b 400
+ask DELETE /v1/subjects/a%20b 400
+ask GET '/v1/subjects?limit=0' 400
+put POST '/v1/compare?threshold_mm=x' 400 "$JSON" "$T/ab.json"
+put POST '/v1/asymmetry?units=inch' 400 "$PLY" "$T/a.ply"
+
+# ---- nobody is enrolled, then somebody
+each 404 '(.method | IN("GET", "DELETE")) and (.params | any(.in == "path"))'
+put POST /v1/subjects/alice/verify 404 "$PLY" "$T/a.ply"
+put POST /v1/templates/00000000000000000000000000000000/verify 404 "$PLY" "$T/a.ply"
+each 200 '.asked == "/v1/subjects" and .method == "GET"'
+KEY='Idempotency-Key: 8e03978e-40d5-43e8-bc93-6894a57f9324' MIN='Prefer: return=minimal'
+put POST '/v1/subjects/alice/templates?label=scanner%201' 201 "$PLY" "$T/a.ply" -H "$KEY"
+id=$(get .template_id)
+put POST '/v1/subjects/alice/templates?label=scanner%201' 201 "$PLY" "$T/a.ply" -H "$KEY"
+put POST /v1/subjects/alice/templates 422 "$PLY" "$T/a.ply" -H "$KEY"
+put POST /v1/subjects/alice/templates 200 "$PLY" "$T/a.ply"
+put POST /v1/subjects/alice/templates 204 "$PLY" "$T/a.ply" -H "$MIN"
+put POST /v1/subjects/alice/templates 409 "$PLY" "$T/b.ply"
+put POST '/v1/subjects/alice/templates?force=true' 201 "$PLY" "$T/b.ply" -H "$MIN"
+other=$(field Location)
+for one in subjects/alice "templates/$id"; do
+    put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
+    put POST "/v1/$one/verify?detail=heatmap" 200 "$JSON" "$T/a2.json"
+    put POST "/v1/$one/verify" 200 "$PLY" "$T/b.ply"
+    put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
+    put POST "/v1/$one/verify?threshold_mm=0" 400 "$JSON" "$T/a2.json"
+done
+# before the first scan
+echo '{"subject": "dora", "consent": "C-18"}' >"$T/new"
+put POST /v1/subjects 201 "$JSON" "$T/new"
+put POST /v1/subjects 409 "$JSON" "$T/new"
+echo '{"subject": "dora", "hold": true}' >"$T/new"
+put POST /v1/subjects 400 "$JSON" "$T/new"
+# what is noted of it
+MERGE='Content-Type: application/merge-patch+json'
+echo '{"consent": "C-17", "expires_at": "2031-01-31", "hold": true}' >"$T/change"
+put PATCH /v1/subjects/nobody 404 "$MERGE" "$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+ask GET /v1/subjects/alice 200
+echo '{"consent": null, "expires_at": null, "hold": false}' >"$T/change"
+put PATCH /v1/subjects/alice 204 "$JSON" "$T/change" -H "$MIN"
+echo '{"held": true}' >"$T/change"
+put PATCH /v1/subjects/alice 400 "$JSON" "$T/change"
+put PATCH /v1/subjects/a%20b 400 "$JSON" "$T/change"
+put PATCH /v1/subjects/alice 400 "$JSON" "$T/change" -H 'Content-Encoding: gzip'
+put PATCH /v1/subjects/alice 415 "$PLY" "$T/change"
+# on hold, disabled
+subject() { "$BUILD/surfacectl" --db "$DB" subject "$1" alice >"$T/ctl" 2>&1; }
+subject hold
+ask DELETE /v1/subjects/alice 409
+ask DELETE "/v1/templates/$id" 409
+subject release
+subject disable
+for one in subjects/alice "templates/$id"; do
+    put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
+    is "disabled" "$(get .code)" subject_disabled
+done
+subject enable
+echo '{"expires_at": "2020-01-01"}' >"$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+for one in subjects/alice "templates/$id"; do
+    put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
+    is "expired" "$(get .code)" subject_expired
+done
+echo '{"expires_at": null}' >"$T/change"
+put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+put POST /v1/compare 200 "$JSON" "$T/ab.json"
+put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
+# The examples of clouds are read, and are too short to be taken.
+select_operations '.body and (.path | test("subjects(/{subject})?$") | not)'
+while IFS="$(printf '\t')" read -r e_method e_path e_body; do
+    printf '%s' "$e_body" >"$T/sent"
+    put "$e_method" "$(echo "$e_path" | sed "s/[0-9a-f]\{32\}/$id/")" 422 "$JSON" "$T/sent"
+    is "too few" "$(get .code)" too_few_points
+done <"$T/each"
+ask GET /v1/subjects 200
+ask GET /v1/subjects/alice 200
+ask GET "/v1/templates/$id" 200
+ask DELETE "$other" 204
+ask DELETE "/v1/templates/$id" 204 -H "$MIN"
+put POST /v1/subjects/alice/templates 201 "$PLY" "$T/a.ply"
+ask DELETE /v1/subjects/alice 200
+put POST '/v1/subjects/alice/templates?label=scanner%201' 404 "$PLY" "$T/a.ply" -H "$KEY"
+put POST /v1/subjects/bob/templates 201 "$PLY" "$T/a.ply"
+ask DELETE /v1/subjects/bob 204 -H "$MIN"
+
+# ---- no room in the queue: the one worker waits for the database, which another process
+# has locked, and one more request waits for the worker.
+hold_db 'BEGIN IMMEDIATE'
+crowd=
+for _ in 1 2 3; do
+    while [ ! -e "$T/enough" ]; do
+        curl -sS -m 60 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" \
+            --data-binary "@$T/b.ply" "$URL/v1/subjects/crowd/templates"
+        sleep 0.1
+    done &
+    crowd="$crowd $!"
+done
+select_operations '.responses["503"] and .path != "/readyz"'
+printf 'GET\t/readyz\tnull\n' >>"$T/each"
+while IFS="$(printf '\t')" read -r e_method e_path e_body; do
+    printf '%s' "$e_body" >"$T/sent"
+    set --
+    [ "$e_body" = null ] || set -- -H "$JSON" --data-binary "@$T/sent"
+    ! echo "$UNSEEN" | grep -qx "$e_method $e_path 503" || continue
+    for _ in $(seq 200); do
+        req "$e_method" "$e_path" "$@"
+        [ "$STATUS" != 503 ] || break
+    done
+    is "$e_method $e_path, no room" "$STATUS" 503
+    note "$e_method" "$e_path"
+done <"$T/each"
+: >"$T/enough"
+release_db
+# shellcheck disable=SC2086 # a list
+wait $crowd
+
+# ---- a database that is not one
+sqlite3 "$DB" 'ALTER TABLE tokens RENAME TO gone'
+each 500 '.responses["500"]' -d x
+
+# ---- too many tries
+sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
+put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
+id=$(get .template_id)
+sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM templates
+    WHERE id = '$id'"
+put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
+put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"
+AUTH=0123456789abcdef
+select_operations '.open | not'
+while IFS="$(printf '\t')" read -r e_method e_path _; do
+    for _ in $(seq 50); do
+        req "$e_method" "$e_path"
+        [ "$STATUS" != 429 ] || break
+    done
+    is "$e_method $e_path, a wrong token" "$STATUS" 429
+    note "$e_method" "$e_path"
+done <"$T/each"
+
+# ---- every answer against the description
+# shellcheck disable=SC2016 # the variables are jq's
+jq -n --slurpfile doc "$T/api" --slurpfile seen "$SEEN" --arg unseen "$UNSEEN" '
+    $doc[0] | . as $doc | [ '"$OPERATIONS"' ] as $ops
+    # What the daemon writes has no member that is not described.
+    | def strict: walk(if type == "object" and .properties and .type == "object"
+            then .additionalProperties = false else . end);
+    def closed: if type == "object" and (has("$ref") or has("allOf"))
+        then .unevaluatedProperties = false else . end;
+    def examples: if has("example") then .example else (.examples // {})[].value end;
+    def answer($op; $r): $op.responses[$r.status] as $a
+        | {properties: {
+            type: {enum: (if $a.content == null or $r.body == "" then [""]
+                          else $a.content | keys end)},
+            body: (if $r.body == "" then $a.content == null
+                        or $r.headers["preference-applied"] == "return=minimal"
+                   else ($a.content // {})[$r.type].schema // false | closed end),
+            headers: {
+                required: [$a.headers | to_entries[] | select(.value.required)
+                    | .key | ascii_downcase],
+                properties: ($a.headers | with_entries({key: (.key | ascii_downcase),
+                    value: .value.schema}))}}};
+    [$seen | to_entries[] | .value as $r | ("\($r.method) \($r.path) \($r.status) #\(.key)") as $name
+        | [$ops[] | select(.method == $r.method) | . as $op
+            | select($r.path | test("^" + ($op.path | gsub("\\{[^}]*\\}"; "[^/]+")) + "$"))][0]
+        | {name: $name, value: $r, key: "\(.method) \(.path) \($r.status)",
+           schema: (if .responses[$r.status] then answer(.; $r) else null end)}] as $answers
+    | [$ops[] | . as $op | "\(.method) \(.path)" as $name
+        | (.params[] | {name: "\($name) \(.name)", schema: .schema, value: .example}),
+          (.request | to_entries[] | {name: "\($name) \(.key)", schema: .value.schema,
+              value: (.value | examples)}),
+          (.responses | to_entries[] | .key as $s
+            | (.value.content // {} | to_entries[] | {name: "\($name) \($s) \(.key)",
+                schema: (.value.schema | closed), value: (.value | examples)}),
+              (.value.headers | to_entries[] | select(.value.example) | {
+                name: "\($name) \($s) \(.key)", schema: .value.schema,
+                value: .value.example}))]
+      | to_entries | map(.value + {name: "example \(.key): \(.value.name)"}) as $examples
+    | ([$answers[].key] | unique) as $came
+    | [$ops[] | .responses as $r | "\(.method) \(.path) \($r | keys[])"] as $described
+    | ($unseen / "\n") as $unseen
+    | {undocumented: [$answers[] | select(.schema == null) | .name],
+       never: ($described - $came - $unseen),
+       in_vain: ($unseen - ($described - $came)),
+       count: ($answers | length),
+       instance: [$answers[], $examples[] | {key: .name, value: .value}] | from_entries,
+       schema: {
+         "$schema": "https://json-schema.org/draft/2020-12/schema",
+         "$defs": $doc.components.schemas,
+         components: ($doc.components | .schemas |= with_entries(
+             if .key | IN("Problem", "Mismatch", "Cloud", "TwoClouds") then . else .value |= strict end)),
+         properties: ([$answers[], $examples[] | select(.schema != null)
+             | {key: .name, value: .schema}] | from_entries)}}' >"$T/all"
+is "answers that are not described" "$(jq -c .undocumented "$T/all")" '[]'
+is "described, and never seen" "$(jq -c .never "$T/all")" '[]'
+is "named in UNSEEN, and seen or not described" "$(jq -c .in_vain "$T/all")" '[]'
+is "problems whose status or request_id is another" "$(jq -c 'select(.type == "application/problem+json")
+    | select((.body.status | tostring) != .status
+        or .body.request_id != .headers["x-request-id"]) | .path' "$SEEN")" ''
+jq .instance "$T/all" >"$T/instance"
+jq .schema "$T/all" >"$T/schema"
+jsonschema --error-format '{error.json_path}: {error.message}
+' -i "$T/instance" "$T/schema" >"$T/out" 2>&1
+is "$(jq .count "$T/all") answers as described" $? 0
+grep '^\$' "$T/out" | cut -c 1-400
+finish

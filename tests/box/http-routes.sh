@@ -1,0 +1,259 @@
+#!/bin/sh
+# Goal: every route does what the interface promises, with both forms of cloud.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a2.ply" --pose 8 --shift 10
+scan 1 1 "$T/a2.json" --pose 8 --shift 10
+scan 1 1 "$T/a2.obj" --pose 8 --shift 10
+scan 1 1 "$T/a2.xyz" --pose 8 --shift 10
+scan 2 0 "$T/b.ply" --pose 8 --shift 10
+start_daemon --no-auth
+
+# ---- about the daemon
+req GET /healthz
+is healthz "$STATUS $(get .status)" "200 ok"
+req GET /readyz
+is readyz "$STATUS $(get .status)" "200 ready"
+is "the calibration in force" "$(get '.calibration | [.version, .source, .threshold_mm > 0,
+    .fmr > 0 and .fmr < 0.01] | @csv')" '0,"shipped",true,true'
+req GET /version
+is version "$STATUS $(get '.engine | sub(" model/[0-9a-f]{8}$"; "")')" \
+    "200 $("$BUILD/surfaced" --version)"
+engine=$(get .engine)
+version=$(get .version)
+req GET /openapi.json
+is "openapi's version" "$STATUS $(get .info.version)" "200 $version"
+is "openapi's format" "$(get .openapi)" 3.1.0
+# shellcheck disable=SC2016 # $d is jq's
+ok "openapi's references lead somewhere" jq -e '. as $d
+    | [.. | objects | ."$ref"? // empty | ltrimstr("#/") / "/"]
+    | all(. as $p | $d | getpath($p) != null)' "$T/body" >/dev/null
+# Every route it describes is there: an id that is not known gives 404 by its own code.
+jq -r '.paths | to_entries[] | .key as $p | .value | keys[]
+       | select(. != "parameters") | ascii_upcase + " " + $p' "$T/body" >"$T/routes"
+is "openapi's routes" "$(wc -l <"$T/routes" | tr -d ' ')" 18
+while read -r method path; do
+    path=$(echo "$path" | sed 's/{subject}/nobody/; s/{template_id}/00000000000000000000000000000000/')
+    case $method in
+    POST) send POST "$path" "$JSON" /dev/null ;;
+    *) req "$method" "$path" ;;
+    esac
+    ok "$method $path is there, not $STATUS $(get .code)" test \
+        "$(get .code)" != no_such_route -a "$STATUS" != 405
+done <"$T/routes"
+
+# ---- enroll
+send POST '/v1/subjects/alice/templates?label=scanner%201' "$PLY" "$T/a.ply"
+is "enroll" "$STATUS" 201
+id=$(get .template_id)
+is "Location" "$(field Location)" "/v1/templates/$id"
+fits "enroll" Template
+is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 5000,
+    (.digest | length), (.created | test("^20.*Z$")), .quality.score > 0.3,
+    .quality.coverage > 0.3, .quality.density_mm > 0.5, .quality.noise_mm >= 0,
+    (.engine | test("^surfaced/"))] | @csv')" \
+    '"alice","scanner 1",true,true,64,true,true,true,true,true,true'
+cp "$T/body" "$T/first"
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is "the same cloud again" "$STATUS" 200
+ok "gives the same template" cmp -s "$T/body" "$T/first"
+send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
+problem "another's sample" 409 sample_mismatch
+ok "tells the disparity" jq -e '.decision == "no_match" and .disparity_mm > .threshold_mm' \
+    "$T/body" >/dev/null
+awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
+send POST /v1/subjects/alice/templates 'Content-Type: text/plain' "$T/part.xyz"
+problem "a part of the face, nothing to compare" 409 sample_mismatch "too little in common"
+is "and says so" "$(get '[.decision, (.disparity_mm, .threshold_mm | type)] | @csv')" \
+    '"inconclusive","number","number"'
+req GET /v1/subjects/alice
+is "nothing was stored" "$(get '.templates | length')" 1
+send POST '/v1/subjects/alice/templates?force=maybe' "$PLY" "$T/b.ply"
+problem "force=maybe" 400 invalid_parameter
+
+# ---- verify, in each form of cloud
+for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTES:obj" \
+    "Content-Type: model/obj:obj" "Content-Type: text/plain; charset=utf-8:xyz" \
+    "$BYTES:xyz" "$JSON; charset=utf-8:json" "content-type: MODEL/X-PLY:ply"; do
+    send POST /v1/subjects/alice/verify "${form%:*}" "$T/a2.${form##*:}"
+    is "verify as $form" "$STATUS $(get .decision)" "200 match"
+done
+fits verify Verdict
+is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .plain_mm,
+    .volume_mm3, .overlap_mm2, .overlap, .templates_compared, .quality.score,
+    .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
+    .timing_ms.total] | all(type == "number" and . >= 0)')" true
+is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv')" \
+    "$(printf 'alice\t%s\t%s' "$id" "$engine")"
+is "plain = volume / area" "$(get '(.plain_mm - .volume_mm3 / .overlap_mm2) | fabs < 1e-9')" true
+is "the transform is affine" "$(get '(.transform | length) == 16 and .transform[12:] == [0,0,0,1]')" true
+is "regions" "$(get '.regions | type')" object
+is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
+send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
+is "verify against one template" "$STATUS $(get .decision)" "200 match"
+send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+is "verify another's scan" "$STATUS $(get .decision)" "200 no_match"
+send POST '/v1/subjects/alice/verify?threshold_mm=1e-3' "$PLY" "$T/a2.ply"
+is "with a threshold of its own" "$(get '[.decision, .threshold_mm] | @tsv')" \
+    "$(printf 'no_match\t0.001')"
+for bad in 0 -1 nan inf 1e999 0x1 '' 1mm '1%00'; do
+    send POST "/v1/subjects/alice/verify?threshold_mm=$bad" "$PLY" "$T/a2.ply"
+    problem "threshold_mm=$bad" 400 invalid_parameter
+done
+send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
+is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
+fits "verify with a heatmap" Verdict
+is "each a number or null" "$(get '.heatmap | all(type == "number" or type == "null")')" true
+is "mostly numbers" "$(get '(.heatmap | map(numbers) | length) > (.heatmap | length / 2)')" true
+send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
+problem "detail=all" 400 invalid_parameter
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/part.xyz"
+is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
+send POST '/v1/subjects/alice/verify?unknown=1&other' "$PLY" "$T/a2.ply"
+is "unknown parameters are ignored" "$STATUS" 200
+
+# ---- units
+jq -c '{points: [.points[] | map(. / 1000)], units: "m"}' "$T/a2.json" >"$T/m.json"
+jq -c '{points: [.points[] | map(. / 10)]}' "$T/a2.json" >"$T/cm.json"
+send POST /v1/subjects/alice/verify "$JSON" "$T/m.json"
+is "metres" "$STATUS $(get .decision)" "200 match"
+send POST '/v1/subjects/alice/verify?units=mm' "$JSON" "$T/m.json"
+is "the body's units win" "$STATUS $(get .decision)" "200 match"
+send POST '/v1/subjects/alice/verify?units=cm' "$JSON" "$T/cm.json"
+is "centimetres" "$STATUS $(get .decision)" "200 match"
+send POST /v1/subjects/alice/verify "$JSON" "$T/cm.json"
+problem "centimetres taken for mm" 422 units_suspicious
+send POST '/v1/subjects/alice/verify?units=inch' "$PLY" "$T/a2.ply"
+problem "units=inch" 400 invalid_parameter
+
+# ---- several templates: the lowest disparity wins
+send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/b.ply"
+is "force" "$STATUS" 201
+other=$(get .template_id)
+send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+is "the best of two" "$(get '[.decision, .templates_compared, .template_id] | @tsv')" \
+    "$(printf 'match\t2\t%s' "$other")"
+scan 2 5 "$T/b5.ply" --pose 5 --shift 5
+send POST /v1/subjects/alice/templates "$PLY" "$T/b5.ply"
+is "a sample that fits the second template alone" "$STATUS" 201
+req DELETE "/v1/templates/$(get .template_id)"
+send POST '/v1/subjects/alice/templates?force=true' 'Content-Type: text/plain' "$T/part.xyz"
+is "force, with nothing to compare" "$STATUS" 201
+req DELETE "/v1/templates/$(get .template_id)"
+is "without it" "$STATUS" 204
+
+# ---- compare
+jq -c -n --slurpfile a "$T/a2.json" --slurpfile b "$T/m.json" '{a: $a[0], b: $b[0]}' >"$T/ab.json"
+send POST /v1/compare "$JSON" "$T/ab.json"
+is "compare" "$STATUS $(get '[.decision, .subject, .template_id, .templates_compared] | @csv')" \
+    '200 "match",,,1'
+fits compare Verdict
+is "a cloud with itself" "$(get '.disparity_mm < 0.01')" true
+send POST /v1/compare "$PLY" "$T/a.ply"
+problem "compare a file" 415 unsupported_media_type
+echo '{"a": {"points": []}}' >"$T/x"
+send POST /v1/compare "$JSON" "$T/x"
+problem "compare one cloud" 400 malformed 'b is not an object'
+
+# ---- look and delete
+req GET "/v1/templates/$id"
+ok "the description again" cmp -s "$T/body" "$T/first"
+req HEAD "/v1/templates/$id"
+is "HEAD" "$STATUS" 200
+req GET /v1/subjects/alice
+fits "a subject" Subject
+is "subject" "$(get '[.subject, (.templates | length), .templates[0].template_id] | @tsv')" \
+    "$(printf 'alice\t2\t%s' "$id")"
+for s in 'b@x' c:1 d_2 'e.3' f-4; do
+    send POST "/v1/subjects/$s/templates" "$PLY" "$T/a.ply"
+    is "enroll $s" "$STATUS" 201
+done
+req GET /v1/subjects
+fits "a page" SubjectPage
+cursor='' seen=''
+for _ in 1 2 3; do
+    req GET "/v1/subjects?limit=2&cursor=$cursor"
+    seen="$seen $(get '[.subjects[].subject] | join(" ")')"
+    cursor=$(get .next_cursor)
+done
+is "pages" "$seen, then $cursor" " alice b@x c:1 d_2 e.3 f-4, then null"
+req GET /v1/subjects/b%40x
+is "an encoded id" "$(get .subject)" b@x
+for bad in 'limit=0' 'limit=1001' 'limit=x' 'limit=-1' 'cursor=%20' 'cursor=%zz'; do
+    req GET "/v1/subjects?$bad"
+    problem "$bad" 400 invalid_parameter
+done
+req DELETE "/v1/templates/$other"
+is "delete a template" "$STATUS $(wc -c <"$T/body" | tr -d ' ')" "204 0"
+req DELETE "/v1/templates/$other"
+problem "delete it again" 404 not_found
+send POST "/v1/templates/$other/verify" "$PLY" "$T/b.ply"
+problem "verify against it" 404 not_found
+send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+is "it matches no more" "$(get '[.decision, .templates_compared] | @tsv')" \
+    "$(printf 'no_match\t1')"
+# Beside the daemon: what it has in memory must not match either.
+send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
+is "f-4 is decoded" "$STATUS $(get .decision)" "200 match"
+f4=$(get .template_id)
+sqlite3 "$DB" "DELETE FROM templates WHERE id = '$f4'"
+send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
+problem "deleted behind our back" 404 not_found
+send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
+problem "the template alike" 404 not_found
+req DELETE /v1/subjects/alice
+is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
+fits erase Erased
+is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
+is "what was removed" "$(get '.template_ids | @csv')" "\"$id\""
+is "its digest" "$(get .digest)" \
+    "$(get '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+is "its entry in the audit log" "$(sqlite3 "$DB" "SELECT kind, at, lower(hex(hash)) FROM events
+    WHERE seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
+req DELETE /v1/subjects/alice
+problem "erase again" 404 not_found
+fits "an error" Problem
+send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
+problem "verify the erased" 404 not_found
+send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
+problem "nor by template" 404 not_found
+
+# ---- what is not there
+for path in / /v1 /v1/ /v1/subjects/ /v1/subjects//verify /v1/identify \
+    /v2/subjects /v1/subjects/x/y /healthz/ /v1/subjects/x/templates/y; do
+    req GET "$path"
+    problem "GET $path" 404 no_such_route
+done
+send POST /v1/identify "$PLY" "$T/a2.ply"
+problem "identify" 404 no_such_route
+req PUT /v1/subjects/alice
+problem "PUT" 405 method_not_allowed
+is "Allow" "$(field Allow)" "GET, HEAD, PATCH, DELETE"
+req GET /v1/compare
+problem "GET compare" 405 method_not_allowed
+is "Allow" "$(field Allow)" POST
+req POST /healthz -d x
+problem "POST healthz" 405 method_not_allowed
+
+# ---- request ids
+req GET /healthz -H 'X-Request-Id: abc.DEF-1_2'
+is "taken" "$(field X-Request-Id)" abc.DEF-1_2
+for bad in 'a b' 'a"b' "$(printf '%065d' 1)" '<x>'; do
+    req GET /healthz -H "X-Request-Id: $bad"
+    ok "made instead of '$bad'" matches "$(field X-Request-Id)" '^[0-9a-f]{8}-[0-9a-f]{8}$'
+done
+
+# ---- metrics and log
+req GET /metrics
+ok "requests are counted" grep -q \
+    '^surfaced_http_requests_total{route="/v1/compare",method="POST",status="200"} 1$' "$T/body"
+ok "decisions are counted" grep -Eq '^surfaced_decisions_total\{decision="match"\} [1-9]' "$T/body"
+ok "the queue's depth" grep -q '^surfaced_queue_depth 0$' "$T/body"
+ok "durations" grep -Eq '^surfaced_http_request_duration_seconds_sum.* 0\.[0-9]*[1-9]' "$T/body"
+is "as text" "$(field Content-Type)" "text/plain; version=0.0.4; charset=utf-8"
+ok "the log names the request" grep -Eq \
+    'request_id=abc.DEF-1_2 method=GET route=/healthz status=200 ms=' "$LOG"
+ok "the log names no subject" sh -c "! grep -q alice '$LOG'"
+finish

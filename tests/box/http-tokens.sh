@@ -1,0 +1,147 @@
+#!/bin/sh
+# Goal: nobody gets in without a token, and a token counts for what it is meant for, from
+# when it is made to when it is rotated, expires or is revoked, whatever the daemon is doing
+# meanwhile.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+}
+
+scan 1 0 "$T/a.ply"
+# shellcheck disable=SC2119 # without options
+start_daemon
+for path in /healthz /readyz /version /metrics /openapi.json; do
+    req GET "$path"
+    is "$path asks for no token" "$STATUS" 200
+done
+req GET /v1/subjects
+problem "no token" 401 unauthorized
+is "WWW-Authenticate" "$(field WWW-Authenticate)" 'Bearer realm="surfaced"'
+for header in 'Basic YTpi' 'Bearer' 'Bearer ' "Bearer $(printf '%0500d' 1)" 'Bearer x y' \
+    'Bearer 0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef'; do
+    req GET /v1/subjects -H "Authorization: $header"
+    problem "Authorization: $header" 401 unauthorized
+done
+is "WWW-Authenticate of a bad token" "$(field WWW-Authenticate)" \
+    'Bearer realm="surfaced", error="invalid_token"'
+# The token is asked for before the id, the type and the size of the body are looked at.
+send POST /v1/subjects/a%20b/templates "$PLY" "$T/a.ply"
+problem "enroll without" 401 unauthorized
+send POST /v1/subjects/alice/templates 'Content-Type: x/y' "$T/a.ply"
+problem "whatever the type" 401 unauthorized
+head -c 70000000 /dev/zero >"$T/big"
+send POST /v1/subjects/alice/templates "$BYTES" "$T/big"
+problem "whatever the size" 401 unauthorized
+rm "$T/big"
+req GET /v1/nothing
+problem "what is not there" 404 no_such_route
+
+ctl token create tests
+is "token create" $? 0
+AUTH=$(jq -r '.secret // .token' "$T/ctl")
+token_id=$(jq -r '.id // .token_id' "$T/ctl")
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+is "enroll with a token" "$STATUS" 201
+send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
+is "verify with it" "$STATUS" 200
+req GET /v1/subjects -H "authorization: bearer $AUTH"
+is "in lower case" "$STATUS" 200
+req GET /v1/subjects/a%20b
+problem "a malformed id, with a token" 400 invalid_parameter
+is "who did it" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM events WHERE kind IN ('enroll', 'verify')")" \
+    "$token_id"
+ok "the token is not in the database" sh -c "! grep -aq '$AUTH' '$DB' '$DB-wal'"
+ok "when it was last used is known" test -n "$(sqlite3 "$DB" 'SELECT used FROM tokens')"
+
+# ---- rotated
+all=$AUTH
+ctl token rotate "$token_id" --grace 1h
+is "token rotate" "$? $(jq -r '.id' "$T/ctl")" "0 $token_id"
+req GET /v1/subjects
+is "the old secret, within the grace" "$STATUS" 200
+AUTH=$(jq -r .token "$T/ctl")
+req GET /v1/subjects
+is "the new one" "$STATUS" 200
+ctl token rotate "$token_id"
+req GET /v1/subjects
+problem "rotated, at once" 401 unauthorized
+AUTH=$all
+req GET /v1/subjects
+problem "the one before it" 401 unauthorized
+AUTH=$(jq -r .token "$T/ctl")
+all=$AUTH
+req GET /v1/subjects
+is "the newest" "$STATUS" 200
+
+# ---- scopes: may NAME, for each thing there is to do
+may() {
+    ctl token create --scope "$1" "for $1"
+    is "a token for $1" "$? $(jq -rc .scopes "$T/ctl")" "0 $(jq -nc --arg s "$1" '$s | split(",")')"
+    AUTH=$(jq -r .token "$T/ctl")
+    for try in 'enroll POST subjects/alice/templates' 'verify POST subjects/alice/verify' \
+        "verify POST templates/$template/verify" 'verify POST compare' \
+        'read GET subjects' 'read GET subjects/alice' "read GET templates/$template" \
+        'read HEAD subjects' 'delete DELETE subjects/nobody' \
+        'delete DELETE templates/00000000000000000000000000000000'; do
+        scope=${try%% *} path=/v1/${try##* }
+        method=${try#* }
+        method=${method% *}
+        case $path in
+        */compare) send POST "$path" "$JSON" "$T/two.json" ;;
+        */templates | */verify) send POST "$path" "$PLY" "$T/a.ply" ;;
+        *) req "$method" "$path" ;;
+        esac
+        case ",$1,$method" in
+        *,"$scope",*) ok "$1 may $method $path: $STATUS" matches "$STATUS" '^(20[01]|404)$' ;;
+        *,HEAD) is "$1 may not $method $path" "$STATUS" 403 ;;
+        *)
+            problem "$1 may not $method $path" 403 insufficient_scope "scope $scope"
+            is "and is told" "$(field WWW-Authenticate)" \
+                "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$scope\""
+            ;;
+        esac
+    done
+}
+template=$(sqlite3 "$DB" 'SELECT id FROM templates')
+"$BUILD/facegen" --subject 1 --points 1000 --format json >"$T/c.json"
+jq '{a: ., b: .}' "$T/c.json" >"$T/two.json"
+may enroll
+may verify
+may identify
+may read
+may delete
+may enroll,verify
+# A wrong scope is found before the id, the type and the size are looked at.
+send POST /v1/subjects/a%20b/templates 'Content-Type: x/y' "$T/a.ply"
+is "enroll,verify on" "$STATUS" 400
+req GET /v1/subjects/a%20b
+problem "an id it may not know of" 403 insufficient_scope
+
+# ---- expired
+ctl token create --expires 1h short
+AUTH=$(jq -r .token "$T/ctl")
+req GET /v1/subjects
+is "before it expires" "$STATUS" 200
+sqlite3 "$DB" "UPDATE tokens SET expires = NULL WHERE name = 'short'"
+req GET /v1/subjects
+problem "a life that its row has got from elsewhere" 500 internal
+"$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
+req GET /v1/subjects
+problem "expired, at once" 401 unauthorized
+ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h
+AUTH=$(jq -r .token "$T/ctl")
+req GET /v1/subjects
+is "with a new life" "$STATUS" 200
+
+# ---- revoked
+AUTH=$all
+ctl token revoke "$token_id"
+is "token revoke" $? 0
+req GET /v1/subjects
+problem "revoked, at once" 401 unauthorized
+ctl token rotate "$token_id"
+is "is for good" $? 77
+ok "the token is not in the log" sh -c "! grep -q '$AUTH' '$LOG'"
+finish

@@ -1,0 +1,152 @@
+#!/bin/sh
+# Goal: the master key is changed in one step, whatever happens on the way: a daemon that runs
+# goes on, nothing of a key that no longer counts opens anything, and a change that is killed
+# at any moment leaves a database that somebody's key opens.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+}
+
+said() {
+    jq -r "$1" "$T/ctl"
+}
+
+# held FILE: how often the bytes of its line, in hexadecimal, are in the database or its log.
+held() {
+    cat "$DB" "$DB-wal" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -oi "$(cat "$1")" | wc -l
+}
+
+for n in 1 2 3; do
+    scan "$n" 0 "$T/s$n.ply" --points 600
+done
+ctl init
+ctl enroll s1 "$T/s1.ply"
+ctl enroll s2 "$T/s2.ply"
+cp "$DB.key" "$T/first"
+
+# ---- beside a daemon, which notices by itself
+start_daemon --no-auth
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "before" "$STATUS $(get .decision)" "200 match"
+before=$(sha256sum <"$DB.key")
+ctl rekey
+is "the old key is not lost unasked" "$CODE" 64
+ok "it is said what it would cost" grep -q 'older backups' "$T/ctl.err"
+is "nothing changed" "$(sha256sum <"$DB.key")" "$before"
+ctl rekey --yes
+is "rekey" "$CODE $(said '.kind, .key' | tr '\n' ' ')" "0 file $DB.key "
+ok "it is another key" sh -c "! cmp -s '$DB.key' '$T/first'"
+is "its owner's" "$(stat -c %a "$DB.key")" 600
+ok "nothing is left beside it" test ! -e "$DB.key.new" -a ! -e "$DB.key.old"
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "the daemon goes on" "$STATUS $(get .decision)" "200 match"
+send POST /v1/subjects/s3/templates "$PLY" "$T/s3.ply"
+is "and enrolls" "$STATUS" 201
+req GET /readyz
+is "and is ready" "$STATUS" 200
+ctl check
+is "all is well" "$CODE $(said .templates)" "0 3"
+ctl list --key "$T/first"
+is "the old key opens nothing" $CODE 77
+is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'rekey'")" \
+    'surfacectl|file'
+stop_daemon
+
+# ---- a daemon that has the key as a credential, which stays what it was
+cp "$DB.key" "$T/credential"
+start_daemon --no-auth --key "$T/credential"
+cp "$DB.key" "$T/second"
+ctl rekey --keep-old
+is "the old one is kept where that is asked for" "$CODE" 0
+ok "as it was" cmp -s "$DB.key.old" "$T/second"
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+problem "the daemon cannot go on" 500 internal
+req GET /readyz
+problem "and says why" 503 not_ready 'key was changed'
+ok "the log too" grep -q "key was changed" "$LOG"
+cp "$DB.key" "$T/credential"
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "until it gets the new one" "$STATUS $(get .decision)" "200 match"
+stop_daemon
+ctl rekey --keep-old
+is "no kept key is overwritten" "$CODE" 65
+rm "$DB.key.old"
+
+# ---- other kinds: a key of one's own, a passphrase, none, and a first one
+printf 'open sesame\n' >"$T/phrase"
+printf '%064d\n' 7 >"$T/own"
+chmod 600 "$T/phrase" "$T/own"
+ctl rekey --yes --new-key "$T/own"
+is "a key of one's own" "$CODE" 0
+ok "is in the key's place" cmp -s "$DB.key" "$T/own"
+ctl rekey --yes --new-key "$T/phrase"
+is "a passphrase is no key" "$CODE" 65
+ok "nothing is left of that" test ! -e "$DB.key.new"
+ctl rekey --yes --passphrase --new-key "$T/phrase"
+is "a passphrase" "$CODE $(said .kind)" "0 passphrase"
+ctl verify s2 "$T/s2.ply" --key "$T/phrase"
+is "opens it" "$CODE" 0
+ctl rekey --yes --key "$T/phrase" --plaintext
+is "plaintext" "$CODE $(said .kind)" "0 plaintext"
+ok "its file is gone" test ! -e "$T/phrase"
+rm "$DB.key"
+ctl verify s2 "$T/s2.ply"
+is "needs no key" "$CODE" 0
+sqlite3 "$DB" 'SELECT hex(open) FROM root' >"$T/open"
+is "since it is in the file" "$(held "$T/open")" 1
+ctl rekey --yes
+is "its first key" "$CODE $(said .kind)" "0 file"
+is "what stood open is gone" "$(held "$T/open")" 0
+ctl check
+is "all is well" "$CODE $(said .templates)" "0 3"
+
+# ---- in the way: nothing is changed
+cp "$DB.key" "$T/kept"
+echo nonsense >"$DB.key.new"
+ctl rekey --yes
+is "a change that was not made" "$CODE" 65
+ok "it says what to do" matches "$(said .error.detail)" 'key.new.*remove it'
+ok "and leaves all as it was" cmp -s "$DB.key" "$T/kept"
+rm "$DB.key.new"
+ctl rekey --yes --key "$T/nowhere/key"
+is "no key, no change" "$CODE" 66
+
+# ---- between the commit and the new key's place
+mv "$DB.key" "$DB.key.new"
+cp "$T/first" "$DB.key"
+chmod 600 "$DB.key"
+ctl verify s2 "$T/s2.ply"
+is "it is found where it is" "$CODE" 0
+ctl rekey --yes
+is "and settled by the next change" "$CODE" 0
+ok "for good" test ! -e "$DB.key.new"
+ctl verify s2 "$T/s2.ply"
+is "with all that is in it" "$CODE" 0
+
+# ---- killed at any moment
+seed=${SEED:-$(date +%s)}
+echo "seed $seed"
+lost=''
+awk -v s="$seed" 'BEGIN { srand(s); for (i = 0; i < 60; i++) printf "%.4f\n", rand() * 0.06 }' \
+    >"$T/when"
+while read -r when; do
+    "$BUILD/surfacectl" --db "$DB" rekey --yes >/dev/null 2>&1 &
+    killed=$!
+    sleep "$when"
+    kill -9 "$killed" 2>/dev/null
+    wait "$killed" 2>/dev/null
+    ctl check
+    [ "$CODE $(said .templates)" = "0 3" ] || lost="$lost $when"
+    # What was not committed is not the key; what was is in use until the next change.
+    "$BUILD/surfacectl" --db "$DB" --key "$DB.key.new" list >/dev/null 2>&1 ||
+        rm -f "$DB.key.new"
+done <"$T/when"
+is "killed 60 times (seed $seed), never locked out" "$lost" ""
+ctl verify s1 "$T/s1.ply"
+is "s1 is s1" "$CODE" 0
+ctl rekey --yes
+is "and once more in peace" "$CODE" 0
+finish

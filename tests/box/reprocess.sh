@@ -1,0 +1,174 @@
+#!/bin/sh
+# Goal: templates of another engine are never compared as if they were this one's: daemon and
+# command answer as if the scans were enrolled now, say that there are such templates, and
+# `template reprocess` makes them anew for good while the daemon serves: nothing but the model
+# changes, what cannot be made a face of stays and is told, and killed in the middle it goes on.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+unset SURFACED_DB SURFACED_MODEL
+
+# ctl CODE COMMAND...: its JSON is in $T/ctl, what it says else in $T/err
+ctl() {
+    c_code=$1
+    shift
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
+    is "surfacectl $*" $? "$c_code"
+}
+said() { jq -r "$1" "$T/ctl"; }
+counts() { said '[.templates, .renewed, .current, .failed, .undone] | join(" ")'; }
+# models: another mean face; and one that only hollow faces are like.
+mean() { awk -v how="$1" '/^weight/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
+    $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/default.model; }
+mean raised >"$T/raised.model"
+mean hollow >"$T/hollow.model"
+
+# verdicts: of the daemon, for alice and bob, without times; compared by the digits
+verdicts() {
+    for who in alice bob; do
+        send POST "/v1/subjects/$who/verify" "$PLY" "$T/$who-later.ply"
+        without_times "$T/body"
+    done
+}
+metric() { req GET /metrics && sed -n "s/^$1 //p" "$T/body"; }
+
+for n in 1 2; do
+    who=$([ $n = 1 ] && echo alice || echo bob)
+    scan $n 0 "$T/$who.ply" --points 900
+    scan $n 1 "$T/$who-later.ply" --points 900 --pose 8 --shift 10
+done
+# A hollow face, as only another model would take it.
+scan 3 0 "$T/dan.xyz" --points 900
+awk '{ print $1, $2, -$3 }' "$T/dan.xyz" >"$T/hollow.xyz"
+
+# ---- what is wanted: enrolled by this engine
+ctl 0 init
+for who in alice bob; do ctl 0 enroll $who "$T/$who.ply"; done
+engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates[0].engine')
+start_daemon --no-auth
+verdicts >"$T/wanted"
+is "two verdicts" "$(jq -r .decision "$T/wanted" | tr '\n' ' ')" 'match match '
+is "nothing was made anew" "$(metric surfaced_templates_renewed_total)" 0
+ok "nothing is said" test "$(grep -c 'another engine' "$LOG")" -eq 0
+stop_daemon
+ctl 0 template reprocess
+is "nothing to do" "$(counts)" '0 0 0 0 0'
+
+# ---- the same by another
+DB=$T/other.db
+ctl 0 init
+for who in alice bob; do ctl 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
+ctl 0 enroll dan "$T/hollow.xyz" --model "$T/hollow.model"
+ctl 0 template list
+is "all are stale" "$(said '[.templates[].stale] | join(" ")')" 'true true true'
+alice=$(said '.templates[0].template_id') dan=$(said '.templates[2].template_id')
+jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl" >"$T/kept"
+ctl 0 template list --model "$T/raised.model"
+is "but by their own model" "$(said '[.templates[].stale] | join(" ")')" 'false false true'
+ctl 0 stats
+is "stats" "$(said '.templates, .stale' | tr '\n' ' ')" '3 3 '
+ctl 1 doctor
+ok "doctor" grep -q 'template reprocess' "$T/ctl"
+ctl 0 verify alice "$T/alice-later.ply"
+is "the command: as enrolled now" "$(said .disparity_mm)" \
+    "$(jq .disparity_mm "$T/wanted" | head -1)"
+
+start_daemon --no-auth
+ok "the daemon says so" grep -q 'level=warn msg="templates were made by another engine.* templates=3' "$LOG"
+verdicts >"$T/before"
+ok "as if enrolled now, to the last digit" cmp "$T/wanted" "$T/before"
+is "made anew in memory" "$(metric surfaced_templates_renewed_total)" 2
+send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
+is "never compared where that cannot be" "$STATUS" 500
+ok "and the log says why" grep -q 'template passed over.*cannot make it anew' "$LOG"
+
+# ---- for good, beside the daemon
+ctl 65 template reprocess --dry-run
+is "a dry run" "$(counts)" '3 2 0 1 0'
+ctl 0 stats
+is "changes nothing" "$(said .stale)" 3
+ctl 0 template reprocess "$alice"
+is "one" "$(counts)" '1 1 0 0 0'
+ctl 65 template reprocess --threads 2
+is "the others" "$(counts)" '2 1 0 1 0'
+is "what failed" "$(said '.failures[].template_id')" "$dan"
+ok "and why" grep -q "$dan was made by .*: not a face" "$T/err"
+ctl 65 template reprocess
+is "again" "$(counts)" '1 0 0 1 0'
+ctl 0 template reprocess "$alice"
+is "what is current" "$(counts)" '1 0 1 0 0'
+ctl 66 template reprocess "$alice" 00000000000000000000000000000000
+verdicts >"$T/after"
+ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
+is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
+    WHERE kind = 'reprocess' AND outcome = 'renewed' AND actor = 'surfacectl'")" 2
+ctl 0 template list
+is "by this engine" "$(said .templates[0].engine)" "$engine"
+is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl")" \
+    "$(cat "$T/kept")"
+ctl 0 check
+stop_daemon
+start_daemon --no-auth
+verdicts >"$T/after"
+ok "as stored, too" cmp "$T/wanted" "$T/after"
+is "now nothing is made anew" "$(metric surfaced_templates_renewed_total)" 0
+stop_daemon
+
+# ---- there and back again: nothing drifts
+"$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/there.ply" >"$T/text"
+for n in 1 2; do
+    ctl 0 template reprocess "$alice" --model "$T/raised.model"
+    ctl 0 template reprocess "$alice"
+done
+"$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/back.ply" >"$T/text"
+ok "the same points and triangles" cmp "$T/there.ply" "$T/back.ply"
+start_daemon --no-auth
+verdicts >"$T/after"
+ok "and digits" cmp "$T/wanted" "$T/after"
+stop_daemon
+
+# ---- an archive of another engine
+head -c 32 /dev/zero | tr '\0' a >"$T/akey"
+chmod 600 "$T/akey"
+ctl 0 template reprocess "$alice" --model "$T/raised.model"
+ctl 0 export alice -o "$T/a" --archive-key "$T/akey"
+from=$DB DB=$T/third.db
+ctl 0 init
+ctl 0 import "$T/a" --archive-key "$T/akey"
+is "is taken, and stale" "$(said '.templates_new, .templates_stale' | tr '\n' ' ')" '1 1 '
+ctl 0 verify alice "$T/alice-later.ply"
+is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/wanted" | head -1)"
+
+# ---- killed in the middle, it goes on.  REPROCESS: how many.
+DB=$T/many.db many=${REPROCESS:-60}
+mkdir "$T/many"
+for n in $(seq 1 "$many"); do
+    scan "$n" 0 "$T/many/m${n}_a.ply" --points 400
+done
+ctl 0 init
+ctl 0 enroll "$T/many" --model "$T/raised.model"
+enrolled=$(said .enrolled)
+"$BUILD/surfacectl" --db "$DB" template reprocess --threads 1 >"$T/text" 2>&1 &
+killed=$!
+# shellcheck disable=SC2317 # run by soon
+some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'reprocess'")" -gt 3; }
+soon some
+kill -9 "$killed" 2>/dev/null
+wait "$killed" 2>/dev/null
+ctl 0 check
+ctl 0 stats
+left=$(said .stale)
+is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events
+    WHERE kind = 'reprocess'")" "$((enrolled - left))"
+ctl 0 template reprocess
+is "it went on" "$(counts)" "$left $left 0 0 0"
+ctl 0 template reprocess
+is "nothing is left" "$(counts)" '0 0 0 0 0'
+ctl 0 check
+is "all are there" "$(said .templates)" "$enrolled"
+
+# ---- as text
+DB=$from
+ctl 0 stats
+"$BUILD/surfacectl" --db "$DB" template reprocess >"$T/text" 2>/dev/null
+is "as text" "$(head -1 "$T/text")" "2 templates: 1 made anew by $engine, 0 current, 1 failed"
+finish

@@ -1,0 +1,342 @@
+/* Calibrations: kept, followed by a worker at once, refused when damaged; and a database
+ * of version 1, which has none, upgraded. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "calibration.h"
+#include "errinfo.h"
+#include "face.h"
+#include "forge.h"
+#include "model.h"
+#include "store.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+
+static struct store_calibration example(double threshold_mm)
+{
+    return (struct store_calibration){
+        .fmr = 0.001,
+        .low_mm = threshold_mm * 0.9,
+        .high_mm = threshold_mm * 1.1,
+        .subjects = 80,
+        .impostors = 6320,
+        .genuine = 7,
+        .decision = {.threshold_mm = threshold_mm,
+                     .halving_mm = 0.03,
+                     .n = 3,
+                     .knot = {{threshold_mm, 0.001}, {1.5, 0.25}, {5, 1}}},
+    };
+}
+
+static void add(struct store *s, struct store_calibration *k)
+{
+    if (store_calibration_add(s, "test", k, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+static void test_kept(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_calibration a = example(0.6), b = example(0.7), got, *list;
+    int64_t version = -1;
+    size_t n;
+
+    (void)state;
+    assert_int_equal(store_calibration_get(s, &got, &e), ST_ENOTFOUND);
+    assert_int_equal(store_calibration_version(s, &version, &e), ST_OK);
+    assert_int_equal(version, 0);
+    assert_int_equal(store_calibration_list(s, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 0);
+    free(list);
+    add(s, &a);
+    add(s, &b);
+    assert_int_equal(b.version, a.version + 1);
+    assert_int_equal(store_calibration_version(s, &version, &e), ST_OK);
+    assert_int_equal(version, b.version);
+    store_close(s);
+
+    s = tempdb_open(STORE_READ);
+    assert_int_equal(store_calibration_get(s, &got, &e), ST_OK);
+    assert_memory_equal(&got.decision, &b.decision, sizeof got.decision);
+    assert_string_equal(got.actor, "test");
+    assert_string_equal(got.engine, store_made_by(s));
+    assert_string_equal(got.created, b.created);
+    assert_true(got.fmr == b.fmr && got.low_mm == b.low_mm && got.high_mm == b.high_mm);
+    assert_true(got.subjects == 80 && got.impostors == 6320 && got.genuine == 7);
+    assert_int_equal(store_calibration_list(s, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 2);
+    assert_true(list[0].decision.threshold_mm == 0.6 && list[1].version == b.version);
+    free(list);
+    assert_int_equal(store_calibration_add(s, "test", &a, &e), ST_EDENIED);
+    assert_int_equal(tempdb_check(s).problems, 0);
+    store_close(s);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE kind = 'calibrate'"), 2);
+}
+
+static void test_refused(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_calibration k;
+
+    (void)state;
+    for (int i = 0; i < 7; i++) {
+        k = example(0.6);
+        switch (i) {
+        case 0:
+            k.fmr = 0;
+            break;
+        case 1:
+            k.fmr = (double)NAN;
+            break;
+        case 2:
+            k.low_mm = -1;
+            break;
+        case 3:
+            k.high_mm = k.low_mm / 2;
+            break;
+        case 4:
+            k.decision.n = 1;
+            break;
+        case 5:
+            k.decision.knot[1].rate = k.decision.knot[0].rate;
+            break;
+        default:
+            k.decision.knot[2].rate = 0.9;
+        }
+        assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_EINVAL);
+    }
+    k = example(0.6);
+    assert_int_equal(store_calibration_add(s, "no\nname", &k, &e), ST_EINVAL);
+    assert_int_equal(store_calibration_get(s, &k, &e), ST_ENOTFOUND);
+    store_close(s);
+}
+
+/* What decides: a comparison of the same two faces, with a threshold to either side. */
+static struct face_result compare(void)
+{
+    struct face_result r;
+
+    assert_int_equal(
+        face_compare(&tempdb_face[0], &tempdb_face[1], 0, NULL, tempdb_work, &r), ST_OK);
+    return r;
+}
+
+static void test_followed(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_calibration k = example(9), in;
+    int64_t version = 0;
+    struct face_result r;
+
+    (void)state;
+    k.decision.knot[0].mm = 1;
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.version == 0);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
+    assert_int_equal(version, 0);
+    r = compare();
+    assert_int_equal(r.decision, FACE_NO_MATCH);
+    assert_true(r.threshold_mm == model_default.decision.threshold_mm);
+
+    add(s, &k);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
+    assert_int_equal(version, k.version);
+    r = compare();
+    assert_int_equal(r.decision, FACE_MATCH);
+    assert_true(r.threshold_mm == 9);
+    assert_true(r.fmr_at_score == decision_fmr(&k.decision, r.disparity_mm));
+
+    k.shipped = true; /* back: the row's own numbers do not matter */
+    add(s, &k);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
+    assert_int_equal(version, k.version);
+    assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.version == k.version);
+    assert_true(in.decision.threshold_mm == model_default.decision.threshold_mm);
+
+    k.shipped =
+        false; /* of another measure: it says nothing about this one's disparities */
+    add(s, &k);
+    assert_int_equal(forge_sql(tempdb_path,
+                               "UPDATE calibrations SET engine = "
+                               "'surfaced/0.0.1 measure/0' WHERE calibration_key = "
+                               "(SELECT max(calibration_key) FROM calibrations)",
+                               &e),
+                     ST_OK);
+    assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_OK);
+    assert_int_equal(version, k.version);
+    assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.ignored && in.version == k.version);
+    assert_string_equal(in.engine, "surfaced/0.0.1 measure/0");
+    store_close(s);
+}
+
+/* A calibration holds for the model that it was made with; else the model's own decides. */
+static void test_other_model(void **state)
+{
+    struct model *m = malloc(sizeof *m);
+    struct store_calibration k = example(0.6), in;
+    struct store *s = tempdb_fresh();
+    char ours[FACE_ENGINE_MAX + 1];
+
+    (void)state;
+    assert_non_null(m);
+    *m = model_default;
+    m->name[0]++;
+    m->decision.threshold_mm *= 2;
+    assert_true(model_digest(m) == model_digest(&model_default)); /* these do not count */
+    m->weight[GRID_N / 2] += 1;
+    assert_true(model_digest(m) != model_digest(&model_default));
+    face_engine(NULL, ours);
+    assert_string_equal(store_made_by(s), ours);
+
+    add(s, &k);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(!in.shipped && !in.ignored);
+    store_use_model(s, m);
+    assert_string_not_equal(store_made_by(s), ours);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.shipped && in.ignored);
+    assert_true(in.decision.threshold_mm == m->decision.threshold_mm);
+    add(s, &k); /* by the new one */
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(!in.shipped && !in.ignored);
+    store_use_model(s, NULL);
+    assert_int_equal(calibration_in_force(s, &in, &e), ST_OK);
+    assert_true(in.ignored);
+    store_close(s);
+    free(m);
+}
+
+static void test_damaged(void **state)
+{
+    static const char *const damage[] = {
+        "UPDATE calibrations SET knots = zeroblob(32)",
+        "UPDATE calibrations SET knots = substr(knots, 1, 32)",
+        "UPDATE calibrations SET threshold_mm = 1e4",
+        "UPDATE calibrations SET threshold_mm = 9e999",
+        "UPDATE calibrations SET halving_mm = 9e999",
+        "UPDATE calibrations SET knots = x'00'",
+        "UPDATE calibrations SET knots = zeroblob(9)",
+        "UPDATE calibrations SET knots = zeroblob(16 * 33)",
+        "UPDATE calibrations SET threshold_mm = -1",
+        "UPDATE calibrations SET fmr = 1",
+        "UPDATE calibrations SET high_mm = 0.1",
+        "UPDATE calibrations SET impostors = -1",
+        "UPDATE calibrations SET engine = CAST(zeroblob(100) AS TEXT)",
+        "UPDATE calibrations SET calibration_key = -5",
+        "UPDATE calibrations SET calibration_key = 5",
+        "UPDATE calibrations SET threshold_mm = threshold_mm + 1",
+        "UPDATE calibrations SET shipped = 1",
+        "UPDATE calibrations SET actor = 'nobody'",
+        "UPDATE calibrations SET mac = NULL",
+        "INSERT INTO calibrations SELECT 7, created, actor, engine, shipped, fmr, 8,"
+        " low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots, mac"
+        " FROM calibrations",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
+        struct store *s = tempdb_fresh();
+        struct store_calibration k = example(9), *list;
+        int64_t version = 0;
+        size_t n;
+
+        k.decision.knot[0].mm = 1;
+        add(s, &k);
+        tempdb_sql(damage[i]);
+        face_work_decide(tempdb_work, NULL);
+        print_message("%s\n", damage[i]);
+        assert_int_equal(store_calibration_get(s, &k, &e), ST_ECORRUPT);
+        assert_int_equal(calibration_follow(s, tempdb_work, &version, &e), ST_ECORRUPT);
+        assert_int_equal(version, 0);
+        assert_int_equal(compare().decision, FACE_NO_MATCH); /* as it was before */
+        assert_int_equal(store_calibration_list(s, &list, &n, &e), ST_ECORRUPT);
+        assert_true(tempdb_check(s).problems >= 1);
+        store_close(s);
+    }
+}
+
+/* The tables of version 1, shortened where nothing is in them. */
+static const char version_1[] =
+    "PRAGMA application_id = 0x53524644; PRAGMA user_version = 1;"
+    "CREATE TABLE subjects (subject_key INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE,"
+    " created TEXT NOT NULL) STRICT;"
+    "CREATE TABLE templates (template_key INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE,"
+    " subject_key INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,"
+    " label TEXT NOT NULL, created TEXT NOT NULL, digest TEXT NOT NULL,"
+    " engine TEXT NOT NULL, points INTEGER NOT NULL, triangles INTEGER NOT NULL,"
+    " quality REAL NOT NULL, coverage REAL NOT NULL, density_mm REAL NOT NULL,"
+    " noise_mm REAL NOT NULL, model BLOB NOT NULL, UNIQUE (subject_key, digest)) STRICT;"
+    "CREATE TABLE events (event_key INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL,"
+    " kind TEXT NOT NULL, actor TEXT NOT NULL, subject TEXT NOT NULL,"
+    " template_id TEXT NOT NULL, outcome TEXT NOT NULL) STRICT;"
+    "CREATE TABLE tokens (token_key INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE,"
+    " name TEXT NOT NULL, hash BLOB NOT NULL UNIQUE, created TEXT NOT NULL,"
+    " revoked TEXT) STRICT;"
+    "INSERT INTO subjects (id, created) VALUES ('alice', '2026-01-01T00:00:00.000Z');";
+
+static void test_upgraded(void **state)
+{
+    struct store *s = NULL;
+    struct store_subject alice;
+    struct store_calibration k = example(0.6);
+
+    (void)state;
+    tempdb_remove();
+    tempdb_sql(version_1);
+    assert_int_equal(store_open(tempdb_path, STORE_READ, NULL, &s, &e), ST_EVERSION);
+    assert_null(s);
+    print_message("%s\n", e.msg);
+    assert_non_null(strstr(e.msg, "migrate"));
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 1);
+    s = tempdb_open(STORE_MIGRATE);
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 4);
+    assert_int_equal(store_ready(s, &e), ST_OK);
+    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    add(s, &k);
+    store_close(s);
+    s = tempdb_open(STORE_READ);
+    assert_int_equal(store_calibration_get(s, &k, &e), ST_OK);
+    store_close(s);
+}
+
+/* In the way of the upgrade: it fails as a whole. */
+static void test_not_upgraded(void **state)
+{
+    struct store *s = NULL;
+
+    (void)state;
+    tempdb_remove();
+    tempdb_sql(version_1);
+    tempdb_sql("CREATE TABLE calibrations (nonsense TEXT)");
+    assert_int_equal(store_open(tempdb_path, STORE_MIGRATE, NULL, &s, &e), ST_EDB);
+    assert_null(s);
+    print_message("%s\n", e.msg);
+    assert_non_null(strstr(e.msg, "upgrade"));
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kept),         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_followed),     cmocka_unit_test(test_other_model),
+        cmocka_unit_test(test_damaged),      cmocka_unit_test(test_upgraded),
+        cmocka_unit_test(test_not_upgraded),
+    };
+
+    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+}

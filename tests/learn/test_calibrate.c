@@ -1,0 +1,108 @@
+/* The threshold and the table of rates that comparisons of different people give. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <cmocka.h>
+
+#include "calibrate.h"
+#include "decision.h"
+#include "rates.h"
+
+#define PEOPLE 100
+
+/* Every ordered pair's score: 1 mm and as many hundredths as its place, spread over the
+ * people; some say nothing. */
+static struct rates *scores(uint32_t people, double inconclusive)
+{
+    static struct rates_score s[PEOPLE * PEOPLE];
+    struct rates *r;
+    size_t n = 0;
+
+    for (uint32_t i = 0; i < people; i++)
+        for (uint32_t k = 0; k < people; k++)
+            if (i != k) {
+                const double place = (double)((n * 7919) % 9901) / 9901;
+
+                s[n].mm =
+                    place < inconclusive ? (double)INFINITY : 0.5 + 4 * place * place;
+                s[n].template = i;
+                s[n++].probe = k;
+            }
+    assert_int_equal(rates_new(s, n, people, &r), ST_OK);
+    return r;
+}
+
+static void test_learned(void **state)
+{
+    static const double wanted[] = {0.001, 0.0013, 0.01, 0.1, 0.5};
+    struct rates *r = scores(PEOPLE, 0);
+
+    (void)state;
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        struct decision d;
+        bool knot = false;
+
+        assert_int_equal(calibrate_learn(r, wanted[i], &d), ST_OK);
+        assert_true(decision_valid(&d));
+        assert_true(rates_fmr(r, d.threshold_mm) <= wanted[i]);
+        assert_true(rates_fmr(r, d.threshold_mm) > 0.9 * wanted[i]);
+        assert_true(d.threshold_mm == rates_at(r, wanted[i]));
+        for (uint32_t k = 0; k < d.n; k++) {
+            knot = knot || d.knot[k].mm == d.threshold_mm;
+            assert_true(k + 1 == d.n || d.knot[k].rate == rates_fmr(r, d.knot[k].mm));
+        }
+        assert_true(knot); /* the rate at the threshold is no interpolation */
+        for (double mm = 0.5; mm < 5; mm += 0.01)
+            assert_true(fabs(decision_fmr(&d, mm) - rates_fmr(r, mm)) < 0.06);
+    }
+    rates_free(r);
+}
+
+static void test_learned_from_little(void **state)
+{
+    struct decision d;
+    struct rates *r = scores(12, 0);
+
+    (void)state;
+    assert_int_equal(calibrate_learn(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */
+    assert_int_equal(calibrate_learn(r, 0.05, &d), ST_OK);
+    assert_true(decision_valid(&d));
+    rates_free(r);
+    r = scores(PEOPLE, 0.4); /* the rest cannot be compared */
+    assert_int_equal(calibrate_learn(r, 0.01, &d), ST_OK);
+    assert_true(d.knot[d.n - 2].rate <= 0.6 && d.knot[d.n - 1].rate == 1);
+    rates_free(r);
+    r = scores(PEOPLE, 1);
+    assert_int_equal(calibrate_learn(r, 0.01, &d), ST_ETOOFEW);
+    rates_free(r);
+    r = scores(2, 0);
+    assert_int_equal(calibrate_learn(r, 0.5, &d), ST_ETOOFEW);
+    rates_free(r);
+}
+
+static void test_subjects(void **state)
+{
+    (void)state;
+    assert_int_equal(calibrate_subjects(0.001), 78);
+    assert_int_equal(calibrate_subjects(0.0001), 246);
+    assert_int_equal(calibrate_subjects(1), 3);
+    for (double rate = 1; rate > 1e-9; rate /= 3) {
+        const double n = calibrate_subjects(rate);
+
+        assert_true(n * (n - 1) / 2 >= 3 / rate - 1e-5);
+        assert_true((n - 1) * (n - 2) / 2 < 3 / rate);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_learned),
+        cmocka_unit_test(test_learned_from_little),
+        cmocka_unit_test(test_subjects),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
