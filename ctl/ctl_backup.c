@@ -1,19 +1,14 @@
 /* backup and restore: the database as a whole. */
-#include <limits.h>
 #include <stdio.h>
 
 #include "ctl.h"
 
 /* The key of a copy is that of the database: its usual name goes by the database's. */
-static enum status key_of(struct ctl *c, const char *db, struct store_key *key,
-                          char usual[PATH_MAX])
+static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
 {
     const enum status st = ctl_key(c, db, key);
 
-    if (key->path == NULL) {
-        (void)snprintf(usual, PATH_MAX, "%s.key", c->db);
-        key->path = usual;
-    }
+    key->of = c->db;
     return st;
 }
 
@@ -35,8 +30,8 @@ int ctl_backup(struct ctl *c)
     struct store_copied copied;
     struct store_key key;
     struct store *s = NULL;
-    char usual[PATH_MAX], size[32];
-    enum status st = key_of(c, c->db, &key, usual);
+    char size[32];
+    enum status st = key_of(c, c->db, &key);
 
     if (st == ST_OK && (st = store_open(c->db, STORE_READ, &key, &s, &c->e)) == ST_OK)
         st = store_backup(s, c->args[0], &key, &copied, &c->e);
@@ -89,8 +84,7 @@ int ctl_backup_restore(struct ctl *c)
 {
     struct store_restored r;
     struct store_key key;
-    char usual[PATH_MAX];
-    enum status st = key_of(c, c->args[0], &key, usual);
+    enum status st = key_of(c, c->args[0], &key);
 
     if (st == ST_OK)
         st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);

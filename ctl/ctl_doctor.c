@@ -175,7 +175,7 @@ static bool look_at_schema(struct doctor *d)
     return st == ST_OK && l.version == l.newest;
 }
 
-/* Does a key's file open the database? */
+/* Does a key's file, or for NULL what is usual, open the database? */
 static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
 {
     const struct store_key key = {.path = path, .make = VAULT_FILE};
@@ -206,6 +206,12 @@ static bool look_at_key(struct doctor *d)
     struct errinfo e;
     enum status st = store_kind(d->c->db, &kind, &e);
 
+    if (st == ST_OK && kind == VAULT_OPEN &&
+        (st = try_key(d, d->c->key, &e)) == ST_EDENIED) {
+        say(d, TROUBLE, "key",
+            "surfacectl restore, or no key if it is meant to be plaintext", "%s", e.msg);
+        return false;
+    }
     if (st == ST_OK && kind == VAULT_OPEN) {
         say(d, NOTE, "key", "surfacectl rekey gives it a key",
             "the database is plaintext: whoever has the file can read it");
@@ -251,7 +257,7 @@ static enum status count_others(struct store *s, const char *subject, uint64_t *
 
 static void look_at_templates(struct doctor *d)
 {
-    const struct store_key key = {.path = d->key, .make = VAULT_FILE};
+    const struct store_key key = {.path = d->c->key, .make = VAULT_FILE};
     struct store_subject *page = NULL;
     struct store *s = NULL;
     struct errinfo e;

@@ -38,16 +38,20 @@ enum store_mode {
 };
 
 struct store_key {               /* where the master key of vault.h comes from */
-    const char *path;            /* its file; NULL: the database's path and ".key" */
+    const char *path;            /* its file; NULL: OF.key, if there is one */
+    const char *of;              /* NULL: the database that is opened, else another */
     const struct keyfile *given; /* instead of a file, while the store is open; or NULL */
     enum vault_kind make;        /* of a database that is made or gets its first key */
 };
 
 /* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
- * for {NULL, NULL, VAULT_FILE}.  A key's file that is missing is made with a new database.
- * ST_EDENIED: not the database's key.  ST_EVERSION: of another version than this program's;
- * STORE_MIGRATE upgrades an older one in one transaction, of which a verified copy is kept:
- * PATH.v3.bak, in which all stands open that did. */
+ * for {.make = VAULT_FILE}.  A key's file that is missing is made with a new database.
+ * ST_EDENIED: not the database's key; or the database is plaintext although a path or a key
+ * is given, or there is OF.key: whoever can write the file could otherwise put one of their
+ * own in its place; the same for a transaction that meets another key record.
+ * ST_EVERSION: of another version than this program's; STORE_MIGRATE upgrades an older one in
+ * one transaction, of which a verified copy is kept: PATH.v3.bak, in which all stands open
+ * that did. */
 enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out,
                        struct errinfo *e);
@@ -79,9 +83,10 @@ struct store_rekey {             /* another master key */
  * transaction; an event with it.  The new key lies in PATH.new, on the disk, before that is
  * committed and takes the place of PATH after: whoever opens the database finds it in either,
  * whatever happens in between.  A random key goes into PATH too; the file of an old key that
- * is not replaced is removed.  What was plain before is written anew (VACUUM).
+ * is not replaced is removed: it becomes PATH.new before the commit, because a plaintext
+ * database is refused beside PATH.  What was plain before is written anew (VACUUM).
  * ST_EEXISTS: there is PATH.new of a change that was not made, PATH.old, or a PATH that is not
- * this database's key; nothing was changed.  After ST_EIO the text says what was. */
+ * this database's key and would be replaced or in the way; nothing was changed.  After ST_EIO the text says what was. */
 enum status store_rekey(struct store *s, const char *actor, const struct store_rekey *to,
                         struct errinfo *e);
 

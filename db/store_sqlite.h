@@ -151,6 +151,8 @@ struct store_sqlite_vaults {
     int n; /* the newest is the last */
     char *
         path; /* of the key; and ".new", where the next one is until it is in its place */
+    bool
+        named; /* by the caller: the database must have a key, whether or not it is there */
     const struct keyfile *given;
     enum vault_kind make;
     bool made; /* the key's file is new */
@@ -170,7 +172,8 @@ enum status store_sqlite_vault_new(struct store_sqlite_vaults *v,
 void store_sqlite_vault_undo(struct store_sqlite_vaults *v);
 
 /* store_sqlite_vault_use(v, c, e): c->vault is the one of what c's transaction sees.
- * Returns ST_OK, ST_EDENIED: not the key of the database; as keyfile_read(). */
+ * Returns ST_OK, ST_EDENIED: not the key of the database, or it is plaintext where a key is
+ * expected; as keyfile_read(). */
 enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
                                    struct store_sqlite_conn *c, struct errinfo *e);
 

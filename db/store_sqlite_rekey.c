@@ -16,7 +16,8 @@ struct files {
     char *next, *old; /* KEY.new, KEY.old */
     bool fits;        /* KEY is the database's key */
     bool wanted;      /* the new key goes into KEY */
-    bool made;        /* KEY.new, by this change */
+    bool made;        /* KEY.new is the new key, by this change */
+    bool aside;       /* KEY.new is the old key, which nothing replaces */
 };
 
 static enum status name_files(struct store_sqlite_vaults *v, const struct store_rekey *to,
@@ -39,8 +40,8 @@ static bool is_there(const char *path)
 }
 
 /* What an earlier change has left, and whether anything is in the way of this one. */
-static enum status settle(struct files *f, const struct vault_root *root, bool keep,
-                          struct errinfo *e)
+static enum status settle(struct files *f, const struct vault_root *root,
+                          const struct store_rekey *to, struct errinfo *e)
 {
     enum status st;
 
@@ -53,11 +54,11 @@ static enum status settle(struct files *f, const struct vault_root *root, bool k
             return st;
     }
     f->fits = store_sqlite_vault_fits(f->key, root);
-    if (f->wanted && !f->fits && is_there(f->key))
+    if ((f->wanted || to->kind == VAULT_OPEN) && !f->fits && is_there(f->key))
         return errinfo_set(e, ST_EEXISTS,
                            "there is %.140s already, which is not this database's key",
                            f->key);
-    if (keep && is_there(f->old))
+    if (to->keep && is_there(f->old))
         return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", f->old);
     return ST_OK;
 }
@@ -132,6 +133,28 @@ static enum status wrap_all(struct store_sqlite_conn *c, const struct vault *nex
     return st;
 }
 
+/* A plaintext database is refused beside KEY, which must therefore be gone when the database
+ * is plaintext; as KEY.new it still opens what is not changed yet. */
+static enum status set_aside(struct files *f, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (f->fits && !f->wanted) {
+        st = keyfile_move(f->key, f->next, e);
+        f->aside = st == ST_OK;
+    }
+    return st;
+}
+
+/* Nothing was changed: KEY.new goes, or goes back.  Where that fails it is found there. */
+static void take_back(const struct files *f)
+{
+    if (f->aside)
+        (void)keyfile_move(f->next, f->key, NULL);
+    else if (f->made)
+        (void)unlink(f->next);
+}
+
 /* The database's part, as one transaction.  *plain: it was plaintext before. */
 static enum status change(struct store *s, const struct store_act *by,
                           const struct store_rekey *to, struct files *f, bool *plain,
@@ -147,20 +170,22 @@ static enum status change(struct store *s, const struct store_act *by,
     if ((st = store_sqlite_write(s, true, &c, e)) != ST_OK)
         return st;
     if ((st = store_sqlite_vault_read(c, &from, e)) == ST_OK &&
-        (st = settle(f, &from, to->keep, e)) == ST_OK &&
+        (st = settle(f, &from, to, e)) == ST_OK &&
         (st = make_vault(c, to, &from, f, &root, &next, e)) == ST_OK &&
         (st = wrap_all(c, next, e)) == ST_OK &&
-        (st = store_sqlite_vault_write(c, &root, e)) == ST_OK)
-        st = store_sqlite_event_add(c, by, "rekey", "", "", word[to->kind], e);
+        (st = store_sqlite_vault_write(c, &root, e)) == ST_OK &&
+        (st = store_sqlite_event_add(c, by, "rekey", "", "", word[to->kind], e)) == ST_OK)
+        st = set_aside(f, e);
     *plain = st == ST_OK && from.kind == VAULT_OPEN;
     committed = store_sqlite_written(s, st, &why);
     if (committed == ST_OK)
         return store_sqlite_vault_keep(store_sqlite_vaults(s), next, e);
     if (st == ST_OK) /* it may be on the disk all the same */
-        st = errinfo_set(e, committed, "%.150s%s%.90s", why.msg, f->made ? "; keep " : "",
-                         f->made ? f->next : "");
-    else if (f->made)
-        (void)unlink(f->next);
+        st = errinfo_set(e, committed, "%.150s%s%.90s", why.msg,
+                         f->made || f->aside ? "; keep " : "",
+                         f->made || f->aside ? f->next : "");
+    else
+        take_back(f);
     vault_free(next);
     return st;
 }
@@ -172,9 +197,9 @@ static enum status place(const struct files *f, bool keep, struct errinfo *e)
     enum status st = ST_OK;
 
     if (f->fits && keep)
-        st = keyfile_move(f->key, f->old, &why);
-    else if (f->fits && !f->wanted && unlink(f->key) != 0)
-        st = errinfo_set(&why, ST_EIO, "%.160s cannot be removed", f->key);
+        st = keyfile_move(f->aside ? f->next : f->key, f->old, &why);
+    else if (f->aside && unlink(f->next) != 0)
+        st = errinfo_set(&why, ST_EIO, "%.160s cannot be removed", f->next);
     if (st == ST_OK && f->made)
         st = keyfile_move(f->next, f->key, &why);
     return st == ST_OK ? st : errinfo_set(e, st, "the key was changed, but %s", why.msg);

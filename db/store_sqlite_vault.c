@@ -1,4 +1,5 @@
 /* Keys: read when the database is opened, and again when another process has changed them. */
+#include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,16 +13,18 @@
 enum status store_sqlite_vault_init(struct store_sqlite_vaults *v, const char *db,
                                     const struct store_key *key, struct errinfo *e)
 {
-    const size_t n = strlen(db) + sizeof ".key";
+    const char *of = key->of != NULL ? key->of : db;
+    const size_t n = strlen(of) + sizeof ".key";
 
     memset(v, 0, sizeof *v);
     v->given = key->given;
+    v->named = key->path != NULL;
     v->make = key->make;
     (void)pthread_mutex_init(&v->lock, NULL);
     if (key->path != NULL)
         v->path = strdup(key->path);
     else if ((v->path = malloc(n)) != NULL)
-        (void)snprintf(v->path, n, "%s.key", db);
+        (void)snprintf(v->path, n, "%s.key", of);
     return v->path != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
@@ -138,12 +141,39 @@ static enum status open_by_files(const char *path, const struct vault_root *r,
     return st;
 }
 
-static enum status open_root(const struct store_sqlite_vaults *v,
-                             const struct vault_root *r, struct vault **out,
-                             struct errinfo *e)
+/* A plaintext root carries its own master key, so anybody who can write the file can make
+ * one.  It is accepted only where nothing says that the database has a key. */
+static enum status allow_plaintext(const struct store_sqlite_vaults *v, const char *db,
+                                   struct errinfo *e)
 {
-    if (r->kind == VAULT_OPEN)
-        return vault_open(r, NULL, 0, out, e);
+    if (v->given != NULL)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.100s is plaintext, but a passphrase is given: restore a "
+                           "backup, or give none if it is meant to be plaintext",
+                           db);
+    if (v->named)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.60s is plaintext, but the key %.60s is given: restore a "
+                           "backup, or give no key if it is meant to be plaintext",
+                           db, v->path);
+    if (access(v->path, F_OK) == 0 || errno != ENOENT)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.60s is plaintext, but there is a key %.60s: restore a "
+                           "backup, or move the key away if it is meant to be plaintext",
+                           db, v->path);
+    return ST_OK;
+}
+
+static enum status open_root(const struct store_sqlite_vaults *v,
+                             struct store_sqlite_conn *c, const struct vault_root *r,
+                             struct vault **out, struct errinfo *e)
+{
+    enum status st;
+
+    if (r->kind == VAULT_OPEN) {
+        st = allow_plaintext(v, sqlite3_db_filename(c->db, "main"), e);
+        return st == ST_OK ? vault_open(r, NULL, 0, out, e) : st;
+    }
     if (v->given != NULL)
         return keyfile_open(v->given, "the key", r, out, e);
     return open_by_files(v->path, r, out, e);
@@ -209,7 +239,7 @@ enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
         if (vault_version(v->list[i]) == version)
             c->vault = v->list[i];
     if (c->vault == NULL && (st = store_sqlite_vault_read(c, &root, e)) == ST_OK &&
-        (st = open_root(v, &root, &vault, e)) == ST_OK &&
+        (st = open_root(v, c, &root, &vault, e)) == ST_OK &&
         (st = keep(v, vault, e)) == ST_OK)
         c->vault = vault;
     pthread_mutex_unlock(&v->lock);
@@ -219,15 +249,17 @@ enum status store_sqlite_vault_use(struct store_sqlite_vaults *v,
 /* ---- a first key */
 
 /* The root of a database that had none, by a key's file that is there, or is made. */
-static enum status make_root(struct store_sqlite_vaults *v, struct vault_root *r,
-                             struct vault **out, struct errinfo *e)
+static enum status make_root(struct store_sqlite_vaults *v, struct store_sqlite_conn *c,
+                             struct vault_root *r, struct vault **out, struct errinfo *e)
 {
     unsigned char key[VAULT_KEY];
     struct keyfile *k = NULL;
     enum status st;
 
-    if (v->make == VAULT_OPEN)
-        return vault_make(v->make, NULL, 0, r, out, e);
+    if (v->make == VAULT_OPEN) {
+        st = allow_plaintext(v, sqlite3_db_filename(c->db, "main"), e);
+        return st == ST_OK ? vault_make(v->make, NULL, 0, r, out, e) : st;
+    }
     if (v->make == VAULT_PASSPHRASE && v->given != NULL)
         return vault_make(v->make, v->given->text, v->given->len, r, out, e);
     if ((st = keyfile_read(v->path, &k, e)) == ST_ENOTFOUND && v->make == VAULT_FILE &&
@@ -251,7 +283,7 @@ enum status store_sqlite_vault_new(struct store_sqlite_vaults *v,
     struct vault *vault;
     enum status st;
 
-    if ((st = make_root(v, &root, &vault, e)) != ST_OK ||
+    if ((st = make_root(v, c, &root, &vault, e)) != ST_OK ||
         (st = keep(v, vault, e)) != ST_OK)
         return st;
     c->vault = vault;

@@ -178,7 +178,8 @@ enum status vault_open(const struct vault_root *root, const void *secret, size_t
     st = ST_EDENIED;
     if (!vault_unseal(v->master, about, sizeof about, root->secrets, sizeof root->secrets,
                       (unsigned char *)&v->secrets)) {
-        (void)errinfo_set(e, st, "not the key of this database");
+        (void)errinfo_set(
+            e, st, "not the key of this database: give its own, or restore a backup");
         goto fail;
     }
     (void)crypto_sign_seed_keypair(public, v->sign, v->secrets.seed);

@@ -20,7 +20,7 @@ static const char *reason(enum status st)
     case ST_EBUSY:
         return "the database is locked by another process";
     case ST_EDENIED:
-        return "the database's key was changed: the daemon has to be started with it";
+        return "the database's key was changed, or the database replaced: the log says more";
     case ST_ENOMEM:
         return "out of memory";
     default:

@@ -146,11 +146,10 @@ static bool fail(const char *what, const char *text)
  * database does not have, an old one that was kept. */
 static void make_way(void)
 {
-    char path[CRASH_PATH], key[CRASH_PATH], text[CRASH_TEXT];
+    char path[CRASH_PATH], text[CRASH_TEXT];
 
     crash_join(path, dir, "db.key.new");
-    crash_join(key, dir, "db.key");
-    if (access(path, F_OK) == 0 && access(key, F_OK) == 0) {
+    if (access(path, F_OK) == 0) {
         char kept[CRASH_PATH];
 
         crash_join(kept, dir, "kept");
