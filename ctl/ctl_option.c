@@ -266,9 +266,9 @@ const struct ctl_option ctl_options[] = {
      .arg = "LIST",
      .field = AT(scopes),
      .set = set_scopes,
-     .wrong = "scopes are enroll,verify,identify,read,delete,manage, not",
-     .help = "what a token may do: enroll,verify,identify,read,delete,manage\n"
-             "(all)"},
+     .wrong = "scopes are enroll,verify,identify,read,delete,manage,detail, not",
+     .help = "what a token may do: enroll,verify,identify,read,delete,manage,\n"
+             "detail (all)"},
     {.name = "reference",
      .arg = "TEXT",
      .field = AT(reference),

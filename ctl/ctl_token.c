@@ -13,17 +13,14 @@ static const char *state_of(const struct store_token *t)
 /* A token as fields of the JSON; a time that is not set is left out. */
 static void out_token(struct ctl *c, const struct store_token *t)
 {
-    static const unsigned one[] = {STORE_SCOPE_ENROLL,   STORE_SCOPE_VERIFY,
-                                   STORE_SCOPE_IDENTIFY, STORE_SCOPE_READ,
-                                   STORE_SCOPE_DELETE,   STORE_SCOPE_MANAGE};
     char name[STORE_SCOPES_MAX];
 
     ctl_out_text(c->out, "id", t->id);
     ctl_out_text(c->out, "name", t->name);
     ctl_out_array(c->out, "scopes");
-    for (size_t i = 0; i < sizeof one / sizeof *one; i++)
-        if (t->scopes & one[i]) {
-            store_scopes_write(one[i], name);
+    for (unsigned one = 1; one <= STORE_SCOPE_ALL; one <<= 1)
+        if (t->scopes & one) {
+            store_scopes_write(one, name);
             ctl_out_text(c->out, NULL, name);
         }
     ctl_out_close(c->out);

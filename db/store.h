@@ -350,7 +350,9 @@ enum store_scope { /* what a token may do, a bit each */
                    STORE_SCOPE_READ = 8,
                    STORE_SCOPE_DELETE = 16,
                    STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
-                   STORE_SCOPE_ALL = 63
+                   STORE_SCOPE_DETAIL =
+                       64, /* measures and gaps: enough to rebuild a face */
+                   STORE_SCOPE_ALL = 127
 };
 
 #define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */

@@ -13,7 +13,7 @@
 /* ---- scopes */
 
 static const char *const scope_name[] = {"enroll", "verify", "identify", /* bit 0 first */
-                                         "read",   "delete", "manage"};
+                                         "read",   "delete", "manage",   "detail"};
 
 #define SCOPES (sizeof scope_name / sizeof *scope_name)
 

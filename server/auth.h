@@ -19,6 +19,10 @@ bool auth_admit(struct request *r);
  * is its id, else r->answer is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
+/* auth_may(r, scopes): has r's token one of these scopes, or is no token asked for?  False:
+ * r->answer is a 403 that names them.  After auth_check(). */
+bool auth_may(struct request *r, unsigned scopes);
+
 #define AUTH_CHALLENGE_MAX 160
 
 /* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */

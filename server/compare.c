@@ -19,10 +19,10 @@ void compare_handle(struct request *r, struct worker *w)
     double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
     struct cloud a = {0}, b = {0};
     struct face_result result;
-    bool map = false;
+    enum params_detail detail = PARAMS_BRIEF;
     enum status st;
 
-    if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
+    if (!params_threshold(r, &threshold) || !params_detail(r, &detail) ||
         cloud_read_two(r, &a, &b) != ST_OK)
         return;
     parsed = log_clock_ms();
@@ -37,7 +37,7 @@ void compare_handle(struct request *r, struct worker *w)
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
     st = face_compare(&w->other, &w->probe, threshold, log_clock_ms, w->work, &result);
-    if (st == ST_OK && map) {
+    if (st == ST_OK && detail == PARAMS_HEATMAP) {
         gap = mem_array(b.n, sizeof *gap);
         if (gap == NULL)
             st = ST_ENOMEM;
@@ -62,6 +62,7 @@ void compare_handle(struct request *r, struct worker *w)
                        .align_ms = result.align_ms,
                        .measure_ms = result.measure_ms,
                        .total_ms = log_clock_ms() - r->start_ms,
+                       .measure = detail != PARAMS_BRIEF,
                        .gap_mm = gap,
                        .n = b.n,
                    }));

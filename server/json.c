@@ -105,7 +105,7 @@ static bool add_alignment(cJSON *o, const struct align_result *a)
 {
     cJSON *x = cJSON_AddObjectToObject(o, "alignment");
 
-    return add_number(x, "starts", a->starts) &&
+    return add_transform(x, a->transform) && add_number(x, "starts", a->starts) &&
            add_number(x, "evaluations", a->evaluations) &&
            add_string(x, "stop", stop[a->stop]) &&
            add_finite(x, "turn_deg", a->turn_deg) &&
@@ -121,6 +121,23 @@ static bool add_regions(cJSON *o, const double region_mm[GRID_REGIONS])
     for (int i = 0; i < GRID_REGIONS && good; i++)
         good = add_finite(x, grid_region_name((enum grid_region)i), region_mm[i]);
     return good;
+}
+
+static bool add_plain(cJSON *o, const struct disparity *m)
+{
+    cJSON *x = cJSON_AddObjectToObject(o, "plain");
+
+    return add_number(x, "volume_mm3", m->volume_mm3) &&
+           add_number(x, "overlap_mm2", m->area_mm2) &&
+           add_number(x, "bridged_mm2", m->bridged_mm2);
+}
+
+/* What tells more of the template than whether it is the same face. */
+static bool add_measure(cJSON *o, const struct face_result *r)
+{
+    return add_plain(o, &r->measure) && add_alignment(o, &r->align) &&
+           add_number(o, "weight_overlap", r->weight_overlap) &&
+           add_number(o, "change_mm", r->change_mm) && add_regions(o, r->region_mm);
 }
 
 static bool add_heatmap(cJSON *o, const double *gap_mm, size_t n)
@@ -158,26 +175,20 @@ char *json_verdict(const struct json_verdict *v)
     const struct face_result *r = v->result;
     cJSON *o = cJSON_CreateObject();
 
-    return print(
-        o, add_string(o, "decision", decision[r->decision]) &&
-               add_number(o, "disparity_mm", r->disparity_mm) &&
-               add_number(o, "threshold_mm", r->threshold_mm) &&
-               add_number(o, "fmr_at_score", r->fmr_at_score) &&
-               add_number(o, "plain_mm", r->measure.plain_mm) &&
-               add_number(o, "volume_mm3", r->measure.volume_mm3) &&
-               add_number(o, "overlap_mm2", r->measure.area_mm2) &&
-               add_number(o, "overlap", r->measure.overlap) &&
-               add_number(o, "bridged_mm2", r->measure.bridged_mm2) &&
-               add_transform(o, r->align.transform) && add_alignment(o, &r->align) &&
-               add_number(o, "weight_overlap", r->weight_overlap) &&
-               add_number(o, "change_mm", r->change_mm) && add_regions(o, r->region_mm) &&
-               add_string(o, "subject", v->subject) &&
-               add_string(o, "template_id", v->template_id) &&
-               add_number(o, "templates_compared", v->templates_compared) &&
-               add_quality(o, &v->probe->quality, &v->probe->frame) &&
-               add_string(o, "engine", v->engine) &&
-               (v->gap_mm == NULL || add_heatmap(o, v->gap_mm, v->n)) &&
-               add_timing(o, v));
+    return print(o, add_string(o, "decision", decision[r->decision]) &&
+                        add_number(o, "disparity_mm", r->disparity_mm) &&
+                        add_number(o, "threshold_mm", r->threshold_mm) &&
+                        add_number(o, "fmr_at_score", r->fmr_at_score) &&
+                        add_number(o, "plain_mm", r->measure.plain_mm) &&
+                        add_number(o, "overlap", r->measure.overlap) &&
+                        add_string(o, "subject", v->subject) &&
+                        add_string(o, "template_id", v->template_id) &&
+                        add_number(o, "templates_compared", v->templates_compared) &&
+                        add_quality(o, &v->probe->quality, &v->probe->frame) &&
+                        add_string(o, "engine", v->engine) &&
+                        (!v->measure || add_measure(o, r)) &&
+                        (v->gap_mm == NULL || add_heatmap(o, v->gap_mm, v->n)) &&
+                        add_timing(o, v));
 }
 
 static bool add_plane(cJSON *o, const struct asymmetry *a)

@@ -76,6 +76,7 @@ struct json_verdict {
     const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
     double parse_ms, prepare_ms, align_ms, measure_ms, total_ms;
+    bool measure;         /* with the measure, the alignment and the regions */
     const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
     size_t n;
 };

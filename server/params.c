@@ -5,16 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auth.h"
 #include "errmap.h"
 #include "json.h"
 #include "request.h"
 
-/* The value into buf; *there tells whether it was given.  False when it cannot be read. */
+/* The value into buf; *there tells whether it was given.  False when it cannot be read, and
+ * buf is "". */
 static bool get(struct request *r, const char *name, char *buf, size_t size, bool *there)
 {
     enum status st = request_query(r, name, buf, size);
 
     *there = st != ST_ENOTFOUND;
+    if (st != ST_OK)
+        buf[0] = '\0';
     return st == ST_OK || st == ST_ENOTFOUND;
 }
 
@@ -66,17 +70,21 @@ bool params_threshold(struct request *r, double *mm)
     return false;
 }
 
-bool params_heatmap(struct request *r, bool *out)
+bool params_detail(struct request *r, enum params_detail *out)
 {
-    char buf[16];
+    char buf[64];
     bool there;
 
     if (get(r, "detail", buf, sizeof buf, &there)) {
-        *out = there && strcmp(buf, "heatmap") == 0;
-        if (*out || !there)
+        if (!there)
             return true;
+        *out = strcmp(buf, "heatmap") == 0   ? PARAMS_HEATMAP
+               : strcmp(buf, "measure") == 0 ? PARAMS_MEASURE
+                                             : PARAMS_BRIEF;
+        if (*out != PARAMS_BRIEF)
+            return auth_may(r, STORE_SCOPE_DETAIL);
     }
-    request_problem(r, ERRMAP_PARAMETER, "detail is not heatmap");
+    request_problem(r, ERRMAP_PARAMETER, "detail is measure or heatmap, not '%s'", buf);
     return false;
 }
 

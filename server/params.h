@@ -1,5 +1,5 @@
-/* params.h -- the query parameters.  Each returns false when the parameter is malformed:
- * then r->answer says so.  One that is absent leaves *out as it was. */
+/* params.h -- the query parameters.  Each returns false when the parameter is malformed, or
+ * not for this token: then r->answer says so.  One that is absent leaves *out as it was. */
 #ifndef SERVER_PARAMS_H
 #define SERVER_PARAMS_H
 #include <stdbool.h>
@@ -15,8 +15,14 @@ bool params_units(struct request *r, double *mm);
 /* params_threshold(r, mm): threshold_mm=, a finite number > 0. */
 bool params_threshold(struct request *r, double *mm);
 
-/* params_heatmap(r, out): detail=heatmap. */
-bool params_heatmap(struct request *r, bool *out);
+enum params_detail {                 /* what a comparison tells beside its decision */
+                     PARAMS_BRIEF,   /* nothing from which a template could be rebuilt */
+                     PARAMS_MEASURE, /* the measure, the pose and the regions */
+                     PARAMS_HEATMAP  /* and the gap at each point */
+};
+
+/* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail. */
+bool params_detail(struct request *r, enum params_detail *out);
 
 /* params_count(r, name, max, out): an integer from 1 to max. */
 bool params_count(struct request *r, const char *name, size_t max, size_t *out);

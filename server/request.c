@@ -193,6 +193,10 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
             told = m->http == 500 ? "The log has an entry with this request_id."
                                   : "Please try again later.";
     }
+    /* Names that the client gave are quoted, and may be anything, or cut in a character. */
+    for (char *p = detail; *p != '\0'; p++)
+        if (*p < ' ' || *p > '~')
+            *p = '?';
     if (m->http == 503)
         r->answer.retry_after = 1;
     if (m->http == 401)

@@ -76,6 +76,7 @@ struct request {
     unsigned char address[THROTTLE_ADDRESS];
     char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */
+    unsigned scopes;                   /* the token's; 0 without one */
     char key[REQUEST_KEY_MAX + 1];     /* Idempotency-Key; "" for none */
     bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */

@@ -175,10 +175,10 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     struct cloud c = {0};
     struct verify_best best;
     struct store_subject one;
-    bool map = false;
+    enum params_detail detail = PARAMS_BRIEF;
     enum status st;
 
-    if (!params_threshold(r, &threshold) || !params_heatmap(r, &map) ||
+    if (!params_threshold(r, &threshold) || !params_detail(r, &detail) ||
         !admit(r, t->subject, &one))
         return;
     for (size_t i = 0; i < n; i++)
@@ -192,7 +192,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
     st = verify_compare(w, t, n, &w->probe, threshold, &best, &e);
-    if (st == ST_OK && map)
+    if (st == ST_OK && detail == PARAMS_HEATMAP)
         st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
     if (st != ST_OK) {
         request_fail(r, &e);
@@ -218,6 +218,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
                        .align_ms = best.align_ms,
                        .measure_ms = best.measure_ms,
                        .total_ms = log_clock_ms() - r->start_ms,
+                       .measure = detail != PARAMS_BRIEF,
                        .gap_mm = gap,
                        .n = c.n,
                    }));

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Goal: detail=heatmap gives the signed gap at each point that was sent, in the order sent,
-# null where there is nothing to compare it with; the same from compare and from verify.
+# null where there is nothing to compare it with; the same from compare and from verify.  It
+# rebuilds the enrolled face, so a token without the scope detail gets nothing of that kind.
 # shellcheck disable=SC2016 # the variables are jq's
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
@@ -83,4 +84,68 @@ is "described at all three" "$(get '[.paths[].post? | select(.parameters // [] |
     any(."$ref" == "#/components/parameters/Detail")) |
     .responses["200"].content["application/json"].schema."$ref"] | [unique[], length] | @csv')" \
     '"#/components/schemas/Verdict",3'
+stop_daemon
+
+# ---- who may have it: a face is rebuilt from what a stranger's scan is told
+start_daemon
+token() { "$BUILD/surfacectl" --db "$DB" token create "$1" --scope "$1" 2>/dev/null; }
+with=$(token verify,detail) without=$(token verify) alone=$(token detail)
+scan 3 0 "$T/stranger.json"
+scan 2 0 "$T/c.json"
+jq -c -n --slurpfile a "$T/stranger.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
+
+# told: what the last answer has that tells of the template's shape or place.
+told() {
+    jq -c '[paths | map(tostring) | join(".") | select(test(
+        "transform|alignment|regions|heatmap|volume|_mm2|weight_overlap|change_mm"))]' "$T/body"
+}
+
+# rebuild PROBE: the template's points, from the last answer to it.
+rebuild() {
+    jq -c -n --slurpfile m "$T/body" --slurpfile p "$1" '$m[0] | (.alignment.transform // .transform)
+        as $t | [$p[0].points, .heatmap] | {points: [transpose[] | select(.[1] != null)
+        | .[1] as $gap | .[0] | [$t[0] * .[0] + $t[1] * .[1] + $t[2] * .[2] + $t[3],
+            $t[4] * .[0] + $t[5] * .[1] + $t[6] * .[2] + $t[7],
+            $t[8] * .[0] + $t[9] * .[1] + $t[10] * .[2] + $t[11] - $gap]]}'
+}
+
+AUTH=$with
+send POST '/v1/subjects/c/verify?detail=heatmap' "$JSON" "$T/stranger.json"
+is "a stranger" "$STATUS $(get .decision)" "200 no_match"
+rebuild "$T/stranger.json" >"$T/rebuilt.json"
+send POST /v1/subjects/c/verify "$JSON" "$T/rebuilt.json"
+is "is c by what the first answer told" "$STATUS $(get .decision)" "200 match"
+is "the answer without detail tells nothing of the kind" "$(told)" '[]'
+fits "which it has every member without" Verdict
+send POST '/v1/subjects/c/verify?detail=measure' "$JSON" "$T/c.json"
+is "detail=measure" "$STATUS $(get '[(.alignment.transform | length), (.regions | type),
+    (.plain | keys | tostring), has("heatmap")] | @csv')" \
+    '200 16,"object","[""bridged_mm2"",""overlap_mm2"",""volume_mm3""]",false'
+fits "detail=measure" Verdict
+
+for AUTH in "$without" "$alone"; do
+    lacks=detail
+    [ "$AUTH" = "$without" ] || lacks=verify
+    for detail in measure heatmap; do
+        for route in subjects/c/verify "templates/$id/verify" compare; do
+            body=$T/stranger.json
+            [ "$route" != compare ] || body=$T/two.json
+            send POST "/v1/$route?detail=$detail" "$JSON" "$body"
+            problem "detail=$detail at $route" 403 insufficient_scope "the scope $lacks"
+            ok "is told which scope it lacks" matches "$(field WWW-Authenticate)" \
+                "insufficient_scope\", scope=\"$lacks\""
+        done
+    done
+done
+AUTH=$without
+send POST /v1/subjects/c/verify "$JSON" "$T/c.json"
+is "verify alone still verifies" "$STATUS $(get .decision) $(told)" "200 match []"
+send POST /v1/compare "$JSON" "$T/two.json"
+is "and compares" "$STATUS $(get .decision) $(told)" "200 match []"
+for bad in all Heatmap '' measure,heatmap '%ff' "$(printf '%0100d' 1)"; do
+    send POST "/v1/subjects/c/verify?detail=$bad" "$JSON" "$T/c.json"
+    problem "detail=$bad" 400 invalid_parameter '^detail is measure or heatmap'
+done
+send POST '/v1/subjects/c/verify?detail=all' "$JSON" "$T/c.json"
+problem "it is named" 400 invalid_parameter "not 'all'"
 finish

@@ -206,6 +206,7 @@ done
 echo '{"expires_at": null}' >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
+put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # The examples of clouds are read, and are too short to be taken.
 select_operations '.body and (.path | test("subjects(/{subject})?$") | not)'

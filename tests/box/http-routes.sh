@@ -82,15 +82,18 @@ for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTE
 done
 fits verify Verdict
 is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .plain_mm,
-    .volume_mm3, .overlap_mm2, .overlap, .templates_compared, .quality.score,
+    .overlap, .templates_compared, .quality.score,
     .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
     .timing_ms.total] | all(type == "number" and . >= 0)')" true
 is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv')" \
     "$(printf 'alice\t%s\t%s' "$id" "$engine")"
-is "plain = volume / area" "$(get '(.plain_mm - .volume_mm3 / .overlap_mm2) | fabs < 1e-9')" true
-is "the transform is affine" "$(get '(.transform | length) == 16 and .transform[12:] == [0,0,0,1]')" true
-is "regions" "$(get '.regions | type')" object
 is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
+send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
+fits "verify with detail" Verdict
+is "plain = volume / area" "$(get '(.plain_mm - (.plain | .volume_mm3 / .overlap_mm2)) | fabs < 1e-9')" true
+is "the transform is affine" "$(get '.alignment.transform
+    | length == 16 and .[12:] == [0,0,0,1]')" true
+is "regions" "$(get '.regions | type')" object
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 is "verify against one template" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
