@@ -4,16 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# ctl OPTION...: its JSON in $T/ctl, its exit status in CODE.
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 # ---- a log of everything, by the daemon and beside it
 scan 1 0 "$T/a.ply"
 scan 2 0 "$T/b.ply"

@@ -4,15 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 # people: who is in the database.
 people() {
     "$BUILD/surfacectl" --db "$DB" --json list | jq -r '[.subjects[].subject] | join(" ")'

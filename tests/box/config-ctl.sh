@@ -6,47 +6,46 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_KEY SURFACED_MODEL CREDENTIALS_DIRECTORY
 
-# ctl CODE ARGUMENT...: JSON in $T/ctl, what it says else in $T/err
-ctl() {
+# try CODE ARGUMENT...: without --db; JSON in $T/ctl, complaints in $T/ctl.err
+try() {
     c_code=$1
     shift
-    "$BUILD/surfacectl" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
+    "$BUILD/surfacectl" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
     is "surfacectl $*" $? "$c_code"
 }
-said() { jq -r "$1" "$T/ctl"; }
-says() { ok "$1: '$(cat "$T/err")' like '$2'" grep -Eq -e "$2" "$T/err"; }
+says() { ok "$1: '$(cat "$T/ctl.err")' like '$2'" grep -Eq -e "$2" "$T/ctl.err"; }
 conf() { printf '%s\n' "$@" >"$T/conf"; }
 
 # ---- which database
-ctl 64 subject list
+try 64 subject list
 says "nobody names one" 'which database\?  no database: give --db PATH'
 conf "db = $DB" "key = $T/the.key" 'queue = 9'
-ctl 0 --config "$T/conf" init
+try 0 --config "$T/conf" init
 ok "the key is where the file says" test -s "$T/the.key" -a ! -e "$DB.key"
 export SURFACED_CONFIG="$T/conf"
-ctl 0 subject set alice --reference C-1
-ctl 0 subject show alice
+try 0 subject set alice --reference C-1
+try 0 subject show alice
 is "found by the file" "$(said .reference)" C-1
-ctl 77 --key "$T/conf" subject list
-ctl 0 --db "$T/other.db" init
+try 77 --key "$T/conf" subject list
+try 0 --db "$T/other.db" init
 ok "another database has its own key" test -s "$T/other.db.key"
-ctl 0 --db "$T/other.db" subject list
+try 0 --db "$T/other.db" subject list
 is "an option wins" "$(said '.subjects | length')" 0
 SURFACED_DB=$T/other.db
 export SURFACED_DB
-ctl 0 subject list
+try 0 subject list
 is "the environment too" "$(said '.subjects | length')" 0
 unset SURFACED_DB
-ctl 0 doctor
+try 0 doctor
 conf "db = $DB" 'queue = many'
-ctl 64 subject list
+try 64 subject list
 says "a file that is wrong" "conf:2: queue = many: not a number"
 conf "db = $DB" 'key = credential:the.key' 'tls-key = credential:tls.key' 'tls-cert = credential:tls.crt'
-ctl 66 subject list
+try 66 subject list
 says "a credential of the service" '/run/credentials/surfaced.service/the.key'
 CREDENTIALS_DIRECTORY=$T
 export CREDENTIALS_DIRECTORY
-ctl 0 subject list
+try 0 subject list
 unset CREDENTIALS_DIRECTORY
 
 # ---- show
@@ -54,22 +53,22 @@ conf "db = $DB" "key = $T/the.key" 'queue = 9'
 SURFACED_WORKERS=3 "$BUILD/surfacectl" config show >"$T/text"
 SURFACED_WORKERS=3 "$BUILD/surfaced" --print-config >"$T/daemon"
 ok "as the daemon itself says" cmp "$T/text" "$T/daemon"
-SURFACED_WORKERS=3 ctl 0 config show
+SURFACED_WORKERS=3 try 0 config show
 is "from the file" "$(said '.settings.queue | [.value, .from] | join(" ")')" "9 $T/conf:3"
 is "from the environment" "$(said '.settings.workers | [.value, .from] | join(" ")')" '3 SURFACED_WORKERS'
 is "by default" "$(said '.settings.listen | [.value, .from] | join(" ")')" '127.0.0.1:8787 default'
 is "not set" "$(said '.settings | has("model")')" false
 printf 'db = %s\n' "$T/x.db" >"$T/second"
-ctl 0 config show --config "$T/second"
+try 0 config show --config "$T/second"
 is "another file" "$(said .settings.db.value)" "$T/x.db"
-ctl 65 config show --config "$T/none"
+try 65 config show --config "$T/none"
 says "no such file" 'No such file'
 
 # ---- check
-ctl 0 config check
+try 0 config check
 is "all is well" "$(said '[.ok, .problems] | tojson')" '[true,[]]'
 conf "db = $DB" 'queue = many' 'colour = red'
-ctl 1 config check
+try 1 config check
 is "every problem" "$(said '[.ok, (.problems | length)] | tojson')" '[false,2]'
 ok "with its place" matches "$(said '.problems[0]')" "^$T/conf:2: queue = many"
 "$BUILD/surfacectl" config check >"$T/text"
@@ -80,12 +79,12 @@ mkdir -p "$T/usr/bin" "$T/usr/sbin"
 cp "$BUILD/surfacectl" "$T/usr/bin"
 cp "$BUILD/surfaced" "$T/usr/sbin"
 conf "db = $DB" "key = $T/the.key"
-"$T/usr/bin/surfacectl" --json subject show alice >"$T/ctl" 2>"$T/err"
+"$T/usr/bin/surfacectl" --json subject show alice >"$T/ctl" 2>"$T/ctl.err"
 is "the daemon in ../sbin" "$? $(said .subject)" '0 alice'
 rm "$T/usr/sbin/surfaced"
-"$T/usr/bin/surfacectl" subject list >"$T/text" 2>"$T/err"
+"$T/usr/bin/surfacectl" subject list >"$T/text" 2>"$T/ctl.err"
 is "none" "$?" 64
 says "none" 'no surfaced beside'
-"$T/usr/bin/surfacectl" --db "$DB" --key "$T/the.key" subject list >"$T/text" 2>"$T/err"
+"$T/usr/bin/surfacectl" --db "$DB" --key "$T/the.key" subject list >"$T/text" 2>"$T/ctl.err"
 is "it is not needed" "$?" 0
 finish

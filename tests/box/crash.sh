@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 trials=${CRASH_TRIALS:-6} seed=${SEED:-$(date +%s)}
-ctl() {
+admin() {
     "$BUILD/surfacectl" --db "$@" >"$T/ctl" 2>&1 || {
         echo "surfacectl --db $*: $(cat "$T/ctl")"
         exit 1
@@ -24,24 +24,24 @@ done
 # ---- what there is before
 mkdir "$T/full" "$T/old" "$T/lost"
 db=$T/full/db
-ctl "$db" init
-ctl "$db" enroll alice "$T/s1.ply"
-ctl "$db" enroll bob "$T/s2.ply"
-ctl "$db" token create gate
-ctl "$db" backup "$T/full/copy"
+admin "$db" init
+admin "$db" enroll alice "$T/s1.ply"
+admin "$db" enroll bob "$T/s2.ply"
+admin "$db" token create gate
+admin "$db" backup "$T/full/copy"
 cp "$T/full/copy" "$T/backup"
 cp "$db.key" "$T/lost/"
-ctl "$db" delete --yes bob
-ctl "$db" enroll carol "$T/s3.ply"
-ctl "$db" enroll bob "$T/s2.ply"
+admin "$db" delete --yes bob
+admin "$db" enroll carol "$T/s3.ply"
+admin "$db" enroll bob "$T/s2.ply"
 sqlite3 "$T/old/db" <tests/golden/database_v3.sql
 chmod 600 "$T/old/db"
-ctl "$T/other" init
-ctl "$T/other" enroll dave "$T/s4.ply"
-ctl "$T/other" enroll erin "$T/s1.ply"
+admin "$T/other" init
+admin "$T/other" enroll dave "$T/s4.ply"
+admin "$T/other" enroll erin "$T/s1.ply"
 od -An -tx1 -N 32 /dev/urandom | tr -d ' \n' >"$T/akey"
 chmod 600 "$T/akey"
-ctl "$T/other" export --all -o "$T/archive" --archive-key "$T/akey"
+admin "$T/other" export --all -o "$T/archive" --archive-key "$T/akey"
 
 # crash NAME BASE ARGUMENT...: trials of a command, of both kinds.
 crash() {
@@ -89,7 +89,7 @@ fi
 if [ -z "${CRASH_ONLY:-}" ]; then
     ln "$db" "$T/second.part"
     sum=$(sha256sum <"$db")
-    ctl "$db" backup "$T/second"
+    admin "$db" backup "$T/second"
     is "a part that is the database itself is not overwritten" "$(sha256sum <"$db")" "$sum"
 fi
 finish

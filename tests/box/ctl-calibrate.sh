@@ -6,15 +6,6 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 export SURFACED_DB="$DB"
 
-# ctl ARGUMENT...: its exit code is in CODE, the JSON in $T/ctl
-ctl() {
-    "$BUILD/surfacectl" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 ctl init
 ctl calibrate
 is "nobody to learn from" $CODE 65

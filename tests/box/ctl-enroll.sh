@@ -5,14 +5,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# ctl CODE COMMAND...: its JSON is in $T/ctl, what it says else in $T/err
-ctl() {
-    c_code=$1
-    shift
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
-    is "surfacectl $*" $? "$c_code"
-}
-said() { jq -r "$1" "$T/ctl"; }
 counts() { said '[.scans, .enrolled, .present, .failed, .undone] | join(" ")'; }
 subjects() {
     "$BUILD/surfacectl" --db "$1" template list --json |
@@ -29,21 +21,21 @@ head -c 3000 "$T/scans/s3_enroll.ply" >"$T/scans/s3_cut.ply"
 cp "$T/scans/s4_enroll.ply" "$T/scans/s4_zagain.ply"
 
 "$BUILD/surfacectl" --db "$DB" init >"$T/text"
-ctl 65 enroll "$T/scans"
+ctl_exits 65 enroll "$T/scans"
 is "scans, enrolled, there, failed, undone" "$(counts)" '11 8 1 2 0'
 is "which failed" "$(said '[.failures[] | .file + " " + .reason] | join(", ")')" \
     "s1_wrong.ply the sample does not fit the subject's others, s3_cut.ply malformed input"
-ok "each is told" test "$(grep -c 's1_wrong.ply\|s3_cut.ply' "$T/err")" -eq 2
-ok "and how many" grep -q '2 of 11 scans were not enrolled' "$T/err"
-ctl 0 template list s3
+ok "each is told" test "$(grep -c 's1_wrong.ply\|s3_cut.ply' "$T/ctl.err")" -eq 2
+ok "and how many" grep -q '2 of 11 scans were not enrolled' "$T/ctl.err"
+ctl_exits 0 template list s3
 is "the kind is the label" "$(said '[.templates[].label] | join(" ")')" 'enroll later'
-ctl 65 enroll "$T/scans"
+ctl_exits 65 enroll "$T/scans"
 is "again: nothing is enrolled" "$(counts)" '11 0 9 2 0'
 is "nor an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'enroll'")" 8
 "$BUILD/surfacectl" --db "$DB" enroll "$T/scans" >"$T/text" 2>/dev/null
 ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 were there already, 2 failed; ' "$T/text"
-ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/err" | grep -c '#')" -eq 0
-ctl 0 check
+ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0
+ctl_exits 0 check
 
 # ---- the same on one thread
 "$BUILD/surfacectl" --db "$T/one.db" init >"$T/text"
@@ -55,23 +47,23 @@ printf 'subject,file,kind\n' >"$T/table.csv"
 for n in 1 2 3; do
     printf 't%s,scans/s%s_enroll.ply,front\nt%s,scans/s%s_later.ply,side\n' $n $n $n $n
 done >>"$T/table.csv"
-ctl 0 enroll "$T/table.csv" --kind front --label 'the door'
+ctl_exits 0 enroll "$T/table.csv" --kind front --label 'the door'
 is "one kind" "$(counts)" '3 3 0 0 0'
-ctl 0 template list t2
+ctl_exits 0 template list t2
 is "a label" "$(said '[.templates[].label] | join(" ")')" 'the door'
-ctl 0 enroll "$T/table.csv"
+ctl_exits 0 enroll "$T/table.csv"
 is "the others" "$(counts)" '6 3 3 0 0'
-ctl 66 enroll "$T/table.csv" --kind back
-ctl 64 enroll "$T/none"
-ctl 64 enroll alice "$T/scans/s1_enroll.ply" --kind front
-ctl 65 enroll "$T/scans/s1_enroll.ply"
+ctl_exits 66 enroll "$T/table.csv" --kind back
+ctl_exits 64 enroll "$T/none"
+ctl_exits 64 enroll alice "$T/scans/s1_enroll.ply" --kind front
+ctl_exits 65 enroll "$T/scans/s1_enroll.ply"
 printf 'subject,file\na b,scans/s1_enroll.ply\n' >"$T/bad.csv"
-ctl 65 enroll "$T/bad.csv"
-ok "an id that cannot be" grep -q 'no subject id' "$T/err"
+ctl_exits 65 enroll "$T/bad.csv"
+ok "an id that cannot be" grep -q 'no subject id' "$T/ctl.err"
 printf 'subject,file\nx,scans/s1_enroll.ply\nx,scans/none.ply\n' >"$T/bad.csv"
-ctl 66 enroll "$T/bad.csv"
-ok "a file that is not there" grep -q 'bad.csv, line 3, column file: No such' "$T/err"
-ctl 66 subject show x
+ctl_exits 66 enroll "$T/bad.csv"
+ok "a file that is not there" grep -q 'bad.csv, line 3, column file: No such' "$T/ctl.err"
+ctl_exits 66 subject show x
 
 # ---- killed, it goes on
 mkdir "$T/many"
@@ -87,17 +79,17 @@ soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
 DB=$T/killed.db
-ctl 0 check
+ctl_exits 0 check
 before=$(said .templates)
-ctl 0 enroll "$T/many"
+ctl_exits 0 enroll "$T/many"
 is "it went on" "$(counts)" "30 $((30 - before)) $before 0 0"
-ctl 0 check
+ctl_exits 0 check
 is "all are there" "$(said .templates)" 30
 
 # ---- the machine's fault ends it, and is told
 "$BUILD/surfacectl" --db "$T/ro.db" init >"$T/text"
 DB=$T/ro.db
 sqlite3 "$DB" 'ALTER TABLE templates RENAME TO gone'
-ctl 70 enroll "$T/many"
+ctl_exits 70 enroll "$T/many"
 ok "what was not tried is told" test "$(said .undone)" -gt 20
 finish

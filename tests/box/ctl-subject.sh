@@ -5,46 +5,37 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# ctl CODE COMMAND...: its JSON is in $T/ctl, what it says else in $T/err
-ctl() {
-    c_code=$1
-    shift
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
-    is "surfacectl $*" $? "$c_code"
-}
-said() { jq -r "$1" "$T/ctl"; }
-
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 5
 scan 2 0 "$T/b.ply"
 start_daemon
-ctl 0 enroll alice "$T/a.ply" --label first
-ctl 0 enroll bob "$T/b.ply"
-ctl 0 token create test
+ctl_exits 0 enroll alice "$T/a.ply" --label first
+ctl_exits 0 enroll bob "$T/b.ply"
+ctl_exits 0 token create test
 AUTH=$(said .token)
 
 # ---- the consent
-ctl 0 subject set alice --reference C-17 --purpose 'the front door' --expires 2031-02-28
+ctl_exits 0 subject set alice --reference C-17 --purpose 'the front door' --expires 2031-02-28
 is "it is noted" "$(said '[.reference, .purpose, .expires] | join("|")')" \
     'C-17|the front door|2031-02-28T00:00:00.000Z'
-ctl 0 subject set alice --purpose ''
-ctl 0 subject show alice
+ctl_exits 0 subject set alice --purpose ''
+ctl_exits 0 subject show alice
 is "it is shown" "$(said '[.subject, .reference, .purpose, .expires, .hold, .templates[0].label]
     | map(tostring) | join("|")')" 'alice|C-17|null|2031-02-28T00:00:00.000Z|false|first'
 ok "seen when it was enrolled" test "$(said .last_seen)" = "$(said .templates[0].created)"
-ctl 0 subject set carol --reference C-18 --expires never
-ctl 0 subject show carol
+ctl_exits 0 subject set carol --reference C-18 --expires never
+ctl_exits 0 subject show carol
 is "somebody without a scan" "$(said '[.reference, (.templates | length)] | join("|")')" 'C-18|0'
-ctl 64 subject set alice
+ctl_exits 64 subject set alice
 for day in 2031-02-29 2031-13-01 2031-00-10 31-01-01 2031-1-1 2031-01-00 2031/01/01; do
-    ctl 64 subject set alice --expires "$day"
+    ctl_exits 64 subject set alice --expires "$day"
 done
-ctl 0 subject set alice --expires 2032-02-29
+ctl_exits 0 subject set alice --expires 2032-02-29
 is "a leap day" "$(said .expires)" 2032-02-29T00:00:00.000Z
-ctl 0 subject set alice --expires 2100-03-01
+ctl_exits 0 subject set alice --expires 2100-03-01
 is "no leap year" "$(said .expires)" 2100-03-01T00:00:00.000Z
-ctl 65 subject set alice --reference "$(printf 'a\nb')"
-ctl 65 subject set 'a b' --reference x
+ctl_exits 65 subject set alice --reference "$(printf 'a\nb')"
+ctl_exits 65 subject set 'a b' --reference x
 "$BUILD/surfacectl" --db "$DB" subject list >"$T/text"
 is "a list" "$(awk 'NR > 1 { print $1, $2 }' "$T/text" | tr '\n' ' ')" 'alice 1 bob 1 carol 0 '
 
@@ -52,116 +43,116 @@ is "a list" "$(awk 'NR > 1 { print $1, $2 }' "$T/text" | tr '\n' ' ')" 'alice 1 
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified" "$STATUS $(get .decision)" '200 match'
 id=$(get .template_id)
-ctl 0 subject disable alice
+ctl_exits 0 subject disable alice
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "disabled" 403 subject_disabled
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_disabled
-ctl 77 verify alice "$T/a2.ply"
-ok "surfacectl says why" grep -q 'alice is disabled' "$T/err"
+ctl_exits 77 verify alice "$T/a2.ply"
+ok "surfacectl says why" grep -q 'alice is disabled' "$T/ctl.err"
 is "they are no attempts" "$("$BUILD/surfacectl" --db "$DB" attempts list)" 'no failed verifications'
-ctl 0 subject enable alice
+ctl_exits 0 subject enable alice
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "enabled" "$STATUS $(get .decision)" '200 match'
-ctl 66 subject disable nobody
+ctl_exits 66 subject disable nobody
 
 # ---- expired
-ctl 0 subject set alice --expires 2020-01-01
-ctl 77 verify alice "$T/a2.ply"
-ok "surfacectl says since when" grep -q 'alice expired at 2020-01-01T' "$T/err"
-ctl 0 subject set alice --expires 2031-01-01T12:00:00+01:00
+ctl_exits 0 subject set alice --expires 2020-01-01
+ctl_exits 77 verify alice "$T/a2.ply"
+ok "surfacectl says since when" grep -q 'alice expired at 2020-01-01T' "$T/ctl.err"
+ctl_exits 0 subject set alice --expires 2031-01-01T12:00:00+01:00
 is "a time" "$(said .expires)" 2031-01-01T11:00:00.000Z
 
 # ---- seen
 sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
-ctl 0 verify alice "$T/a2.ply"
-ctl 0 subject show alice
+ctl_exits 0 verify alice "$T/a2.ply"
+ctl_exits 0 subject show alice
 ok "seen by surfacectl" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
 sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-ctl 0 subject show alice
+ctl_exits 0 subject show alice
 ok "seen by the daemon" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
 
 # ---- on hold
-ctl 0 subject hold alice
+ctl_exits 0 subject hold alice
 req DELETE /v1/subjects/alice
 problem "on hold" 409 on_hold
 req DELETE "/v1/templates/$id"
 problem "its template too" 409 on_hold
-ctl 77 subject erase alice --yes
-ctl 77 subject erase alice --dry-run
-ctl 77 template delete "$id" --dry-run
-ctl 77 template delete "$id" --yes
-ctl 77 delete alice --yes
-ctl 0 subject release alice
+ctl_exits 77 subject erase alice --yes
+ctl_exits 77 subject erase alice --dry-run
+ctl_exits 77 template delete "$id" --dry-run
+ctl_exits 77 template delete "$id" --yes
+ctl_exits 77 delete alice --yes
+ctl_exits 0 subject release alice
 
 # ---- another id
-ctl 0 subject rename alice ann
+ctl_exits 0 subject rename alice ann
 is "it has it" "$(said .subject)" ann
-ctl 65 subject rename ann bob
-ctl 66 subject rename alice dan
-ctl 65 subject rename ann 'd n'
+ctl_exits 65 subject rename ann bob
+ctl_exits 66 subject rename alice dan
+ctl_exits 65 subject rename ann 'd n'
 send POST /v1/subjects/ann/verify "$PLY" "$T/a2.ply"
 is "verified by it" "$STATUS $(get .subject) $(get .template_id)" "200 ann $id"
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "not by the old" 404 not_found
 
 # ---- templates
-ctl 0 template list
+ctl_exits 0 template list
 is "all templates" "$(said '.templates | length')" 2
-ctl 0 template list ann
+ctl_exits 0 template list ann
 is "one's templates" "$(said '.templates[] | .subject + " " + .template_id')" "ann $id"
-ctl 66 template list nobody
-ctl 0 template show "$id"
+ctl_exits 66 template list nobody
+ctl_exits 0 template show "$id"
 is "a template" "$(said .subject)" ann
-ctl 64 template export "$id"
-ctl 0 template export "$id" --out "$T/out.ply"
+ctl_exits 64 template export "$id"
+ctl_exits 0 template export "$id" --out "$T/out.ply"
 is "its file's mode" "$(stat -c %a "$T/out.ply")" 600
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/out.ply" >"$T/text"
 is "it is the face" "$?$(sed -n 's/^decision *//p' "$T/text")" 0match
 is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'export_template'")" 1
-ctl 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
+ctl_exits 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
 ok "no file" test ! -e "$T/none.ply"
-ctl 64 template delete "$id"
+ctl_exits 64 template delete "$id"
 for one in 'subject erase ann' "template delete $id" 'delete ann' "delete $id"; do
     # shellcheck disable=SC2086 # words
-    ctl 0 $one --dry-run
+    ctl_exits 0 $one --dry-run
     is "$one would" "$(said '[.subject, .templates, .deleted] | @csv')" '"ann",1,false'
 done
 "$BUILD/surfacectl" --db "$DB" subject erase ann --dry-run >"$T/text"
 is "in words" "$(cat "$T/text")" 'this deletes subject ann with 1 template; nothing was changed'
-ctl 0 template show "$id"
+ctl_exits 0 template show "$id"
 
 # ---- due
-ctl 64 purge
-ctl 0 purge --due --dry-run
+ctl_exits 64 purge
+ctl_exits 0 purge --due --dry-run
 is "nobody is due" "$(said '[.due, .kept] | tojson') $(said .erased)" '[[],[]] 0'
-ctl 0 subject set bob --expires 2020-01-01
-ctl 0 subject set carol --expires 2020-01-02
-ctl 0 subject set dan --expires 2020-01-03
-ctl 0 subject hold carol
-ctl 0 purge --due --dry-run
+ctl_exits 0 subject set bob --expires 2020-01-01
+ctl_exits 0 subject set carol --expires 2020-01-02
+ctl_exits 0 subject set dan --expires 2020-01-03
+ctl_exits 0 subject hold carol
+ctl_exits 0 purge --due --dry-run
 is "due" "$(said '[.due, .kept] | tojson') $(said .erased)" '[["bob","dan"],["carol"]] 0'
-ctl 64 purge --due
-ok "it says what is missing" grep -q -e '--yes' "$T/err"
-ctl 0 purge --due --yes
+ctl_exits 64 purge --due
+ok "it says what is missing" grep -q -e '--yes' "$T/ctl.err"
+ctl_exits 0 purge --due --yes
 is "erased" "$(said .erased)" 2
-ctl 0 subject list
+ctl_exits 0 subject list
 is "who is left" "$(said '[.subjects[].subject] | join(" ")')" 'ann carol'
 req GET /v1/subjects/bob
 problem "gone for the daemon too" 404 not_found
 
-ctl 0 subject release carol
-ctl 0 subject erase carol --yes
+ctl_exits 0 subject release carol
+ctl_exits 0 subject erase carol --yes
 ok "a receipt" matches "$(said '[.subject, .digest, .signature] | join(" ")')" \
     '^carol [0-9a-f]{64} [0-9a-f]{128}$'
 
 # ---- room
-ctl 0 vacuum
+ctl_exits 0 vacuum
 ok "no more than before" test "$(said .bytes_after)" -le "$(said .bytes_before)"
 send POST /v1/subjects/ann/verify "$PLY" "$T/a2.ply"
 is "the daemon goes on" "$STATUS $(get .decision)" '200 match'
-ctl 0 check
+ctl_exits 0 check
 
 # ---- the shell
 "$BUILD/surfacectl" completion bash >"$T/complete" || ok "completion" false

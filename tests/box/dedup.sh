@@ -6,14 +6,6 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_MODEL
 
-# ctl CODE COMMAND...: its JSON is in $T/ctl, what it says else in $T/err
-ctl() {
-    c_code=$1
-    shift
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
-    is "surfacectl $*" $? "$c_code"
-}
-said() { jq -r "$1" "$T/ctl"; }
 who() { said '[.duplicates[] | .subject_a + "=" + .subject_b] | join(" ")'; }
 rows() { sqlite3 "$DB" 'SELECT (SELECT count(*) FROM events), (SELECT count(*) FROM templates)'; }
 
@@ -23,67 +15,67 @@ done
 scan 2 1 "$T/again.ply" --points 500 --pose 8 --shift 10
 
 # ---- nobody, one, and people who are different
-ctl 0 init
-ctl 0 dedup
+ctl_exits 0 init
+ctl_exits 0 dedup
 is "nobody" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '0 0 0 '
-ctl 0 enroll s1 "$T/s1.ply"
-ctl 0 dedup
+ctl_exits 0 enroll s1 "$T/s1.ply"
+ctl_exits 0 dedup
 is "alone" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '1 0 0 '
-for n in 2 3 4 5; do ctl 0 enroll s$n "$T/s$n.ply"; done
-ctl 0 enroll s1 "$T/s1.ply" --label 'the same again'
+for n in 2 3 4 5; do ctl_exits 0 enroll s$n "$T/s$n.ply"; done
+ctl_exits 0 enroll s1 "$T/s1.ply" --label 'the same again'
 "$BUILD/surfacectl" --db "$DB" subject set nobody --reference none >"$T/text"
-ctl 0 dedup
+ctl_exits 0 dedup
 is "different people" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '5 10 10 '
 is "there is no pair" "$(who)" ''
 
 # ---- one person comes again, and one scan is enrolled twice
-ctl 0 enroll stranger "$T/again.ply"
-ctl 0 enroll copy "$T/s4.ply"
+ctl_exits 0 enroll stranger "$T/again.ply"
+ctl_exits 0 enroll copy "$T/s4.ply"
 before=$(rows)
-ctl 1 dedup --threads 1
+ctl_exits 1 dedup --threads 1
 is "both are found, the copy first" "$(who)" 's4=copy s2=stranger'
 is "the very same scan" "$(said '[.duplicates[].same_scan] | join(" ")')" 'true false'
 is "each two once" "$(said .compared)" 21
 jq -c 'del(.estimate_s)' "$T/ctl" >"$T/one"
-ctl 1 dedup --threads 3
+ctl_exits 1 dedup --threads 3
 ok "the same on three threads" test "$(jq -c 'del(.estimate_s)' "$T/ctl")" = "$(cat "$T/one")"
 mm=$(said '.duplicates[1].disparity_mm')
-ctl 0 compare "$T/s2.ply" "$T/again.ply"
+ctl_exits 0 compare "$T/s2.ply" "$T/again.ply"
 is "by the digits of a comparison" "$(said .disparity_mm)" "$mm"
-"$BUILD/surfacectl" --db "$DB" dedup >"$T/text" 2>"$T/err"
+"$BUILD/surfacectl" --db "$DB" dedup >"$T/text" 2>"$T/ctl.err"
 is "as text: exit" $? 1
 ok "the pairs" grep -Eq '^ +[0-9.]+ +[0-9.e+-]+  s4  copy  \(the very same scan\)$' "$T/text"
 ok "and how many" grep -q '^2 pairs of subjects, by 21 comparisons' "$T/text"
-ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects' templates, about .* by chance" "$T/err"
-ctl 0 dedup --dry-run
+ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects' templates, about .* by chance" "$T/ctl.err"
+ctl_exits 0 dedup --dry-run
 is "told in advance alone" "$(said '.pairs, .compared' | tr '\n' ' ')" '21 null '
 ok "with the time" jq -e '.estimate_s > 0 and .by_chance > 0' "$T/ctl" >/dev/null
 
 # ---- of one alone; by another threshold
-ctl 1 dedup --subject stranger
+ctl_exits 1 dedup --subject stranger
 is "one with all" "$(who) $(said .compared)" 's2=stranger 6'
-ctl 1 dedup --subject s2
+ctl_exits 1 dedup --subject s2
 is "from the other side" "$(who) $(said .compared)" 's2=stranger 6'
-ctl 0 dedup --subject s5
-ctl 66 dedup --subject nobody
-ctl 66 dedup --subject nowhere
-ctl 1 dedup --threshold-mm 0.001
+ctl_exits 0 dedup --subject s5
+ctl_exits 66 dedup --subject nobody
+ctl_exits 66 dedup --subject nowhere
+ctl_exits 1 dedup --threshold-mm 0.001
 is "by a threshold" "$(who)" 's4=copy'
-ctl 1 dedup --fmr 1e-8
+ctl_exits 1 dedup --fmr 1e-8
 is "by a rate" "$(who)" 's4=copy'
-ctl 65 dedup --fmr 1e-30
-ctl 1 dedup --fmr 0.001
+ctl_exits 65 dedup --fmr 1e-30
+ctl_exits 1 dedup --fmr 0.001
 is "the rate of the threshold" "$(who)" 's4=copy s2=stranger'
-ctl 64 dedup --fmr 0.001 --threshold-mm 0.1
-ctl 64 dedup s2
+ctl_exits 64 dedup --fmr 0.001 --threshold-mm 0.1
+ctl_exits 64 dedup s2
 
 # ---- a pair is of subjects, by the nearest of their templates
-ctl 0 enroll stranger "$T/s2.ply"
-ctl 1 dedup
+ctl_exits 0 enroll stranger "$T/s2.ply"
+ctl_exits 1 dedup
 is "once, by the nearest" "$(who)" 's2=stranger s4=copy'
 is "of more comparisons" "$(said .compared)" 27
 is "nothing else was written" "$(rows | cut -d'|' -f2) $(echo "$before" | cut -d'|' -f2)" '8 7'
 "$BUILD/surfacectl" --db "$DB" template delete "$(said '.duplicates[1].template_b')" --yes >"$T/text"
-ctl 1 dedup
+ctl_exits 1 dedup
 is "gone when it is" "$(who)" 's2=stranger'
 finish

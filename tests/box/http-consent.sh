@@ -7,8 +7,9 @@ cd "$(dirname "$0")/../.." || exit 1
 
 MERGE='Content-Type: application/merge-patch+json'
 
-ctl() { "$BUILD/surfacectl" --db "$DB" --json "$@" 2>"$T/err" </dev/null; }
-token() { ctl token create "$1" --scope "$1" | jq -r .token; }
+# admin ARGUMENT...: surfacectl, whose JSON is printed.
+admin() { "$BUILD/surfacectl" --db "$DB" --json "$@" 2>"$T/err" </dev/null; }
+token() { admin token create "$1" --scope "$1" | jq -r .token; }
 
 # change SUBJECT JSON [CURL-OPTION...]
 change() {
@@ -25,16 +26,16 @@ noted() {
 
 # events KIND: how many, and by whom the last
 events() {
-    ctl audit show --kind "$1" | jq -r '[.entries[]] | "\(length) \(last.actor) \(last.subject)"'
+    admin audit show --kind "$1" | jq -r '[.entries[]] | "\(length) \(last.actor) \(last.subject)"'
 }
 
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 5
 AUTH=
 start_daemon
-AUTH=$(ctl token create all | jq -r .token)
+AUTH=$(admin token create all | jq -r .token)
 enroll=$(token enroll) delete=$(token delete) read=$(token read)
-id=$(ctl token create manage --scope manage,verify,read | tee "$T/manage" | jq -r .id)
+id=$(admin token create manage --scope manage,verify,read | tee "$T/manage" | jq -r .id)
 manage=$(jq -r .token "$T/manage")
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
@@ -48,7 +49,7 @@ change alice '{"consent": "C-17 \u00e4", "purpose": "front door", "expires_at": 
 is "changed" "$STATUS $(get .subject)" '200 alice'
 is "the answer is the subject" "$(get '.consent + " " + (.templates | length | tostring)')" 'C-17 ä 1'
 noted '["C-17 ä","front door","2031-01-31T11:00:00.000Z",false,false]'
-is "as surfacectl has it" "$(ctl subject show alice | jq -r '[.reference, .purpose, .expires] | join("|")')" \
+is "as surfacectl has it" "$(admin subject show alice | jq -r '[.reference, .purpose, .expires] | join("|")')" \
     'C-17 ä|front door|2031-01-31T11:00:00.000Z'
 is "an event of it" "$(events set_subject)" "1 $id alice"
 change alice '{"purpose": null, "hold": false}'
@@ -62,7 +63,7 @@ is "nothing to change" "$STATUS" 200
 is "and no event" "$(sqlite3 "$DB" 'SELECT count(*) FROM events')" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
 is "plain JSON, a day" "$STATUS $(get .expires_at)" '200 2031-01-31T00:00:00.000Z'
-ctl subject set alice --expires never --reference C-1 >/dev/null
+admin subject set alice --expires never --reference C-1 >/dev/null
 noted '["C-1",null,null,false,false]'
 
 # ---- refused, and nothing changed
@@ -142,7 +143,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "expired" 403 subject_expired
 send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_expired
-is "it is due" "$(ctl purge --due --dry-run | jq -r '.due[]')" alice
+is "it is due" "$(admin purge --due --dry-run | jq -r '.due[]')" alice
 change alice '{"expires_at": "2031-01-01"}'
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified again" "$STATUS $(get .decision)" '200 match'
@@ -150,5 +151,5 @@ is "events of it" "$(events disable_subject) $(events enable_subject)" "1 $id al
 AUTH=$delete
 req DELETE /v1/subjects/alice
 is "erased" "$STATUS" 200
-ok "the log is whole" ctl audit verify
+ok "the log is whole" admin audit verify
 finish

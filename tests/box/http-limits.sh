@@ -4,10 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-}
-
 # verify SUBJECT FILE [QUERY]
 verify() {
     send POST "/v1/subjects/$1/verify${3:-}" "$PLY" "$2"

@@ -10,10 +10,6 @@ scan 1 1 "$T/p.xyz" --pose 8 --shift 10
 scan 2 0 "$T/b.ply" --pose 8 --shift 10
 scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-}
-
 # metric SERIES: its value; nothing where there is none.
 metric() {
     req GET /metrics

@@ -5,10 +5,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-}
-
 scan 1 0 "$T/a.ply"
 # shellcheck disable=SC2119 # without options
 start_daemon

@@ -5,15 +5,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 # refused TITLE DETAIL-PATTERN: the last command was not allowed, and said so.
 refused() {
     is "$1" "$CODE" 77

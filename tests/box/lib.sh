@@ -58,6 +58,27 @@ finish() {
     exit
 }
 
+# ctl OPTION...: surfacectl on $DB: its JSON is in $T/ctl, its complaints in $T/ctl.err; returns
+# its exit status and sets CODE.
+ctl() {
+    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
+    CODE=$?
+    return $CODE
+}
+
+# ctl_exits STATUS OPTION...: the same, and the exit status must be this one.
+ctl_exits() {
+    c_wanted=$1
+    shift
+    ctl "$@"
+    is "surfacectl $*" "$CODE" "$c_wanted"
+}
+
+# said FILTER: of the JSON of the last ctl.
+said() {
+    jq -r "$1" "$T/ctl"
+}
+
 # start_daemon OPTION...: sets PID and URL; fails when it does not say that it listens.
 # $UNDER: a command that it is run by; $LISTEN: where, instead of on a free port.
 start_daemon() {

@@ -4,15 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 "$BUILD/facegen" --subject 1 --points 600 -o "$T/alice.ply"
 "$BUILD/facegen" --subject 2 --points 600 -o "$T/bob.ply"
 rm -f "$DB" "$DB.key"

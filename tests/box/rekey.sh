@@ -5,15 +5,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-ctl() {
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-    CODE=$?
-}
-
-said() {
-    jq -r "$1" "$T/ctl"
-}
-
 # held FILE: how often the bytes of its line, in hexadecimal, are in the database or its log.
 held() {
     cat "$DB" "$DB-wal" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -oi "$(cat "$1")" | wc -l

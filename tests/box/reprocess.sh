@@ -7,14 +7,6 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_MODEL
 
-# ctl CODE COMMAND...: its JSON is in $T/ctl, what it says else in $T/err
-ctl() {
-    c_code=$1
-    shift
-    "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/err" </dev/null
-    is "surfacectl $*" $? "$c_code"
-}
-said() { jq -r "$1" "$T/ctl"; }
 counts() { said '[.templates, .renewed, .current, .failed, .undone] | join(" ")'; }
 # models: another mean face; and one that only hollow faces are like.
 mean() { awk -v how="$1" '/^weight/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
@@ -41,8 +33,8 @@ scan 3 0 "$T/dan.xyz" --points 900
 awk '{ print $1, $2, -$3 }' "$T/dan.xyz" >"$T/hollow.xyz"
 
 # ---- what is wanted: enrolled by this engine
-ctl 0 init
-for who in alice bob; do ctl 0 enroll $who "$T/$who.ply"; done
+ctl_exits 0 init
+for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply"; done
 engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates[0].engine')
 start_daemon --no-auth
 verdicts >"$T/wanted"
@@ -50,25 +42,25 @@ is "two verdicts" "$(jq -r .decision "$T/wanted" | tr '\n' ' ')" 'match match '
 is "nothing was made anew" "$(metric surfaced_templates_renewed_total)" 0
 ok "nothing is said" test "$(grep -c 'another engine' "$LOG")" -eq 0
 stop_daemon
-ctl 0 template reprocess
+ctl_exits 0 template reprocess
 is "nothing to do" "$(counts)" '0 0 0 0 0'
 
 # ---- the same by another
 DB=$T/other.db
-ctl 0 init
-for who in alice bob; do ctl 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
-ctl 0 enroll dan "$T/hollow.xyz" --model "$T/hollow.model"
-ctl 0 template list
+ctl_exits 0 init
+for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
+ctl_exits 0 enroll dan "$T/hollow.xyz" --model "$T/hollow.model"
+ctl_exits 0 template list
 is "all are stale" "$(said '[.templates[].stale] | join(" ")')" 'true true true'
 alice=$(said '.templates[0].template_id') dan=$(said '.templates[2].template_id')
 jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl" >"$T/kept"
-ctl 0 template list --model "$T/raised.model"
+ctl_exits 0 template list --model "$T/raised.model"
 is "but by their own model" "$(said '[.templates[].stale] | join(" ")')" 'false false true'
-ctl 0 stats
+ctl_exits 0 stats
 is "stats" "$(said '.templates, .stale' | tr '\n' ' ')" '3 3 '
-ctl 1 doctor
+ctl_exits 1 doctor
 ok "doctor" grep -q 'template reprocess' "$T/ctl"
-ctl 0 verify alice "$T/alice-later.ply"
+ctl_exits 0 verify alice "$T/alice-later.ply"
 is "the command: as enrolled now" "$(said .disparity_mm)" \
     "$(jq .disparity_mm "$T/wanted" | head -1)"
 
@@ -82,30 +74,30 @@ is "never compared where that cannot be" "$STATUS" 500
 ok "and the log says why" grep -q 'template passed over.*cannot make it anew' "$LOG"
 
 # ---- for good, beside the daemon
-ctl 65 template reprocess --dry-run
+ctl_exits 65 template reprocess --dry-run
 is "a dry run" "$(counts)" '3 2 0 1 0'
-ctl 0 stats
+ctl_exits 0 stats
 is "changes nothing" "$(said .stale)" 3
-ctl 0 template reprocess "$alice"
+ctl_exits 0 template reprocess "$alice"
 is "one" "$(counts)" '1 1 0 0 0'
-ctl 65 template reprocess --threads 2
+ctl_exits 65 template reprocess --threads 2
 is "the others" "$(counts)" '2 1 0 1 0'
 is "what failed" "$(said '.failures[].template_id')" "$dan"
-ok "and why" grep -q "$dan was made by .*: not a face" "$T/err"
-ctl 65 template reprocess
+ok "and why" grep -q "$dan was made by .*: not a face" "$T/ctl.err"
+ctl_exits 65 template reprocess
 is "again" "$(counts)" '1 0 0 1 0'
-ctl 0 template reprocess "$alice"
+ctl_exits 0 template reprocess "$alice"
 is "what is current" "$(counts)" '1 0 1 0 0'
-ctl 66 template reprocess "$alice" 00000000000000000000000000000000
+ctl_exits 66 template reprocess "$alice" 00000000000000000000000000000000
 verdicts >"$T/after"
 ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
 is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'reprocess' AND outcome = 'renewed' AND actor = 'surfacectl'")" 2
-ctl 0 template list
+ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"
 is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl")" \
     "$(cat "$T/kept")"
-ctl 0 check
+ctl_exits 0 check
 stop_daemon
 start_daemon --no-auth
 verdicts >"$T/after"
@@ -116,8 +108,8 @@ stop_daemon
 # ---- there and back again: nothing drifts
 "$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/there.ply" >"$T/text"
 for n in 1 2; do
-    ctl 0 template reprocess "$alice" --model "$T/raised.model"
-    ctl 0 template reprocess "$alice"
+    ctl_exits 0 template reprocess "$alice" --model "$T/raised.model"
+    ctl_exits 0 template reprocess "$alice"
 done
 "$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/back.ply" >"$T/text"
 ok "the same points and triangles" cmp "$T/there.ply" "$T/back.ply"
@@ -129,13 +121,13 @@ stop_daemon
 # ---- an archive of another engine
 head -c 32 /dev/zero | tr '\0' a >"$T/akey"
 chmod 600 "$T/akey"
-ctl 0 template reprocess "$alice" --model "$T/raised.model"
-ctl 0 export alice -o "$T/a" --archive-key "$T/akey"
+ctl_exits 0 template reprocess "$alice" --model "$T/raised.model"
+ctl_exits 0 export alice -o "$T/a" --archive-key "$T/akey"
 from=$DB DB=$T/third.db
-ctl 0 init
-ctl 0 import "$T/a" --archive-key "$T/akey"
+ctl_exits 0 init
+ctl_exits 0 import "$T/a" --archive-key "$T/akey"
 is "is taken, and stale" "$(said '.templates_new, .templates_stale' | tr '\n' ' ')" '1 1 '
-ctl 0 verify alice "$T/alice-later.ply"
+ctl_exits 0 verify alice "$T/alice-later.ply"
 is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/wanted" | head -1)"
 
 # ---- killed in the middle, it goes on.  REPROCESS: how many.
@@ -144,8 +136,8 @@ mkdir "$T/many"
 for n in $(seq 1 "$many"); do
     scan "$n" 0 "$T/many/m${n}_a.ply" --points 400
 done
-ctl 0 init
-ctl 0 enroll "$T/many" --model "$T/raised.model"
+ctl_exits 0 init
+ctl_exits 0 enroll "$T/many" --model "$T/raised.model"
 enrolled=$(said .enrolled)
 "$BUILD/surfacectl" --db "$DB" template reprocess --threads 1 >"$T/text" 2>&1 &
 killed=$!
@@ -154,21 +146,21 @@ some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'reproc
 soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
-ctl 0 check
-ctl 0 stats
+ctl_exits 0 check
+ctl_exits 0 stats
 left=$(said .stale)
 is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'reprocess'")" "$((enrolled - left))"
-ctl 0 template reprocess
+ctl_exits 0 template reprocess
 is "it went on" "$(counts)" "$left $left 0 0 0"
-ctl 0 template reprocess
+ctl_exits 0 template reprocess
 is "nothing is left" "$(counts)" '0 0 0 0 0'
-ctl 0 check
+ctl_exits 0 check
 is "all are there" "$(said .templates)" "$enrolled"
 
 # ---- as text
 DB=$from
-ctl 0 stats
+ctl_exits 0 stats
 "$BUILD/surfacectl" --db "$DB" template reprocess >"$T/text" 2>/dev/null
 is "as text" "$(head -1 "$T/text")" "2 templates: 1 made anew by $engine, 0 current, 1 failed"
 finish
