@@ -28,7 +28,7 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
         x->compared = 1;
         st = store_template_load(s, x->a, t, w, &x->tmpl, &c->e);
         if (st == ST_OK)
-            st = face_compare(&x->tmpl, &x->probe, c->threshold_mm, NULL, w, &x->result);
+            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
     }
     x->template_id = t->id;
     if (st == ST_OK)
@@ -50,7 +50,7 @@ static enum status compare(struct ctl *c, struct face_work *w, struct explanatio
     } else if (st == ST_OK) {
         st = ctl_scan_read(c, x->a, w, &x->tmpl);
         if (st == ST_OK)
-            st = face_compare(&x->tmpl, &x->probe, c->threshold_mm, NULL, w, &x->result);
+            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
     }
     if (st == ST_OK)
         st = ctl_explain_gap(x);

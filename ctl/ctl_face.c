@@ -69,8 +69,7 @@ enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject
             st = ST_OK;
             continue;
         }
-        if (st == ST_OK &&
-            (st = face_compare(&f, probe, c->threshold_mm, NULL, w, &r)) != ST_OK)
+        if (st == ST_OK && (st = face_compare(&f, probe, 0.0, NULL, w, &r)) != ST_OK)
             (void)errinfo_set(&c->e, st, "template %s: %s", t.id, status_message(st));
         if (st == ST_OK && (best->compared++ == 0 || better(&r, &best->result))) {
             best->result = r;
@@ -277,7 +276,7 @@ int ctl_face_compare(struct ctl *c)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     else if ((st = ctl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
              (st = ctl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
-             (st = face_compare(&a, &b, c->threshold_mm, NULL, w, &r)) != ST_OK)
+             (st = face_compare(&a, &b, 0.0, NULL, w, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
         print_result(c, &r, &b, clock_ms() - start);

@@ -16,14 +16,13 @@
 void compare_handle(struct request *r, struct worker *w)
 {
     struct errinfo e = {0};
-    double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
+    double start = log_clock_ms(), parsed, prepared, *gap = NULL;
     struct cloud a = {0}, b = {0};
     struct face_result result;
     enum params_detail detail = PARAMS_BRIEF;
     enum status st;
 
-    if (!params_threshold(r, &threshold) || !params_detail(r, &detail) ||
-        cloud_read_two(r, &a, &b) != ST_OK)
+    if (!params_detail(r, &detail) || cloud_read_two(r, &a, &b) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
@@ -36,7 +35,7 @@ void compare_handle(struct request *r, struct worker *w)
     }
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = face_compare(&w->other, &w->probe, threshold, log_clock_ms, w->work, &result);
+    st = face_compare(&w->other, &w->probe, 0.0, log_clock_ms, w->work, &result);
     if (st == ST_OK && detail == PARAMS_HEATMAP) {
         gap = mem_array(b.n, sizeof *gap);
         if (gap == NULL)

@@ -33,7 +33,7 @@ static enum status check_fit(struct request *r, struct worker *w,
     newest[0] = '\0';
     if (st == ST_OK && n > 0) {
         memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
-        st = verify_compare(w, t, n, &w->probe, 0.0, &best, e);
+        st = verify_compare(w, t, n, &w->probe, &best, e);
         request_stage(r, REQUEST_ALIGN, best.align_ms);
         request_stage(r, REQUEST_MEASURE, best.measure_ms);
     }

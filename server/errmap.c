@@ -43,7 +43,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_EXPIRED] = {403, "subject_expired", "The subject has expired"},
     [ERRMAP_TOKENS] = {429, "too_many_wrong_tokens", "Too many wrong tokens"},
     [ERRMAP_ATTEMPTS] = {429, "too_many_attempts", "Too many failed verifications"},
-    [ERRMAP_PARAMETER] = {400, "invalid_parameter", "A parameter is malformed"},
+    [ERRMAP_PARAMETER] = {400, "invalid_parameter",
+                          "A parameter is malformed or unknown"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
     [ERRMAP_NOT_READY] = {503, "not_ready", "Not ready"},
 };

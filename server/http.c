@@ -331,10 +331,12 @@ static enum MHD_Result body_complete(struct exchange *x)
 
 /* ---- libmicrohttpd's callbacks */
 
-/* The client may ask: is the path's id well-formed, and the body one to read? */
+/* The client may ask: are the path's id and the query well-formed, and the body one to read? */
 static enum MHD_Result admit(struct exchange *x)
 {
     routes_read_id(&x->r);
+    if (x->r.answer.http == 0)
+        routes_check_query(&x->r);
     if (x->r.answer.http == 0)
         check_body(x);
     if (x->r.answer.http != 0)

@@ -28,7 +28,7 @@ struct json_cloud {
 /* json_cloud_read(text, len, max_points, out, e): {"points": [[x,y,z],...], "units": "mm"}.
  * text  text[len] must be 0.
  * Strict where it matters: one document and nothing behind it, valid UTF-8, no key twice,
- * three finite numbers a point; other members are ignored.  e tells what and where.
+ * three finite numbers a point, no other members.  e tells what and where.
  * Memory: about 340 bytes a point while it reads; refused before that when there are more
  * values than max_points can need.
  * Returns ST_OK; ST_EINVAL malformed; ST_ENOTFINITE a number too large for a double;

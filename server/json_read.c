@@ -118,6 +118,20 @@ static enum status check_members(const cJSON *object, const char *name, struct e
     return ST_OK;
 }
 
+/* Nothing else may be in it than these two: a member that is misspelt must not be ignored. */
+static enum status check_known(const cJSON *object, const char *name, const char *one,
+                               const char *other, struct errinfo *e)
+{
+    enum status st = check_members(object, name, e);
+
+    for (const cJSON *a = st == ST_OK ? object->child : NULL; a != NULL && st == ST_OK;
+         a = a->next)
+        if (strcmp(a->string, one) != 0 && strcmp(a->string, other) != 0)
+            st = errinfo_set(e, ST_EINVAL, "%s has %s and %s, not %.64s", name, one,
+                             other, a->string);
+    return st;
+}
+
 static enum status read_point(const cJSON *item, struct dvec3 *out)
 {
     const cJSON *x, *y, *z;
@@ -152,7 +166,7 @@ static enum status read_cloud(const cJSON *object, const char *name, const char 
                               struct errinfo *e)
 {
     const cJSON *points, *units, *item;
-    enum status st = check_members(object, name, e);
+    enum status st = check_known(object, name, "points", "units", e);
     size_t n = 0;
 
     *out = (struct json_cloud){.mm = 1.0};
@@ -220,7 +234,7 @@ enum status json_clouds_read(const char *text, size_t len, size_t max_points,
 
     *a = *b = (struct json_cloud){.mm = 1.0};
     if (st == ST_OK)
-        st = check_members(doc, "the body", e);
+        st = check_known(doc, "the body", "a", "b", e);
     if (st == ST_OK)
         st = read_cloud(cJSON_GetObjectItemCaseSensitive(doc, "a"), "a", "a.", max_points,
                         a, e);

@@ -1,7 +1,6 @@
 #include "params.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,27 +45,6 @@ bool params_units(struct request *r, double *mm)
     if (get(r, "units", buf, sizeof buf, &there) && (!there || json_units(buf, mm)))
         return true;
     request_problem(r, ERRMAP_PARAMETER, "units is not mm, cm or m");
-    return false;
-}
-
-bool params_threshold(struct request *r, double *mm)
-{
-    char buf[32], *end;
-    bool there;
-
-    if (get(r, "threshold_mm", buf, sizeof buf, &there)) {
-        double value;
-
-        if (!there)
-            return true;
-        value = strtod(buf, &end); /* which also reads names and base 16: not wanted */
-        if (strspn(buf, "0123456789.eE+-") == strlen(buf) && end != buf && *end == '\0' &&
-            isfinite(value) && value > 0.0) {
-            *mm = value;
-            return true;
-        }
-    }
-    request_problem(r, ERRMAP_PARAMETER, "threshold_mm is not a finite number above 0");
     return false;
 }
 

@@ -12,9 +12,6 @@ bool params_flag(struct request *r, const char *name, bool *out); /* true, false
 /* params_units(r, mm): units=mm|cm|m as millimetres per unit. */
 bool params_units(struct request *r, double *mm);
 
-/* params_threshold(r, mm): threshold_mm=, a finite number > 0. */
-bool params_threshold(struct request *r, double *mm);
-
 enum params_detail {                 /* what a comparison tells beside its decision */
                      PARAMS_BRIEF,   /* nothing from which a template could be rebuilt */
                      PARAMS_MEASURE, /* the measure, the pose and the regions */

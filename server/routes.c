@@ -16,6 +16,8 @@
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
 
+#define COMPARING "units, detail" /* the query parameters of a comparison */
+
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
        ENROLL = STORE_SCOPE_ENROLL,
@@ -26,26 +28,32 @@ enum { /* who may: those whose token has the scope */
 };
 
 static const struct routes_route table[] = {
-    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, ANYBODY, health_live, true},
-    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, health_ready, false},
-    {REQUEST_GET, "/metrics", ROUTES_NO_BODY, ANYBODY, meta_metrics, true},
-    {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, ANYBODY, meta_openapi, true},
-    {REQUEST_GET, "/docs", ROUTES_NO_BODY, ANYBODY, docs_page, true},
-    {REQUEST_GET, "/docs/style.css", ROUTES_NO_BODY, ANYBODY, docs_style, true},
-    {REQUEST_GET, "/docs/script.js", ROUTES_NO_BODY, ANYBODY, docs_script, true},
-    {REQUEST_GET, "/version", ROUTES_NO_BODY, ANYBODY, meta_version, true},
-    {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, ENROLL, enroll_handle, false},
-    {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, VERIFY, verify_subject, false},
-    {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, VERIFY, verify_template, false},
-    {REQUEST_POST, "/v1/compare", ROUTES_JSON, VERIFY, compare_handle, false},
-    {REQUEST_POST, "/v1/asymmetry", ROUTES_CLOUD, VERIFY, symmetry_handle, false},
-    {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, subjects_list, false},
-    {REQUEST_POST, "/v1/subjects", ROUTES_JSON, ENROLL, subjects_add, false},
-    {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, subjects_show, false},
-    {REQUEST_PATCH, SUBJECT, ROUTES_MERGE, MANAGE, subjects_change, false},
-    {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, subjects_delete, false},
-    {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, READ, subjects_template, false},
-    {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, DELETE, subjects_template_delete, false},
+    {REQUEST_GET, "/healthz", ROUTES_NO_BODY, ANYBODY, "", health_live, true},
+    {REQUEST_GET, "/readyz", ROUTES_NO_BODY, ANYBODY, "", health_ready, false},
+    {REQUEST_GET, "/metrics", ROUTES_NO_BODY, ANYBODY, "", meta_metrics, true},
+    {REQUEST_GET, "/openapi.json", ROUTES_NO_BODY, ANYBODY, "", meta_openapi, true},
+    {REQUEST_GET, "/docs", ROUTES_NO_BODY, ANYBODY, "", docs_page, true},
+    {REQUEST_GET, "/docs/style.css", ROUTES_NO_BODY, ANYBODY, "", docs_style, true},
+    {REQUEST_GET, "/docs/script.js", ROUTES_NO_BODY, ANYBODY, "", docs_script, true},
+    {REQUEST_GET, "/version", ROUTES_NO_BODY, ANYBODY, "", meta_version, true},
+    {REQUEST_POST, SUBJECT "/templates", ROUTES_CLOUD, ENROLL, "units, label, force",
+     enroll_handle, false},
+    {REQUEST_POST, SUBJECT "/verify", ROUTES_CLOUD, VERIFY, COMPARING, verify_subject,
+     false},
+    {REQUEST_POST, TEMPLATE "/verify", ROUTES_CLOUD, VERIFY, COMPARING, verify_template,
+     false},
+    {REQUEST_POST, "/v1/compare", ROUTES_JSON, VERIFY, COMPARING, compare_handle, false},
+    {REQUEST_POST, "/v1/asymmetry", ROUTES_CLOUD, VERIFY, "units", symmetry_handle,
+     false},
+    {REQUEST_GET, "/v1/subjects", ROUTES_NO_BODY, READ, "limit, cursor", subjects_list,
+     false},
+    {REQUEST_POST, "/v1/subjects", ROUTES_JSON, ENROLL, "", subjects_add, false},
+    {REQUEST_GET, SUBJECT, ROUTES_NO_BODY, READ, "", subjects_show, false},
+    {REQUEST_PATCH, SUBJECT, ROUTES_MERGE, MANAGE, "", subjects_change, false},
+    {REQUEST_DELETE, SUBJECT, ROUTES_NO_BODY, DELETE, "", subjects_delete, false},
+    {REQUEST_GET, TEMPLATE, ROUTES_NO_BODY, READ, "", subjects_template, false},
+    {REQUEST_DELETE, TEMPLATE, ROUTES_NO_BODY, DELETE, "", subjects_template_delete,
+     false},
 };
 #define NROUTES (sizeof table / sizeof *table)
 
@@ -163,6 +171,37 @@ void routes_read_id(struct request *r)
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !store_id_valid(r->template_id))
             request_problem(r, ST_ENOTFOUND, "there is no such template");
+    }
+}
+
+/* Is this one of the names in a list with ", " between? */
+static bool is_listed(const char *list, const char *name, size_t len)
+{
+    while (*list != '\0') {
+        const size_t n = strcspn(list, ",");
+
+        if (n == len && memcmp(list, name, n) == 0)
+            return true;
+        list += n;
+        list += strspn(list, ", ");
+    }
+    return false;
+}
+
+void routes_check_query(struct request *r)
+{
+    const char *p = strchr(r->target, '?'), *has = r->route->query;
+
+    while (p != NULL && *p != '\0') {
+        const size_t len = strcspn(++p, "&"), name = strcspn(p, "=&");
+
+        if (len > 0 && !is_listed(has, p, name)) {
+            request_problem(r, ERRMAP_PARAMETER,
+                            "there is no query parameter %.*s here: this path has %s",
+                            name > 64 ? 64 : (int)name, p, *has != '\0' ? has : "none");
+            return;
+        }
+        p += len;
     }
 }
 

@@ -18,7 +18,8 @@ struct routes_route {
     enum request_method method;
     const char *pattern; /* "/v1/subjects/{subject}/verify" */
     enum routes_body body;
-    unsigned scope; /* a token must have (enum store_scope); 0: none is asked for */
+    unsigned scope;    /* a token must have (enum store_scope); 0: none is asked for */
+    const char *query; /* the query parameters it has: "units, detail"; "": none */
     /* handle(r, w): set r->answer.  Called on worker w; or, if w is not wanted (quick), on
      * the I/O thread with NULL: then it neither computes nor touches the store. */
     void (*handle)(struct request *r, struct worker *w);
@@ -38,6 +39,10 @@ const char *routes_wants(const struct request *r);
 /* routes_read_id(r): set r->subject or r->template_id where the route has one, or r->answer
  * when it is malformed. */
 void routes_read_id(struct request *r);
+
+/* routes_check_query(r): set r->answer where r->target has a query parameter that r->route
+ * does not: one that is misspelt must not be ignored.  O(length of the query). */
+void routes_check_query(struct request *r);
 
 /* routes_index(route): a small number for each route, 0 for NULL ("no route"). */
 size_t routes_index(const struct routes_route *route);

@@ -43,8 +43,8 @@ static void pass_over(const struct errinfo *e)
 }
 
 enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
-                           const struct face *probe, double threshold_mm,
-                           struct verify_best *out, struct errinfo *e)
+                           const struct face *probe, struct verify_best *out,
+                           struct errinfo *e)
 {
     enum status st = verify_calibrate(w, e);
     bool foreign = false; /* there is one that this engine cannot make anew */
@@ -65,7 +65,7 @@ enum status verify_compare(struct worker *w, const struct store_template *t, siz
         if (st == ST_EVERSION || st == ST_ENOTFOUND)
             continue;
         if (st == ST_OK) {
-            st = face_compare(face, probe, threshold_mm, log_clock_ms, w->work, &result);
+            st = face_compare(face, probe, 0.0, log_clock_ms, w->work, &result);
             cache_release(w->app->cache, face);
             if (st != ST_OK)
                 return errinfo_set(e, st, "comparing: %s", status_message(st));
@@ -127,25 +127,6 @@ static enum status heatmap(struct worker *w, const char *id, const struct cloud 
     return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
 }
 
-/* Count what was decided, and may it be told?  A match by a threshold of the request's own
- * may be none by the calibration: who asks with one must not try faces without end. */
-static bool settle(struct request *r, const char *subject,
-                   const struct face_result *result, double threshold_mm)
-{
-    bool passed = result->decision == FACE_MATCH;
-    struct store_calibration k;
-    struct errinfo e = {0};
-
-    if (passed && threshold_mm > 0.0) {
-        if (calibration_in_force(r->app->store, &k, &e) != ST_OK) {
-            request_fail(r, &e);
-            return false;
-        }
-        passed = result->disparity_mm <= k.decision.threshold_mm;
-    }
-    return attempts_settle(r->app->attempts, r, subject, passed);
-}
-
 /* May the subject be verified at all?  *one: what is known of it. */
 static bool admit(struct request *r, const char *subject, struct store_subject *one)
 {
@@ -170,7 +151,7 @@ static bool admit(struct request *r, const char *subject, struct store_subject *
 static void verify(struct request *r, struct worker *w, const struct store_template *t,
                    size_t n)
 {
-    double start = log_clock_ms(), parsed, prepared, threshold = 0.0, *gap = NULL;
+    double start = log_clock_ms(), parsed, prepared, *gap = NULL;
     struct errinfo e = {0};
     struct cloud c = {0};
     struct verify_best best;
@@ -178,8 +159,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     enum params_detail detail = PARAMS_BRIEF;
     enum status st;
 
-    if (!params_threshold(r, &threshold) || !params_detail(r, &detail) ||
-        !admit(r, t->subject, &one))
+    if (!params_detail(r, &detail) || !admit(r, t->subject, &one))
         return;
     for (size_t i = 0; i < n; i++)
         ahead_ask(w->app->ahead, t[i].id);
@@ -191,7 +171,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
         goto out;
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = verify_compare(w, t, n, &w->probe, threshold, &best, &e);
+    st = verify_compare(w, t, n, &w->probe, &best, &e);
     if (st == ST_OK && detail == PARAMS_HEATMAP)
         st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
     if (st != ST_OK) {
@@ -200,7 +180,8 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     }
     request_stage(r, REQUEST_ALIGN, best.align_ms);
     request_stage(r, REQUEST_MEASURE, best.measure_ms);
-    if (!settle(r, t->subject, &best.result, threshold))
+    if (!attempts_settle(r->app->attempts, r, t->subject,
+                         best.result.decision == FACE_MATCH))
         goto out;
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);

@@ -24,12 +24,12 @@ struct verify_best {
  * comparison that belongs to a request, so that a new one needs no restart. */
 enum status verify_calibrate(struct worker *w, struct errinfo *e);
 
-/* verify_compare(w, t, n, probe, threshold_mm, out, e): threshold_mm as in face_compare().
- * By the calibration in force.  Templates deleted meanwhile are left out.  Returns ST_OK; ST_ENOTFOUND: none was left;
- * or as store_template_load(), calibration_follow(). */
+/* verify_compare(w, t, n, probe, out, e): by the calibration in force.  Templates deleted
+ * meanwhile are left out.  Returns ST_OK; ST_ENOTFOUND: none was left; or as
+ * store_template_load(), calibration_follow(). */
 enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
-                           const struct face *probe, double threshold_mm,
-                           struct verify_best *out, struct errinfo *e);
+                           const struct face *probe, struct verify_best *out,
+                           struct errinfo *e);
 
 void verify_subject(struct request *r, struct worker *w);
 void verify_template(struct request *r, struct worker *w);

@@ -55,8 +55,8 @@ refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
 refuse 64 'it is: surfacectl list' "$ctl" --db f.db list alice
 refuse 64 'does not take' "$ctl" --db f.db list --yes
 refuse 64 'units are' "$ctl" --db f.db --units inch enroll alice good.ply
-refuse 64 'threshold' "$ctl" --db f.db --threshold-mm nan verify alice good.ply
-refuse 64 'threshold' "$ctl" --db f.db --threshold-mm -1 verify alice good.ply
+refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm nan
+refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm -1
 refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
 refuse 64 'token rotate ID' "$ctl" --db f.db token rotate

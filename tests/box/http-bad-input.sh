@@ -35,7 +35,10 @@ bad "a number for a point" 400 malformed 'points\[0\]' '{"points": [1,2,3]}'
 bad "an object for a point" 400 malformed 'points\[0\]' '{"points": [{"x":1,"y":2,"z":3}]}'
 bad "points twice" 400 malformed 'earlier' '{"points": [], "points": []}'
 bad "another key twice" 400 malformed 'earlier' '{"x": 1, "points": [], "x": 2}'
-bad "no points" 400 malformed 'points is missing' '{"pts": []}'
+bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
+bad "a misspelt member" 400 malformed 'the body has points and units, not pts' '{"pts": []}'
+bad "another member" 400 malformed 'not threshold_mm' '{"points": [], "threshold_mm": 1e9}'
+bad "a long one, cut in a character" 400 malformed 'not xü*' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
 bad "points an object" 400 malformed 'points is not an array' '{"points": {}}'
 bad "an array" 400 malformed 'not an object' '[[1,2,3]]'
 bad "a number" 400 malformed 'not an object' '17'
@@ -186,7 +189,7 @@ done
 req GET /v1/subjects/../../etc/passwd --path-as-is
 problem "dots" 404 no_such_route
 req GET "/healthz?$(printf '%08000d' 1)"
-is "a long query" "$STATUS" 200
+problem "a long query, which is read" 400 invalid_parameter 'no query parameter 0{64} here'
 req GET "/healthz?$(printf '%020000d' 1)"
 is "one that is too long" "$STATUS" 414
 for label in "$(printf '%0257d' 1)" %01 %FF %00 %; do

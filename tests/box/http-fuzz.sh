@@ -52,7 +52,7 @@ corpus() {
     raw enroll POST '/v1/subjects/b%40x/templates?label=a%20b&force=true&units=mm' "$PLY" \
         'Idempotency-Key: "k-1"' <"$T/s.ply"
     raw ply POST /v1/subjects/alice/verify "$PLY" 'Expect: 100-continue' <"$T/s.ply"
-    raw json POST '/v1/subjects/alice/verify?threshold_mm=0.2&detail=heatmap' \
+    raw json POST '/v1/subjects/alice/verify?units=mm&detail=heatmap' \
         "$JSON; charset=utf-8" <"$T/s.json"
     raw obj POST "/v1/templates/$id/verify" 'Content-Type: model/obj' \
         'Transfer-Encoding: chunked' <"$T/s.obj"

@@ -48,12 +48,14 @@ done
 verify alice "$T/a1.ply"
 told "a match" match
 is "begins the count anew" "$(failures alice)" 0
+verify alice "$T/b.ply"
+told "a failure" no_match
 verify alice "$T/b.ply" '?threshold_mm=1000'
-told "a match by the request's own threshold" match
-is "has failed" "$(failures alice)" 1
-verify alice "$T/a1.ply" '?threshold_mm=1000'
-told "one by the calibration too" match
-is "has not" "$(failures alice)" 0
+is "a threshold of the request's own" "$STATUS" 400
+is "is no attempt" "$(failures alice)" 1
+verify alice "$T/a1.ply"
+told "another match" match
+is "begins it anew too" "$(failures alice)" 0
 printf 'ply\n' >"$T/bad"
 verify alice "$T/bad"
 is "what is no scan" "$STATUS" 400
@@ -70,8 +72,8 @@ verify alice "$T/bad"
 waits "before the body is looked at" 300
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
 waits "by template" 300
-verify alice "$T/a1.ply" '?threshold_mm=5'
-waits "by another threshold" 300
+verify alice "$T/a1.ply" '?units=mm'
+waits "by another query" 300
 is "waiting is no failure" "$(failures alice)" 3
 verify bob "$T/b.ply"
 told "somebody else does not wait" match

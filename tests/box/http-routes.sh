@@ -98,13 +98,20 @@ send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 is "verify against one template" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "verify another's scan" "$STATUS $(get .decision)" "200 no_match"
-send POST '/v1/subjects/alice/verify?threshold_mm=1e-3' "$PLY" "$T/a2.ply"
-is "with a threshold of its own" "$(get '[.decision, .threshold_mm] | @tsv')" \
-    "$(printf 'no_match\t0.001')"
-for bad in 0 -1 nan inf 1e999 0x1 '' 1mm '1%00'; do
-    send POST "/v1/subjects/alice/verify?threshold_mm=$bad" "$PLY" "$T/a2.ply"
-    problem "threshold_mm=$bad" 400 invalid_parameter
+# A threshold of the request's own would make a match of anybody, in the audit log as well.
+logged=$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")
+for one in subjects/alice "templates/$id"; do
+    for value in 1e9 0 x ''; do
+        send POST "/v1/$one/verify?threshold_mm=$value" "$PLY" "$T/b.ply"
+        problem "$one, threshold_mm=$value" 400 invalid_parameter \
+            'no query parameter threshold_mm here: this path has units, detail'
+    done
 done
+jq -c '. + {threshold_mm: 1e9}' "$T/a2.json" >"$T/own.json"
+send POST /v1/subjects/alice/verify "$JSON" "$T/own.json"
+problem "as a member" 400 malformed 'the body has points and units, not threshold_mm'
+is "nothing was decided by it" \
+    "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")" "$logged"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
 is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
 fits "verify with a heatmap" Verdict
@@ -114,8 +121,17 @@ send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
 problem "detail=all" 400 invalid_parameter
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/part.xyz"
 is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
-send POST '/v1/subjects/alice/verify?unknown=1&other' "$PLY" "$T/a2.ply"
-is "unknown parameters are ignored" "$STATUS" 200
+for query in 'unknown=1' 'units=mm&unknown' 'unknown&units=mm' '&unknown=1&' 'unit=mm' 'unitss=mm' \
+    'Units=mm' '%75nits=mm' 'unknown=%zz' '=mm' 'units,%20detail=mm' 'force=true'; do
+    send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
+    problem "$query" 400 invalid_parameter 'no query parameter .*here: this path has units, detail$'
+done
+send POST "/v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1" "$PLY" "$T/a2.ply"
+problem "a long one" 400 invalid_parameter 'no query parameter u0{63} here'
+for query in '' '&' 'units=mm&'; do
+    send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
+    is "'$query'" "$STATUS $(get .decision)" "200 match"
+done
 
 # ---- units
 jq -c '{points: [.points[] | map(. / 1000)], units: "m"}' "$T/a2.json" >"$T/m.json"
