@@ -9,9 +9,9 @@
 #include "cells.h"
 #include "fit.h"
 #include "lattice.h"
-#include "measure.h"
 #include "mem.h"
 #include "mesh.h"
+#include "surface.h"
 
 /* Turns are taken about a point this far behind the surface: a face is roughly a ball of
  * that radius, so that turns and shifts disturb each other least. */
@@ -103,34 +103,24 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
 /* load(probe, pts): the probe's vertices as points.  Those of a triangle that was measured
  * stand for equal shares of the surface: by the triangles round each it would depend on the
  * side from which the probe was scanned, and the pose that is found with it. */
-static void load(const struct measure_surface *probe, struct align_point *pts)
+static void load(const struct surface *probe, struct align_point *pts)
 {
-    const struct mesh *m = probe->mesh;
+    const struct mesh *m = &probe->mesh;
     uint32_t seen = 0;
     double area = 0;
 
     for (uint32_t v = 0; v < m->nv; v++)
-        pts[v] = (struct align_point){{m->xy[v].x / LATTICE_PER_MM,
-                                       m->xy[v].y / LATTICE_PER_MM,
-                                       probe->raw[v] / LATTICE_PER_MM},
-                                      0.0f,
+        pts[v] = (struct align_point){lattice_to_mm(m->xy[v], probe->raw[v]), 0.0f,
                                       ALIGN_FIELD_NONE};
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
-        double ax, ay, az, bx, by, bz, x, y, z;
+        struct dvec3 n;
 
         if (probe->bridge[t] || mesh_is_ghost(m, t))
             continue;
-        ax = pts[v[1]].p.x - pts[v[0]].p.x;
-        ay = pts[v[1]].p.y - pts[v[0]].p.y;
-        az = pts[v[1]].p.z - pts[v[0]].p.z;
-        bx = pts[v[2]].p.x - pts[v[0]].p.x;
-        by = pts[v[2]].p.y - pts[v[0]].p.y;
-        bz = pts[v[2]].p.z - pts[v[0]].p.z;
-        x = ay * bz - az * by;
-        y = az * bx - ax * bz;
-        z = ax * by - ay * bx;
-        area += 0.5 * sqrt(x * x + y * y + z * z);
+        n = vec_cross(vec_sub(pts[v[1]].p, pts[v[0]].p),
+                      vec_sub(pts[v[2]].p, pts[v[0]].p));
+        area += 0.5 * sqrt(vec_dot(n, n));
         for (int i = 0; i < 3; i++) {
             seen += pts[v[i]].area == 0.0f;
             pts[v[i]].area = 1.0f;
@@ -231,8 +221,8 @@ static uint32_t stride_for(uint32_t n, uint32_t points)
 
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good; best[0] and best[1] are the cheapest two that lead to different places. */
-static void choose(struct search *s, const struct measure_surface *tmpl,
-                   const struct measure_surface *probe, struct candidate best[2])
+static void choose(struct search *s, const struct surface *tmpl,
+                   const struct surface *probe, struct candidate best[2])
 {
     const uint32_t stride = stride_for(s->n, COARSE_POINTS);
     const struct align_pose *given = s->how->start;
@@ -320,12 +310,12 @@ void align_work_free(struct align_work *w)
     scratch_free(&w->fit);
 }
 
-enum status align_search(const struct measure_surface *tmpl,
-                         const struct measure_surface *probe, const struct align_how *how,
-                         struct align_work *w, struct align_result *out)
+enum status align_search(const struct surface *tmpl, const struct surface *probe,
+                         const struct align_how *how, struct align_work *w,
+                         struct align_result *out)
 {
-    const size_t cells = mem_round(align_field_bytes(tmpl->mesh->nt));
-    struct search search = {.n = probe->mesh->nv, .how = how, .out = out};
+    const size_t cells = mem_round(align_field_bytes(tmpl->mesh.nt));
+    struct search search = {.n = probe->mesh.nv, .how = how, .out = out};
     struct candidate best[2];
     unsigned char *block;
     enum status st = ST_OK;
@@ -339,7 +329,7 @@ enum status align_search(const struct measure_surface *tmpl,
     align_field_make(tmpl, how->u, (struct align_cell *)(void *)block, &search.field);
     search.pts = (struct align_point *)(void *)(block + cells);
     load(probe, search.pts);
-    search.centre = align_pose_centre(tmpl->mesh);
+    search.centre = align_pose_centre(&tmpl->mesh);
     search.centre.z -= CENTRE_MM;
 
     choose(&search, tmpl, probe, best);

@@ -15,10 +15,10 @@
 #include "mem.h"
 #include "status.h"
 
-struct align_pose;      /* align_pose.h */
-struct align_weight;    /* align_field.h */
-struct fit_basis;       /* fit.h */
-struct measure_surface; /* measure.h */
+struct align_pose;   /* align_pose.h */
+struct align_weight; /* align_field.h */
+struct fit_basis;    /* fit.h */
+struct surface;      /* surface.h */
 
 enum align_stop {
     ALIGN_CONVERGED, /* the last step was below the resolution */
@@ -60,8 +60,8 @@ void align_work_free(struct align_work *w); /* w is empty again */
  * 30 degrees of yaw and 20 of pitch and roll.
  * Cost  O(probe->nv) a step, at most a fixed number of steps; no allocation once w has
  * grown.  Returns ST_OK (surfaces apart included), ST_ENOMEM. */
-enum status align_search(const struct measure_surface *tmpl,
-                         const struct measure_surface *probe, const struct align_how *how,
-                         struct align_work *w, struct align_result *out);
+enum status align_search(const struct surface *tmpl, const struct surface *probe,
+                         const struct align_how *how, struct align_work *w,
+                         struct align_result *out);
 
 #endif

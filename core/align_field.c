@@ -5,8 +5,8 @@
 
 #include "grid.h"
 #include "lattice.h"
-#include "measure.h"
 #include "mesh.h"
+#include "surface.h"
 
 #define SOFT_MM  0.05 /* |r| is rounded off below this: L1's weight 1 / |r| stays finite */
 #define TUKEY_MM 2.5
@@ -50,10 +50,10 @@ static float weight_at(const struct align_weight *u, const struct align_cell *c,
     return i == GRID_NONE ? 0.0f : u->u[i];
 }
 
-void align_field_make(const struct measure_surface *s, const struct align_weight *u,
+void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_cell *cells, struct align_field *f)
 {
-    const struct mesh *m = s->mesh;
+    const struct mesh *m = &s->mesh;
 
     f->cell = cells;
     f->n = m->nt;

@@ -13,7 +13,7 @@
 #include "lattice.h"
 #include "vec.h"
 
-struct measure_surface; /* measure.h */
+struct surface; /* surface.h */
 
 /* u(x, y) by which places of the template count in a registration. */
 struct align_weight {
@@ -42,9 +42,9 @@ struct align_field {
 /* align_field_bytes(nt): memory for a template of nt triangles. */
 size_t align_field_bytes(uint32_t nt);
 
-/* align_field_make(s, u, cells, f): u NULL: 1 everywhere, else 0 off the grid.  f over cells, align_field_bytes(s->mesh->nt) of
+/* align_field_make(s, u, cells, f): u NULL: 1 everywhere, else 0 off the grid.  f over cells, align_field_bytes(s->mesh.nt) of
  * memory.  O(nt). */
-void align_field_make(const struct measure_surface *s, const struct align_weight *u,
+void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_cell *cells, struct align_field *f);
 
 /* A point of the probe. */

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "lattice.h"
-#include "measure.h"
 #include "mesh.h"
+#include "surface.h"
 
 /* Share of the points that stick out most, whose mean is taken for the nose. */
 #define NOSE_SHARE     0.02
@@ -15,24 +15,7 @@
 
 static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
 {
-    return (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
-                          m->z[v] / LATTICE_PER_MM};
-}
-
-static double dot(struct dvec3 a, struct dvec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
-{
-    return (struct dvec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
-                          a.x * b.y - a.y * b.x};
-}
-
-static struct dvec3 sub(struct dvec3 a, struct dvec3 b)
-{
-    return (struct dvec3){a.x - b.x, a.y - b.y, a.z - b.z};
+    return lattice_to_mm(m->xy[v], m->z[v]);
 }
 
 /* turn(q, r): the rotation of the quaternion (q[0]; q[1..3]), which need not have length
@@ -53,15 +36,15 @@ static void turn(const double q[4], double r[9])
 static void orthonormal(double r[9])
 {
     struct dvec3 x = {r[0], r[1], r[2]}, y = {r[3], r[4], r[5]}, z;
-    const double lx = 1.0 / sqrt(dot(x, x));
+    const double lx = 1.0 / sqrt(vec_dot(x, x));
     double ly, xy;
 
     x = (struct dvec3){x.x * lx, x.y * lx, x.z * lx};
-    xy = dot(x, y);
+    xy = vec_dot(x, y);
     y = (struct dvec3){y.x - xy * x.x, y.y - xy * x.y, y.z - xy * x.z};
-    ly = 1.0 / sqrt(dot(y, y));
+    ly = 1.0 / sqrt(vec_dot(y, y));
     y = (struct dvec3){y.x * ly, y.y * ly, y.z * ly};
-    z = cross(x, y);
+    z = vec_cross(x, y);
     memcpy(r, (const double[9]){x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z},
            9 * sizeof *r);
 }
@@ -134,9 +117,9 @@ bool align_pose_rigid(const struct align_pose *a)
 {
     const double *r = a->r;
     const struct dvec3 x = {r[0], r[1], r[2]}, y = {r[3], r[4], r[5]};
-    const struct dvec3 z = cross(x, y);
-    bool good = fabs(dot(x, x) - 1) < 1e-6 && fabs(dot(y, y) - 1) < 1e-6 &&
-                fabs(dot(x, y)) < 1e-6;
+    const struct dvec3 z = vec_cross(x, y);
+    bool good = fabs(vec_dot(x, x) - 1) < 1e-6 && fabs(vec_dot(y, y) - 1) < 1e-6 &&
+                fabs(vec_dot(x, y)) < 1e-6;
 
     good = good && fabs(z.x - r[6]) < 1e-5 && fabs(z.y - r[7]) < 1e-5 &&
            fabs(z.z - r[8]) < 1e-5;
@@ -201,10 +184,10 @@ static void principal(double a[3][3], struct dvec3 axis[3])
  * side: a chin or a forehead turned forward is no nose. */
 static double protrusion(struct dvec3 p, const struct align_frame *f)
 {
-    const struct dvec3 d = sub(p, f->centre);
-    const double out = dot(d, f->axis[2]);
+    const struct dvec3 d = vec_sub(p, f->centre);
+    const double out = vec_dot(d, f->axis[2]);
 
-    return out - (dot(d, d) - out * out) * (1.0 / NOSE_RADIUS_MM);
+    return out - (vec_dot(d, d) - out * out) * (1.0 / NOSE_RADIUS_MM);
 }
 
 /* nose_of(m, f): the mean of the NOSE_SHARE of the points that protrude most. */
@@ -252,15 +235,15 @@ struct dvec3 align_pose_centre(const struct mesh *m)
     return (struct dvec3){(double)x * unit, (double)y * unit, (double)z * unit};
 }
 
-void align_pose_frame(const struct measure_surface *s, struct align_frame *f)
+void align_pose_frame(const struct surface *s, struct align_frame *f)
 {
-    const struct mesh *m = s->mesh;
+    const struct mesh *m = &s->mesh;
     struct dvec3 axis[3];
     double c[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
     f->centre = align_pose_centre(m);
     for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 d = sub(vertex_mm(m, v), f->centre);
+        const struct dvec3 d = vec_sub(vertex_mm(m, v), f->centre);
 
         c[0][0] += d.x * d.x;
         c[0][1] += d.x * d.y;
@@ -279,6 +262,6 @@ void align_pose_frame(const struct measure_surface *s, struct align_frame *f)
     }
     f->axis[1] = axis[0];
     f->axis[2] = axis[2];
-    f->axis[0] = cross(axis[0], axis[2]);
+    f->axis[0] = vec_cross(axis[0], axis[2]);
     f->nose = nose_of(m, f);
 }

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include "vec.h"
 
-struct measure_surface; /* measure.h */
-struct mesh;            /* mesh.h */
+struct surface; /* surface.h */
+struct mesh;    /* mesh.h */
 
 /* p -> r p + t, r a rotation (row-major), millimetres. */
 struct align_pose {
@@ -53,6 +53,6 @@ struct align_frame {
 struct dvec3 align_pose_centre(const struct mesh *m);
 
 /* align_pose_frame(s, f): O(nv). */
-void align_pose_frame(const struct measure_surface *s, struct align_frame *f);
+void align_pose_frame(const struct surface *s, struct align_frame *f);
 
 #endif

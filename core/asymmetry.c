@@ -7,12 +7,9 @@
 #include "align_field.h"
 #include "align_pose.h"
 #include "align_solve.h"
-#include "delaunay.h"
-#include "holes.h"
 #include "lattice.h"
 #include "measure.h"
-#include "mst.h"
-#include "quality.h"
+#include "surface.h"
 
 #define ROUNDS       2    /* turned upright by the start, then by the corrected plane */
 #define POINTS       4000 /* of the mirror image, at most, in a robust sum */
@@ -46,32 +43,15 @@ struct search {
     uint32_t evaluations;
 };
 
-static double dot(struct dvec3 a, struct dvec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
-{
-    return (struct dvec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
-                          a.x * b.y - a.y * b.x};
-}
-
-/* a + s b */
-static struct dvec3 along(struct dvec3 a, double s, struct dvec3 b)
-{
-    return (struct dvec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
-}
-
 static struct dvec3 unit(struct dvec3 a)
 {
-    return along((struct dvec3){0, 0, 0}, 1 / sqrt(dot(a, a)), a);
+    return vec_along((struct dvec3){0, 0, 0}, 1 / sqrt(vec_dot(a, a)), a);
 }
 
 /* The point of the plane nearest to p. */
 static struct dvec3 onto(const struct plane *p, struct dvec3 q)
 {
-    return along(q, p->offset - dot(p->normal, q), p->normal);
+    return vec_along(q, p->offset - vec_dot(p->normal, q), p->normal);
 }
 
 /* The reflection in the plane, as the pose that it is but for its handedness. */
@@ -88,47 +68,6 @@ static struct align_pose mirror(const struct plane *p)
     return out;
 }
 
-/* upright(s, pose, m, w, out): s moved by pose, as a surface of its own in w.  ST_ERANGE,
- * ST_EDEGENERATE: nothing is left of it there. */
-static enum status upright(const struct measure_surface *s, const struct align_pose *pose,
-                           struct measure_work *m, struct asymmetry_work *w,
-                           struct measure_surface *out)
-{
-    const size_t n = s->mesh->nv;
-    const size_t raw = mem_round(n * sizeof(struct ivec3));
-    const size_t spacing = raw + mem_round(n * sizeof *out->raw);
-    const size_t bridge = spacing + mem_round(n * sizeof *out->spacing);
-    unsigned char *block = scratch_need(&w->arrays, bridge + 2 * n);
-    struct ivec3 *pts = (struct ivec3 *)(void *)block;
-    int32_t *heights;
-    float *space;
-    enum status st;
-
-    if (block == NULL)
-        return ST_ENOMEM;
-    heights = (int32_t *)(void *)(block + raw);
-    space = (float *)(void *)(block + spacing);
-    for (uint32_t v = 0; v < n; v++) {
-        const struct dvec3 q =
-            align_pose_apply(pose, (struct dvec3){s->mesh->xy[v].x / LATTICE_PER_MM,
-                                                  s->mesh->xy[v].y / LATTICE_PER_MM,
-                                                  s->raw[v] / LATTICE_PER_MM});
-
-        if (lattice_from_mm(&q, 1, LATTICE_PER_MM, &pts[v], NULL) != ST_OK)
-            return ST_ERANGE;
-    }
-    if ((st = delaunay_build(pts, n, &m->scratch, &w->mesh)) != ST_OK ||
-        (st = mst_build(&w->mesh, &m->scratch)) != ST_OK)
-        return st;
-    memcpy(heights, w->mesh.z, w->mesh.nv * sizeof *heights);
-    if ((st = quality_spikes(&w->mesh, &m->scratch)) != ST_OK ||
-        (st = holes_spacing(&w->mesh, &m->scratch, space)) != ST_OK)
-        return st;
-    *out = (struct measure_surface){&w->mesh, heights, space, block + bridge,
-                                    holes_mark(&w->mesh, space, block + bridge)};
-    return ST_OK;
-}
-
 /* Which block a point is in, of a surface that extends from low to high about x = 0. */
 static uint32_t block_of(struct ivec2 p, struct ivec2 low, struct ivec2 high)
 {
@@ -139,9 +78,9 @@ static uint32_t block_of(struct ivec2 p, struct ivec2 low, struct ivec2 high)
 }
 
 /* The vertices that a measured triangle has, sorted by block, in the order of the mesh. */
-static void load(const struct measure_surface *s, uint32_t *block, struct search *out)
+static void load(const struct surface *s, uint32_t *block, struct search *out)
 {
-    const struct mesh *m = s->mesh;
+    const struct mesh *m = &s->mesh;
     struct ivec2 low = m->xy[0], high = low;
     struct dvec3 sum = {0, 0, 0};
     uint32_t fill[BLOCKS], n = 0;
@@ -164,16 +103,15 @@ static void load(const struct measure_surface *s, uint32_t *block, struct search
         out->begin[b + 1] += out->begin[b];
     memcpy(fill, out->begin, sizeof fill);
     for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 p = {m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
-                                m->z[v] / LATTICE_PER_MM};
+        const struct dvec3 p = lattice_to_mm(m->xy[v], m->z[v]);
 
         if (block[v] == NO_BLOCK)
             continue;
         out->pts[fill[block[v]]++] = (struct align_point){p, 1.0f, ALIGN_FIELD_NONE};
-        sum = along(sum, 1, p);
+        sum = vec_along(sum, 1, p);
         n++;
     }
-    out->middle = along((struct dvec3){0, 0, 0}, 1.0 / (n != 0 ? n : 1), sum);
+    out->middle = vec_along((struct dvec3){0, 0, 0}, 1.0 / (n != 0 ? n : 1), sum);
     out->stride = 1 + n / POINTS;
 }
 
@@ -235,7 +173,8 @@ static struct align_normal reduce(const struct align_normal *a, const double to[
 static double step(const struct search *s, const struct align_sum *sum, struct plane *p)
 {
     const struct dvec3 n = p->normal, c = onto(p, s->middle);
-    const struct dvec3 a = unit(cross((struct dvec3){0, 0, 1}, n)), b = cross(n, a);
+    const struct dvec3 a = unit(vec_cross((struct dvec3){0, 0, 1}, n)),
+                       b = vec_cross(n, a);
     const double to[3][6] = {{2 * a.x, 2 * a.y, 2 * a.z, 0, 0, 0},
                              {2 * b.x, 2 * b.y, 2 * b.z, 0, 0, 0},
                              {0, 0, 0, 2 * n.x, 2 * n.y, 2 * n.z}};
@@ -250,8 +189,8 @@ static double step(const struct search *s, const struct align_sum *sum, struct p
     if (fabs(x[3]) * scale > MAX_SHIFT_MM)
         scale = MAX_SHIFT_MM / fabs(x[3]);
     /* a x n = -b and b x n = a */
-    p->normal = unit(along(along(n, -scale * x[0], b), scale * x[1], a));
-    p->offset = dot(p->normal, c) + scale * x[3];
+    p->normal = unit(vec_along(vec_along(n, -scale * x[0], b), scale * x[1], a));
+    p->offset = vec_dot(p->normal, c) + scale * x[3];
     return scale * (turn * LEVER_MM + fabs(x[3]));
 }
 
@@ -293,17 +232,18 @@ static void jackknife(struct search *s, const struct plane *best, struct asymmet
         if (s->begin[b] == s->begin[b + 1])
             continue;
         (void)descend(s, b, &p, &within);
-        turn = along(p.normal, -1, best->normal);
-        off = p.offset - dot(p.normal, c);
-        sum = along(sum, 1, turn);
-        squares += dot(turn, turn);
+        turn = vec_along(p.normal, -1, best->normal);
+        off = p.offset - vec_dot(p.normal, c);
+        sum = vec_along(sum, 1, turn);
+        squares += vec_dot(turn, turn);
         shift += off;
         shifts += off * off;
         n++;
     }
     if (n < 2)
         return;
-    out->turn_deg = DEGREES * sqrt((n - 1) / n * fmax(squares - dot(sum, sum) / n, 0));
+    out->turn_deg =
+        DEGREES * sqrt((n - 1) / n * fmax(squares - vec_dot(sum, sum) / n, 0));
     out->shift_mm = sqrt((n - 1) / n * fmax(shifts - shift * shift / n, 0));
 }
 
@@ -320,15 +260,14 @@ static void straighten(const struct plane *p, struct dvec3 middle,
 }
 
 /* search(s, w, last, out): the plane in s, which is upright. */
-static enum status search_plane(const struct measure_surface *s, struct measure_work *m,
+static enum status search_plane(const struct surface *s, struct measure_work *m,
                                 bool last, struct plane *p, struct dvec3 *middle,
                                 struct asymmetry *out)
 {
-    const size_t cells = mem_round(align_field_bytes(s->mesh->nt));
-    const size_t pts = cells + mem_round(s->mesh->nv * sizeof(struct align_point));
+    const size_t cells = mem_round(align_field_bytes(s->mesh.nt));
+    const size_t pts = cells + mem_round(s->mesh.nv * sizeof(struct align_point));
     struct search search = {.evaluations = out->evaluations};
-    unsigned char *block =
-        scratch_need(&m->scratch, pts + s->mesh->nv * sizeof(uint32_t));
+    unsigned char *block = scratch_need(&m->scratch, pts + s->mesh.nv * sizeof(uint32_t));
     double within = 0;
 
     if (block == NULL)
@@ -354,18 +293,19 @@ static struct plane plane_of(const struct align_pose *frame)
 }
 
 static void tell(const struct align_pose *start, const struct align_pose *frame,
-                 const struct measure_surface *s, struct asymmetry *out)
+                 const struct surface *s, struct asymmetry *out)
 {
     const struct plane from = plane_of(start), to = plane_of(frame);
-    const struct dvec3 turn = cross(from.normal, to.normal);
-    const struct dvec3 c = onto(&from, align_pose_centre(s->mesh));
+    const struct dvec3 turn = vec_cross(from.normal, to.normal);
+    const struct dvec3 c = onto(&from, align_pose_centre(&s->mesh));
 
     out->normal[0] = to.normal.x;
     out->normal[1] = to.normal.y;
     out->normal[2] = to.normal.z;
     out->offset_mm = to.offset;
-    out->moved_deg = DEGREES * atan2(sqrt(dot(turn, turn)), dot(from.normal, to.normal));
-    out->moved_mm = fabs(to.offset - dot(to.normal, c));
+    out->moved_deg =
+        DEGREES * atan2(sqrt(vec_dot(turn, turn)), vec_dot(from.normal, to.normal));
+    out->moved_mm = fabs(to.offset - vec_dot(to.normal, c));
 }
 
 bool asymmetry_conclusive(const struct asymmetry *a)
@@ -373,21 +313,13 @@ bool asymmetry_conclusive(const struct asymmetry *a)
     return a->stop != ALIGN_APART && a->measure.overlap >= ASYMMETRY_MIN_OVERLAP;
 }
 
-void asymmetry_work_free(struct asymmetry_work *w)
-{
-    if (w == NULL)
-        return;
-    mesh_free(&w->mesh);
-    scratch_free(&w->arrays);
-}
-
-enum status asymmetry_find(const struct measure_surface *s,
-                           const struct align_pose *start, struct measure_work *m,
-                           struct asymmetry_work *w, struct asymmetry *out)
+enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
+                           struct measure_work *m, struct surface *upright,
+                           struct asymmetry *out)
 {
     static const double flip[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct align_pose frame = *start;
-    struct measure_surface turned;
+    double transform[16];
     enum status st = ST_OK;
 
     memset(out, 0, sizeof *out);
@@ -397,16 +329,18 @@ enum status asymmetry_find(const struct measure_surface *s,
         struct plane p = {{1, 0, 0}, 0};
         struct dvec3 middle;
 
-        if ((st = upright(s, &frame, m, w, &turned)) != ST_OK)
+        align_pose_to_matrix(&frame, transform);
+        st = surface_move(s, transform, &m->points, &m->scratch, upright);
+        if (st != ST_OK)
             break;
         if (round == 0 &&
-            (st = measure_at(&turned, &turned, flip, NULL, m, &out->first)) != ST_OK)
+            (st = measure_at(upright, upright, flip, NULL, m, &out->first)) != ST_OK)
             break;
         if (round == ROUNDS) {
-            st = measure_at(&turned, &turned, flip, NULL, m, &out->measure);
+            st = measure_at(upright, upright, flip, NULL, m, &out->measure);
             break;
         }
-        st = search_plane(&turned, m, round + 1 == ROUNDS, &p, &middle, out);
+        st = search_plane(upright, m, round + 1 == ROUNDS, &p, &middle, out);
         if (st != ST_OK)
             break;
         straighten(&p, middle, &frame);

@@ -15,13 +15,11 @@
 #include <stdint.h>
 #include "align.h"
 #include "disparity.h"
-#include "mem.h"
-#include "mesh.h"
 #include "status.h"
 
-struct align_pose;      /* align_pose.h */
-struct measure_surface; /* measure.h */
-struct measure_work;    /* measure.h */
+struct align_pose;   /* align_pose.h */
+struct surface;      /* surface.h */
+struct measure_work; /* measure.h */
 
 struct asymmetry {
     double normal[3];         /* of the plane, a unit vector towards the image's right, */
@@ -43,26 +41,18 @@ struct asymmetry {
 #define ASYMMETRY_MIN_OVERLAP 0.45
 bool asymmetry_conclusive(const struct asymmetry *a);
 
-/* A worker's memory besides measure_work's; all zero is an empty one. */
-struct asymmetry_work {
-    struct mesh mesh; /* the surface, turned upright */
-    struct scratch arrays;
-};
-
-void asymmetry_work_free(
-    struct asymmetry_work *w); /* w is empty again; NULL is allowed */
-
-/* asymmetry_find(s, start, m, w, out): the plane in which s is most like its mirror image,
+/* asymmetry_find(s, start, m, upright, out): the plane in which s is most like its mirror image,
  * and how unlike.
  * s      lattice units at LATTICE_PER_MM, with its spanning tree
  * start  a rigid motion (mm) that brings the plane near x = 0 and the view along z: a face's
  *        canonical frame.  15 degrees and 10 mm off will do.
+ * upright  s turned into its symmetry plane: a former surface's memory, or empty
  * The value of a surface is that of its mirror image, to what the search leaves (under 1 %).
  * With ALIGN_APART, or where a pose leads off the lattice, the measures may be all zero.
  * Cost   six triangulations, two general triangulations, and up to some 100 robust sums
  *        over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
-enum status asymmetry_find(const struct measure_surface *s,
-                           const struct align_pose *start, struct measure_work *m,
-                           struct asymmetry_work *w, struct asymmetry *out);
+enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
+                           struct measure_work *m, struct surface *upright,
+                           struct asymmetry *out);
 
 #endif

@@ -64,8 +64,7 @@ static void finish(struct cells *c)
 
 /* One surface's triangles, with the gap at their corners. */
 struct side {
-    const struct mesh *mesh;
-    const uint8_t *bridge;
+    const struct surface *surface;
     const double *ground;                  /* [nv] the template's height */
     const struct disparity_vertex *vertex; /* of the general triangulation */
     const uint32_t *general;               /* [nv] its numbers there; NULL: the same */
@@ -82,7 +81,7 @@ static void add_side(const struct side *side, const struct align_pose *frame,
                      struct cells *out)
 {
     const double mm = 1.0 / LATTICE_PER_MM;
-    const struct mesh *m = side->mesh;
+    const struct mesh *m = &side->surface->mesh;
 
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
@@ -91,7 +90,7 @@ static void add_side(const struct side *side, const struct align_pose *frame,
         struct piece s;
         int first, last;
 
-        if (side->bridge[t] || mesh_is_ghost(m, t))
+        if (side->surface->bridge[t] || mesh_is_ghost(m, t))
             continue;
         for (int i = 0; i < 3; i++) {
             gap[i] = side->vertex[side->general != NULL ? side->general[v[i]] : v[i]].gap;
@@ -148,13 +147,12 @@ static void blend(const struct cells *a, const struct cells *b, double share_b,
     }
 }
 
-void cells_measure(const struct measure_surface *tmpl, const struct measure_work *w,
+void cells_measure(const struct surface *tmpl, const struct measure_work *w,
                    const struct align_pose *frame, struct cells *out)
 {
-    const struct mesh *a = tmpl->mesh, *b = &w->moved;
     const struct side sides[2] = {
-        {a, tmpl->bridge, w->ground, w->vertex, NULL},
-        {b, w->bridge, w->moved_other, w->vertex, w->b_vertex},
+        {tmpl, w->ground, w->vertex, NULL},
+        {&w->moved, w->moved_other, w->vertex, w->b_vertex},
     };
     struct cells at_tmpl, at_probe;
     double ha, hb;
@@ -166,8 +164,8 @@ void cells_measure(const struct measure_surface *tmpl, const struct measure_work
     memset(&at_probe, 0, sizeof at_probe);
     add_side(&sides[0], frame, &at_tmpl);
     add_side(&sides[1], frame, &at_probe);
-    ha = tmpl->measured / a->nv; /* the spacing's square */
-    hb = w->measured / b->nv;
+    ha = tmpl->measured / tmpl->mesh.nv; /* the spacing's square */
+    hb = w->moved.measured / w->moved.mesh.nv;
     blend(&at_tmpl, &at_probe, hb * hb / (ha * ha + hb * hb), out);
 }
 

@@ -7,10 +7,10 @@
 #include "align_pose.h"
 #include "grid.h"
 
-struct align_field;     /* align_field.h */
-struct align_point;     /* align_field.h */
-struct measure_surface; /* measure.h */
-struct measure_work;    /* measure.h */
+struct align_field;  /* align_field.h */
+struct align_point;  /* align_field.h */
+struct surface;      /* surface.h */
+struct measure_work; /* measure.h */
 
 #define CELLS_COVERED                                                                    \
     1.0f /* mm^2 of a cell's 16 that both surfaces must cover at least */
@@ -42,7 +42,7 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
  * frame maps the template into its canonical frame.  Steep places, more than 75 degrees
  * off the frame's z, and triangles that bridge missing points of either surface are left
  * out.  O(nv). */
-void cells_measure(const struct measure_surface *tmpl, const struct measure_work *w,
+void cells_measure(const struct surface *tmpl, const struct measure_work *w,
                    const struct align_pose *frame, struct cells *out);
 
 /* cells_sample(field, pts, n, pose, frame, out): the same from samples: the probe's points

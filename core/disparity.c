@@ -74,12 +74,11 @@ double disparity_cell(double area, double a, double b, double c)
 }
 
 /* The gap as disparity_vertex tells it, at a vertex that lies at loc in the other mesh. */
-static inline double told(double gap, const struct disparity_side *other,
-                          struct location loc)
+static inline double told(double gap, const struct surface *other, struct location loc)
 {
     if (loc.where == LOCATE_OUTSIDE)
         return NAN;
-    return !other->bridge[loc.he / 3] || holes_measured(other->mesh, other->bridge, loc)
+    return !other->bridge[loc.he / 3] || holes_measured(&other->mesh, other->bridge, loc)
                ? gap
                : INFINITY; /* (Nearly always the former: no call.) */
 }
@@ -87,20 +86,22 @@ static inline double told(double gap, const struct disparity_side *other,
 static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
                  const struct disparity_side *b, struct disparity_vertex *vertex)
 {
-    for (uint32_t v = 0; v < a->mesh->nv; v++) {
-        vertex[v].gap = told(a->other[v] - a->mesh->z[v], b, a->loc[v]);
-        vertex[v].spacing = a->spacing[v];
-    }
-    for (uint32_t v = 0; v < b->mesh->nv; v++) {
-        struct disparity_vertex *const d = &vertex[b_vertex[v]];
-        const double gap = told(b->mesh->z[v] - b->other[v], a, b->loc[v]);
+    const struct surface *sa = a->surface, *sb = b->surface;
 
-        if (b_vertex[v] >= a->mesh->nv) {
+    for (uint32_t v = 0; v < sa->mesh.nv; v++) {
+        vertex[v].gap = told(a->other[v] - sa->mesh.z[v], sb, a->loc[v]);
+        vertex[v].spacing = sa->spacing[v];
+    }
+    for (uint32_t v = 0; v < sb->mesh.nv; v++) {
+        struct disparity_vertex *const d = &vertex[b_vertex[v]];
+        const double gap = told(sb->mesh.z[v] - b->other[v], sa, b->loc[v]);
+
+        if (b_vertex[v] >= sa->mesh.nv) {
             d->gap = gap;
-            d->spacing = b->spacing[v];
+            d->spacing = sb->spacing[v];
         } else { /* a point of both: each has its say */
             d->gap = isfinite(d->gap) ? gap : d->gap;
-            d->spacing = d->spacing > b->spacing[v] ? d->spacing : b->spacing[v];
+            d->spacing = d->spacing > sb->spacing[v] ? d->spacing : sb->spacing[v];
         }
     }
 }
@@ -192,6 +193,6 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
         out->weighted_mm =
             weights > 0 ? sum_total(&t.weighted) / (3 * weights) / per_mm : 0;
     }
-    share = a->measured > 0 ? 0.5 * t.common / a->measured : 0;
+    share = a->surface->measured > 0 ? 0.5 * t.common / a->surface->measured : 0;
     out->overlap = share < 1 ? share : 1;
 }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include "holes.h"
 #include "mesh.h"
+#include "surface.h"
 
 struct location; /* locate.h */
 
@@ -18,10 +19,7 @@ double disparity_cell(double area, double a, double b, double c);
 
 /* A surface as the measure needs it. */
 struct disparity_side {
-    const struct mesh *mesh;
-    const float *spacing;       /* holes_spacing() */
-    const uint8_t *bridge;      /* holes_mark() */
-    double measured;            /* holes_mark()'s area, square lattice units */
+    const struct surface *surface;
     const struct location *loc; /* each of its vertices located in the other's mesh */
     const double *other; /* each of its vertices interpolated in the other's mesh */
 };
@@ -76,7 +74,7 @@ struct disparity {
 };
 
 /* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out)
- * general, b_vertex  from merge_build(a->mesh, b->mesh, ...)
+ * general, b_vertex  from merge_build() of the meshes of a and b
  * weight   may be NULL: u = 1
  * per_mm   lattice units per millimetre
  * vertex   [general->nv] scratch, set on return

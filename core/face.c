@@ -8,22 +8,18 @@
 #include "asymmetry.h"
 #include "cells.h"
 #include "decision.h"
-#include "delaunay.h"
 #include "fit.h"
-#include "holes.h"
 #include "lattice.h"
 #include "measure.h"
 #include "mem.h"
 #include "model.h"
-#include "mst.h"
 #include "quality.h"
 #include "score.h"
 
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
-    struct scratch points;       /* a cloud on the lattice */
     struct align_work align;
-    struct asymmetry_work asymmetry;
+    struct surface upright; /* asymmetry_find()'s */
     const struct model *model;
     struct frame_mean mean;          /* the model's */
     struct fit_basis motion, change; /* the model's */
@@ -57,7 +53,7 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
-    if (frame_mean_make(w->model, &w->points, &w->mean) != ST_OK) {
+    if (frame_mean_make(w->model, &w->measure.points, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
     }
@@ -75,9 +71,8 @@ void face_work_free(struct face_work *w)
         return;
     measure_work_free(&w->measure);
     align_work_free(&w->align);
-    asymmetry_work_free(&w->asymmetry);
+    surface_free(&w->upright);
     frame_mean_free(&w->mean);
-    scratch_free(&w->points);
     mem_free(w);
 }
 
@@ -85,8 +80,7 @@ void face_free(struct face *f)
 {
     if (f == NULL)
         return;
-    mesh_free(&f->mesh);
-    mem_free(f->block);
+    surface_free(&f->surface);
     memset(f, 0, sizeof *f);
 }
 
@@ -99,82 +93,50 @@ static void exchange(struct face_work *w)
     w->align.field = block;
 }
 
-static struct measure_surface surface_of(const struct face *f)
+static void clear(struct face *f)
 {
-    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
-}
-
-/* Everything that follows from the mesh with its tree. */
-static enum status derive(struct face *f, struct face_work *w)
-{
-    const size_t nv = f->mesh.nv, spacing = mem_round(nv * sizeof *f->spacing);
-    const size_t raw = spacing + mem_round(nv * sizeof *f->raw);
-    unsigned char *block;
-    enum status st;
-
-    if (f->block == NULL || f->cap < nv) {
-        if ((block = mem_array(raw + 2 * nv, 1)) == NULL)
-            return ST_ENOMEM;
-        mem_free(f->block);
-        f->block = block;
-        f->cap = (uint32_t)nv;
-    }
-    f->spacing = f->block;
-    f->raw = (int32_t *)(void *)((unsigned char *)f->block + spacing);
-    f->bridge = (uint8_t *)f->block + raw;
-    memcpy(f->raw, f->mesh.z, nv * sizeof *f->raw);
-    if ((st = holes_spacing(&f->mesh, &w->measure.scratch, f->spacing)) != ST_OK)
-        return st;
-    f->measured = holes_mark(&f->mesh, f->spacing, f->bridge);
-    return ST_OK;
+    f->surface.mesh.nv = f->surface.mesh.nt = 0;
 }
 
 enum status face_place(struct face *f, struct face_work *w)
 {
-    const struct measure_surface s = surface_of(f);
     enum status st;
 
     exchange(w);
-    st = frame_find(&w->mean, &s, &w->align, &f->frame);
+    st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
     exchange(w);
     return st;
 }
 
 enum status face_adopt(struct face *f, struct face_work *w)
 {
-    enum status st = mesh_link(&f->mesh, &w->measure.scratch);
+    enum status st = mesh_link(&f->surface.mesh, &w->measure.scratch);
 
     if (st == ST_OK)
-        st = derive(f, w);
+        st = surface_derive(&f->surface, &w->measure.scratch);
     if (st == ST_OK && f->frame.mark != w->mean.mark)
         st = face_place(f, w);
     if (st != ST_OK)
-        f->mesh.nv = f->mesh.nt = 0;
+        clear(f);
     return st;
 }
 
-/* What face_build() does once the points are on the lattice.  laid: their spikes are laid
- * flat already. */
-static enum status build(const struct ivec3 *pts, size_t n, bool laid,
+/* What face_build() does once the points are on the lattice.  flatten: lay spikes flat. */
+static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
                          struct face_work *w, struct face *out)
 {
     struct scratch *s = &w->measure.scratch;
-    struct mesh *m = &out->mesh;
     enum status st;
 
     /* In this order: points on one spot are degenerate before they are small, and a face
      * in metres taken for millimetres is small before its points coincide. */
-    if ((st = delaunay_build(pts, n, s, m)) != ST_OK)
+    if ((st = surface_prepare(pts, n, flatten, s, &out->surface)) != ST_OK ||
+        (st = quality_extent(pts, n, s)) != ST_OK)
         return st;
-    if ((st = quality_extent(pts, n, s)) != ST_OK)
-        return st;
-    if (m->nv < FACE_MIN_POINTS)
+    if (out->surface.mesh.nv < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((st = mst_build(m, s)) != ST_OK || (st = derive(out, w)) != ST_OK ||
-        (!laid && (st = quality_spikes(m, s)) != ST_OK) ||
-        (st = quality_rate(out, s)) != ST_OK)
-        return st;
-    if ((st = face_place(out, w)) != ST_OK)
+    if ((st = quality_rate(&out->surface, s, &out->quality)) != ST_OK ||
+        (st = face_place(out, w)) != ST_OK)
         return st;
     return quality_place(&out->frame);
 }
@@ -185,37 +147,37 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
     struct ivec3 *lattice;
     enum status st;
 
-    out->mesh.nv = out->mesh.nt = 0;
+    clear(out);
     out->frame = (struct frame){0};
     if (n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
     if (n > MESH_MAX_POINTS)
         return ST_ELIMIT;
-    if ((lattice = scratch_need(&w->points, n * sizeof *lattice)) == NULL)
+    if ((lattice = scratch_need(&w->measure.points, n * sizeof *lattice)) == NULL)
         return ST_ENOMEM;
     st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad);
     if (st == ST_OK)
-        st = build(lattice, n, false, w, out);
+        st = build(lattice, n, true, w, out);
     if (st != ST_OK)
-        out->mesh.nv = out->mesh.nt = 0;
+        clear(out);
     return st;
 }
 
 enum status face_renew(struct face *f, struct face_work *w)
 {
-    struct mesh *m = &f->mesh;
+    const struct mesh *m = &f->surface.mesh;
     const uint32_t n = m->nv;
-    struct ivec3 *pts = scratch_need(&w->points, n * sizeof *pts);
+    struct ivec3 *pts = scratch_need(&w->measure.points, n * sizeof *pts);
     enum status st = ST_ENOMEM;
 
     if (pts != NULL) {
         for (uint32_t v = 0; v < n; v++)
             pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
         f->frame = (struct frame){0};
-        st = build(pts, n, true, w, f);
+        st = build(pts, n, false, w, f);
     }
     if (st != ST_OK)
-        m->nv = m->nt = 0;
+        clear(f);
     return st;
 }
 
@@ -231,7 +193,6 @@ static enum face_decision decide(const struct face_result *r)
 static enum status search(const struct face *tmpl, const struct face *probe,
                           struct face_work *w, struct align_result *out)
 {
-    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
     const struct align_pose first =
         align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
     const struct align_weight u = {w->mean.hold, tmpl->frame.pose};
@@ -239,7 +200,7 @@ static enum status search(const struct face *tmpl, const struct face *probe,
     enum status st;
 
     exchange(w);
-    st = align_search(&a, &b, &how, &w->align, out);
+    st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, out);
     exchange(w);
     return st;
 }
@@ -249,11 +210,11 @@ static enum status measure(const struct face *tmpl, const struct face *probe,
                            const double transform[16], struct face_work *w,
                            struct disparity *plain, struct cells *cells)
 {
-    const struct measure_surface a = surface_of(tmpl), b = surface_of(probe);
-    const enum status st = measure_at(&a, &b, transform, NULL, &w->measure, plain);
+    const enum status st =
+        measure_at(&tmpl->surface, &probe->surface, transform, NULL, &w->measure, plain);
 
     if (st == ST_OK)
-        cells_measure(&a, &w->measure, &tmpl->frame.pose, cells);
+        cells_measure(&tmpl->surface, &w->measure, &tmpl->frame.pose, cells);
     return st;
 }
 
@@ -310,7 +271,5 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out)
 {
-    const struct measure_surface s = surface_of(f);
-
-    return asymmetry_find(&s, &f->frame.pose, &w->measure, &w->asymmetry, out);
+    return asymmetry_find(&f->surface, &f->frame.pose, &w->measure, &w->upright, out);
 }

@@ -11,8 +11,9 @@
 #include "disparity.h"
 #include "frame.h"
 #include "grid.h"
-#include "mesh.h"
+#include "quality.h"
 #include "status.h"
+#include "surface.h"
 #include "vec.h"
 
 #define FACE_ENGINE     "surfaced/0.2.0 measure/3" /* and a model: face_engine() */
@@ -20,23 +21,10 @@
 #define FACE_MIN_POINTS 100
 #define FACE_MAX_POINTS 300000 /* default limit */
 
-struct face_quality {
-    double score;      /* 0..1, the least of its parts */
-    double coverage;   /* measured area over the hull's area, 0..1 */
-    double density_mm; /* typical distance between neighbours */
-    double noise_mm;   /* white noise estimated from the surface itself */
-};
-
 struct face {
-    struct mesh mesh;
-    float *spacing;  /* [nv] holes_spacing() */
-    uint8_t *bridge; /* [nt] holes_mark() */
-    int32_t *raw;    /* [nv] heights as scanned; the mesh's have the spikes laid flat */
-    double measured; /* square lattice units */
-    struct face_quality quality;
+    struct surface surface;
+    struct quality quality;
     struct frame frame; /* its canonical frame */
-    void *block;        /* holds spacing, raw and bridge */
-    uint32_t cap;       /* points block has room for */
 };
 
 struct asymmetry; /* asymmetry.h */
@@ -78,9 +66,9 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
 void face_free(struct face *f); /* NULL and empty ones are allowed */
 
 /* face_adopt(f, w): for decoding: mesh_link(), then everything that follows from the mesh.
- * f->mesh has nv, nt, xy, z, org and parent, all of them unproven; f->frame the frame
+ * f->surface.mesh has nv, nt, xy, z, org and parent, all of them unproven; f->frame the frame
  * stored, or mark 0: it is found again where it belongs to another model's mean face.
- * Returns ST_OK, ST_ECORRUPT (f->mesh.nv is 0 then), ST_ENOMEM. */
+ * Returns ST_OK, ST_ECORRUPT (f->surface.mesh.nv is 0 then), ST_ENOMEM. */
 enum status face_adopt(struct face *f, struct face_work *w);
 
 /* face_renew(f, w): f, which another engine made, as this one makes it from the same points:
@@ -130,12 +118,5 @@ enum status face_gap(const struct face *tmpl, const struct face *probe,
  * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out);
-
-/* face_heatmap(tmpl, pts, n, transform, gap_mm): for detail=heatmap: the signed gap
- * (probe minus template, mm) at each of the probe's own points in the order given, NAN
- * where the template does not cover it or it is off the lattice.
- * Cost  O(tmpl->mesh.nv + n) for points spread like the template's, in any order. */
-void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
-                  const double transform[16], double *gap_mm);
 
 #endif

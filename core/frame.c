@@ -5,12 +5,8 @@
 
 #include "align_field.h"
 #include "align_solve.h"
-#include "delaunay.h"
-#include "holes.h"
 #include "lattice.h"
-#include "measure.h"
 #include "model.h"
-#include "mst.h"
 
 /* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
 static void hold(const struct model_basis *b, float *out)
@@ -33,8 +29,8 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
                             struct frame_mean *out)
 {
     struct ivec3 pts[GRID_N];
-    enum status st;
     size_t n = 0;
+    enum status st;
 
     memset(out, 0, sizeof *out);
     out->mark = model_mark(m);
@@ -49,40 +45,25 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
     }
     if (n < 3)
         return ST_EDEGENERATE;
-    if ((st = delaunay_build(pts, n, s, &out->mesh)) != ST_OK ||
-        (st = mst_build(&out->mesh, s)) != ST_OK)
-        goto fail;
-    out->spacing = mem_array(out->mesh.nv, sizeof *out->spacing);
-    out->bridge = mem_array(out->mesh.nt, sizeof *out->bridge);
-    st = ST_ENOMEM;
-    if (out->spacing == NULL || out->bridge == NULL ||
-        (st = holes_spacing(&out->mesh, s, out->spacing)) != ST_OK)
-        goto fail;
-    out->measured = holes_mark(&out->mesh, out->spacing, out->bridge);
-    return ST_OK;
-fail:
-    frame_mean_free(out);
+    if ((st = surface_prepare(pts, n, false, s, &out->surface)) != ST_OK)
+        frame_mean_free(out);
     return st;
 }
 
 void frame_mean_free(struct frame_mean *mean)
 {
-    mesh_free(&mean->mesh);
-    mem_free(mean->spacing);
-    mem_free(mean->bridge);
+    surface_free(&mean->surface);
     memset(mean, 0, sizeof *mean);
 }
 
-enum status frame_find(const struct frame_mean *mean, const struct measure_surface *face,
+enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct measure_surface to = {&mean->mesh, mean->mesh.z, mean->spacing,
-                                       mean->bridge, mean->measured};
     const struct align_weight u = {mean->hold, still};
     struct align_result found;
-    const enum status st =
-        align_search(&to, face, &(struct align_how){NULL, &u, NULL}, w, &found);
+    const enum status st = align_search(&mean->surface, face,
+                                        &(struct align_how){NULL, &u, NULL}, w, &found);
 
     if (st != ST_OK)
         return st;
@@ -94,10 +75,9 @@ enum status frame_find(const struct frame_mean *mean, const struct measure_surfa
     return ST_OK;
 }
 
-void frame_map(const struct measure_surface *face, const struct align_pose *pose,
-               float z[GRID_N])
+void frame_map(const struct surface *face, const struct align_pose *pose, float z[GRID_N])
 {
-    const struct mesh *m = face->mesh;
+    const struct mesh *m = &face->mesh;
     double area[GRID_N] = {0}, sum[GRID_N] = {0};
 
     for (uint32_t t = 0; t < m->nt; t++) {
@@ -110,9 +90,7 @@ void frame_map(const struct measure_surface *face, const struct align_pose *pose
         for (int k = 0; k < 3; k++) {
             const uint32_t v = m->org[3 * t + (uint32_t)k];
 
-            q[k] = align_pose_apply(pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
-                                                         m->xy[v].y / LATTICE_PER_MM,
-                                                         m->z[v] / LATTICE_PER_MM});
+            q[k] = align_pose_apply(pose, lattice_to_mm(m->xy[v], m->z[v]));
         }
         twice =
             (q[1].x - q[0].x) * (q[2].y - q[0].y) - (q[1].y - q[0].y) * (q[2].x - q[0].x);
@@ -146,18 +124,15 @@ static void quadric(uint32_t cell, double j[6])
 
 /* The mean height of the face's points in each cell; 0 and n[i] = 0 where there are none.
  * Cheaper than frame_map(), and as good for what is only to be like a face. */
-static void mean_heights(const struct measure_surface *face,
-                         const struct align_pose *pose, double z[GRID_N],
-                         uint32_t n[GRID_N])
+static void mean_heights(const struct surface *face, const struct align_pose *pose,
+                         double z[GRID_N], uint32_t n[GRID_N])
 {
-    const struct mesh *m = face->mesh;
+    const struct mesh *m = &face->mesh;
 
     memset(z, 0, GRID_N * sizeof *z);
     memset(n, 0, GRID_N * sizeof *n);
     for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 q = align_pose_apply(
-            pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
-                                 m->z[v] / LATTICE_PER_MM});
+        const struct dvec3 q = align_pose_apply(pose, lattice_to_mm(m->xy[v], m->z[v]));
         const uint32_t i = grid_cell(q.x, q.y);
 
         if (i == GRID_NONE)
@@ -169,7 +144,7 @@ static void mean_heights(const struct measure_surface *face,
         z[i] /= n[i] != 0 ? n[i] : 1;
 }
 
-double frame_likeness(const struct frame_mean *mean, const struct measure_surface *face,
+double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose)
 {
     struct align_normal a = {0}, b = {0}; /* of the face, and of the mean face */

@@ -7,17 +7,13 @@
 #include "align.h"
 #include "align_pose.h"
 #include "grid.h"
-#include "mesh.h"
+#include "surface.h"
 
-struct measure_surface; /* measure.h */
-struct model;           /* model.h */
+struct model; /* model.h */
 
 /* The mean face as a surface to lay others on.  All zero is an empty one. */
 struct frame_mean {
-    struct mesh mesh;
-    float *spacing;
-    uint8_t *bridge;
-    double measured;
+    struct surface surface;
     float hold[GRID_N];   /* for registrations: where a face keeps its shape, 0..1 */
     float height[GRID_N]; /* mm; NAN off the face */
     uint32_t mark;        /* model_mark() */
@@ -39,13 +35,13 @@ struct frame {
 
 /* frame_find(mean, face, w, out): Returns ST_OK, ST_ENOMEM.  Cost: a fraction of a
  * triangulation.  (A decoded template has pose and mark alone; the rest is 0.) */
-enum status frame_find(const struct frame_mean *mean, const struct measure_surface *face,
+enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);
 
 /* frame_map(face, pose, z): the mean height (mm) of the face in each cell of the frame that
  * pose takes it to; NAN where less than FRAME_COVERED mm^2 of a cell is covered.  O(nv). */
 #define FRAME_COVERED 4.0
-void frame_map(const struct measure_surface *face, const struct align_pose *pose,
+void frame_map(const struct surface *face, const struct align_pose *pose,
                float z[GRID_N]);
 
 /* frame_likeness(mean, face, pose): is it shaped like a face, -1..1: the correlation, over
@@ -56,7 +52,7 @@ void frame_map(const struct measure_surface *face, const struct align_pose *pose
  * NAN where fewer than FRAME_LIKENESS_CELLS, a third of a face, are common: a part may be
  * laid on another part, and tells nothing.  O(nv); nothing is allocated. */
 #define FRAME_LIKENESS_CELLS 350
-double frame_likeness(const struct frame_mean *mean, const struct measure_surface *face,
+double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose);
 
 #endif

@@ -21,4 +21,10 @@ enum status lattice_round(double mm, double scale, int32_t *out);
 enum status lattice_from_mm(const struct dvec3 *pts, size_t n, double scale,
                             struct ivec3 *out, size_t *bad);
 
+/* lattice_to_mm(p, z): a lattice point in mm. */
+static inline struct dvec3 lattice_to_mm(struct ivec2 p, int32_t z)
+{
+    return (struct dvec3){p.x / LATTICE_PER_MM, p.y / LATTICE_PER_MM, z / LATTICE_PER_MM};
+}
+
 #endif

@@ -4,13 +4,13 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "face.h"
 #include "frame.h"
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
 #include "select.h"
+#include "surface.h"
 
 #define EXTENT_MIN (60 * LATTICE_PER_MM)
 #define EXTENT_MAX (500 * LATTICE_PER_MM)
@@ -18,9 +18,6 @@
 #define NOISE_MAX  3.0                  /* mm */
 #define COVER_MIN  0.1
 #define SPIKES_MAX 0.25 /* share of the points laid flat; beyond it noise hides in them */
-
-/* A spike rises from each neighbour by more than this: 1 mm, and steeper than 45 degrees. */
-#define SPIKE_STEP INT64_C(1000)
 
 #define NOISE_STRIDE 4 /* the noise is taken from every 4th point */
 
@@ -52,80 +49,6 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
             v[i] = axis == 0 ? pts[i].x : axis == 1 ? pts[i].y : pts[i].z;
         if (select_kth(v, n, n - 1 - n / 100) - select_kth(v, n, n / 100) > EXTENT_MAX)
             return ST_EUNITS;
-    }
-    return ST_OK;
-}
-
-/* Does a lie far above b (1), far below (-1), or neither (0)?  In squares, on whole
- * numbers. */
-static int step(const struct mesh *m, uint32_t a, uint32_t b)
-{
-    const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
-    const int64_t rise = (int64_t)m->z[a] - m->z[b];
-    const int64_t over = (rise < 0 ? -rise : rise) - SPIKE_STEP;
-
-    if ((over <= 0) | (over * over <= dx * dx + dy * dy))
-        return 0;
-    return rise > 0 ? 1 : -1;
-}
-
-static bool is_spike(const struct mesh *m, uint32_t v)
-{
-    const uint32_t first = m->out[v];
-    uint32_t h = first, neighbours = 0, above = 0, below = 0;
-
-    do {
-        const uint32_t w = mesh_dest(m, h);
-
-        if (w != m->nv) {
-            const int side = step(m, v, w);
-
-            above += side > 0;
-            below += side < 0;
-            neighbours++;
-        }
-        h = mesh_turn(m, h);
-    } while (h != first);
-    return 4 * above >= 3 * neighbours || 4 * below >= 3 * neighbours;
-}
-
-/* The median height of v's neighbours that are no spikes; v's own when all are. */
-static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spike,
-                            double *z)
-{
-    const uint32_t first = m->out[v];
-    uint32_t h = first;
-    size_t n = 0;
-
-    do {
-        const uint32_t w = mesh_dest(m, h);
-
-        if (w != m->nv && !spike[w])
-            z[n++] = m->z[w];
-        h = mesh_turn(m, h);
-    } while (h != first);
-    return n > 0 ? (int32_t)select_kth(z, n, n / 2) : m->z[v];
-}
-
-enum status quality_spikes(struct mesh *m, struct scratch *s)
-{
-    const size_t flags = mem_round(m->nv);
-    uint8_t *spike = scratch_need(s, flags + m->nv * sizeof(double));
-
-    if (spike == NULL)
-        return ST_ENOMEM;
-    memset(spike, 0, m->nv);
-    for (uint32_t v = 1; v < m->nv; v++) {
-        const uint32_t up = m->parent[v];
-
-        if (__builtin_expect(step(m, v, up) != 0, 0)) {
-            spike[v] = is_spike(m, v);
-            spike[up] = is_spike(m, up);
-        }
-    }
-    for (uint32_t v = 0; v < m->nv; v++) {
-        if (spike[v])
-            m->z[v] = height_round(m, v, spike, (double *)(void *)(spike + flags));
     }
     return ST_OK;
 }
@@ -241,11 +164,10 @@ static double hull_area(const struct mesh *m)
     return twice / 2;
 }
 
-enum status quality_rate(struct face *f, struct scratch *s)
+enum status quality_rate(const struct surface *f, struct scratch *s, struct quality *q)
 {
     const struct mesh *m = &f->mesh;
     const double area = hull_area(m);
-    struct face_quality *q = &f->quality;
     double *r, rough, dense, smooth;
     uint32_t laid = 0;
 
@@ -288,7 +210,7 @@ static bool turned(const struct align_pose *p)
            fabs(atan2(r[3], r[4])) > 20 * degree;
 }
 
-unsigned quality_reasons(const struct face_quality *q, const struct frame *frame)
+unsigned quality_reasons(const struct quality *q, const struct frame *frame)
 {
     unsigned bits = 0;
 

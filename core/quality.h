@@ -7,11 +7,16 @@
 #include "status.h"
 #include "vec.h"
 
-struct face;         /* face.h */
-struct face_quality; /* face.h */
-struct frame;        /* frame.h */
-struct mesh;         /* mesh.h */
-struct scratch;      /* mem.h */
+struct frame;   /* frame.h */
+struct scratch; /* mem.h */
+struct surface; /* surface.h */
+
+struct quality {
+    double score;      /* 0..1, the least of its parts */
+    double coverage;   /* measured area over the hull's area, 0..1 */
+    double density_mm; /* typical distance between neighbours */
+    double noise_mm;   /* white noise estimated from the surface itself */
+};
 
 /* quality_extent(pts, n, s): do the points extend like a face?  Lattice units at
  * LATTICE_PER_MM.  The longest side of the bounding box must reach 60 mm, and that of the
@@ -19,20 +24,11 @@ struct scratch;      /* mem.h */
  * not matter.  O(n).  Returns ST_OK, ST_EUNITS, ST_ENOMEM.  n >= 1. */
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s);
 
-/* quality_spikes(m, s): find the points that stand out of the surface alone, and lay each
- * on the median height of its neighbours that do not: the surface then runs as if they had
- * been left out, without triangulating again.  A point stands out when it differs in height
- * by more than 1 mm and 45 degrees from three quarters of its neighbours, all to one side,
- * one of them its neighbour in the spanning tree (so that few points are looked at).
- * O(m->nv).  Returns ST_OK, ST_ENOMEM. */
-enum status quality_spikes(struct mesh *m, struct scratch *s);
-
-/* quality_rate(f, s): fill f->quality from the model (mesh, tree and holes are there) and
- * gate it.  O(nv).
+/* quality_rate(f, s, q): what a surface is worth, and the gate.  O(nv).
  * Returns ST_OK; ST_ENOTFACE no relief: within 3 mm (root mean square) of a plane, or
  * deeper than wide; ST_EQUALITY noise above 3 mm, or less than a tenth of the outline
  * measured; ST_ENOMEM. */
-enum status quality_rate(struct face *f, struct scratch *s);
+enum status quality_rate(const struct surface *f, struct scratch *s, struct quality *q);
 
 /* quality_place(frame): the gate once more, when the face has been laid on the mean face:
  * ST_ENOTFACE where it lies on it nowhere: the mean distance above QUALITY_APART_MM, or
@@ -72,7 +68,7 @@ enum quality_reason {
 #define QUALITY_INCOMPLETE_SHARE 0.7
 #define QUALITY_UNUSUAL_MM       2.75
 #define QUALITY_UNUSUAL_LIKENESS 0.55
-unsigned quality_reasons(const struct face_quality *q, const struct frame *frame);
+unsigned quality_reasons(const struct quality *q, const struct frame *frame);
 
 const char *
 quality_reason_name(enum quality_reason r); /* "sparse", "noisy", ...; static */

@@ -1,53 +1,81 @@
 #include "surface.h"
 
-#include "locate.h"
-#include "mesh.h"
-#include "predicates.h"
+#include <string.h>
 
-/* The height at the point of the hull edge he nearest to q. */
-static double beyond_hull(const struct mesh *m, uint32_t he, struct ivec2 q)
+#include "delaunay.h"
+#include "holes.h"
+#include "lattice.h"
+#include "mem.h"
+#include "mst.h"
+#include "spikes.h"
+
+enum status surface_derive(struct surface *out, struct scratch *s)
 {
-    const uint32_t a = m->org[he], b = mesh_dest(m, he);
-    const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
-    const int64_t len = dx * dx + dy * dy;
-    const int64_t dot = dx * (q.x - m->xy[a].x) + dy * (q.y - m->xy[a].y);
+    const struct mesh *m = &out->mesh;
+    const size_t nv = m->nv, spacing = mem_round(nv * sizeof *out->raw);
+    const size_t bridge = spacing + mem_round(nv * sizeof *out->spacing);
+    unsigned char *block;
+    enum status st;
 
-    if (dot <= 0)
-        return m->z[a];
-    if (dot >= len)
-        return m->z[b];
-    return m->z[a] + (double)dot * (double)((int64_t)m->z[b] - m->z[a]) / (double)len;
+    if (out->block == NULL || out->cap < nv) {
+        if ((block = mem_array(bridge + 2 * nv, 1)) == NULL)
+            return ST_ENOMEM;
+        mem_free(out->block);
+        out->block = block;
+        out->cap = (uint32_t)nv;
+    }
+    block = out->block;
+    out->raw = (int32_t *)(void *)block;
+    out->spacing = (float *)(void *)(block + spacing);
+    out->bridge = block + bridge;
+    memcpy(out->raw, m->z, nv * sizeof *out->raw);
+    if ((st = holes_spacing(m, s, out->spacing)) != ST_OK)
+        return st;
+    out->measured = holes_mark(m, out->spacing, out->bridge);
+    return ST_OK;
 }
 
-/* Heights are taken relative to the corner org[he], so that one formula serves the inside
- * (three weights), an edge (the third weight is an exact 0) and a vertex (two are 0).
- * Each weight is twice the area facing a corner, an integer below 2^53: exact. */
-static inline double height(const struct mesh *m, struct location loc, struct ivec2 q)
+enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
+                            struct scratch *s, struct surface *out)
 {
-    uint32_t a, b, c;
-    int64_t wb, wc, area;
+    struct mesh *m = &out->mesh;
+    enum status st = delaunay_build(pts, n, s, m);
 
-    if (loc.where == LOCATE_OUTSIDE)
-        return beyond_hull(m, loc.he, q);
-    a = m->org[loc.he];
-    b = mesh_dest(m, loc.he);
-    c = m->org[mesh_prev(loc.he)];
-    wb = orient2d(m->xy[c], m->xy[a], q);
-    wc = orient2d(m->xy[a], m->xy[b], q);
-    area = orient2d(m->xy[a], m->xy[b], m->xy[c]);
-    return m->z[a] + ((double)wb * ((double)m->z[b] - m->z[a]) +
-                      (double)wc * ((double)m->z[c] - m->z[a])) /
-                         (double)area;
+    if (st == ST_OK)
+        st = mst_build(m, s);
+    if (st == ST_OK)
+        st = surface_derive(out, s);
+    if (st == ST_OK && flatten)
+        st = spikes_flatten(m, s);
+    if (st != ST_OK)
+        m->nv = m->nt = 0;
+    return st;
 }
 
-double surface_height(const struct mesh *m, struct location loc, struct ivec2 q)
+enum status surface_move(const struct surface *from, const double transform[16],
+                         struct scratch *pts, struct scratch *s, struct surface *out)
 {
-    return height(m, loc, q);
+    const struct mesh *m = &from->mesh;
+    struct ivec3 *moved = scratch_need(pts, m->nv * sizeof *moved);
+
+    out->mesh.nv = out->mesh.nt = 0;
+    if (moved == NULL)
+        return ST_ENOMEM;
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 p =
+            vec_transform(transform, lattice_to_mm(m->xy[v], from->raw[v]));
+
+        if (lattice_from_mm(&p, 1, LATTICE_PER_MM, &moved[v], NULL) != ST_OK)
+            return ST_ERANGE;
+    }
+    return surface_prepare(moved, m->nv, true, s, out);
 }
 
-void surface_interpolate(const struct mesh *m, const struct mesh *pts,
-                         const struct location *loc, double *out)
+void surface_free(struct surface *s)
 {
-    for (uint32_t v = 0; v < pts->nv; v++)
-        out[v] = height(m, loc[v], pts->xy[v]);
+    if (s == NULL)
+        return;
+    mesh_free(&s->mesh);
+    mem_free(s->block);
+    memset(s, 0, sizeof *s);
 }

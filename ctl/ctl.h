@@ -236,7 +236,7 @@ int ctl_face_exit(enum face_decision d);
 void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_result *r,
                       const struct face *probe);
 /* frame: NULL where it is not known (quality_reasons()). */
-void ctl_face_quality(struct ctl_out *o, const char *key, const struct face_quality *q,
+void ctl_face_quality(struct ctl_out *o, const char *key, const struct quality *q,
                       const struct frame *frame);
 
 /* Parts of it as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */

@@ -192,7 +192,7 @@ static enum status load(const struct dedup *d, uint32_t i, struct face_work *w,
 
     if (st != ST_ENOTFOUND && st != ST_EVERSION)
         return st;
-    f->mesh.nv = 0;
+    f->surface.mesh.nv = 0;
     return ST_OK;
 }
 
@@ -233,9 +233,9 @@ static enum status compare_row(struct dedup *d, uint32_t a, struct face_work *w,
         if (!loaded && (st = load(d, a, w, &r->a, e)) != ST_OK)
             break;
         loaded = true;
-        if (r->a.mesh.nv == 0)
+        if (r->a.surface.mesh.nv == 0)
             break;
-        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b.mesh.nv > 0)
+        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b.surface.mesh.nv > 0)
             st = compare(d, a, b, w, r, e);
     }
     return st;
@@ -272,8 +272,8 @@ static enum status estimate(struct dedup *d)
         const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);
 
         if ((st = load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
-            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a.mesh.nv == 0 ||
-            r.b.mesh.nv == 0)
+            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK ||
+            r.a.surface.mesh.nv == 0 || r.b.surface.mesh.nv == 0)
             continue;
         if ((st = face_compare(&r.a, &r.b, 0, NULL, w, &x)) != ST_OK)
             (void)errinfo_set(&d->c->e, st, "comparing: %s", status_message(st));

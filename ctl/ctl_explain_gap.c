@@ -4,6 +4,7 @@
 
 #include "mem.h"
 #include "ctl_explain.h"
+#include "heatmap.h"
 #include "vec.h"
 
 const double ctl_explain_levels[EXPLAIN_QUANTILES] = {0.5, 0.75, 0.9, 0.95, 0.99, 1};
@@ -61,7 +62,7 @@ enum status ctl_explain_gap(struct explanation *x)
         mem_free(there);
         return ST_ENOMEM;
     }
-    face_heatmap(&x->tmpl, x->pts, x->n, t, x->gap);
+    heatmap_gaps(&x->tmpl.surface, x->pts, x->n, t, x->gap);
     for (size_t i = 0; i < x->n; i++) {
         const struct dvec3 p = x->pts[i];
 

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "lattice.h"
+#include "heatmap.h"
 #include "mem.h"
 #include "ctl_explain.h"
 
@@ -24,20 +25,20 @@ struct canvas {
 
 static bool drawn(const struct face *f, uint32_t t)
 {
-    return !mesh_is_ghost(&f->mesh, t) && !f->bridge[t];
+    return !mesh_is_ghost(&f->surface.mesh, t) && !f->surface.bridge[t];
 }
 
 /* The vertices on the template, and the sums of their triangles' normals. */
 static void place(struct canvas *c)
 {
     const struct face *f = &c->x->probe;
-    const struct mesh *m = &f->mesh;
+    const struct mesh *m = &f->surface.mesh;
     const double *t = c->x->result.align.transform;
 
     for (uint32_t v = 0; v < m->nv; v++)
         c->at[v] = (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
                                   m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM};
-    face_heatmap(&c->x->tmpl, c->at, m->nv, t, c->gap);
+    heatmap_gaps(&c->x->tmpl.surface, c->at, m->nv, t, c->gap);
     for (uint32_t v = 0; v < m->nv; v++) {
         const struct dvec3 p = c->at[v];
 
@@ -73,7 +74,7 @@ static enum status prepare(struct canvas *c)
     struct explain_map *map = c->map;
     size_t n;
 
-    for (uint32_t v = 0; v < c->x->probe.mesh.nv; v++) {
+    for (uint32_t v = 0; v < c->x->probe.surface.mesh.nv; v++) {
         lo = (struct dvec3){fmin(lo.x, c->at[v].x), fmin(lo.y, c->at[v].y), 0};
         hi = (struct dvec3){fmax(hi.x, c->at[v].x), fmax(hi.y, c->at[v].y), 0};
     }
@@ -142,7 +143,7 @@ static void fill(const struct canvas *c, const struct corner p, const struct cor
 
 enum status ctl_explain_map(const struct explanation *x, struct explain_map *out)
 {
-    const struct mesh *m = &x->probe.mesh;
+    const struct mesh *m = &x->probe.surface.mesh;
     struct canvas c = {.x = x, .map = out};
     enum status st = ST_ENOMEM;
 

@@ -46,7 +46,7 @@ static void print_quality(FILE *to, const char *who, const struct face *f)
     (void)fprintf(to,
                   "%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
                   "noise %.3f mm)",
-                  who, f->mesh.nv, f->quality.score, f->quality.coverage,
+                  who, f->surface.mesh.nv, f->quality.score, f->quality.coverage,
                   f->quality.density_mm, f->quality.noise_mm);
     ctl_face_reasons(to, f);
 }

@@ -83,7 +83,7 @@ enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject
     return st;
 }
 
-void ctl_face_quality(struct ctl_out *o, const char *key, const struct face_quality *q,
+void ctl_face_quality(struct ctl_out *o, const char *key, const struct quality *q,
                       const struct frame *frame)
 {
     const unsigned reasons = quality_reasons(q, frame);
@@ -205,7 +205,7 @@ static void print_result(struct ctl *c, const struct face_result *r,
     ctl_face_regions(stdout, r);
     (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->measure.plain_mm,
                  r->measure.volume_mm3, r->measure.area_mm2);
-    (void)printf("scan         %u points, quality %.2f", probe->mesh.nv,
+    (void)printf("scan         %u points, quality %.2f", probe->surface.mesh.nv,
                  probe->quality.score);
     ctl_face_reasons(stdout, probe);
     (void)printf("time         %.1f ms\n", ms);

@@ -303,7 +303,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     if (person == NOBODY)
         return ST_OK;
     st = ctl_scan_read(&c, scan->path, w, &f);
-    if (st == ST_OK && (st = codec_digest(&f.mesh, digest)) == ST_OK) {
+    if (st == ST_OK && (st = codec_digest(&f.surface.mesh, digest)) == ST_OK) {
         const struct ctl_person *one = &s->p->person[person];
         uint32_t t = 0;
 

@@ -56,7 +56,8 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
                      a->turn_deg, a->shift_mm);
     else
         (void)printf("how well it is known cannot be told\n");
-    (void)printf("scan         %u points, quality %.2f", f->mesh.nv, f->quality.score);
+    (void)printf("scan         %u points, quality %.2f", f->surface.mesh.nv,
+                 f->quality.score);
     ctl_face_reasons(stdout, f);
 }
 
@@ -89,10 +90,10 @@ int ctl_shape_asymmetry(struct ctl *c)
 static void tell_simplified(struct ctl *c, const struct face *f,
                             const struct simplify_result *r)
 {
-    const double share = (double)r->kept / f->mesh.nv;
+    const double share = (double)r->kept / f->surface.mesh.nv;
 
     ctl_out_text(c->out, "file", c->dir);
-    ctl_out_number(c->out, "points", f->mesh.nv);
+    ctl_out_number(c->out, "points", f->surface.mesh.nv);
     ctl_out_number(c->out, "kept", r->kept);
     ctl_out_number(c->out, "share", share);
     ctl_out_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
@@ -102,7 +103,7 @@ static void tell_simplified(struct ctl *c, const struct face *f,
                      "error        %.3f mm at most at one of the scan's points\n"
                      "disparity    %.4f mm in the mean\n"
                      "file         %s\n",
-                     r->kept, f->mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
+                     r->kept, f->surface.mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
                      r->disparity / LATTICE_PER_MM, c->dir);
 }
 
@@ -126,8 +127,8 @@ int ctl_shape_simplify(struct ctl *c)
             errinfo_set(&c->e, ST_EINVAL, "simplify needs --tolerance MM and --out FILE");
         code = EXIT_USAGE;
     } else if ((st = ctl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
-               (st = simplify_mesh(&f.mesh, f.bridge, &limit, &scratch, &small, NULL,
-                                   &r)) != ST_OK)
+               (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch,
+                                   &small, NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &small, &c->e)) == ST_OK)
         tell_simplified(c, &f, &r);

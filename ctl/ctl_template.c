@@ -139,7 +139,7 @@ int ctl_template_export(struct ctl *c)
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(s, "export_template", CTL_ACTOR, t.subject, t.id, "written",
                          &c->e);
-    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.mesh, &c->e)) == ST_OK) {
+    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.surface.mesh, &c->e)) == ST_OK) {
         ctl_out_text(c->out, "template_id", t.id);
         ctl_out_text(c->out, "subject", t.subject);
         ctl_out_text(c->out, "file", c->dir);

@@ -147,7 +147,7 @@ static bool get_frame(const unsigned char *p, struct align_pose *a)
 
 void codec_encode(const struct face *f, unsigned char *buf)
 {
-    const struct mesh *m = &f->mesh;
+    const struct mesh *m = &f->surface.mesh;
     const size_t len = size_of(m->nv, VERSION);
     const bool two = narrow(m->nv);
     unsigned char *p = buf + HEADER;
@@ -203,7 +203,7 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
                          struct face *out, struct errinfo *e)
 {
     const unsigned char *p = buf;
-    struct mesh *m = &out->mesh;
+    struct mesh *m = &out->surface.mesh;
     enum status st;
     uint32_t nv;
 

@@ -97,11 +97,12 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     (void)snprintf(t->label, sizeof t->label, "%s", label);
     (void)snprintf(t->created, sizeof t->created, "%s", by.at);
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->points = f->mesh.nv;
-    t->triangles = mesh_real(&f->mesh);
+    t->points = f->surface.mesh.nv;
+    t->triangles = mesh_real(&f->surface.mesh);
     t->quality = f->quality;
-    len = codec_size(&f->mesh);
-    if ((model = malloc(len)) == NULL || codec_digest(&f->mesh, t->digest) != ST_OK) {
+    len = codec_size(&f->surface.mesh);
+    if ((model = malloc(len)) == NULL ||
+        codec_digest(&f->surface.mesh, t->digest) != ST_OK) {
         free(model);
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
@@ -145,11 +146,11 @@ static enum status decode(const struct decoding *d, const struct store_template 
 
     if (st != ST_OK)
         return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
-    if (d->face->mesh.nv != t->points) {
+    if (d->face->surface.mesh.nv != t->points) {
         st = errinfo_set(e, ST_ECORRUPT,
                          "template %s: its row says %u points, its model %u", t->id,
-                         t->points, d->face->mesh.nv);
-        d->face->mesh.nv = d->face->mesh.nt = 0;
+                         t->points, d->face->surface.mesh.nv);
+        d->face->surface.mesh.nv = d->face->surface.mesh.nt = 0;
         return st;
     }
     if (store_stale(d->store, t))

@@ -117,7 +117,7 @@ struct store_template { /* everything about a template but its model */
     char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
     char engine[FACE_ENGINE_MAX + 1];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
-    struct face_quality quality;
+    struct quality quality;
 };
 
 /* store_enroll(s, actor, subject, label, f, t, created, e): encode and store a template,

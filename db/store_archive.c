@@ -359,9 +359,9 @@ static enum status verify_template(struct importing *m, struct face_work *w,
 
     if ((st = codec_decode(m->item.model, m->item.len, w, f, &why)) != ST_OK)
         return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
-    if ((st = codec_digest(&f->mesh, digest)) != ST_OK)
+    if ((st = codec_digest(&f->surface.mesh, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
-    if (f->mesh.nv != t->points || mesh_real(&f->mesh) != t->triangles ||
+    if (f->surface.mesh.nv != t->points || mesh_real(&f->surface.mesh) != t->triangles ||
         strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT, "template %s is not what it says it is",
                            t->id);

@@ -56,7 +56,7 @@ static enum status check_template(void *arg, const struct store_template *t,
                                   const void *model, size_t len, struct errinfo *e)
 {
     struct share *x = arg;
-    const struct mesh *m = &x->face.mesh;
+    const struct mesh *m = &x->face.surface.mesh;
     char digest[65];
     enum status st;
 

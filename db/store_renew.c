@@ -24,9 +24,9 @@ enum status store_renew(struct store *s, const char *actor, const char *id,
         (st = store_template_load(s, id, t, w, f, e)) != ST_OK || !store_stale(s, t))
         return st;
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->triangles = mesh_real(&f->mesh);
+    t->triangles = mesh_real(&f->surface.mesh);
     t->quality = f->quality;
-    len = codec_size(&f->mesh);
+    len = codec_size(&f->surface.mesh);
     if ((model = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     codec_encode(f, model);

@@ -157,7 +157,7 @@ static enum status judge_after(void *arg, size_t i, struct face_work *w,
 
 static bool there(const struct train *t, uint32_t scan)
 {
-    return face_at(t, scan)->mesh.nv > 0;
+    return face_at(t, scan)->surface.mesh.nv > 0;
 }
 
 /* Every probe with its own template; how many subjects have one. */

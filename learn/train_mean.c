@@ -9,7 +9,6 @@
 #include "face.h"
 #include "frame.h"
 #include "grid.h"
-#include "measure.h"
 #include "model.h"
 #include "pool.h"
 #include "train.h"
@@ -19,18 +18,12 @@
 #define UPRIGHT_MM  60.0 /* above and below the nose tip the mean face is as high */
 #define DEVIATION   0.5  /* mm, before anything is known of change */
 
-static struct measure_surface surface_of(const struct face *f)
-{
-    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
-}
-
 /* A frame from the face alone. */
 static void own_frame(const struct face *f, struct align_pose *out)
 {
-    const struct measure_surface s = surface_of(f);
     struct align_frame own;
 
-    align_pose_frame(&s, &own);
+    align_pose_frame(&f->surface, &own);
     for (int i = 0; i < 3; i++) {
         const struct dvec3 a = own.axis[i];
 
@@ -48,12 +41,11 @@ static void average(const struct train_set *set, float *mean)
 
     for (uint32_t i = 0; i < set->corpus->nscan; i++) {
         const struct face *f = &set->face[i];
-        const struct measure_surface s = surface_of(f);
         float z[GRID_N];
 
-        if (!set->corpus->scan[i].enrolled || f->mesh.nv == 0)
+        if (!set->corpus->scan[i].enrolled || f->surface.mesh.nv == 0)
             continue;
-        frame_map(&s, &f->frame.pose, z);
+        frame_map(&f->surface, &f->frame.pose, z);
         faces++;
         for (uint32_t c = 0; c < GRID_N; c++) {
             if (isnan(z[c]))
@@ -153,7 +145,7 @@ static enum status place(void *arg, size_t i, struct face_work *w, struct errinf
     struct face *f = &p->set->face[i];
     enum status st = ST_OK;
 
-    if (f->mesh.nv > 0 && (p->all || p->set->corpus->scan[i].enrolled))
+    if (f->surface.mesh.nv > 0 && (p->all || p->set->corpus->scan[i].enrolled))
         st = face_place(f, w);
     return st == ST_OK ? ST_OK
                        : errinfo_set(e, st, "the mean face: %s", status_message(st));
@@ -165,7 +157,7 @@ enum status train_mean(const struct train_set *set, unsigned threads, struct mod
     const uint32_t n = set->corpus->nscan;
 
     for (uint32_t i = 0; i < n; i++)
-        if (set->face[i].mesh.nv > 0)
+        if (set->face[i].surface.mesh.nv > 0)
             own_frame(&set->face[i], &set->face[i].frame.pose);
     for (int round = 0;; round++) {
         struct placing p = {set, round == TRAIN_MEAN_ROUNDS};

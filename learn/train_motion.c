@@ -90,7 +90,8 @@ struct dvec3 train_motion_centre(const struct train_set *set)
     for (uint32_t i = 0; i < c->nscan; i++) {
         const uint32_t own = c->subject[c->scan[i].subject].enrolled;
 
-        if (i != own && set->face[i].mesh.nv > 0 && set->face[own].mesh.nv > 0)
+        if (i != own && set->face[i].surface.mesh.nv > 0 &&
+            set->face[own].surface.mesh.nv > 0)
             add_pair(set, own, i, &sum);
     }
     sum.h[0] += TIE;
@@ -142,10 +143,10 @@ static void plan(struct motion *q)
     for (uint32_t i = 0; i < c->nscan; i++) {
         uint32_t found = 0;
 
-        if (face[i].mesh.nv == 0)
+        if (face[i].surface.mesh.nv == 0)
             continue;
         for (uint32_t k = i + 1; k < c->nscan && found < TRAIN_MOTION_PAIRS; k++) {
-            if (c->scan[k].subject != c->scan[i].subject || face[k].mesh.nv == 0)
+            if (c->scan[k].subject != c->scan[i].subject || face[k].surface.mesh.nv == 0)
                 continue;
             q->pair[q->n].template = i;
             q->pair[q->n++].probe = k;

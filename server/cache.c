@@ -98,8 +98,9 @@ static void drop(struct cache *c, struct entry *x)
 
 static size_t face_bytes(const struct face *f)
 {
-    return sizeof(struct entry) + (size_t)f->mesh.cap * 68 +
-           f->mesh.nv * sizeof *f->spacing + f->mesh.nt * sizeof *f->bridge;
+    return sizeof(struct entry) + (size_t)f->surface.mesh.cap * 68 +
+           f->surface.mesh.nv * sizeof *f->surface.spacing +
+           f->surface.mesh.nt * sizeof *f->surface.bridge;
 }
 
 struct cache *cache_new(size_t limit)

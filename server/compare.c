@@ -4,6 +4,7 @@
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "heatmap.h"
 #include "json.h"
 #include "log.h"
 #include "mem.h"
@@ -41,7 +42,7 @@ void compare_handle(struct request *r, struct worker *w)
         if (gap == NULL)
             st = ST_ENOMEM;
         else
-            face_heatmap(&w->other, b.pts, b.n, result.align.transform, gap);
+            heatmap_gaps(&w->other.surface, b.pts, b.n, result.align.transform, gap);
     }
     if (st != ST_OK) {
         request_problem(r, st, "comparing: %s", status_message(st));

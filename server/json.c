@@ -78,7 +78,7 @@ static bool add_reasons(cJSON *o, unsigned reasons)
     return x != NULL;
 }
 
-static bool add_quality(cJSON *o, const struct face_quality *q, const struct frame *frame)
+static bool add_quality(cJSON *o, const struct quality *q, const struct frame *frame)
 {
     cJSON *x = cJSON_AddObjectToObject(o, "quality");
 

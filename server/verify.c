@@ -10,6 +10,7 @@
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "heatmap.h"
 #include "json.h"
 #include "log.h"
 #include "mem.h"
@@ -122,7 +123,7 @@ static enum status heatmap(struct worker *w, const char *id, const struct cloud 
         return st;
     *gap = mem_array(c->n, sizeof **gap);
     if (*gap != NULL)
-        face_heatmap(face, c->pts, c->n, transform, *gap);
+        heatmap_gaps(&face->surface, c->pts, c->n, transform, *gap);
     cache_release(w->app->cache, face);
     return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
 }

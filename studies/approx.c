@@ -13,7 +13,7 @@
 #include "merge.h"
 #include "overlay.h"
 #include "study.h"
-#include "surface.h"
+#include "interpolate.h"
 
 #define FACE_UNIT                                                                        \
     1e5 /* lattice units to the millimetre: a face's square is 120 mm wide */
@@ -71,16 +71,19 @@ static double general(const struct mesh *a, const struct mesh *b, uint32_t *cell
     uint8_t *none = lab_alloc(2 * n, 1);
     float *wide = lab_alloc(n, sizeof *wide); /* a spacing that no cell exceeds */
     struct disparity_vertex *vertex = lab_alloc(n, sizeof *vertex);
-    struct disparity_side sa = {a, wide, none, 1, la, za},
-                          sb = {b, wide, none, 1, lb, zb};
+    const struct surface whole_a = {
+        .mesh = *a, .spacing = wide, .bridge = none, .measured = 1};
+    const struct surface whole_b = {
+        .mesh = *b, .spacing = wide, .bridge = none, .measured = 1};
+    const struct disparity_side sa = {&whole_a, la, za}, sb = {&whole_b, lb, zb};
     struct disparity d;
 
     for (size_t i = 0; i < n; i++)
         wide[i] = 1e9F;
     locate_mesh(a, b, lb);
     locate_mesh(b, a, la);
-    surface_interpolate(a, b, lb, zb);
-    surface_interpolate(b, a, la, za);
+    interpolate_mesh(a, b, lb, zb);
+    interpolate_mesh(b, a, la, za);
     lab_must(merge_build(a, b, lb, &scratch, &g, b_vertex));
     disparity_measure(&g, b_vertex, &sa, &sb, NULL, 1, vertex, &d);
     *cells = d.cells;
@@ -143,8 +146,8 @@ static void one_scene(const struct lab *lab, int k, FILE *f, FILE *fit)
             lab_must(lab_triangulate(&a, pts, size[i]));
             sample(k, 1, face, &r, size[i], pts);
             lab_must(lab_triangulate(&b, pts, size[i]));
-            v = general(&a.mesh, &b.mesh, &cells);
-            w = overlay_volume(&a.mesh, &b.mesh, &whole);
+            v = general(&a.surface.mesh, &b.surface.mesh, &cells);
+            w = overlay_volume(&a.surface.mesh, &b.surface.mesh, &whole);
             over += v / area / pairs;
             exact += w / whole / pairs;
             off += fabs(v - w) / w / pairs;

@@ -12,7 +12,7 @@
 #include "merge.h"
 #include "mst.h"
 #include "study.h"
-#include "surface.h"
+#include "interpolate.h"
 #include "timing.h"
 
 enum stage { TRIANGULATE, TREE, LOAD, LOCATE, INTERPOLATE, MERGE, MEASURE, STAGES };
@@ -30,9 +30,6 @@ struct pair {
     struct lab_surface side[2];
     struct location *loc[2];
     double *other[2];
-    float *spacing[2];
-    uint8_t *bridge[2];
-    double measured[2];
     struct mesh general, stored;
     uint32_t *b_vertex;
     struct disparity_vertex *vertex;
@@ -47,8 +44,6 @@ static void pair_room(struct pair *p)
     for (int i = 0; i < 2; i++) {
         p->loc[i] = lab_alloc(n[i], sizeof *p->loc[i]);
         p->other[i] = lab_alloc(n[i], sizeof *p->other[i]);
-        p->spacing[i] = lab_alloc(n[i], sizeof *p->spacing[i]);
-        p->bridge[i] = lab_alloc(2 * n[i], 1);
     }
     p->b_vertex = lab_alloc(n[1], sizeof *p->b_vertex);
     p->vertex = lab_alloc(n[0] + n[1], sizeof *p->vertex);
@@ -60,8 +55,6 @@ static void pair_free(struct pair *p)
         free(p->pts[i]);
         free(p->loc[i]);
         free(p->other[i]);
-        free(p->spacing[i]);
-        free(p->bridge[i]);
         lab_surface_free(&p->side[i]);
     }
     free(p->b_vertex);
@@ -85,19 +78,18 @@ static void build(struct pair *p, int i, struct timing row[STAGES])
 {
     double t = timing_now_ms();
 
-    lab_must(delaunay_build(p->pts[i], p->n[i], &p->scratch, &p->side[i].mesh));
+    lab_must(delaunay_build(p->pts[i], p->n[i], &p->scratch, &p->side[i].surface.mesh));
     t = lap(&row[TRIANGULATE], t);
-    lab_must(mst_build(&p->side[i].mesh, &p->scratch));
+    lab_must(mst_build(&p->side[i].surface.mesh, &p->scratch));
     (void)lap(&row[TREE], t);
-    lab_must(holes_spacing(&p->side[i].mesh, &p->scratch, p->spacing[i]));
-    p->measured[i] = holes_mark(&p->side[i].mesh, p->spacing[i], p->bridge[i]);
+    lab_must(surface_derive(&p->side[i].surface, &p->scratch));
 }
 
 /* pass(p, row): the paper's stages once, each timed for both sides together but the first
  * two, which are timed for each. */
 static void pass(struct pair *p, struct timing row[STAGES])
 {
-    const struct mesh *a = &p->side[0].mesh, *b = &p->side[1].mesh;
+    const struct mesh *a = &p->side[0].surface.mesh, *b = &p->side[1].surface.mesh;
     double t;
 
     for (int i = 0; i < 2; i++)
@@ -109,17 +101,16 @@ static void pass(struct pair *p, struct timing row[STAGES])
     locate_mesh(a, b, p->loc[1]);
     locate_mesh(b, a, p->loc[0]);
     t = lap(&row[LOCATE], t);
-    surface_interpolate(a, b, p->loc[1], p->other[1]);
-    surface_interpolate(b, a, p->loc[0], p->other[0]);
+    interpolate_mesh(a, b, p->loc[1], p->other[1]);
+    interpolate_mesh(b, a, p->loc[0], p->other[0]);
     t = lap(&row[INTERPOLATE], t);
     lab_must(merge_build(a, b, p->loc[1], &p->scratch, &p->general, p->b_vertex));
     t = lap(&row[MERGE], t);
-    disparity_measure(&p->general, p->b_vertex,
-                      &(struct disparity_side){a, p->spacing[0], p->bridge[0],
-                                               p->measured[0], p->loc[0], p->other[0]},
-                      &(struct disparity_side){b, p->spacing[1], p->bridge[1],
-                                               p->measured[1], p->loc[1], p->other[1]},
-                      NULL, 1000, p->vertex, &p->out);
+    disparity_measure(
+        &p->general, p->b_vertex,
+        &(struct disparity_side){&p->side[0].surface, p->loc[0], p->other[0]},
+        &(struct disparity_side){&p->side[1].surface, p->loc[1], p->other[1]}, NULL, 1000,
+        p->vertex, &p->out);
     (void)lap(&row[MEASURE], t);
 }
 

@@ -16,7 +16,7 @@
 #include "lattice.h"
 #include "people.h"
 #include "study.h"
-#include "surface.h"
+#include "interpolate.h"
 
 #define SHARES 8
 static const double share[SHARES] = {0, 0.15, 0.30, 0.45, 0.60, 0.75, 0.85, 0.92};
@@ -55,13 +55,9 @@ struct fidelity {
 static struct fidelity fidelity(const struct facegen_face *f, struct lab_surface *whole,
                                 struct lab_surface *s)
 {
-    float *spacing = lab_alloc(s->mesh.nv, sizeof *spacing);
-    uint8_t *bridge = lab_alloc(s->mesh.nt, 1);
     struct fidelity d = {0, 0, 0};
     double all = 0, measured = 0, outline = 0;
 
-    lab_must(holes_spacing(&s->mesh, &s->scratch, spacing));
-    (void)holes_mark(&s->mesh, spacing, bridge);
     for (int j = -60; j <= 60; j++)
         for (int i = -45; i <= 45; i++) {
             const struct ivec2 q = {1500 * i, 1500 * j};
@@ -76,13 +72,11 @@ static struct fidelity fidelity(const struct facegen_face *f, struct lab_surface
                 continue;
             all++;
             d.all += off;
-            if (!holes_measured(&s->mesh, bridge, s->last))
+            if (!holes_measured(&s->surface.mesh, s->surface.bridge, s->last))
                 continue;
             measured++;
             d.measured += off;
         }
-    free(spacing);
-    free(bridge);
     d.all /= all > 0 ? all : 1;
     d.measured /= measured > 0 ? measured : 1;
     d.share = measured / outline;

@@ -12,14 +12,9 @@
 #include "measure.h"
 #include "render.h"
 #include "study.h"
-#include "surface.h"
+#include "interpolate.h"
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
-static struct measure_surface surface_of(const struct face *f)
-{
-    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
-}
 
 /* How the second scan of a pair is turned (degrees) and shifted (mm), by facegen's rule:
  * about y, then about x, round a centre 80 mm behind the nose. */
@@ -75,28 +70,26 @@ static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
 static void gap_map(const struct lab *lab, const char *name, const struct face *tmpl,
                     const struct measure_work *m)
 {
-    struct location at = {tmpl->mesh.out[0], 0}, on = {m->moved.out[0], 0};
+    const struct mesh *t = &tmpl->surface.mesh, *p = &m->moved.mesh;
+    struct location at = {t->out[0], 0}, on = {p->out[0], 0};
     FILE *f = lab_open(lab, name);
 
-    while (mesh_is_ghost(&tmpl->mesh, at.he / 3))
-        at.he = mesh_turn(&tmpl->mesh, at.he);
-    while (mesh_is_ghost(&m->moved, on.he / 3))
-        on.he = mesh_turn(&m->moved, on.he);
+    while (mesh_is_ghost(t, at.he / 3))
+        at.he = mesh_turn(t, at.he);
+    while (mesh_is_ghost(p, on.he / 3))
+        on.he = mesh_turn(p, on.he);
     for (int y = -90; y <= 90; y++) {
         for (int x = -75; x <= 75; x++) {
             const struct ivec2 q = {1000 * x, 1000 * y};
             bool both;
 
-            at = locate_point(&tmpl->mesh, at.he, tmpl->mesh.xy[tmpl->mesh.org[at.he]], q,
-                              NULL);
-            on =
-                locate_point(&m->moved, on.he, m->moved.xy[m->moved.org[on.he]], q, NULL);
+            at = locate_point(t, at.he, t->xy[t->org[at.he]], q, NULL);
+            on = locate_point(p, on.he, p->xy[p->org[on.he]], q, NULL);
             both = at.where != LOCATE_OUTSIDE && on.where != LOCATE_OUTSIDE &&
-                   holes_measured(&tmpl->mesh, tmpl->bridge, at) &&
-                   holes_measured(&m->moved, m->bridge, on);
+                   holes_measured(t, tmpl->surface.bridge, at) &&
+                   holes_measured(p, m->moved.bridge, on);
             fprintf(f, "%d %d %.3f\n", x, y,
-                    both ? (surface_height(&m->moved, on, q) -
-                            surface_height(&tmpl->mesh, at, q)) /
+                    both ? (interpolate_height(p, on, q) - interpolate_height(t, at, q)) /
                                LATTICE_PER_MM
                          : (double)NAN);
         }
@@ -137,15 +130,12 @@ static void figures(const struct lab *lab, struct face_work *w)
     fprintf(f, "printed in the paper,figure 10: as they were,234254,,,\n");
     fprintf(f, "printed in the paper,figure 11: after alignment,120238.8,,,\n");
     scan(1, 0, 0, false, w, &a);
-    both_faces(lab, "template.dat", &a.mesh, NULL);
+    both_faces(lab, "template.dat", &a.surface.mesh, NULL);
     for (int k = 0; k < 2; k++) {
-        const struct measure_surface sa = surface_of(&a);
-        struct measure_surface sb;
         struct face_result found;
         double truth[16];
 
         scan(row[k].subject, 1, 0, true, w, &b);
-        sb = surface_of(&b);
         lab_must(face_compare(&a, &b, 0, NULL, w, &found));
         true_pose(truth);
         for (int i = 0; i < 3; i++) {
@@ -153,14 +143,14 @@ static void figures(const struct lab *lab, struct face_work *w)
             struct disparity d;
             char name[64];
 
-            lab_must(measure_at(&sa, &sb, pose[i], NULL, &m, &d));
+            lab_must(measure_at(&a.surface, &b.surface, pose[i], NULL, &m, &d));
             fprintf(f, "%s,%s,%.1f,%.1f,%.3f,%.3f\n", row[k].what, pose_name[i],
                     d.volume_mm3, d.area_mm2, d.plain_mm, d.overlap);
             if (i == 2)
                 continue;
             (void)snprintf(name, sizeof name, "%s-%s.dat", row[k].name,
                            i == 1 ? "after" : "before");
-            both_faces(lab, name, &a.mesh, &m.moved);
+            both_faces(lab, name, &a.surface.mesh, &m.moved.mesh);
             (void)snprintf(name, sizeof name, "%s-%s-gap.dat", row[k].name,
                            i == 1 ? "after" : "before");
             gap_map(lab, name, &a, &m);
@@ -238,18 +228,16 @@ static void weights(const struct lab *lab, struct face_work *w)
     for (size_t s = 0; s < people; s++) {
         scan(s, 0, 0, false, w, &a);
         for (int k = 0; k < KINDS; k++) { /* neutral, smiling, somebody else */
-            const struct measure_surface sa = surface_of(&a);
-            struct measure_surface sb;
             struct face_result found;
 
             scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
-            sb = surface_of(&b);
             lab_must(face_compare(&a, &b, 0, NULL, w, &found));
             for (int i = 0; i < U; i++) {
                 const struct disparity_weight weight = {u[i].at, NULL};
                 struct disparity d;
 
-                lab_must(measure_at(&sa, &sb, found.align.transform, &weight, &m, &d));
+                lab_must(measure_at(&a.surface, &b.surface, found.align.transform,
+                                    &weight, &m, &d));
                 mm[i][k][s] = d.weighted_mm;
             }
         }

@@ -71,8 +71,8 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
             lab_must(lab_triangulate(&s, lattice, n));
             for (int v = 0; v < 2; v++) {
                 const struct simplify_result e =
-                    reduce(&s.mesh, (uint32_t)(share[k] * (double)n / 100), v == 1,
-                           &scratch, &small);
+                    reduce(&s.surface.mesh, (uint32_t)(share[k] * (double)n / 100),
+                           v == 1, &scratch, &small);
 
                 sum[2 * v] += e.error / (high - low) / draws;
                 sum[2 * v + 1] += e.disparity / (high - low) / draws;
@@ -95,7 +95,7 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
 static void shrink(const struct face *whole, double percent, struct face_work *w,
                    struct face *out)
 {
-    const struct mesh *m = &whole->mesh;
+    const struct mesh *m = &whole->surface.mesh;
     struct dvec3 *pts = lab_alloc(m->nv, sizeof *pts);
     struct scratch scratch = {0};
     struct mesh small = {0};
@@ -106,7 +106,7 @@ static void shrink(const struct face *whole, double percent, struct face_work *w
             (struct dvec3){small.xy[v].x / LATTICE_PER_MM, small.xy[v].y / LATTICE_PER_MM,
                            small.z[v] / LATTICE_PER_MM};
     if (face_build(pts, small.nv, w, out, NULL) != ST_OK)
-        out->mesh.nv = 0;
+        out->surface.mesh.nv = 0;
     mesh_free(&small);
     scratch_free(&scratch);
     free(pts);
@@ -125,13 +125,13 @@ static void line(const struct face *few, const struct face *probe, size_t people
     clock_t start = clock();
 
     for (size_t i = 0; i < people; i++) {
-        points += (double)few[i].mesh.nv;
-        made += few[i].mesh.nv > 0;
+        points += (double)few[i].surface.mesh.nv;
+        made += few[i].surface.mesh.nv > 0;
         for (size_t j = 0; j <= STRANGERS && j < people; j++) {
             const struct face *template = &few[(i + j) % people];
             struct face_result r;
 
-            if (template->mesh.nv == 0)
+            if (template->surface.mesh.nv == 0)
                 continue;
             lab_must(face_compare(template, &probe[i], 0, NULL, w, &r));
             t[j > 0].n++;

@@ -7,7 +7,7 @@
 
 #include "delaunay.h"
 #include "mst.h"
-#include "surface.h"
+#include "interpolate.h"
 
 void lab_must(enum status st)
 {
@@ -152,32 +152,31 @@ struct ivec3 lab_lattice(unsigned f, double x, double y)
 
 enum status lab_triangulate(struct lab_surface *s, const struct ivec3 *pts, size_t n)
 {
-    enum status st = delaunay_build(pts, n, &s->scratch, &s->mesh);
+    const enum status st = surface_prepare(pts, n, false, &s->scratch, &s->surface);
 
     if (st == ST_EDEGENERATE)
         return st;
     lab_must(st);
-    lab_must(mst_build(&s->mesh, &s->scratch));
-    s->last.he = s->mesh.out[0];
-    while (mesh_is_ghost(&s->mesh, s->last.he / 3))
-        s->last.he = mesh_turn(&s->mesh, s->last.he);
+    s->last.he = s->surface.mesh.out[0];
+    while (mesh_is_ghost(&s->surface.mesh, s->last.he / 3))
+        s->last.he = mesh_turn(&s->surface.mesh, s->last.he);
     return ST_OK;
 }
 
 void lab_surface_free(struct lab_surface *s)
 {
-    mesh_free(&s->mesh);
+    surface_free(&s->surface);
     scratch_free(&s->scratch);
 }
 
 double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
 {
     /* Every walk starts at a corner of the triangle where the last one ended. */
-    const struct ivec2 from = s->mesh.xy[s->mesh.org[s->last.he]];
+    const struct ivec2 from = s->surface.mesh.xy[s->surface.mesh.org[s->last.he]];
 
-    s->last = locate_point(&s->mesh, s->last.he, from, q, NULL);
+    s->last = locate_point(&s->surface.mesh, s->last.he, from, q, NULL);
     *inside = s->last.where != LOCATE_OUTSIDE;
-    return surface_height(&s->mesh, s->last, q);
+    return interpolate_height(&s->surface.mesh, s->last, q);
 }
 
 void lab_edges(const struct mesh *m, double per, const char *tag, FILE *f)

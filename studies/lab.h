@@ -11,6 +11,7 @@
 #include "mem.h"
 #include "mesh.h"
 #include "status.h"
+#include "surface.h"
 #include "vec.h"
 
 struct lab {
@@ -57,7 +58,7 @@ struct ivec3 lab_lattice(unsigned f, double x, double y);
 /* ---- surfaces */
 
 struct lab_surface {
-    struct mesh mesh; /* with its spanning tree */
+    struct surface surface; /* no spikes are looked for */
     struct scratch scratch;
     struct location last; /* where the last point was found */
 };

@@ -9,7 +9,7 @@
 #include "lab.h"
 #include "render.h"
 #include "study.h"
-#include "surface.h"
+#include "interpolate.h"
 
 static size_t scatter(struct brute_rng *r, size_t n, unsigned f, struct ivec3 *out)
 {
@@ -106,12 +106,12 @@ static void walks(const struct lab *lab)
     struct ivec2 m, c;
 
     lab_must(lab_triangulate(&s, pts, scatter(&r, 64, 0, pts)));
-    start = s.mesh.out[nearest(&s.mesh, 0.2, 0.25)];
-    m = middle(&s.mesh, start / 3);
-    one_walk(lab, &s.mesh, start, m, (struct ivec2){8200000, 7600000}, "fig1");
-    through = nearest(&s.mesh, 0.5, 0.5);
-    c = s.mesh.xy[through];
-    one_walk(lab, &s.mesh, start, m, (struct ivec2){2 * c.x - m.x, 2 * c.y - m.y},
+    start = s.surface.mesh.out[nearest(&s.surface.mesh, 0.2, 0.25)];
+    m = middle(&s.surface.mesh, start / 3);
+    one_walk(lab, &s.surface.mesh, start, m, (struct ivec2){8200000, 7600000}, "fig1");
+    through = nearest(&s.surface.mesh, 0.5, 0.5);
+    c = s.surface.mesh.xy[through];
+    one_walk(lab, &s.surface.mesh, start, m, (struct ivec2){2 * c.x - m.x, 2 * c.y - m.y},
              "fig2");
     lab_surface_free(&s);
 }
@@ -154,23 +154,23 @@ static void trees(const struct lab *lab)
     struct brute_rng r = {lab->seed + 1};
     struct lab_surface a = {0}, b = {0};
     struct ivec3 pts[160];
-    struct trail trail = {&a.mesh, NULL, "1", 0};
+    struct trail trail = {&a.surface.mesh, NULL, "1", 0};
     uint32_t differ;
     FILE *f;
 
     lab_must(lab_triangulate(&a, pts, scatter(&r, 160, 0, pts)));
     lab_must(lab_triangulate(&b, pts, scatter(&r, 60, 0, pts)));
     f = lab_open(lab, "fig3-edges.csv");
-    lab_edges(&a.mesh, LAB_UNIT, "1", f);
+    lab_edges(&a.surface.mesh, LAB_UNIT, "1", f);
     lab_close(f);
     f = lab_open(lab, "fig3-tree.csv");
-    tree_edges(&a.mesh, f);
+    tree_edges(&a.surface.mesh, f);
     lab_close(f);
     f = lab_open(lab, "fig4-tree.csv");
-    tree_edges(&b.mesh, f);
+    tree_edges(&b.surface.mesh, f);
     lab_close(f);
     trail.f = lab_open(lab, "fig4-path.csv");
-    walk_tree(&a.mesh, &b.mesh, &trail, &differ);
+    walk_tree(&a.surface.mesh, &b.surface.mesh, &trail, &differ);
     lab_close(trail.f);
     lab_surface_free(&a);
     lab_surface_free(&b);
@@ -197,11 +197,13 @@ static void steps(const struct lab *lab)
 
         lab_must(lab_triangulate(&a, pts, scatter(&r, size[i], 0, pts)));
         lab_must(lab_triangulate(&b, pts, scatter(&r, size[i], 0, pts)));
-        walk_tree(&a.mesh, &b.mesh, &trail, &differ);
-        he = a.mesh.out[nearest(&a.mesh, 0.5, 0.5)];
-        for (uint32_t v = 0; v < b.mesh.nv; v += b.mesh.nv / 300 + 1, tried++)
-            (void)locate_point(&a.mesh, he, a.mesh.xy[a.mesh.org[he]], b.mesh.xy[v],
-                               &trace);
+        walk_tree(&a.surface.mesh, &b.surface.mesh, &trail, &differ);
+        he = a.surface.mesh.out[nearest(&a.surface.mesh, 0.5, 0.5)];
+        for (uint32_t v = 0; v < b.surface.mesh.nv;
+             v += b.surface.mesh.nv / 300 + 1, tried++)
+            (void)locate_point(&a.surface.mesh, he,
+                               a.surface.mesh.xy[a.surface.mesh.org[he]],
+                               b.surface.mesh.xy[v], &trace);
         n[i] = (double)size[i];
         along[i] = (double)trail.entered;
         single[i] = (double)far.entered / tried;
@@ -277,21 +279,21 @@ static void interpolation(const struct lab *lab)
 
         lab_must(lab_triangulate(&a, pts, scatter_square(&r, n, row[i].f1, pts)));
         lab_must(lab_triangulate(&b, pts, scatter_square(&r, n, row[i].f2, pts)));
-        loc = lab_alloc(a.mesh.nv, sizeof *loc);
-        z = lab_alloc(a.mesh.nv, sizeof *z);
-        locate_mesh(&b.mesh, &a.mesh, loc);
-        surface_interpolate(&b.mesh, &a.mesh, loc, z);
-        for (uint32_t v = 0; v < a.mesh.nv; v++) {
-            const struct ivec2 p = a.mesh.xy[v];
+        loc = lab_alloc(a.surface.mesh.nv, sizeof *loc);
+        z = lab_alloc(a.surface.mesh.nv, sizeof *z);
+        locate_mesh(&b.surface.mesh, &a.surface.mesh, loc);
+        interpolate_mesh(&b.surface.mesh, &a.surface.mesh, loc, z);
+        for (uint32_t v = 0; v < a.surface.mesh.nv; v++) {
+            const struct ivec2 p = a.surface.mesh.xy[v];
             const double off =
                 fabs(z[v] / LAB_UNIT -
                      lab_function(row[i].f2, p.x / LAB_UNIT, p.y / LAB_UNIT));
 
-            mean += off / a.mesh.nv;
+            mean += off / a.surface.mesh.nv;
             most = fmax(most, off);
             pts[v] = (struct ivec3){p.x, p.y, (int32_t)lround(z[v])};
         }
-        lab_must(lab_triangulate(&c, pts, a.mesh.nv));
+        lab_must(lab_triangulate(&c, pts, a.surface.mesh.nv));
         for (int k = 0; k < 10000; k++) { /* on a grid of 100 x 100 */
             const struct ivec2 q = {(k % 100 * 2 + 1) * 50000, (k / 100 * 2 + 1) * 50000};
             bool inside;
@@ -305,9 +307,9 @@ static void interpolation(const struct lab *lab)
                 lab_function_name(row[i].f1), lab_function_name(row[i].f2), mean, most,
                 apart, widest);
         (void)snprintf(name, sizeof name, "fig%d-given.dat", row[i].figure);
-        picture(lab, name, &a.mesh, &b.mesh);
+        picture(lab, name, &a.surface.mesh, &b.surface.mesh);
         (void)snprintf(name, sizeof name, "fig%d-interpolated.dat", row[i].figure);
-        picture(lab, name, &a.mesh, &c.mesh);
+        picture(lab, name, &a.surface.mesh, &c.surface.mesh);
         lab_surface_free(&a);
         lab_surface_free(&b);
         lab_surface_free(&c);

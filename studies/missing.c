@@ -348,7 +348,7 @@ static void figures(const struct lab *lab)
 
         (void)snprintf(tag, sizeof tag, "%d", percent[k]);
         lab_must(triangulate(&s, 0, order, removed[k]));
-        lab_edges(&s.mesh, LAB_UNIT, tag, edges);
+        lab_edges(&s.surface.mesh, LAB_UNIT, tag, edges);
         for (int i = 0; i < POINTS; i++)
             fprintf(pts, "%d,%g,%g,%d\n", percent[k], point[order[i]][0],
                     point[order[i]][1], i < removed[k]);
@@ -361,7 +361,7 @@ static void figures(const struct lab *lab)
             (void)snprintf(name, sizeof name, "fig%u-%d.dat", f + 3, percent[k]);
             out = lab_open(lab, name);
             lab_must(triangulate(&s, f, order, removed[k]));
-            lab_triangles(&s.mesh, LAB_UNIT, out);
+            lab_triangles(&s.surface.mesh, LAB_UNIT, out);
             lab_close(out);
         }
     lab_close(edges);

@@ -87,13 +87,9 @@ struct error {
 
 static struct error error_of(struct lab_surface *s, unsigned f)
 {
-    float *spacing = lab_alloc(s->mesh.nv, sizeof *spacing);
-    uint8_t *bridge = lab_alloc(s->mesh.nt, 1);
     struct error e = {0, 0, 0};
     double n = 0;
 
-    lab_must(holes_spacing(&s->mesh, &s->scratch, spacing));
-    (void)holes_mark(&s->mesh, spacing, bridge);
     for (int i = 0; i < GRID * GRID; i++) {
         const double x = (i % GRID + 0.5) / GRID, y = ((double)(i / GRID) + 0.5) / GRID;
         const struct ivec2 q = {(int32_t)lround(x * LAB_UNIT),
@@ -103,15 +99,13 @@ static struct error error_of(struct lab_surface *s, unsigned f)
             fabs(lab_height(s, q, &inside) / LAB_UNIT - lab_function(f, x, y));
 
         e.all += off / (GRID * GRID);
-        if (!inside || !holes_measured(&s->mesh, bridge, s->last))
+        if (!inside || !holes_measured(&s->surface.mesh, s->surface.bridge, s->last))
             continue;
         e.measured += off;
         n++;
     }
     e.measured /= n > 0 ? n : 1;
     e.share = n / (GRID * GRID);
-    free(spacing);
-    free(bridge);
     return e;
 }
 

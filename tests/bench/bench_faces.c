@@ -18,7 +18,7 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "surface.h"
+#include "interpolate.h"
 #include "timing.h"
 
 #define PAIRS  48
@@ -49,12 +49,9 @@ enum row {
 struct side {
     struct ivec3 *pts;
     size_t n;
-    struct mesh mesh;
+    struct surface own;
     struct location *loc; /* its vertices in the other's mesh */
     double *other, *peer_other;
-    float *spacing;
-    uint8_t *bridge;
-    double measured;
     void *points, *surface, *graph, *dt; /* the peer's */
 };
 
@@ -90,8 +87,6 @@ static void side_make(struct side *s, uint64_t k)
     s->loc = timing_alloc(POINTS, sizeof *s->loc);
     s->other = timing_alloc(POINTS, sizeof *s->other);
     s->peer_other = timing_alloc(POINTS, sizeof *s->other);
-    s->spacing = timing_alloc(POINTS, sizeof *s->spacing);
-    s->bridge = timing_alloc(2 * POINTS, 1);
     if (peers != NULL) {
         s->points = peers->points(s->pts, s->n);
         s->surface = peers->surface(s->pts, s->n);
@@ -117,30 +112,22 @@ static double lap(enum row r, double since)
     return now;
 }
 
-static void find_holes(struct side *s)
-{
-    must(holes_spacing(&s->mesh, &scratch, s->spacing));
-    s->measured = holes_mark(&s->mesh, s->spacing, s->bridge);
-}
-
 /* From two meshes with trees to the disparity. */
 static double compare(struct side *a, struct side *b, double t)
 {
     struct disparity_side da, db;
     struct disparity d;
 
-    locate_mesh(&b->mesh, &a->mesh, a->loc);
-    locate_mesh(&a->mesh, &b->mesh, b->loc);
+    locate_mesh(&b->own.mesh, &a->own.mesh, a->loc);
+    locate_mesh(&a->own.mesh, &b->own.mesh, b->loc);
     t = lap(LOCATE, t);
-    surface_interpolate(&b->mesh, &a->mesh, a->loc, a->other);
-    surface_interpolate(&a->mesh, &b->mesh, b->loc, b->other);
+    interpolate_mesh(&b->own.mesh, &a->own.mesh, a->loc, a->other);
+    interpolate_mesh(&a->own.mesh, &b->own.mesh, b->loc, b->other);
     t = lap(INTERPOLATE, t);
-    must(merge_build(&a->mesh, &b->mesh, b->loc, &scratch, &general, b_vertex));
+    must(merge_build(&a->own.mesh, &b->own.mesh, b->loc, &scratch, &general, b_vertex));
     t = lap(MERGE, t);
-    da = (struct disparity_side){&a->mesh,    a->spacing, a->bridge,
-                                 a->measured, a->loc,     a->other};
-    db = (struct disparity_side){&b->mesh,    b->spacing, b->bridge,
-                                 b->measured, b->loc,     b->other};
+    da = (struct disparity_side){&a->own, a->loc, a->other};
+    db = (struct disparity_side){&b->own, b->loc, b->other};
     disparity_measure(&general, b_vertex, &da, &db, NULL, LATTICE_PER_MM, vertex, &d);
     (void)lap(MEASURE, t);
     return d.plain_mm;
@@ -153,14 +140,14 @@ static double table1(struct pair *p)
     const double start = timing_now_ms();
     double t = start, mm;
 
-    must(delaunay_build(a->pts, a->n, &scratch, &a->mesh));
-    must(delaunay_build(b->pts, b->n, &scratch, &b->mesh));
+    must(delaunay_build(a->pts, a->n, &scratch, &a->own.mesh));
+    must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
     t = lap(DELAUNAY, t);
-    must(mst_build(&a->mesh, &scratch));
-    must(mst_build(&b->mesh, &scratch));
+    must(mst_build(&a->own.mesh, &scratch));
+    must(mst_build(&b->own.mesh, &scratch));
     t = lap(TREE, t);
-    find_holes(a);
-    find_holes(b);
+    must(surface_derive(&a->own, &scratch));
+    must(surface_derive(&b->own, &scratch));
     t = lap(HOLES, t);
     mm = compare(a, b, t);
     (void)lap(SUM, start);
@@ -175,13 +162,10 @@ static double stored(struct pair *p)
     double mm;
 
     must(codec_decode(p->blob, p->blob_size, work, &model, NULL));
-    a.mesh = model.mesh;
-    a.spacing = model.spacing;
-    a.bridge = model.bridge;
-    a.measured = model.measured;
-    must(delaunay_build(b->pts, b->n, &scratch, &b->mesh));
-    must(mst_build(&b->mesh, &scratch));
-    find_holes(b);
+    a.own = model.surface;
+    must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
+    must(mst_build(&b->own.mesh, &scratch));
+    must(surface_derive(&b->own, &scratch));
     mm = compare(&a, b, timing_now_ms());
     (void)lap(STORED, start);
     return mm;
@@ -189,11 +173,11 @@ static double stored(struct pair *p)
 
 static void store(struct pair *p)
 {
-    model.mesh = p->a.mesh; /* for its mesh alone is written */
-    p->blob_size = codec_size(&p->a.mesh);
+    model.surface = p->a.own;
+    p->blob_size = codec_size(&p->a.own.mesh);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&model, p->blob);
-    model.mesh = (struct mesh){0};
+    model.surface = (struct surface){0};
 }
 
 static void scratch_union(const struct pair *p)
@@ -259,7 +243,7 @@ static void peer_pass(struct pair *p)
 /* Do ours and the peers' compute the same?  Trees by length, heights by value. */
 static void agree(struct pair *p)
 {
-    const struct mesh *m = &p->b.mesh;
+    const struct mesh *m = &p->b.own.mesh;
     double length = 0, peer = peers->kruskal(p->b.graph), worst = 0;
     void *dt = peers->merge(p->a.dt = peers->triangulate(p->a.points), p->b.points);
 
@@ -405,8 +389,8 @@ int main(void)
         }
         sum += mm;
         if (peers != NULL) {
-            pair[k].a.graph = peer_graph(&pair[k].a.mesh);
-            pair[k].b.graph = peer_graph(&pair[k].b.mesh);
+            pair[k].a.graph = peer_graph(&pair[k].a.own.mesh);
+            pair[k].b.graph = peer_graph(&pair[k].b.own.mesh);
         }
     }
     printf("%d pairs of clouds, subjects 0-%d, scans 0-%d; mean gap %.3f mm\n", PAIRS,

@@ -11,7 +11,7 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "surface.h"
+#include "interpolate.h"
 #include "timing.h"
 
 #define NONE ((double)NAN)
@@ -147,8 +147,8 @@ static void locations(size_t n, double paper_locate, double paper_interpolate)
             timing_stop(&locate);
             locate_mesh(b, a, loc[0]);
             timing_start(&interpolate);
-            surface_interpolate(a, b, loc[1], h);
-            surface_interpolate(b, a, loc[0], h);
+            interpolate_mesh(a, b, loc[1], h);
+            interpolate_mesh(b, a, loc[0], h);
             timing_stop(&interpolate);
             if (peers == NULL)
                 continue;

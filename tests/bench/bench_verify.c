@@ -73,7 +73,7 @@ static void pair_make(struct pair *p, uint64_t k)
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
     must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
     must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
-    p->blob_size = codec_size(&p->tmpl.mesh);
+    p->blob_size = codec_size(&p->tmpl.surface.mesh);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&p->tmpl, p->blob);
     must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
@@ -112,18 +112,8 @@ static double pose_error(const struct pair *p, const double *t)
     return sqrt(sum / (double)p->n_probe);
 }
 
-static struct measure_surface surface_of(const struct face *f)
-{
-    return (struct measure_surface){.mesh = &f->mesh,
-                                    .raw = f->raw,
-                                    .spacing = f->spacing,
-                                    .bridge = f->bridge,
-                                    .measured = f->measured};
-}
-
 static void pass(struct pair *p)
 {
-    const struct measure_surface a = surface_of(&p->tmpl), b = surface_of(&p->probe);
     const struct align_pose first =
         align_pose_after(&p->tmpl.frame.pose, &p->probe.frame.pose);
     const struct align_weight u = {mean.hold, p->tmpl.frame.pose};
@@ -136,7 +126,7 @@ static void pass(struct pair *p)
     t = lap(LOAD, t);
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
     t = lap(PREPARE, t);
-    must(align_search(&a, &b, &how, &search, &found));
+    must(align_search(&p->tmpl.surface, &p->probe.surface, &how, &search, &found));
     t = lap(SEARCH, t);
     must(face_compare(&p->tmpl, &p->probe, 0, NULL, work, &r));
     (void)lap(COMPARE, t);
@@ -185,7 +175,9 @@ static void report(void)
     line("whole, both from points", RAW);
     printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
            timing_median(&row[STORED]) / timing_median(&row[RAW]),
-           stored.mesh.nv == 0 ? (size_t)0 : codec_size(&stored.mesh) / stored.mesh.nv);
+           stored.surface.mesh.nv == 0
+               ? (size_t)0
+               : codec_size(&stored.surface.mesh) / stored.surface.mesh.nv);
     printf("  pose error, median: %.3f mm after the search, %.3f mm at the end\n",
            timing_median(&search_error), timing_median(&final_error));
     printf("  matched: %u of %zu\n", matches, row[COMPARE].n);

@@ -27,7 +27,7 @@
 #include "mem.h"
 #include "model.h"
 #include "score.h"
-#include "surface.h"
+#include "interpolate.h"
 
 #define MAX_POINTS 3000
 
@@ -49,11 +49,6 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
         return NULL;
     allowed -= allowed > 0;
     return __real_aligned_alloc(alignment, size);
-}
-
-static struct measure_surface surface_of(const struct face *f)
-{
-    return (struct measure_surface){&f->mesh, f->raw, f->spacing, f->bridge, f->measured};
 }
 
 /* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
@@ -102,12 +97,11 @@ static void enroll(uint64_t subject, struct face *f)
 static enum status search(const struct face *a, const struct face *b,
                           struct align_work *w, struct align_result *r)
 {
-    const struct measure_surface sa = surface_of(a), sb = surface_of(b);
     const struct align_pose first = align_pose_after(&a->frame.pose, &b->frame.pose);
     const struct align_weight u = {mean.hold, a->frame.pose};
     const struct align_how how = {&first, &u, &motion};
 
-    return align_search(&sa, &sb, &how, w, r);
+    return align_search(&a->surface, &b->surface, &how, w, r);
 }
 
 /* compare(a, b, r, d): the pose, and the disparity that decides there. */
@@ -221,22 +215,20 @@ static void test_field(void **state)
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct face f = {0};
     struct brute_rng rng = {seed + 4};
-    struct measure_surface s;
     struct align_field field;
     struct align_cell *cells;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
 
     (void)state;
     enroll(5, &f);
-    s = surface_of(&f);
-    memset(f.bridge, 0, f.mesh.nt);
-    assert_non_null(cells = mem_array(align_field_bytes(f.mesh.nt), 1));
-    align_field_make(&s, NULL, cells, &field);
+    memset(f.surface.bridge, 0, f.surface.mesh.nt);
+    assert_non_null(cells = mem_array(align_field_bytes(f.surface.mesh.nt), 1));
+    align_field_make(&f.surface, NULL, cells, &field);
     p.cell = field.first;
     for (int i = 0; i < 2000; i++) {
         const struct ivec2 q = {brute_int(&rng, -120000, 120000),
                                 brute_int(&rng, -150000, 150000)};
-        const struct location loc = brute_locate(&f.mesh, q);
+        const struct location loc = brute_locate(&f.surface.mesh, q);
         const struct align_cell *cell;
         struct align_sum sum;
 
@@ -250,7 +242,8 @@ static void test_field(void **state)
             const double z = align_field_height(cell, p.p.x, p.p.y);
             const double gap = fabs(-30 - z) * (double)cell->flat;
 
-            assert_true(fabs(z - surface_height(&f.mesh, loc, q) / 1000) < 1e-3);
+            assert_true(fabs(z - interpolate_height(&f.surface.mesh, loc, q) / 1000) <
+                        1e-3);
             assert_true(sum.within == 1 && fabs(sum.cost - (gap < 5 ? gap : 5)) < 1e-6);
         }
     }
@@ -447,7 +440,6 @@ static void test_given_start(void **state)
     struct face a = {0}, b = {0};
     struct align_work w = {0};
     struct align_result r, again;
-    struct measure_surface sa, sb;
     struct align_pose end;
     struct facegen_scan s;
 
@@ -457,14 +449,14 @@ static void test_given_start(void **state)
     s.yaw = 20;
     s.tx = 100;
     build(points, sample(&s, 63, 1, points), &b);
-    sa = surface_of(&a);
-    sb = surface_of(&b);
-    assert_int_equal(
-        align_search(&sa, &sb, &(struct align_how){NULL, NULL, NULL}, &w, &r), ST_OK);
+    assert_int_equal(align_search(&a.surface, &b.surface,
+                                  &(struct align_how){NULL, NULL, NULL}, &w, &r),
+                     ST_OK);
     assert_true(r.turn_deg == (double)INFINITY); /* nothing was said of what is change */
     align_pose_from_matrix(r.transform, &end);
-    assert_int_equal(
-        align_search(&sa, &sb, &(struct align_how){&end, NULL, NULL}, &w, &again), ST_OK);
+    assert_int_equal(align_search(&a.surface, &b.surface,
+                                  &(struct align_how){&end, NULL, NULL}, &w, &again),
+                     ST_OK);
     assert_int_equal(again.starts, 1);
     assert_true(again.evaluations < r.evaluations);
     for (int i = 0; i < 16; i++)
@@ -481,7 +473,6 @@ static void test_apart(void **state)
     static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
     struct face a = {0};
-    struct measure_surface sa, sb;
     struct measure_work w;
     struct align_work align = {0};
     struct align_result r;
@@ -490,12 +481,11 @@ static void test_apart(void **state)
     (void)state;
     memset(&w, 0, sizeof w);
     enroll(70, &a);
-    sa = sb = surface_of(&a);
-    assert_int_equal(measure_at(&sa, &sb, far, NULL, &w, &d), ST_OK);
+    assert_int_equal(measure_at(&a.surface, &a.surface, far, NULL, &w, &d), ST_OK);
     assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
-    assert_int_equal(measure_at(&sa, &sb, edge_on, NULL, &w, &d), ST_OK);
+    assert_int_equal(measure_at(&a.surface, &a.surface, edge_on, NULL, &w, &d), ST_OK);
     assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
-    memset(a.bridge, 1, a.mesh.nt);
+    memset(a.surface.bridge, 1, a.surface.mesh.nt);
     assert_int_equal(search(&a, &a, &align, &r), ST_OK);
     assert_int_equal(r.stop, ALIGN_APART);
     for (int i = 0; i < 16; i++)

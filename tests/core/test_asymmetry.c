@@ -19,6 +19,7 @@
 #include "holes.h"
 #include "measure.h"
 #include "mst.h"
+#include "toy.h"
 
 #define POINTS 3000
 #define DEGREE (3.14159265358979323846 / 180)
@@ -35,42 +36,19 @@ static void close_to(double got, double wanted, double by)
 
 /* ---- any surface */
 
-struct made {
-    struct mesh mesh;
-    struct scratch scratch;
-    float spacing[POINTS];
-    uint8_t bridge[2 * POINTS];
-};
-
-static struct made made;
-
-/* The surface of points in millimetres. */
-static struct measure_surface surface(const struct dvec3 *p, uint32_t n)
-{
-    static struct ivec3 pts[POINTS];
-
-    for (uint32_t i = 0; i < n; i++)
-        pts[i] =
-            (struct ivec3){(int32_t)lrint(p[i].x * 1000), (int32_t)lrint(p[i].y * 1000),
-                           (int32_t)lrint(p[i].z * 1000)};
-    assert_int_equal(delaunay_build(pts, n, &made.scratch, &made.mesh), ST_OK);
-    assert_int_equal(mst_build(&made.mesh, &made.scratch), ST_OK);
-    assert_int_equal(holes_spacing(&made.mesh, &made.scratch, made.spacing), ST_OK);
-    return (struct measure_surface){&made.mesh, made.mesh.z, made.spacing, made.bridge,
-                                    holes_mark(&made.mesh, made.spacing, made.bridge)};
-}
+static struct surface made;
 
 static struct asymmetry find(const struct dvec3 *p, uint32_t n)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct measure_surface s = surface(p, n);
     struct measure_work m = {0};
-    struct asymmetry_work w = {0};
+    struct surface upright = {0};
     struct asymmetry out;
 
-    assert_int_equal(asymmetry_find(&s, &still, &m, &w, &out), ST_OK);
+    toy_surface(p, n, &made);
+    assert_int_equal(asymmetry_find(&made, &still, &m, &upright, &out), ST_OK);
     measure_work_free(&m);
-    asymmetry_work_free(&w);
+    surface_free(&upright);
     return out;
 }
 
@@ -423,7 +401,6 @@ int main(void)
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     face_work_free(work);
     face_free(&face);
-    mesh_free(&made.mesh);
-    scratch_free(&made.scratch);
+    surface_free(&made);
     return failed;
 }

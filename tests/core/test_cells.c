@@ -20,16 +20,16 @@
 static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static const double same_place[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 static struct measure_work work;
-static struct toy_surface a, b;
+static struct surface a, b;
 static struct cells cells, other;
 
-static struct disparity gap_of(const struct toy_surface *t, const struct toy_surface *p,
+static struct disparity gap_of(const struct surface *t, const struct surface *p,
                                const struct align_pose *frame, struct cells *out)
 {
     struct disparity d;
 
-    assert_int_equal(measure_at(&t->s, &p->s, same_place, NULL, &work, &d), ST_OK);
-    cells_measure(&t->s, &work, frame, out);
+    assert_int_equal(measure_at(t, p, same_place, NULL, &work, &d), ST_OK);
+    cells_measure(t, &work, frame, out);
     return d;
 }
 
@@ -222,7 +222,7 @@ static void test_holes(void **state)
             if (hypot(x - 10, y - 5) > 16)
                 pts[n++] = (struct dvec3){x, y, a.mesh.z[v] / LATTICE_PER_MM};
         }
-        toy_surface_make(pts, n, &b);
+        toy_surface(pts, n, &b);
         (void)gap_of(which == 0 ? &a : &b, which == 0 ? &b : &a, &still, &cells);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double off = hypot(grid_x(i) - 10, grid_y(i) - 5);
@@ -255,8 +255,8 @@ static void test_left_out(void **state)
     (void)gap_of(&a, &a, &away, &cells);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
-    assert_int_equal(measure_at(&a.s, &a.s, far, NULL, &work, &d), ST_OK);
-    cells_measure(&a.s, &work, &still, &cells);
+    assert_int_equal(measure_at(&a, &a, far, NULL, &work, &d), ST_OK);
+    cells_measure(&a, &work, &still, &cells);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
 }
@@ -277,7 +277,7 @@ static void test_sample(void **state)
     toy_scan(toy, &up, 8000, NULL, &rng, &b);
     (void)gap_of(&a, &b, &still, &cells);
     assert_non_null(block = mem_array(align_field_bytes(a.mesh.nt), 1));
-    align_field_make(&a.s, NULL, block, &field);
+    align_field_make(&a, NULL, block, &field);
     for (uint32_t v = 0; v < b.mesh.nv; v++)
         pts[v] = (struct align_point){{b.mesh.xy[v].x / LATTICE_PER_MM,
                                        b.mesh.xy[v].y / LATTICE_PER_MM,
@@ -307,8 +307,8 @@ static int tear_down(void **state)
 {
     (void)state;
     measure_work_free(&work);
-    toy_surface_free(&a);
-    toy_surface_free(&b);
+    surface_free(&a);
+    surface_free(&b);
     return 0;
 }
 

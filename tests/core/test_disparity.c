@@ -17,7 +17,7 @@
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
-#include "surface.h"
+#include "interpolate.h"
 
 #define MAX_POINTS 1200
 
@@ -25,10 +25,7 @@ static uint64_t seed;
 static struct ivec3 pts_a[MAX_POINTS], pts_b[MAX_POINTS];
 
 struct one {
-    struct mesh mesh;
-    float spacing[MAX_POINTS];
-    uint8_t bridge[2 * MAX_POINTS];
-    double measured;
+    struct surface surface;
     struct location loc[MAX_POINTS];
     double other[MAX_POINTS];
 };
@@ -46,10 +43,9 @@ static void make_one(struct one *o, const struct ivec3 *pts, size_t n)
 {
     struct scratch s = {0};
 
-    brute_delaunay(pts, n, &o->mesh);
-    assert_int_equal(mst_build(&o->mesh, &s), ST_OK);
-    assert_int_equal(holes_spacing(&o->mesh, &s, o->spacing), ST_OK);
-    o->measured = holes_mark(&o->mesh, o->spacing, o->bridge);
+    brute_delaunay(pts, n, &o->surface.mesh);
+    assert_int_equal(mst_build(&o->surface.mesh, &s), ST_OK);
+    assert_int_equal(surface_derive(&o->surface, &s), ST_OK);
     scratch_free(&s);
 }
 
@@ -58,53 +54,53 @@ static void fill_holes(struct one *o)
 {
     int64_t twice = 0;
 
-    for (uint32_t t = 0; t < o->mesh.nt; t++) {
-        const uint32_t *v = &o->mesh.org[3 * t];
+    for (uint32_t t = 0; t < o->surface.mesh.nt; t++) {
+        const uint32_t *v = &o->surface.mesh.org[3 * t];
 
-        o->bridge[t] = mesh_is_ghost(&o->mesh, t);
-        if (!o->bridge[t])
-            twice += orient2d(o->mesh.xy[v[0]], o->mesh.xy[v[1]], o->mesh.xy[v[2]]);
+        o->surface.bridge[t] = mesh_is_ghost(&o->surface.mesh, t);
+        if (!o->surface.bridge[t])
+            twice += orient2d(o->surface.mesh.xy[v[0]], o->surface.mesh.xy[v[1]],
+                              o->surface.mesh.xy[v[2]]);
     }
-    for (uint32_t v = 0; v < o->mesh.nv; v++)
-        o->spacing[v] = 1e9F;
-    o->measured = 0.5 * (double)twice;
+    for (uint32_t v = 0; v < o->surface.mesh.nv; v++)
+        o->surface.spacing[v] = 1e9F;
+    o->surface.measured = 0.5 * (double)twice;
 }
 
 static void put_into(struct one *o, const struct mesh *other)
 {
-    for (uint32_t v = 0; v < o->mesh.nv; v++) {
-        o->loc[v] = brute_locate(other, o->mesh.xy[v]);
-        o->other[v] = surface_height(other, o->loc[v], o->mesh.xy[v]);
+    for (uint32_t v = 0; v < o->surface.mesh.nv; v++) {
+        o->loc[v] = brute_locate(other, o->surface.mesh.xy[v]);
+        o->other[v] = interpolate_height(other, o->loc[v], o->surface.mesh.xy[v]);
     }
 }
 
 static void unite(struct both *p)
 {
     static struct ivec3 all[2 * MAX_POINTS];
-    size_t n = p->a.mesh.nv;
+    size_t n = p->a.surface.mesh.nv;
 
     for (uint32_t v = 0; v < n; v++)
-        all[v] = (struct ivec3){p->a.mesh.xy[v].x, p->a.mesh.xy[v].y, p->a.mesh.z[v]};
-    for (uint32_t v = 0; v < p->b.mesh.nv; v++) {
-        const struct ivec2 q = p->b.mesh.xy[v];
-        const struct location at = brute_locate(&p->a.mesh, q);
+        all[v] = (struct ivec3){p->a.surface.mesh.xy[v].x, p->a.surface.mesh.xy[v].y,
+                                p->a.surface.mesh.z[v]};
+    for (uint32_t v = 0; v < p->b.surface.mesh.nv; v++) {
+        const struct ivec2 q = p->b.surface.mesh.xy[v];
+        const struct location at = brute_locate(&p->a.surface.mesh, q);
 
         if (at.where == LOCATE_VERTEX) {
-            p->b_vertex[v] = p->a.mesh.org[at.he];
+            p->b_vertex[v] = p->a.surface.mesh.org[at.he];
             continue;
         }
         p->b_vertex[v] = (uint32_t)n;
-        all[n++] = (struct ivec3){q.x, q.y, p->b.mesh.z[v]};
+        all[n++] = (struct ivec3){q.x, q.y, p->b.surface.mesh.z[v]};
     }
     brute_delaunay(all, n, &p->general);
 }
 
 static void measure(struct both *p, const struct disparity_weight *weight, double per_mm)
 {
-    const struct disparity_side a = {&p->a.mesh,    p->a.spacing, p->a.bridge,
-                                     p->a.measured, p->a.loc,     p->a.other};
-    const struct disparity_side b = {&p->b.mesh,    p->b.spacing, p->b.bridge,
-                                     p->b.measured, p->b.loc,     p->b.other};
+    const struct disparity_side a = {&p->a.surface, p->a.loc, p->a.other};
+    const struct disparity_side b = {&p->b.surface, p->b.loc, p->b.other};
 
     disparity_measure(&p->general, p->b_vertex, &a, &b, weight, per_mm, p->vertex, &p->d);
 }
@@ -120,8 +116,8 @@ static struct both *compare(size_t na, size_t nb, bool holes)
         fill_holes(&p->a);
         fill_holes(&p->b);
     }
-    put_into(&p->a, &p->b.mesh);
-    put_into(&p->b, &p->a.mesh);
+    put_into(&p->a, &p->b.surface.mesh);
+    put_into(&p->b, &p->a.surface.mesh);
     unite(p);
     measure(p, NULL, 1);
     return p;
@@ -129,8 +125,8 @@ static struct both *compare(size_t na, size_t nb, bool holes)
 
 static void drop(struct both *p)
 {
-    mesh_free(&p->a.mesh);
-    mesh_free(&p->b.mesh);
+    surface_free(&p->a.surface);
+    surface_free(&p->b.surface);
     mesh_free(&p->general);
     free(p);
 }
@@ -216,7 +212,7 @@ static void test_same_points(void **state)
                 pts_b[i].z += brute_int(&r, -1, 1) * brute_int(&r, 0, 3000);
             }
             p = compare(n, n, false);
-            volume = brute_volume(&p->a.mesh, &p->b.mesh, &area);
+            volume = brute_volume(&p->a.surface.mesh, &p->b.surface.mesh, &area);
             /* the overlay clips in doubles, at coordinates up to 2^24 */
             assert_true(fabs(p->d.volume_mm3 - volume) <= 1e-7 * volume);
             assert_true(fabs(p->d.area_mm2 - area) <= 1e-7 * area);
@@ -249,7 +245,7 @@ static void test_planes(void **state)
                 pts[i].z = a * pts[i].x + b * pts[i].y + 1000 * side;
         }
         p = compare(n[0], n[1], false);
-        volume = brute_volume(&p->a.mesh, &p->b.mesh, &area);
+        volume = brute_volume(&p->a.surface.mesh, &p->b.surface.mesh, &area);
         assert_true(p->d.area_mm2 == 4e10);
         assert_true(fabs(p->d.volume_mm3 - volume) <= 1e-9 * volume);
         drop(p);
@@ -274,7 +270,7 @@ static void test_smooth(void **state)
             (side == 0 ? pts_a : pts_b)[i] = q;
         }
     p = compare(500, 500, false);
-    volume = brute_volume(&p->a.mesh, &p->b.mesh, &area);
+    volume = brute_volume(&p->a.surface.mesh, &p->b.surface.mesh, &area);
     assert_true(p->d.area_mm2 <= area && p->d.area_mm2 > 0.9 * area);
     assert_true(fabs(p->d.plain_mm - volume / area) < 0.01 * volume / area);
     drop(p);
@@ -354,10 +350,10 @@ static void test_overlap(void **state)
     assert_true(p->d.bridged_mm2 == 0);
     assert_true(p->d.overlap == 0.5);
     assert_true(close_to(p->d.plain_mm, 7));
-    p->a.measured = 1; /* never above one */
+    p->a.surface.measured = 1; /* never above one */
     measure(p, NULL, 1);
     assert_true(p->d.overlap == 1);
-    p->a.measured = 0;
+    p->a.surface.measured = 0;
     measure(p, NULL, 1);
     assert_true(p->d.overlap == 0);
     drop(p);
@@ -411,16 +407,16 @@ static void test_lone_point(void **state)
 {
     const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
     struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){0, 0, 40}, false), true);
-    const uint32_t v = brute_locate(&p->b.mesh, (struct ivec2){500, 500}).he;
-    const uint32_t lone = p->b.mesh.org[v];
+    const uint32_t v = brute_locate(&p->b.surface.mesh, (struct ivec2){500, 500}).he;
+    const uint32_t lone = p->b.surface.mesh.org[v];
     uint32_t h = v;
 
     (void)state;
     do {
         measure(p, NULL, 1);
         assert_true(p->vertex[p->b_vertex[lone]].gap == 40);
-        p->b.bridge[h / 3] = 1;
-        h = mesh_turn(&p->b.mesh, h);
+        p->b.surface.bridge[h / 3] = 1;
+        h = mesh_turn(&p->b.surface.mesh, h);
     } while (h != v);
     measure(p, NULL, 1);
     assert_true(isinf(p->vertex[p->b_vertex[lone]].gap));
@@ -434,16 +430,17 @@ static void check_spacings(const struct both *p)
     static bool shared[2 * MAX_POINTS];
 
     memset(shared, 0, sizeof shared);
-    for (uint32_t v = 0; v < p->b.mesh.nv; v++) {
+    for (uint32_t v = 0; v < p->b.surface.mesh.nv; v++) {
         const uint32_t g = p->b_vertex[v];
-        const float own = p->b.spacing[v];
-        const float want = g < p->a.mesh.nv ? fmaxf(own, p->a.spacing[g]) : own;
+        const float own = p->b.surface.spacing[v];
+        const float want =
+            g < p->a.surface.mesh.nv ? fmaxf(own, p->a.surface.spacing[g]) : own;
 
         shared[g] = true;
         assert_true(p->vertex[g].spacing == want);
     }
-    for (uint32_t v = 0; v < p->a.mesh.nv; v++)
-        assert_true(shared[v] || p->vertex[v].spacing == p->a.spacing[v]);
+    for (uint32_t v = 0; v < p->a.surface.mesh.nv; v++)
+        assert_true(shared[v] || p->vertex[v].spacing == p->a.surface.spacing[v]);
 }
 
 /* Every cell and vertex classified again, in the words of the header. */
@@ -456,21 +453,24 @@ static double gap_again(const struct both *p, uint32_t v)
         const struct one *mine = side == 0 ? &p->a : &p->b,
                          *other = side == 0 ? &p->b : &p->a;
 
-        for (uint32_t w = 0; w < mine->mesh.nv; w++) {
-            const struct ivec2 q = mine->mesh.xy[w];
+        for (uint32_t w = 0; w < mine->surface.mesh.nv; w++) {
+            const struct ivec2 q = mine->surface.mesh.xy[w];
             bool covered = false;
 
             if ((side == 0 ? w : p->b_vertex[w]) != v)
                 continue;
-            gap = side == 0 ? mine->other[w] - mine->mesh.z[w]
-                            : mine->mesh.z[w] - mine->other[w];
+            gap = side == 0 ? mine->other[w] - mine->surface.mesh.z[w]
+                            : mine->surface.mesh.z[w] - mine->other[w];
             outside |= mine->loc[w].where == LOCATE_OUTSIDE;
-            for (uint32_t t = 0; t < other->mesh.nt; t++) {
-                bool in = !mesh_is_ghost(&other->mesh, t) && !other->bridge[t];
+            for (uint32_t t = 0; t < other->surface.mesh.nt; t++) {
+                bool in =
+                    !mesh_is_ghost(&other->surface.mesh, t) && !other->surface.bridge[t];
 
                 for (uint32_t h = 3 * t; in && h < 3 * t + 3; h++)
-                    in = orient2d(other->mesh.xy[other->mesh.org[h]],
-                                  other->mesh.xy[mesh_dest(&other->mesh, h)], q) >= 0;
+                    in = orient2d(
+                             other->surface.mesh.xy[other->surface.mesh.org[h]],
+                             other->surface.mesh.xy[mesh_dest(&other->surface.mesh, h)],
+                             q) >= 0;
                 covered |= in;
             }
             bridged |= !covered;

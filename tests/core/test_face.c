@@ -48,7 +48,7 @@ static void make(uint64_t subject, uint64_t number, struct face *f)
 
 static void check_same_model(const struct face *a, const struct face *b)
 {
-    const struct mesh *m = &a->mesh, *k = &b->mesh;
+    const struct mesh *m = &a->surface.mesh, *k = &b->surface.mesh;
     const size_t nv = m->nv, halves = 3 * (size_t)m->nt;
 
     assert_int_equal(m->nv, k->nv);
@@ -58,28 +58,30 @@ static void check_same_model(const struct face *a, const struct face *b)
     assert_memory_equal(m->org, k->org, halves * sizeof *m->org);
     assert_memory_equal(m->twin, k->twin, halves * sizeof *m->twin);
     assert_memory_equal(m->parent, k->parent, nv * sizeof *m->parent);
-    assert_memory_equal(a->spacing, b->spacing, nv * sizeof *a->spacing);
-    assert_memory_equal(a->bridge, b->bridge, m->nt);
-    assert_memory_equal(a->raw, b->raw, nv * sizeof *a->raw);
-    assert_memory_equal(&a->measured, &b->measured, sizeof a->measured);
+    assert_memory_equal(a->surface.spacing, b->surface.spacing,
+                        nv * sizeof *a->surface.spacing);
+    assert_memory_equal(a->surface.bridge, b->surface.bridge, m->nt);
+    assert_memory_equal(a->surface.raw, b->surface.raw, nv * sizeof *a->surface.raw);
+    assert_memory_equal(&a->surface.measured, &b->surface.measured,
+                        sizeof a->surface.measured);
 }
 
-static void check_same_quality(const struct face_quality *a, const struct face_quality *b)
+static void check_same_quality(const struct quality *a, const struct quality *b)
 {
     assert_memory_equal(a, b, sizeof *a); /* doubles alone: no padding */
 }
 
 static void check_model(const struct face *f)
 {
-    const struct face_quality *q = &f->quality;
+    const struct quality *q = &f->quality;
 
-    assert_int_equal(mesh_check(&f->mesh, true), ST_OK);
-    assert_int_equal(mst_check(&f->mesh), ST_OK);
+    assert_int_equal(mesh_check(&f->surface.mesh, true), ST_OK);
+    assert_int_equal(mst_check(&f->surface.mesh), ST_OK);
     assert_true(q->score > 0 && q->score <= 1);
     assert_true(q->coverage > 0 && q->coverage <= 1);
     assert_true(q->density_mm > 0.2 && q->density_mm < 10);
     assert_true(q->noise_mm >= 0 && q->noise_mm < 3);
-    assert_true(f->measured > 0);
+    assert_true(f->surface.measured > 0);
 }
 
 /* Scans good and not so good, small and large: all are accepted. */
@@ -102,7 +104,7 @@ static void test_accepted(void **state)
         s.smile = (double)(k % 2);
         cloud.n = facegen_sample(&s, cloud.pts);
         assert_int_equal(build(&cloud, &f), ST_OK);
-        assert_true(f.mesh.nv <= cloud.n && f.mesh.nv > cloud.n - 5);
+        assert_true(f.surface.mesh.nv <= cloud.n && f.surface.mesh.nv > cloud.n - 5);
         check_model(&f);
     }
     face_free(&f);
@@ -148,11 +150,11 @@ static void refused(const struct cloud *c, enum status want)
     struct face f = {0};
 
     assert_int_equal(build(c, &f), want);
-    assert_int_equal(f.mesh.nv, 0);
+    assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
     make(1, 1, &f); /* a former face, and memory that is used again */
     assert_int_equal(build(c, &f), want);
-    assert_int_equal(f.mesh.nv, 0);
+    assert_int_equal(f.surface.mesh.nv, 0);
     scan(1, 1, POINTS, &other);
     assert_int_equal(build(&other, &f), ST_OK); /* none the worse for it */
     check_model(&f);
@@ -288,12 +290,12 @@ static void test_spikes(void **state)
         spiky.pts[i].z += (i % 120 == 0 ? 1 : -1) * (10 + 20 * brute_real(&r));
     assert_int_equal(build(&clean, &a), ST_OK);
     assert_int_equal(build(&spiky, &b), ST_OK);
-    assert_int_equal(a.mesh.nv, b.mesh.nv);
-    for (uint32_t v = 0; v < b.mesh.nv; v++) {
-        laid += b.raw[v] != b.mesh.z[v];
-        if (abs(b.raw[v] - a.raw[v]) >
+    assert_int_equal(a.surface.mesh.nv, b.surface.mesh.nv);
+    for (uint32_t v = 0; v < b.surface.mesh.nv; v++) {
+        laid += b.surface.raw[v] != b.surface.mesh.z[v];
+        if (abs(b.surface.raw[v] - a.surface.raw[v]) >
             8000) /* a spike: its height is near the true one */
-            assert_true(abs(b.mesh.z[v] - a.mesh.z[v]) < 6000);
+            assert_true(abs(b.surface.mesh.z[v] - a.surface.mesh.z[v]) < 6000);
     }
     assert_true(laid >= 45 && laid < 80);
     assert_int_equal(face_compare(&c, &a, 0, NULL, work, &plain), ST_OK);
@@ -331,13 +333,13 @@ static void test_permutation(void **state)
 static void test_adopt(void **state)
 {
     struct face a = {0}, b = {0};
-    struct mesh *m = &b.mesh;
+    struct mesh *m = &b.surface.mesh;
 
     (void)state;
     make(16, 0, &a);
     for (int damaged = 0; damaged < 2; damaged++) {
-        assert_int_equal(mesh_copy(m, &a.mesh, 0), ST_OK);
-        memcpy(m->z, a.raw, m->nv * sizeof *m->z);
+        assert_int_equal(mesh_copy(m, &a.surface.mesh, 0), ST_OK);
+        memcpy(m->z, a.surface.raw, m->nv * sizeof *m->z);
         memset(m->twin, 0xff, 3 * (size_t)m->nt * sizeof *m->twin);
         memset(m->out, 0xff, ((size_t)m->nv + 1) * sizeof *m->out);
         if (damaged) {
@@ -347,8 +349,9 @@ static void test_adopt(void **state)
         } else {
             assert_int_equal(face_adopt(&b, work), ST_OK);
             assert_int_equal(mesh_check(m, true), ST_OK);
-            assert_memory_equal(a.raw, b.raw, m->nv * sizeof *a.raw);
-            assert_memory_equal(a.bridge, b.bridge, m->nt);
+            assert_memory_equal(a.surface.raw, b.surface.raw,
+                                m->nv * sizeof *a.surface.raw);
+            assert_memory_equal(a.surface.bridge, b.surface.bridge, m->nt);
         }
     }
     face_free(&a);
@@ -374,7 +377,7 @@ static void test_no_memory(void **state)
         st = face_build(cloud.pts, cloud.n, w, &f, NULL);
         if (st != ST_OK) {
             assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(f.mesh.nv, 0);
+            assert_int_equal(f.surface.mesh.nv, 0);
             assert_int_equal(face_build(cloud.pts, cloud.n, w, &f, NULL), ST_OK);
         }
         fail_alloc_at(0);

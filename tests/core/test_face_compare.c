@@ -13,6 +13,7 @@
 #include "decision.h"
 #include "face.h"
 #include "fail_alloc.h"
+#include "heatmap.h"
 #include "lattice.h"
 #include "model.h"
 
@@ -286,7 +287,7 @@ static void test_heatmap(void **state)
 
     (void)state;
     make(15, 0, &a);
-    face_heatmap(&a, cloud.pts, cloud.n, up, gap);
+    heatmap_gaps(&a.surface, cloud.pts, cloud.n, up, gap);
     for (size_t i = 0; i < cloud.n; i++) {
         if (isnan(gap[i]))
             continue;
@@ -294,10 +295,10 @@ static void test_heatmap(void **state)
         assert_true(fabs(gap[i] - 2) < 0.0021 || fabs(gap[i] - 2) > 0.9);
     }
     assert_true(seen > cloud.n * 9 / 10);
-    face_heatmap(&a, cloud.pts, cloud.n, aside, gap);
+    heatmap_gaps(&a.surface, cloud.pts, cloud.n, aside, gap);
     for (size_t i = 0; i < cloud.n; i++)
         assert_true(isnan(gap[i]));
-    face_heatmap(&a, odd, 3, up, gap);
+    heatmap_gaps(&a.surface, odd, 3, up, gap);
     for (size_t i = 0; i < 3; i++)
         assert_true(isnan(gap[i]));
     face_free(&a);
@@ -319,20 +320,20 @@ static void test_heatmap_rim(void **state)
             cloud.pts[n++] = cloud.pts[i];
     cloud.n = n;
     build(&f);
-    for (uint32_t v = 0; v < f.mesh.nv; v++)
-        pts[v] =
-            (struct dvec3){f.mesh.xy[v].x / LATTICE_PER_MM,
-                           f.mesh.xy[v].y / LATTICE_PER_MM, f.mesh.z[v] / LATTICE_PER_MM};
-    face_heatmap(&f, pts, f.mesh.nv, still, gap);
-    for (uint32_t v = 0; v < f.mesh.nv; v++) {
+    for (uint32_t v = 0; v < f.surface.mesh.nv; v++)
+        pts[v] = (struct dvec3){f.surface.mesh.xy[v].x / LATTICE_PER_MM,
+                                f.surface.mesh.xy[v].y / LATTICE_PER_MM,
+                                f.surface.mesh.z[v] / LATTICE_PER_MM};
+    heatmap_gaps(&f.surface, pts, f.surface.mesh.nv, still, gap);
+    for (uint32_t v = 0; v < f.surface.mesh.nv; v++) {
         bool bridged = false, measured = false;
-        uint32_t h = f.mesh.out[v];
+        uint32_t h = f.surface.mesh.out[v];
 
         do {
-            bridged |= f.bridge[h / 3];
-            measured |= !f.bridge[h / 3];
-            h = mesh_turn(&f.mesh, h);
-        } while (h != f.mesh.out[v]);
+            bridged |= f.surface.bridge[h / 3];
+            measured |= !f.surface.bridge[h / 3];
+            h = mesh_turn(&f.surface.mesh, h);
+        } while (h != f.surface.mesh.out[v]);
         rim += bridged && measured;
         assert_true(measured ? gap[v] == 0 : isnan(gap[v]));
     }

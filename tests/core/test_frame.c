@@ -23,7 +23,7 @@ static struct model model;
 static struct frame_mean mean;
 static struct align_work work;
 static struct scratch scratch;
-static struct toy_surface surface;
+static struct surface surface;
 
 static double toy(const void *arg, double x, double y)
 {
@@ -70,7 +70,7 @@ static void test_toy(void **state)
 
         toy_pose(6 * k, -4 * k, 3 * k, (struct dvec3){30 * k, -20 * k, 100 * k}, &pose);
         toy_scan(toy, NULL, 3000, &pose, &rng, &surface);
-        assert_int_equal(frame_find(&mean, &surface.s, &work, &frame), ST_OK);
+        assert_int_equal(frame_find(&mean, &surface, &work, &frame), ST_OK);
         both = then(&pose, &frame.pose);
         printf("pose %d: off by %.2f mm, cost %.2f mm, within %.2f\n", k,
                apart(&both, &still, corners, 5), frame.cost_mm, frame.within);
@@ -126,7 +126,7 @@ static void test_map(void **state)
     toy_pose(10, -8, 20, (struct dvec3){40, 50, 60}, &pose);
     back = align_pose_after(&pose, &still);
     toy_scan(toy, NULL, 9000, &pose, &rng, &surface);
-    frame_map(&surface.s, &back, z);
+    frame_map(&surface, &back, z);
     for (uint32_t c = 0; c < GRID_N; c++) {
         const double u = grid_x(c) / 55, v = grid_y(c) / 70;
 
@@ -136,7 +136,7 @@ static void test_map(void **state)
             assert_true(isnan(z[c]));
     }
     pose.t[0] = 900;
-    frame_map(&surface.s, &pose, z);
+    frame_map(&surface, &pose, z);
     for (uint32_t c = 0; c < GRID_N; c++)
         assert_true(isnan(z[c]));
 }
@@ -161,7 +161,7 @@ static void test_likeness(void **state)
         double l;
 
         toy_scan(scaled, &scale[k], 4000, NULL, &rng, &surface);
-        l = frame_likeness(&mean, &surface.s, &still);
+        l = frame_likeness(&mean, &surface, &still);
         printf("relief times %.1f: likeness %.3f\n", scale[k], l);
         if (scale[k] != 0)
             assert_true(scale[k] > 0 ? l > 0.95 && l <= 1 : l < -0.95 && l >= -1);
@@ -171,9 +171,9 @@ static void test_likeness(void **state)
     toy_pose(10, -8, 20, (struct dvec3){40, 50, 60}, &pose);
     back = align_pose_after(&pose, &still);
     toy_scan(toy, NULL, 3000, &pose, &rng, &surface);
-    assert_true(frame_likeness(&mean, &surface.s, &back) > 0.95);
+    assert_true(frame_likeness(&mean, &surface, &back) > 0.95);
     pose.t[0] = 900; /* nothing in common */
-    assert_true(isnan(frame_likeness(&mean, &surface.s, &pose)));
+    assert_true(isnan(frame_likeness(&mean, &surface, &pose)));
 }
 
 static void test_mean(void **state)
@@ -195,7 +195,7 @@ static void test_mean(void **state)
         bad.mean[i] = 0.0f; /* all on a line */
     assert_int_equal(frame_mean_make(&bad, &scratch, &m), ST_EDEGENERATE);
     frame_mean_free(&m);
-    assert_null(m.mesh.block);
+    assert_null(m.surface.mesh.block);
 }
 
 static void test_memory(void **state)
@@ -214,18 +214,18 @@ static void test_memory(void **state)
         st = frame_mean_make(&model, &fresh, &m);
         fail_alloc_at(0);
         assert_true(st == ST_OK || st == ST_ENOMEM);
-        assert_true(st == ST_OK || m.mesh.block == NULL);
+        assert_true(st == ST_OK || m.surface.mesh.block == NULL);
         frame_mean_free(&m);
         scratch_free(&fresh);
     }
     assert_true(n > 4);
     toy_scan(toy, NULL, 2000, NULL, &rng, &surface);
-    assert_int_equal(frame_find(&mean, &surface.s, &work, &want), ST_OK);
+    assert_int_equal(frame_find(&mean, &surface, &work, &want), ST_OK);
     for (st = ST_ENOMEM, n = 1; st != ST_OK; n++) {
         struct align_work fresh = {0};
 
         fail_alloc_at(n);
-        st = frame_find(&mean, &surface.s, &fresh, &got);
+        st = frame_find(&mean, &surface, &fresh, &got);
         fail_alloc_at(0);
         assert_true(st == ST_OK || st == ST_ENOMEM);
         align_work_free(&fresh);
@@ -250,6 +250,6 @@ int main(void)
     frame_mean_free(&mean);
     align_work_free(&work);
     scratch_free(&scratch);
-    toy_surface_free(&surface);
+    surface_free(&surface);
     return failed;
 }

@@ -12,7 +12,7 @@
 #include "face.h"
 #include "quality.h"
 
-static const struct face_quality good = {0.9, 0.95, 2.2, 0.3};
+static const struct quality good = {0.9, 0.95, 2.2, 0.3};
 static const struct frame still = {
     {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9, 0.9};
 
@@ -32,12 +32,12 @@ static struct frame turned(int axis, double degrees)
 static void test_reasons(void **state)
 {
     const struct {
-        struct face_quality q;
+        struct quality q;
         enum quality_reason r;
     } bad[] = {{{0.9, 0.95, 3.1, 0.3}, QUALITY_SPARSE},
                {{0.9, 0.95, 2.2, 0.7}, QUALITY_NOISY},
                {{0.6, 0.6, 2.2, 0.3}, QUALITY_INCOMPLETE}};
-    const struct face_quality all = {0.1, 0.1, 9, 2};
+    const struct quality all = {0.1, 0.1, 9, 2};
     struct frame f = still;
 
     (void)state;
@@ -152,7 +152,7 @@ static void test_no_faces(void **state)
                 pts[n++] = (struct dvec3){x, y, height[k](x, y)};
         }
         assert_int_equal(face_build(pts, n, w, &f, NULL), ST_ENOTFACE);
-        assert_int_equal(f.mesh.nv, 0);
+        assert_int_equal(f.surface.mesh.nv, 0);
     }
     face_free(&f);
     face_work_free(w);

@@ -23,7 +23,7 @@
 #include "mst.h"
 #include "simplify.h"
 #include "star.h"
-#include "surface.h"
+#include "interpolate.h"
 
 #define MOST 3000
 
@@ -156,7 +156,7 @@ static bool gaps(const struct mesh *m, const uint8_t *in, double *out)
 
         if (loc.where == LOCATE_OUTSIDE)
             return false;
-        out[v] = surface_height(&now, loc, m->xy[v]) - m->z[v];
+        out[v] = interpolate_height(&now, loc, m->xy[v]) - m->z[v];
     }
     mesh_free(&now);
     return true;
@@ -273,7 +273,7 @@ static void test_greedy(void **state)
         for (uint32_t v = 0; v < m.nv; v++) {
             const struct location loc = brute_locate(&out, m.xy[v]);
 
-            close_to(gap[v], surface_height(&out, loc, m.xy[v]) - m.z[v], 1e-6);
+            close_to(gap[v], interpolate_height(&out, loc, m.xy[v]) - m.z[v], 1e-6);
         }
     }
     mesh_free(&m);
@@ -292,8 +292,11 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
     static uint8_t bridge[2 * MOST];
     static uint32_t vertex[MOST];
     static struct disparity_vertex seen[2 * MOST];
-    struct disparity_side sa = {a, spacing, bridge, 1, la, oa};
-    struct disparity_side sb = {b, spacing, bridge, 1, lb, ob};
+    const struct surface whole_a = {
+        .mesh = *a, .spacing = spacing, .bridge = bridge, .measured = 1};
+    const struct surface whole_b = {
+        .mesh = *b, .spacing = spacing, .bridge = bridge, .measured = 1};
+    const struct disparity_side sa = {&whole_a, la, oa}, sb = {&whole_b, lb, ob};
     struct mesh general = {0};
     struct disparity out;
 
@@ -301,8 +304,8 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
         spacing[i] = 1e7f; /* nothing is too wide */
     locate_mesh(b, a, la);
     locate_mesh(a, b, lb);
-    surface_interpolate(b, a, la, oa);
-    surface_interpolate(a, b, lb, ob);
+    interpolate_mesh(b, a, la, oa);
+    interpolate_mesh(a, b, lb, ob);
     assert_int_equal(merge_build(a, b, lb, &scratch, &general, vertex), ST_OK);
     disparity_measure(&general, vertex, &sa, &sb, NULL, 1000, seen, &out);
     mesh_free(&general);

@@ -1,137 +1,171 @@
-/* Heights by barycentric interpolation, inside and beyond the hull. */
-#include <math.h>
+/* One surface from points: prepared, moved, used again, out of memory. */
+/* link: -Wl,--wrap=aligned_alloc */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <cmocka.h>
 
-#include "brute.h"
-#include "locate.h"
+#include "fail_alloc.h"
+#include "holes.h"
+#include "lattice.h"
+#include "mem.h"
 #include "mesh.h"
+#include "mst.h"
 #include "surface.h"
 
-#define MAX_POINTS 200
+#define SIDE 20
+#define N    (SIDE * SIDE)
 
-static uint64_t seed;
-static struct ivec3 pts[MAX_POINTS];
+static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+static struct scratch points, scratch;
 
-static double height(const struct mesh *m, struct ivec2 q)
+/* A bowl, a point every 3 mm or so, with one spike of 20 mm. */
+static void bowl(struct ivec3 *p)
 {
-    return surface_height(m, brute_locate(m, q), q);
-}
+    for (int i = 0; i < N; i++) {
+        const int x = i % SIDE - SIDE / 2, y = i / SIDE - SIDE / 2;
 
-/* On a plane every height is the plane's, up to the largest coordinates. */
-static void test_plane(void **state)
-{
-    struct brute_rng r = {seed};
-
-    (void)state;
-    for (int round = 0; round < 20; round++)
-        for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
-            const size_t n =
-                brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts);
-            struct mesh m = {0};
-
-            for (size_t i = 0; i < n; i++)
-                pts[i].z = a * pts[i].x + b * pts[i].y + 17;
-            brute_delaunay(pts, n, &m);
-            for (int k = 0; k < 60; k++) {
-                const struct ivec2 u = m.xy[brute_rand(&r) % n],
-                                   v = m.xy[brute_rand(&r) % n];
-                const struct ivec2 q = {(u.x + v.x) / 2, (u.y + v.y) / 2};
-
-                if (brute_locate(&m, q).where == LOCATE_OUTSIDE)
-                    continue;
-                assert_true(fabs(height(&m, q) - (a * q.x + b * q.y + 17)) < 1e-6);
-            }
-            mesh_free(&m);
-        }
-}
-
-/* At the vertices the height is the vertex's own, to the last digit, from every triangle. */
-static void test_vertices(void **state)
-{
-    struct brute_rng r = {seed + 1};
-
-    (void)state;
-    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-        const size_t n = brute_points((enum brute_shape)shape, 80, &r, pts);
-        struct mesh m = {0};
-
-        brute_delaunay(pts, n, &m);
-        for (uint32_t h = 0; h < 3 * m.nt; h++) {
-            const struct location at = {h, LOCATE_VERTEX};
-
-            if (!mesh_is_ghost(&m, h / 3))
-                assert_true(surface_height(&m, at, m.xy[m.org[h]]) == m.z[m.org[h]]);
-        }
-        mesh_free(&m);
+        p[i] = (struct ivec3){3000 * x + 40 * y, 3000 * y + 70 * (x % 3),
+                              100 * (x * x + y * y) + (i == N / 2 + 3 ? 20000 : 0)};
     }
 }
 
-/* By hand: a pyramid over a square, and beyond its sides and corners. */
-static void test_by_hand(void **state)
+static uint32_t laid_flat(const struct surface *s)
 {
-    const struct ivec3 pyramid[] = {
-        {0, 0, 0}, {12, 0, 0}, {12, 12, 24}, {0, 12, 0}, {6, 6, 60}};
-    const struct ivec3 needle[] = {{0, 0, 5}, {100, 0, 70}, {50, 10, 900}};
-    struct mesh m = {0};
+    uint32_t n = 0;
 
-    (void)state;
-    brute_delaunay(pyramid, 5, &m);
-    assert_true(height(&m, (struct ivec2){6, 6}) == 60);
-    assert_true(height(&m, (struct ivec2){3, 3}) == 30);
-    assert_true(height(&m, (struct ivec2){6, 2}) == 20);
-    assert_true(height(&m, (struct ivec2){6, 0}) == 0);
-    assert_true(height(&m, (struct ivec2){12, 3}) == 6);
-    assert_true(height(&m, (struct ivec2){10, 6}) == 28);
-    /* outside: the nearest point of the hull */
-    assert_true(height(&m, (struct ivec2){40, 3}) == 6);
-    assert_true(height(&m, (struct ivec2){40, 40}) == 24);
-    assert_true(height(&m, (struct ivec2){13, 12}) == 24);
-    assert_true(height(&m, (struct ivec2){3, 15}) == 6);
-    assert_true(height(&m, (struct ivec2){-5, -7}) == 0);
-    brute_delaunay(needle, 3, &m); /* beyond a sharp corner, where one side faces it */
-    assert_true(height(&m, (struct ivec2){-10, -3}) == 5);
-    mesh_free(&m);
+    for (uint32_t v = 0; v < s->mesh.nv; v++)
+        n += s->mesh.z[v] != s->raw[v];
+    return n;
 }
 
-/* A whole mesh at once is the same as point by point. */
-static void test_interpolate(void **state)
+static void assert_same(const struct surface *a, const struct surface *b)
 {
-    struct brute_rng r = {seed + 2};
-    static struct location loc[MAX_POINTS];
-    static double out[MAX_POINTS];
+    const size_t nv = a->mesh.nv;
+
+    assert_int_equal(nv, b->mesh.nv);
+    assert_memory_equal(a->mesh.xy, b->mesh.xy, nv * sizeof *a->mesh.xy);
+    assert_memory_equal(a->mesh.z, b->mesh.z, nv * sizeof *a->mesh.z);
+    assert_memory_equal(a->mesh.org, b->mesh.org, 3 * a->mesh.nt * sizeof *a->mesh.org);
+    assert_memory_equal(a->mesh.parent, b->mesh.parent, nv * sizeof *a->mesh.parent);
+    assert_memory_equal(a->raw, b->raw, nv * sizeof *a->raw);
+    assert_memory_equal(a->spacing, b->spacing, nv * sizeof *a->spacing);
+    assert_memory_equal(a->bridge, b->bridge, a->mesh.nt);
+    assert_true(a->measured == b->measured);
+}
+
+static void test_prepare(void **state)
+{
+    struct ivec3 p[N];
+    struct surface s = {0}, rough = {0};
 
     (void)state;
-    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-        struct mesh a = {0}, b = {0};
+    bowl(p);
+    assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
+    assert_int_equal(mesh_check(&s.mesh, true), ST_OK);
+    assert_int_equal(mst_check(&s.mesh), ST_OK);
+    assert_int_equal(s.mesh.nv, N);
+    assert_int_equal(laid_flat(&s), 1);
+    assert_true(s.measured > 0.9 * 57e3 * 57e3 && s.measured < 1.1 * 57e3 * 57e3);
+    assert_int_equal(surface_prepare(p, N, false, &scratch, &rough), ST_OK);
+    assert_int_equal(laid_flat(&rough), 0);
+    assert_memory_equal(rough.raw, s.raw, N * sizeof *s.raw);
+    /* What was prepared once is prepared again in the same memory, smaller or as large. */
+    assert_int_equal(surface_prepare(p, N / 2, false, &scratch, &s), ST_OK);
+    assert_int_equal(s.mesh.nv, N / 2);
+    fail_alloc_at(0);
+    assert_int_equal(surface_prepare(p, N, false, &scratch, &s), ST_OK);
+    assert_int_equal(fail_alloc_count(), 0);
+    assert_same(&s, &rough);
+    surface_free(&s);
+    surface_free(&rough);
+    surface_free(NULL);
+}
 
-        brute_delaunay(pts, brute_points((enum brute_shape)shape, 90, &r, pts), &a);
-        brute_delaunay(pts, brute_points(BRUTE_RANDOM, 90, &r, pts), &b);
-        for (uint32_t v = 0; v < b.nv; v++)
-            loc[v] = brute_locate(&a, b.xy[v]);
-        surface_interpolate(&a, &b, loc, out);
-        for (uint32_t v = 0; v < b.nv; v++)
-            assert_true(out[v] == surface_height(&a, loc[v], b.xy[v]));
-        mesh_free(&a);
-        mesh_free(&b);
+/* By the identity: the same to the last digit, spikes looked for again among the heights as
+ * scanned; by a quarter turn about z: the same surface, turned. */
+static void test_move(void **state)
+{
+    static const double quarter[16] = {0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
+    struct ivec3 p[N];
+    struct surface s = {0}, moved = {0}, want = {0};
+
+    (void)state;
+    bowl(p);
+    assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
+    assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
+    assert_same(&moved, &s);
+    assert_int_equal(surface_move(&s, quarter, &points, &scratch, &moved), ST_OK);
+    for (int i = 0; i < N; i++)
+        p[i] = (struct ivec3){5000 - p[i].y, p[i].x, p[i].z - 2000};
+    assert_int_equal(surface_prepare(p, N, true, &scratch, &want), ST_OK);
+    assert_same(&moved, &want);
+    surface_free(&s);
+    surface_free(&moved);
+    surface_free(&want);
+}
+
+static void test_nothing_left(void **state)
+{
+    static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+    struct ivec3 p[N];
+    struct surface s = {0}, moved = {0};
+
+    (void)state;
+    bowl(p);
+    assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
+    assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(surface_move(&s, far, &points, &scratch, &moved), ST_ERANGE);
+    assert_int_equal(moved.mesh.nv, 0);
+    assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(surface_move(&s, edge_on, &points, &scratch, &moved),
+                     ST_EDEGENERATE);
+    assert_int_equal(moved.mesh.nv, 0);
+    surface_free(&s);
+    surface_free(&moved);
+}
+
+static void test_memory(void **state)
+{
+    struct ivec3 p[N];
+    enum status st = ST_ENOMEM;
+    unsigned long n;
+
+    (void)state;
+    bowl(p);
+    for (n = 1; st != ST_OK; n++) {
+        struct scratch a = {0}, b = {0};
+        struct surface s = {0}, moved = {0};
+
+        fail_alloc_at(n);
+        st = surface_prepare(p, N, true, &a, &s);
+        if (st == ST_OK)
+            st = surface_move(&s, still, &b, &a, &moved);
+        fail_alloc_at(0);
+        assert_true(st == ST_OK || (st == ST_ENOMEM && moved.mesh.nv == 0));
+        surface_free(&s);
+        surface_free(&moved);
+        scratch_free(&a);
+        scratch_free(&b);
     }
+    assert_true(n > 7);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_interpolate),
+        cmocka_unit_test(test_prepare),
+        cmocka_unit_test(test_move),
+        cmocka_unit_test(test_nothing_left),
+        cmocka_unit_test(test_memory),
     };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 
-    seed = brute_seed("test_surface");
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    scratch_free(&points);
+    scratch_free(&scratch);
+    return failed;
 }

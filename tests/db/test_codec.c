@@ -41,13 +41,13 @@ static struct ivec3 pts[70000];
 static void build(enum brute_shape shape, size_t n, struct brute_rng *r, struct face *f)
 {
     n = brute_points(shape, n, r, pts);
-    assert_int_equal(delaunay_build(pts, n, &scratch, &f->mesh), ST_OK);
-    assert_int_equal(mst_build(&f->mesh, &scratch), ST_OK);
+    assert_int_equal(delaunay_build(pts, n, &scratch, &f->surface.mesh), ST_OK);
+    assert_int_equal(mst_build(&f->surface.mesh, &scratch), ST_OK);
 }
 
 static unsigned char *encode(const struct face *f, size_t *len)
 {
-    unsigned char *buf = malloc(*len = codec_size(&f->mesh));
+    unsigned char *buf = malloc(*len = codec_size(&f->surface.mesh));
 
     assert_non_null(buf);
     codec_encode(f, buf);
@@ -65,7 +65,7 @@ static enum status decode(const unsigned char *buf, size_t len, struct face *f,
     memcpy(exact, buf, len);
     st = codec_decode(exact, len, work, f, e);
     if (st != ST_OK)
-        assert_int_equal(f->mesh.nv, 0);
+        assert_int_equal(f->surface.mesh.nv, 0);
     free(exact);
     return st;
 }
@@ -93,16 +93,16 @@ static void round_trip(const struct face *f)
     size_t len;
     unsigned char *buf = encode(f, &len), *odd = malloc(len + 1), *again;
 
-    if (f->mesh.nv >= 100 && f->mesh.nv <= 65535)
-        assert_true(len <= 32 * (size_t)f->mesh.nv);
+    if (f->surface.mesh.nv >= 100 && f->surface.mesh.nv <= 65535)
+        assert_true(len <= 32 * (size_t)f->surface.mesh.nv);
     assert_non_null(odd);
     memcpy(odd + 1, buf, len); /* at an odd address */
     assert_int_equal(codec_decode(odd + 1, len, work, &g, &e), ST_OK);
-    assert_same(&f->mesh, &g.mesh);
+    assert_same(&f->surface.mesh, &g.surface.mesh);
     assert_true(align_pose_rigid(&g.frame.pose) && g.frame.mark != 0);
     codec_encode(&g, buf);
     assert_int_equal(codec_decode(buf, len, work, &h, &e), ST_OK);
-    assert_same(&f->mesh, &h.mesh);
+    assert_same(&f->surface.mesh, &h.surface.mesh);
     assert_memory_equal(&g.frame.pose, &h.frame.pose, sizeof g.frame.pose);
     again = encode(&h, &len);
     assert_memory_equal(buf, again, len);
@@ -126,10 +126,10 @@ static void test_round_trip(void **state)
         }
     build(BRUTE_RANDOM, 65535, &r, &f); /* the last with indices of two bytes */
     round_trip(&f);
-    assert_int_equal(codec_size(&f.mesh), HEADER + 8 + 26 * 65535 - 12);
+    assert_int_equal(codec_size(&f.surface.mesh), HEADER + 8 + 26 * 65535 - 12);
     build(BRUTE_RANDOM, 65536, &r, &f);
     round_trip(&f);
-    assert_int_equal(codec_size(&f.mesh), HEADER + 8 + 40 * 65536 - 24);
+    assert_int_equal(codec_size(&f.surface.mesh), HEADER + 8 + 40 * 65536 - 24);
     face_free(&f);
 }
 
@@ -229,7 +229,7 @@ static void test_sealed(void **state)
                 buf[i] ^= (unsigned char)change;
                 seal(buf, len);
                 if (decode(buf, len, &g, &e) == ST_OK) {
-                    assert_safe(&g.mesh);
+                    assert_safe(&g.surface.mesh);
                     accepted++;
                 } else {
                     refused++;
@@ -275,19 +275,19 @@ static void test_golden(void **state)
         len = golden(version == 1 ? GOLDEN_1 : GOLDEN_2, buf);
         assert_int_equal(buf[4], version);
         assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_OK);
-        assert_int_equal(f.mesh.nv, 5);
-        assert_int_equal(f.mesh.nt, 8);
-        assert_int_equal(mesh_real(&f.mesh), 4);
-        assert_memory_equal(f.mesh.xy, xy, sizeof xy);
-        assert_memory_equal(f.mesh.parent, parent, sizeof parent);
+        assert_int_equal(f.surface.mesh.nv, 5);
+        assert_int_equal(f.surface.mesh.nt, 8);
+        assert_int_equal(mesh_real(&f.surface.mesh), 4);
+        assert_memory_equal(f.surface.mesh.xy, xy, sizeof xy);
+        assert_memory_equal(f.surface.mesh.parent, parent, sizeof parent);
         for (uint32_t v = 0; v < 5; v++)
-            assert_int_equal(f.mesh.z[v], v == 1 ? 20000 : -1000);
+            assert_int_equal(f.surface.mesh.z[v], v == 1 ? 20000 : -1000);
         assert_true(f.frame.mark != 0 && f.frame.mark != frame.mark); /* found anew */
-        assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
+        assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
         assert_string_equal(
             digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
     }
-    assert_int_equal(codec_size(&f.mesh), len);
+    assert_int_equal(codec_size(&f.surface.mesh), len);
     f.frame = frame;
     codec_encode(&f, again);
     assert_memory_equal(buf, again, len);
@@ -348,7 +348,7 @@ static void test_version_1(void **state)
     memset(buf + MARK, 0, 4);
     seal(buf, len);
     assert_int_equal(decode(buf, len, &g, &e), ST_OK);
-    assert_same(&f.mesh, &g.mesh);
+    assert_same(&f.surface.mesh, &g.surface.mesh);
     assert_int_equal(f.frame.mark, g.frame.mark);
     check_close(&f.frame.pose, &g.frame.pose);
     free(buf);
@@ -407,7 +407,7 @@ static void test_digest(void **state)
 
     (void)state;
     build(BRUTE_RANDOM, 200, &r, &f);
-    assert_int_equal(codec_digest(&f.mesh, a), ST_OK);
+    assert_int_equal(codec_digest(&f.surface.mesh, a), ST_OK);
     for (size_t i = 199; i > 0; i--) {
         const size_t k = (size_t)brute_int(&r, 0, (int32_t)i);
         const struct ivec3 p = pts[i];
@@ -415,12 +415,12 @@ static void test_digest(void **state)
         pts[i] = pts[k];
         pts[k] = p;
     }
-    assert_int_equal(delaunay_build(pts, 200, &scratch, &g.mesh),
+    assert_int_equal(delaunay_build(pts, 200, &scratch, &g.surface.mesh),
                      ST_OK); /* other numbers */
-    assert_int_equal(codec_digest(&g.mesh, b), ST_OK);
+    assert_int_equal(codec_digest(&g.surface.mesh, b), ST_OK);
     assert_string_equal(a, b);
-    g.mesh.z[17]++;
-    assert_int_equal(codec_digest(&g.mesh, b), ST_OK);
+    g.surface.mesh.z[17]++;
+    assert_int_equal(codec_digest(&g.surface.mesh, b), ST_OK);
     assert_string_not_equal(a, b);
     face_free(&f);
     face_free(&g);
@@ -448,7 +448,7 @@ static void test_no_memory(void **state)
         st = codec_decode(buf, len, w, &g, &e);
         if (st != ST_OK) {
             assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(g.mesh.nv, 0);
+            assert_int_equal(g.surface.mesh.nv, 0);
         }
         fail_alloc_at(0);
         face_free(&g);

@@ -126,9 +126,12 @@ static void check_template(struct store *s, const struct store_template *t)
     if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
         return;
     MUST(memcmp(&got, &tmpl, sizeof tmpl) == 0);
-    MUST(loaded.mesh.nv == face.mesh.nv && loaded.mesh.nt == face.mesh.nt);
-    MUST(memcmp(loaded.mesh.xy, face.mesh.xy, face.mesh.nv * sizeof *face.mesh.xy) == 0);
-    MUST(memcmp(loaded.mesh.z, face.mesh.z, face.mesh.nv * sizeof *face.mesh.z) == 0);
+    MUST(loaded.surface.mesh.nv == face.surface.mesh.nv &&
+         loaded.surface.mesh.nt == face.surface.mesh.nt);
+    MUST(memcmp(loaded.surface.mesh.xy, face.surface.mesh.xy,
+                face.surface.mesh.nv * sizeof *face.surface.mesh.xy) == 0);
+    MUST(memcmp(loaded.surface.mesh.z, face.surface.mesh.z,
+                face.surface.mesh.nv * sizeof *face.surface.mesh.z) == 0);
 }
 
 /* Ask all that decides who is let in.  Returns how many questions were answered. */

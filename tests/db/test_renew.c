@@ -34,7 +34,7 @@ struct bytes {
 
 static void encode(const struct face *f, struct bytes *out)
 {
-    out->n = codec_size(&f->mesh);
+    out->n = codec_size(&f->surface.mesh);
     assert_true(out->n <= BYTES);
     codec_encode(f, out->b);
 }
@@ -93,7 +93,7 @@ static void test_identity(void **state)
     (void)state;
     for (uint64_t subject = 0; subject < 5; subject++) {
         struct face f = {0};
-        struct face_quality q;
+        struct quality q;
 
         make(subject, 0, 1, SHIPPED, &f);
         encode(&f, &before);
@@ -115,12 +115,12 @@ static void test_spikes(void **state)
 
     (void)state;
     make(1, 0.05, 1, SHIPPED, &f);
-    assert_int_equal(codec_digest(&f.mesh, digest), ST_OK);
+    assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
     assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
     encode(&f, &first);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(face_renew(&f, work[i % 2]), ST_OK);
-        assert_int_equal(codec_digest(&f.mesh, same), ST_OK);
+        assert_int_equal(codec_digest(&f.surface.mesh, same), ST_OK);
         assert_string_equal(digest, same);
     }
     assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
@@ -161,7 +161,7 @@ static void test_no_face(void **state)
     (void)state;
     make(3, 0, -1, HOLLOW, &f);
     assert_int_equal(face_renew(&f, work[SHIPPED]), ST_ENOTFACE);
-    assert_int_equal(f.mesh.nv, 0);
+    assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
 }
 
@@ -280,7 +280,7 @@ static void test_stays(void **state)
     assert_int_equal(store_template_load(s, was.id, &is, work[SHIPPED], &f, &e),
                      ST_EVERSION);
     assert_non_null(strstr(e.msg, was.id));
-    assert_int_equal(f.mesh.nv, 0);
+    assert_int_equal(f.surface.mesh.nv, 0);
     assert_int_equal(store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
                      ST_EVERSION);
     assert_false(renewed);

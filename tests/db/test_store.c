@@ -32,7 +32,7 @@ static void test_templates(void **state)
     assert_int_equal(sb.st_mode & 0777, 0600);
     assert_int_equal(store_ready(s, &e), ST_OK);
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &a);
-    assert_int_equal(a.points, tempdb_face[0].mesh.nv);
+    assert_int_equal(a.points, tempdb_face[0].surface.mesh.nv);
     assert_string_equal(a.engine, store_made_by(s));
 
     /* The same cloud again is the same template; for somebody else it is another. */
@@ -46,13 +46,15 @@ static void test_templates(void **state)
 
     assert_int_equal(store_template_load(s, a.id, &got, tempdb_work, &f, &e), ST_OK);
     assert_memory_equal(&a, &got, sizeof a);
-    assert_int_equal(f.mesh.nv, tempdb_face[0].mesh.nv);
-    assert_memory_equal(f.mesh.twin, tempdb_face[0].mesh.twin,
-                        3 * f.mesh.nt * sizeof *f.mesh.twin);
+    assert_int_equal(f.surface.mesh.nv, tempdb_face[0].surface.mesh.nv);
+    assert_memory_equal(f.surface.mesh.twin, tempdb_face[0].surface.mesh.twin,
+                        3 * f.surface.mesh.nt * sizeof *f.surface.mesh.twin);
     assert_memory_equal(&f.quality, &tempdb_face[0].quality, sizeof f.quality);
-    assert_memory_equal(f.spacing, tempdb_face[0].spacing, f.mesh.nv * sizeof *f.spacing);
-    assert_memory_equal(f.bridge, tempdb_face[0].bridge, f.mesh.nt);
-    assert_true(f.measured == tempdb_face[0].measured);
+    assert_memory_equal(f.surface.spacing, tempdb_face[0].surface.spacing,
+                        f.surface.mesh.nv * sizeof *f.surface.spacing);
+    assert_memory_equal(f.surface.bridge, tempdb_face[0].surface.bridge,
+                        f.surface.mesh.nt);
+    assert_true(f.surface.measured == tempdb_face[0].surface.measured);
 
     assert_int_equal(store_enroll(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b,
                                   &created, &e),
@@ -352,7 +354,7 @@ static void test_sealed(void **state)
     assert_false(in_files("front door", 10));
     assert_false(in_files("left camera", 11));
     assert_false(in_files(t.digest, 64));
-    assert_false(in_files(tempdb_face[1].mesh.z + 700, 16));
+    assert_false(in_files(tempdb_face[1].surface.mesh.z + 700, 16));
     memset(&who, 0, sizeof who);
     assert_int_equal(store_subject_get(s, "mary-jane", &who, &e), ST_OK);
     assert_string_equal(who.reference, "consent 4711");

@@ -202,7 +202,8 @@ static void test_damaged_rows(void **state)
         assert_true(st == ST_ECORRUPT ||
                     (st == ST_ENOTFOUND && (strstr(damage[i], "DELETE") != NULL ||
                                             strstr(damage[i], "SET id") != NULL)));
-        assert_true(st == ST_OK || f.mesh.nv == 0 || strstr(damage[i], "model") == NULL);
+        assert_true(st == ST_OK || f.surface.mesh.nv == 0 ||
+                    strstr(damage[i], "model") == NULL);
         found = tempdb_check(s);
         assert_true(found.problems > 0);
         store_close(s);

@@ -35,7 +35,7 @@ static void try_model(const uint8_t *block, size_t size)
         abort();
     st = codec_decode(block, size, w, &f, &e);
     if (st == ST_OK) {
-        n = codec_size(&f.mesh);
+        n = codec_size(&f.surface.mesh);
         if ((first = malloc(n)) == NULL || (again = malloc(n)) == NULL)
             abort();
         codec_encode(&f, first);

@@ -363,11 +363,12 @@ static void check_template(struct store *s, const char *subject,
     if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
         return;
     MUST(memcmp(&got, &tmpl[i], sizeof got) == 0);
-    MUST(loaded.mesh.nv == face[i].mesh.nv && loaded.mesh.nt == face[i].mesh.nt);
-    MUST(memcmp(loaded.mesh.xy, face[i].mesh.xy,
-                loaded.mesh.nv * sizeof *loaded.mesh.xy) == 0);
-    MUST(memcmp(loaded.mesh.z, face[i].mesh.z, loaded.mesh.nv * sizeof *loaded.mesh.z) ==
-         0);
+    MUST(loaded.surface.mesh.nv == face[i].surface.mesh.nv &&
+         loaded.surface.mesh.nt == face[i].surface.mesh.nt);
+    MUST(memcmp(loaded.surface.mesh.xy, face[i].surface.mesh.xy,
+                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.xy) == 0);
+    MUST(memcmp(loaded.surface.mesh.z, face[i].surface.mesh.z,
+                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.z) == 0);
 }
 
 static void ask_subject(struct store *s, const char *subject)

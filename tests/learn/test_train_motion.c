@@ -56,7 +56,7 @@ static void make(struct made *m, struct dvec3 centre, double most_deg)
             .enrolled = k == 0,
             .pose = {yaw, pitch, roll, shift[0], shift[1], shift[2]}};
         m->subject[s].enrolled = s * EACH;
-        m->face[i].mesh.nv = 1;
+        m->face[i].surface.mesh.nv = 1;
         m->face[i].frame.pose = (struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                                     {-(q.x + centre.x + shift[0]),
                                                      -(q.y + centre.y + shift[1]),
@@ -90,7 +90,7 @@ static void test_centre_is_found(void **state)
     assert_centre(&m, 0, 0, 0);
     /* scans that were refused say nothing */
     make(&m, (struct dvec3){0, 0, -80}, 8);
-    m.face[7].mesh.nv = 0;
+    m.face[7].surface.mesh.nv = 0;
     m.face[7].frame.pose.t[0] = 1e4;
     assert_centre(&m, 0, 0, -80);
 }

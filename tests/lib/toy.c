@@ -5,10 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "delaunay.h"
-#include "holes.h"
 #include "lattice.h"
-#include "mst.h"
+#include "mem.h"
 
 static void require(bool holds)
 {
@@ -90,40 +88,20 @@ void toy_model(struct model *m)
     free(text);
 }
 
-void toy_surface_make(const struct dvec3 *pts, size_t n, struct toy_surface *out)
+void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out)
 {
     struct ivec3 *lattice = mem_array(n, sizeof *lattice);
-    struct mesh *m = &out->mesh;
-    double measured;
+    struct scratch scratch = {0};
 
-    toy_surface_free(out);
     require(lattice != NULL);
     require(lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, NULL) == ST_OK);
-    require(delaunay_build(lattice, n, &out->scratch, m) == ST_OK);
-    require(mst_build(m, &out->scratch) == ST_OK);
+    require(surface_prepare(lattice, n, false, &scratch, out) == ST_OK);
     mem_free(lattice);
-    out->raw = mem_array(m->nv, sizeof *out->raw);
-    out->spacing = mem_array(m->nv, sizeof *out->spacing);
-    out->bridge = mem_array(m->nt, 1);
-    require(out->raw != NULL && out->spacing != NULL && out->bridge != NULL);
-    memcpy(out->raw, m->z, m->nv * sizeof *out->raw);
-    require(holes_spacing(m, &out->scratch, out->spacing) == ST_OK);
-    measured = holes_mark(m, out->spacing, out->bridge);
-    out->s = (struct measure_surface){m, out->raw, out->spacing, out->bridge, measured};
-}
-
-void toy_surface_free(struct toy_surface *s)
-{
-    mesh_free(&s->mesh);
-    scratch_free(&s->scratch);
-    mem_free(s->raw);
-    mem_free(s->spacing);
-    mem_free(s->bridge);
-    memset(s, 0, sizeof *s);
+    scratch_free(&scratch);
 }
 
 void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
-              struct brute_rng *rng, struct toy_surface *out)
+              struct brute_rng *rng, struct surface *out)
 {
     const double step = sqrt(3.14159265358979 * 55 * 70 / n);
     struct dvec3 *pts = mem_array(2 * (size_t)n + 1000, sizeof *pts);
@@ -142,7 +120,7 @@ void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_po
                 pts[count] = align_pose_apply(pose, pts[count]);
             count++;
         }
-    toy_surface_make(pts, count, out);
+    toy_surface(pts, count, out);
     mem_free(pts);
 }
 

@@ -6,10 +6,8 @@
 #include <stdint.h>
 #include "align_pose.h"
 #include "brute.h"
-#include "measure.h"
-#include "mem.h"
-#include "mesh.h"
 #include "model.h"
+#include "surface.h"
 
 /* toy_model(m): an egg with a nose and two orbits; 4 modes that register, 6 of change; as
  * model_parse() would give it. */
@@ -21,26 +19,16 @@ char *toy_text(const struct model *m, size_t *len);
 /* toy_height(x, y): of the mean face, mm, anywhere. */
 double toy_height(double x, double y);
 
-/* A surface made of points, with all that a measure_surface needs.  All zero: empty. */
-struct toy_surface {
-    struct mesh mesh;
-    struct scratch scratch;
-    int32_t *raw;
-    float *spacing;
-    uint8_t *bridge;
-    struct measure_surface s; /* a view of the above */
-};
-
 typedef double toy_heights(const void *arg, double x, double y);
 
 /* toy_scan(z, arg, n, pose, rng, out): about n points of z, some spread evenly over an oval
  * of 55 by 70 mm half axes, moved by pose (NULL: as they are). */
 void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
-              struct brute_rng *rng, struct toy_surface *out);
+              struct brute_rng *rng, struct surface *out);
 
-/* toy_surface_make(pts, n, out): of points in mm. */
-void toy_surface_make(const struct dvec3 *pts, size_t n, struct toy_surface *out);
-void toy_surface_free(struct toy_surface *s);
+/* toy_surface(pts, n, out): of points in mm; no spikes are looked for.  out: as
+ * surface_prepare() has it. */
+void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);
 
 /* toy_pose(yaw, pitch, roll, shift, p): degrees; about the point 80 mm behind the origin,
  * then the shift (mm). */

@@ -101,7 +101,7 @@ static const struct face *hold(struct cache *c, size_t i)
     const struct face *f;
 
     assert_int_equal(cache_hold(c, store, tmpl[i].id, work, &f, &e), ST_OK);
-    assert_int_equal(f->mesh.nv, tmpl[i].points);
+    assert_int_equal(f->surface.mesh.nv, tmpl[i].points);
     return f;
 }
 
@@ -199,7 +199,7 @@ static void test_dropped_while_held(void **state)
     cache_look(c, &s);
     assert_int_equal(s.entries, 0);
     assert_int_equal(s.bytes, 0);
-    assert_int_equal(a->mesh.nv, tmpl[0].points);
+    assert_int_equal(a->surface.mesh.nv, tmpl[0].points);
     b = hold(c, 0);
     assert_ptr_not_equal(a, b);
     cache_release(c, a);
@@ -372,7 +372,7 @@ static void *hammer(void *arg)
         if (r % 5 == 0)
             cache_load(c, store, tmpl[k].id, w);
         bad = cache_hold(c, store, tmpl[k].id, w, &f, NULL) != ST_OK ||
-              f->mesh.nv != tmpl[k].points;
+              f->surface.mesh.nv != tmpl[k].points;
         cache_release(c, f);
     }
     face_work_free(w);
@@ -456,7 +456,7 @@ static void *look_for_gone(void *arg)
                 cache_load(going.cache, store, t[k].id, w);
             st = cache_hold(going.cache, store, t[k].id, w, &f, NULL);
             bad = atoi(t[k].label) <= gone || (st != ST_OK && st != ST_ENOTFOUND) ||
-                  (st == ST_OK && f->mesh.nv != t[k].points);
+                  (st == ST_OK && f->surface.mesh.nv != t[k].points);
             cache_release(going.cache, f);
         }
         free(t);

@@ -1,7 +1,10 @@
-#include <math.h>
+#include "heatmap.h"
 
-#include "face.h"
+#include <math.h>
+#include <stdint.h>
+
 #include "holes.h"
+#include "interpolate.h"
 #include "lattice.h"
 #include "locate.h"
 #include "surface.h"
@@ -60,17 +63,7 @@ static void prepare(const struct mesh *m, struct places *s)
         }
 }
 
-/* transform * p on the lattice, or ST_ERANGE, ST_ENOTFINITE. */
-static enum status move(const double t[16], struct dvec3 p, struct ivec3 *out)
-{
-    const struct dvec3 q = {t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
-                            t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
-                            t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
-
-    return lattice_from_mm(&q, 1, LATTICE_PER_MM, out, NULL);
-}
-
-void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
+void heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,
                   const double transform[16], double *gap_mm)
 {
     const struct mesh *m = &tmpl->mesh;
@@ -78,17 +71,18 @@ void face_heatmap(const struct face *tmpl, const struct dvec3 *pts, size_t n,
 
     prepare(m, &places);
     for (size_t i = 0; i < n; i++) {
+        const struct dvec3 moved = vec_transform(transform, pts[i]);
         struct location at;
         struct ivec3 p;
         struct ivec2 q;
 
         gap_mm[i] = NAN;
-        if (move(transform, pts[i], &p) != ST_OK)
+        if (lattice_from_mm(&moved, 1, LATTICE_PER_MM, &p, NULL) != ST_OK)
             continue;
         q = (struct ivec2){p.x, p.y};
         at.he = *place_of(&places, q);
         at = locate_point(m, at.he, m->xy[m->org[at.he]], q, NULL);
         if (at.where != LOCATE_OUTSIDE && holes_measured(m, tmpl->bridge, at))
-            gap_mm[i] = (p.z - surface_height(m, at, q)) / LATTICE_PER_MM;
+            gap_mm[i] = (p.z - interpolate_height(m, at, q)) / LATTICE_PER_MM;
     }
 }

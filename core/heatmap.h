@@ -1,0 +1,17 @@
+/* heatmap.h -- the signed gap between a template and a probe at the probe's own points. */
+#ifndef CORE_HEATMAP_H
+#define CORE_HEATMAP_H
+#include <stddef.h>
+#include "vec.h"
+
+struct surface; /* surface.h */
+
+/* heatmap_gaps(tmpl, pts, n, transform, gap_mm): gap_mm[i] = how far pts[i] (mm), moved by
+ * transform (row-major 4 x 4), lies above tmpl along the scanner's z, in mm; NAN where the
+ * template does not cover it or it is off the lattice.  A point's gap depends on no other
+ * point.
+ * Cost  O(tmpl->mesh.nv + n) for points spread like the template's, in any order. */
+void heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,
+                  const double transform[16], double *gap_mm);
+
+#endif

@@ -1,0 +1,53 @@
+#include "interpolate.h"
+
+#include "locate.h"
+#include "mesh.h"
+#include "predicates.h"
+
+/* The height at the point of the hull edge he nearest to q. */
+static double beyond_hull(const struct mesh *m, uint32_t he, struct ivec2 q)
+{
+    const uint32_t a = m->org[he], b = mesh_dest(m, he);
+    const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
+    const int64_t len = dx * dx + dy * dy;
+    const int64_t dot = dx * (q.x - m->xy[a].x) + dy * (q.y - m->xy[a].y);
+
+    if (dot <= 0)
+        return m->z[a];
+    if (dot >= len)
+        return m->z[b];
+    return m->z[a] + (double)dot * (double)((int64_t)m->z[b] - m->z[a]) / (double)len;
+}
+
+/* Heights are taken relative to the corner org[he], so that one formula serves the inside
+ * (three weights), an edge (the third weight is an exact 0) and a vertex (two are 0).
+ * Each weight is twice the area facing a corner, an integer below 2^53: exact. */
+static inline double height(const struct mesh *m, struct location loc, struct ivec2 q)
+{
+    uint32_t a, b, c;
+    int64_t wb, wc, area;
+
+    if (loc.where == LOCATE_OUTSIDE)
+        return beyond_hull(m, loc.he, q);
+    a = m->org[loc.he];
+    b = mesh_dest(m, loc.he);
+    c = m->org[mesh_prev(loc.he)];
+    wb = orient2d(m->xy[c], m->xy[a], q);
+    wc = orient2d(m->xy[a], m->xy[b], q);
+    area = orient2d(m->xy[a], m->xy[b], m->xy[c]);
+    return m->z[a] + ((double)wb * ((double)m->z[b] - m->z[a]) +
+                      (double)wc * ((double)m->z[c] - m->z[a])) /
+                         (double)area;
+}
+
+double interpolate_height(const struct mesh *m, struct location loc, struct ivec2 q)
+{
+    return height(m, loc, q);
+}
+
+void interpolate_mesh(const struct mesh *m, const struct mesh *pts,
+                      const struct location *loc, double *out)
+{
+    for (uint32_t v = 0; v < pts->nv; v++)
+        out[v] = height(m, loc[v], pts->xy[v]);
+}

@@ -1,0 +1,137 @@
+/* Heights by barycentric interpolation, inside and beyond the hull. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "locate.h"
+#include "mesh.h"
+#include "interpolate.h"
+
+#define MAX_POINTS 200
+
+static uint64_t seed;
+static struct ivec3 pts[MAX_POINTS];
+
+static double height(const struct mesh *m, struct ivec2 q)
+{
+    return interpolate_height(m, brute_locate(m, q), q);
+}
+
+/* On a plane every height is the plane's, up to the largest coordinates. */
+static void test_plane(void **state)
+{
+    struct brute_rng r = {seed};
+
+    (void)state;
+    for (int round = 0; round < 20; round++)
+        for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+            const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
+            const size_t n =
+                brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts);
+            struct mesh m = {0};
+
+            for (size_t i = 0; i < n; i++)
+                pts[i].z = a * pts[i].x + b * pts[i].y + 17;
+            brute_delaunay(pts, n, &m);
+            for (int k = 0; k < 60; k++) {
+                const struct ivec2 u = m.xy[brute_rand(&r) % n],
+                                   v = m.xy[brute_rand(&r) % n];
+                const struct ivec2 q = {(u.x + v.x) / 2, (u.y + v.y) / 2};
+
+                if (brute_locate(&m, q).where == LOCATE_OUTSIDE)
+                    continue;
+                assert_true(fabs(height(&m, q) - (a * q.x + b * q.y + 17)) < 1e-6);
+            }
+            mesh_free(&m);
+        }
+}
+
+/* At the vertices the height is the vertex's own, to the last digit, from every triangle. */
+static void test_vertices(void **state)
+{
+    struct brute_rng r = {seed + 1};
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        const size_t n = brute_points((enum brute_shape)shape, 80, &r, pts);
+        struct mesh m = {0};
+
+        brute_delaunay(pts, n, &m);
+        for (uint32_t h = 0; h < 3 * m.nt; h++) {
+            const struct location at = {h, LOCATE_VERTEX};
+
+            if (!mesh_is_ghost(&m, h / 3))
+                assert_true(interpolate_height(&m, at, m.xy[m.org[h]]) == m.z[m.org[h]]);
+        }
+        mesh_free(&m);
+    }
+}
+
+/* By hand: a pyramid over a square, and beyond its sides and corners. */
+static void test_by_hand(void **state)
+{
+    const struct ivec3 pyramid[] = {
+        {0, 0, 0}, {12, 0, 0}, {12, 12, 24}, {0, 12, 0}, {6, 6, 60}};
+    const struct ivec3 needle[] = {{0, 0, 5}, {100, 0, 70}, {50, 10, 900}};
+    struct mesh m = {0};
+
+    (void)state;
+    brute_delaunay(pyramid, 5, &m);
+    assert_true(height(&m, (struct ivec2){6, 6}) == 60);
+    assert_true(height(&m, (struct ivec2){3, 3}) == 30);
+    assert_true(height(&m, (struct ivec2){6, 2}) == 20);
+    assert_true(height(&m, (struct ivec2){6, 0}) == 0);
+    assert_true(height(&m, (struct ivec2){12, 3}) == 6);
+    assert_true(height(&m, (struct ivec2){10, 6}) == 28);
+    /* outside: the nearest point of the hull */
+    assert_true(height(&m, (struct ivec2){40, 3}) == 6);
+    assert_true(height(&m, (struct ivec2){40, 40}) == 24);
+    assert_true(height(&m, (struct ivec2){13, 12}) == 24);
+    assert_true(height(&m, (struct ivec2){3, 15}) == 6);
+    assert_true(height(&m, (struct ivec2){-5, -7}) == 0);
+    brute_delaunay(needle, 3, &m); /* beyond a sharp corner, where one side faces it */
+    assert_true(height(&m, (struct ivec2){-10, -3}) == 5);
+    mesh_free(&m);
+}
+
+/* A whole mesh at once is the same as point by point. */
+static void test_interpolate(void **state)
+{
+    struct brute_rng r = {seed + 2};
+    static struct location loc[MAX_POINTS];
+    static double out[MAX_POINTS];
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        struct mesh a = {0}, b = {0};
+
+        brute_delaunay(pts, brute_points((enum brute_shape)shape, 90, &r, pts), &a);
+        brute_delaunay(pts, brute_points(BRUTE_RANDOM, 90, &r, pts), &b);
+        for (uint32_t v = 0; v < b.nv; v++)
+            loc[v] = brute_locate(&a, b.xy[v]);
+        interpolate_mesh(&a, &b, loc, out);
+        for (uint32_t v = 0; v < b.nv; v++)
+            assert_true(out[v] == interpolate_height(&a, loc[v], b.xy[v]));
+        mesh_free(&a);
+        mesh_free(&b);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_by_hand),
+        cmocka_unit_test(test_interpolate),
+    };
+
+    seed = brute_seed("test_interpolate");
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
