@@ -12,6 +12,7 @@
 #include "lattice.h"
 #include "measure.h"
 #include "mem.h"
+#include "mesh_link.h"
 #include "model.h"
 #include "quality.h"
 #include "score.h"

@@ -22,8 +22,6 @@
 #include "status.h"
 #include "vec.h"
 
-struct scratch; /* mem.h */
-
 #define MESH_MAX_POINTS (UINT32_C(1) << 21)
 
 struct mesh {
@@ -81,24 +79,5 @@ void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */
 /* mesh_copy(dst, src): dst becomes src, with room for at least extra more points.
  * Returns ST_OK, ST_ELIMIT, ST_ENOMEM (dst is as before). */
 enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra);
-
-/* mesh_link(m, s): make twin[] and out[] from nv, nt, xy, org and parent, and prove that
- * the result is a triangulation of the convex hull: coordinates on the lattice, indices in
- * range, every edge shared by exactly two triangles, every real triangle counter-clockwise,
- * one ring of ghosts round a convex hull, every vertex with one full ring of triangles; the
- * tree's edges among the mesh's, parent[v] < v.  Hostile input is safe.  For decoding.
- * The triangles must be in the order in which delaunay_build() writes them: ghosts first,
- * clockwise round the hull, the ghost vertex at their third corner.  Then out[] too is as
- * delaunay_build() makes it: the last half-edge in number out of a vertex, the first out
- * of the ghost.
- * Cost  O(nv) time.  Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
-enum status mesh_link(struct mesh *m, struct scratch *s);
-
-/* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
- * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
- * surfacectl check.  The tree is looked at only if tree is true; it must then be a
- * spanning tree of mesh edges (minimality: mst_check()).  O(nv).
- * Returns ST_OK or ST_ECORRUPT. */
-enum status mesh_check(const struct mesh *m, bool tree);
 
 #endif

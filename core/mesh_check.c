@@ -1,4 +1,5 @@
-/* mesh_check() of mesh.h: is this the Delaunay triangulation of its points? */
+#include "mesh_check.h"
+
 #include "mesh.h"
 #include "predicates.h"
 

@@ -1,7 +1,13 @@
-/* mesh_link() of mesh.h: from corners to a mesh that is proven, fast enough to be done
- * each time a template is read.
- *
- * Why the conditions below are enough.  Let every half-edge of a real triangle have its
+#include "mesh_link.h"
+
+#include <string.h>
+
+#include "lattice.h"
+#include "mem.h"
+#include "mesh.h"
+#include "predicates.h"
+
+/* Why the conditions below are enough.  Let every half-edge of a real triangle have its
  * opposite and be strictly counter-clockwise (pair_edges) and
  * the ghosts be one ring round a convex polygon that turns once (check_ghosts).  Summed
  * as chains the real triangles have that polygon as their boundary, all other edges
@@ -13,12 +19,6 @@
  * one), satisfy Euler: rings - 3 nt / 2 + nt = 2 - 2 genus; with nt = 2 nv - 2 that is
  * rings = nv + 1 - 2 genus.  So the genus is 0 and each vertex has exactly one full ring.
  */
-#include "lattice.h"
-#include "mem.h"
-#include "mesh.h"
-#include "predicates.h"
-
-#include <string.h>
 
 /* ---- numbers in range: loops without branches, over the sign bits of what may not be
  * negative */

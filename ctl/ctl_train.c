@@ -9,6 +9,7 @@
 #include "pool.h"
 #include "ctl.h"
 #include "train.h"
+#include "train_set.h"
 
 /* The scans of a collection as faces. */
 struct scans {

@@ -8,6 +8,7 @@
 #include "codec.h"
 #include "errinfo.h"
 #include "mesh.h"
+#include "mesh_check.h"
 #include "mst.h"
 #include "store_engine.h"
 

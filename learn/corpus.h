@@ -15,8 +15,8 @@
  *
  * Of each subject one scan is enrolled: the first of kind `enroll`, or else the first one
  * (a folder's by name, a manifest's as they stand there).  All others are probes. */
-#ifndef DB_CORPUS_H
-#define DB_CORPUS_H
+#ifndef LEARN_CORPUS_H
+#define LEARN_CORPUS_H
 #include <stdbool.h>
 #include <stdint.h>
 #include "errinfo.h"

@@ -1,8 +1,8 @@
 /* csv.h -- tables in text files as spreadsheets write them (RFC 4180): a heading, then rows.
  * Fields are separated by commas and may be quoted ("a, b", "say ""yes"""); lines end with
  * LF or CR LF; a byte order mark and empty lines are passed over.  Every byte is hostile. */
-#ifndef DB_CSV_H
-#define DB_CSV_H
+#ifndef LEARN_CSV_H
+#define LEARN_CSV_H
 #include <stdbool.h>
 #include <stddef.h>
 #include "errinfo.h"

@@ -2,8 +2,8 @@
  * A sample is GRID_N floats: the gap per cell in mm, NAN where less than LEARN_COVERED mm^2
  * of a cell are covered.
  * Everything is deterministic: fixed order, no random numbers. */
-#ifndef CORE_LEARN_H
-#define CORE_LEARN_H
+#ifndef LEARN_LEARN_H
+#define LEARN_LEARN_H
 #include <stddef.h>
 #include <stdint.h>
 #include "grid.h"

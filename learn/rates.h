@@ -3,8 +3,8 @@
  * the smaller the more alike).  INFINITY, for one that says nothing (inconclusive), is never
  * accepted.  Terms as in ISO/IEC 19795-1: FMR, the share of impostor comparisons accepted;
  * FNMR, the share of genuine ones refused; TAR = 1 - FNMR; EER, where both are equal. */
-#ifndef DB_RATES_H
-#define DB_RATES_H
+#ifndef LEARN_RATES_H
+#define LEARN_RATES_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

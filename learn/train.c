@@ -8,6 +8,7 @@
 
 #include "calibrate.h"
 #include "cells.h"
+#include "corpus.h"
 #include "errinfo.h"
 #include "face.h"
 #include "fit.h"
@@ -17,6 +18,7 @@
 #include "score.h"
 #include "train_mean.h"
 #include "train_motion.h"
+#include "train_set.h"
 
 #define CHANGE_MODES 24
 #define SMOOTH_MODES 40

@@ -9,28 +9,22 @@
  * Steps 4's outcome for people it was not learned from is told by learning from one half
  * of the subjects and judging the other, and the other way round.
  * Deterministic: the same scans give the same model, on any number of threads. */
-#ifndef DB_TRAIN_H
-#define DB_TRAIN_H
+#ifndef LEARN_TRAIN_H
+#define LEARN_TRAIN_H
 #include <stdbool.h>
 #include <stdint.h>
-#include "corpus.h"
 #include "model.h"
 #include "rates.h"
 #include "status.h"
 
-struct errinfo;
-struct face;
+struct errinfo;   /* errinfo.h */
+struct train_set; /* train_set.h */
 
 #define TRAIN_MIN_SUBJECTS 20
 #define TRAIN_MIN_PROBES                                                                 \
     250                 /* scans besides the enrolled ones: 12 impostors each, and 3000
                                   are what a rate of 0.1 % takes (rule of 3) */
 #define TRAIN_FMR 0.001 /* the calibration's */
-
-struct train_set {
-    const struct corpus *corpus;
-    struct face *face; /* [corpus->nscan]; a scan that was refused has no points */
-};
 
 struct train_report {
     size_t genuine, impostor; /* pairs */

@@ -5,13 +5,14 @@
 #include <string.h>
 
 #include "align_pose.h"
+#include "corpus.h"
 #include "errinfo.h"
 #include "face.h"
 #include "frame.h"
 #include "grid.h"
 #include "model.h"
 #include "pool.h"
-#include "train.h"
+#include "train_set.h"
 
 #define ENOUGH      0.4 /* share of the faces, and their mirror images, that cover a cell */
 #define LEAST_CELLS 200  /* of the mean: what model_parse() asks for */

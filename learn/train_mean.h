@@ -1,11 +1,11 @@
 /* train_mean.h -- the mean face of a collection. */
-#ifndef DB_TRAIN_MEAN_H
-#define DB_TRAIN_MEAN_H
+#ifndef LEARN_TRAIN_MEAN_H
+#define LEARN_TRAIN_MEAN_H
 #include "status.h"
 
 struct errinfo;
 struct model;     /* model.h */
-struct train_set; /* train.h */
+struct train_set; /* train_set.h */
 
 /* train_mean(set, threads, m, e): m->mean, and the frames of all of the set's faces by it: from each
  * enrolled face's principal axes and nose at first, then by laying all on their mean,

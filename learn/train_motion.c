@@ -14,7 +14,7 @@
 #include "learn.h"
 #include "model.h"
 #include "pool.h"
-#include "train.h"
+#include "train_set.h"
 
 #define MODES 32
 #define TIE   1e-4 /* to the origin, 1 / mm^2: a nose is right to 1 mm, the centre to 100 */

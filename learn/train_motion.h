@@ -1,12 +1,12 @@
 /* train_motion.h -- the basis of motion (model.h) from a collection that knows its poses. */
-#ifndef DB_TRAIN_MOTION_H
-#define DB_TRAIN_MOTION_H
+#ifndef LEARN_TRAIN_MOTION_H
+#define LEARN_TRAIN_MOTION_H
 #include "status.h"
 #include "vec.h"
 
 struct errinfo;
 struct model;     /* model.h */
-struct train_set; /* train.h */
+struct train_set; /* train_set.h */
 
 /* train_motion_centre(set): the point that all heads were turned about, in the scanner's
  * coordinates before the shift, mm.  A manifest does not tell it, and a few centimetres of

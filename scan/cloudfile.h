@@ -1,7 +1,7 @@
 /* cloudfile.h -- scanner files in memory: PLY, OBJ and XYZ, vertex positions only.
  * Every byte is hostile.  Nothing is opened, nothing is fetched. */
-#ifndef CORE_CLOUDFILE_H
-#define CORE_CLOUDFILE_H
+#ifndef SCAN_CLOUDFILE_H
+#define SCAN_CLOUDFILE_H
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"

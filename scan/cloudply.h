@@ -1,6 +1,6 @@
 /* cloudply.h -- the PLY reader behind cloudfile.h. */
-#ifndef CORE_CLOUDPLY_H
-#define CORE_CLOUDPLY_H
+#ifndef SCAN_CLOUDPLY_H
+#define SCAN_CLOUDPLY_H
 #include <stddef.h>
 #include "status.h"
 

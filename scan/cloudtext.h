@@ -1,7 +1,7 @@
 /* cloudtext.h -- a cursor over the hostile text of a scanner file: words, numbers, lines,
  * and errors that say where.  For cloudfile.c and cloudply.c. */
-#ifndef CORE_CLOUDTEXT_H
-#define CORE_CLOUDTEXT_H
+#ifndef SCAN_CLOUDTEXT_H
+#define SCAN_CLOUDTEXT_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

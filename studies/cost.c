@@ -10,6 +10,7 @@
 #include "holes.h"
 #include "lab.h"
 #include "merge.h"
+#include "mesh_link.h"
 #include "mst.h"
 #include "study.h"
 #include "interpolate.h"

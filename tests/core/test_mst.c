@@ -14,6 +14,7 @@
 #include "fail_alloc.h"
 #include "mem.h"
 #include "mesh.h"
+#include "mesh_check.h"
 #include "mst.h"
 #include "predicates.h"
 

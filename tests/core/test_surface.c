@@ -13,6 +13,7 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
+#include "mesh_check.h"
 #include "mst.h"
 #include "surface.h"
 

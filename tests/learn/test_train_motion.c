@@ -12,6 +12,7 @@
 #include "face.h"
 #include "train.h"
 #include "train_motion.h"
+#include "train_set.h"
 
 #define SUBJECTS 4
 #define EACH     5
