@@ -56,7 +56,7 @@ enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
                             size_t *n)
 {
     const double mm = unit_mm(c->units);
-    struct cloudfile_error why = {.what = "out of memory"};
+    struct clouderror why = {.what = "out of memory"};
     unsigned char *bytes;
     size_t len;
     enum status st = read_file(path, &bytes, &len, &c->e);

@@ -3,7 +3,7 @@
 #ifndef SCAN_CLOUDFILE_H
 #define SCAN_CLOUDFILE_H
 #include <stddef.h>
-#include <stdint.h>
+#include "clouderror.h"
 #include "status.h"
 #include "vec.h"
 
@@ -12,12 +12,6 @@ enum cloudfile_format {
     CLOUDFILE_PLY, /* ascii, binary_little_endian, binary_big_endian, version 1.0 */
     CLOUDFILE_OBJ, /* "v x y z" lines */
     CLOUDFILE_XYZ  /* three numbers a line (more are ignored), # comments */
-};
-
-struct cloudfile_error {
-    size_t where;  /* byte offset */
-    uint32_t line; /* line number from 1 for text, 0 in binary data */
-    char what[96]; /* a sentence without its full stop; no coordinates */
 };
 
 /* cloudfile_parse(bytes, len, format, max_points, out, n, err)
@@ -39,6 +33,6 @@ struct cloudfile_error {
  * max_points; ST_EVERSION a format variant not supported; ST_ENOMEM. */
 enum status cloudfile_parse(const void *bytes, size_t len, enum cloudfile_format format,
                             size_t max_points, struct dvec3 **out, size_t *n,
-                            struct cloudfile_error *err);
+                            struct clouderror *err);
 
 #endif

@@ -1,7 +1,6 @@
 #include "cloudply.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -475,6 +474,12 @@ static enum status check_end(struct cloudtext *t)
         cloudtext_newline(t);
     }
     return ST_OK;
+}
+
+bool cloudply_is(const struct cloudtext *t)
+{
+    return t->end - t->p > 3 && memcmp(t->p, "ply", 3) == 0 &&
+           (t->p[3] == '\n' || t->p[3] == '\r' || t->p[3] == ' ');
 }
 
 enum status cloudply_parse(struct cloudtext *t, size_t max_points, struct dvec3 **out,

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cloudfile.h"
+#include "clouderror.h"
 #include "number.h"
 
 enum status cloudtext_fail(struct cloudtext *t, enum status st, const char *fmt, ...)
@@ -77,6 +77,26 @@ const char *cloudtext_word(struct cloudtext *t, size_t *len)
 bool cloudtext_is(const char *word, size_t len, const char *what)
 {
     return strlen(what) == len && memcmp(word, what, len) == 0;
+}
+
+bool cloudtext_is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+bool cloudtext_comment(const struct cloudtext *t)
+{
+    return *t->p == '#' || (t->end - t->p > 1 && t->p[0] == '/' && t->p[1] == '/');
+}
+
+enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
+                            struct dvec3 p)
+{
+    if (list->n == list->max)
+        return cloudtext_fail(t, ST_ELIMIT, "more points than the limit of %zu",
+                              list->max);
+    list->at[list->n++] = p;
+    return ST_OK;
 }
 
 static bool ends_number(const struct cloudtext *t, const char *p)

@@ -1,19 +1,28 @@
 /* cloudtext.h -- a cursor over the hostile text of a scanner file: words, numbers, lines,
- * and errors that say where.  For cloudfile.c and cloudply.c. */
+ * and errors that say where.  For cloudfile.c and the
+ * readers of each format. */
 #ifndef SCAN_CLOUDTEXT_H
 #define SCAN_CLOUDTEXT_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"
+#include "vec.h"
 
-struct cloudfile_error; /* cloudfile.h */
+struct clouderror; /* clouderror.h */
 
 struct cloudtext {
     const char *start, *p, *end;
-    uint32_t line;               /* of p, from 1; 0: not counted (binary) */
-    bool continued;              /* a backslash before a line end joins two lines (OBJ) */
-    struct cloudfile_error *err; /* may be NULL */
+    uint32_t line;          /* of p, from 1; 0: not counted (binary) */
+    bool continued;         /* a backslash before a line end joins two lines (OBJ) */
+    struct clouderror *err; /* may be NULL */
+};
+
+/* The points of a text file.  Each has a line of its own, of 6 bytes or more ("1 1 1" and a
+ * line end): the room for them is known before they are read. */
+struct cloudtext_points {
+    struct dvec3 *at;
+    size_t n, max;
 };
 
 /* cloudtext_fail(t, st, fmt, ...): fill *t->err for the byte at t->p; returns st. */
@@ -41,6 +50,14 @@ bool cloudtext_is(const char *word, size_t len, const char *what);
  * blank, a comma, a semicolon or the line's end.
  * Returns ST_OK, ST_EINVAL (no number), ST_ENOTFINITE. */
 enum status cloudtext_number(struct cloudtext *t, double *out);
+
+/* cloudtext_point(t, list, p): one point more.  Returns ST_OK, ST_ELIMIT. */
+enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
+                            struct dvec3 p);
+
+/* cloudtext_comment(t): does a comment (# or //) begin here?  Not at the text's end. */
+bool cloudtext_comment(const struct cloudtext *t);
+bool cloudtext_is_letter(char c); /* or an underscore */
 
 /* cloudtext_plain(t): is everything from p on text?  ST_EINVAL at the first control
  * character other than tab, line feed, form feed and carriage return. */

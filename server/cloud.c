@@ -59,7 +59,7 @@ static enum status read_file(struct request *r, double mm, struct cloud *out,
         [REQUEST_XYZ] = CLOUDFILE_XYZ,
         [REQUEST_BYTES] = CLOUDFILE_ANY,
     };
-    struct cloudfile_error fe = {0};
+    struct clouderror fe = {0};
     enum status st = cloudfile_parse(r->body, r->len, format[r->media], FACE_MAX_POINTS,
                                      &out->pts, &out->n, &fe);
 

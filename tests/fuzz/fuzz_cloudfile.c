@@ -9,7 +9,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct cloudfile_error err = {0, 0, ""};
+    struct clouderror err = {0, 0, ""};
     struct dvec3 *points;
     enum status st;
     size_t n;

@@ -34,7 +34,7 @@ static void put_text(struct buffer *b, const char *text)
 
 /* Parse a copy of exactly len bytes, so that the sanitizer sees a read too far. */
 static enum status parse(const void *bytes, size_t len, enum cloudfile_format format,
-                         struct dvec3 **out, size_t *n, struct cloudfile_error *err)
+                         struct dvec3 **out, size_t *n, struct clouderror *err)
 {
     void *copy = malloc(len != 0 ? len : 1);
     enum status st;
@@ -59,7 +59,7 @@ static enum status parse(const void *bytes, size_t len, enum cloudfile_format fo
 static void expect_points(const void *bytes, size_t len, enum cloudfile_format format,
                           const double (*want)[3], size_t nwant)
 {
-    struct cloudfile_error err;
+    struct clouderror err;
     struct dvec3 *pts;
     size_t n;
     enum status st = parse(bytes, len, format, &pts, &n, &err);
@@ -78,7 +78,7 @@ static void expect_points(const void *bytes, size_t len, enum cloudfile_format f
 static void expect_error(const char *text, enum cloudfile_format format, enum status want,
                          uint32_t line)
 {
-    struct cloudfile_error err;
+    struct clouderror err;
     struct dvec3 *pts;
     size_t n;
     enum status st = parse(text, strlen(text), format, &pts, &n, &err);
@@ -268,7 +268,7 @@ static void test_ply_truncated(void **state)
             make_ply(&b, encoding, axis, 1, list != 0, "\n", want, 20);
             after = 1 + 3 * 4; /* the face */
             for (size_t len = 0; len < b.len; len++) {
-                struct cloudfile_error err;
+                struct clouderror err;
                 struct dvec3 *pts;
                 size_t n;
                 enum status st = parse(b.bytes, len, CLOUDFILE_PLY, &pts, &n, &err);
@@ -296,7 +296,7 @@ static void expect_ply_body(const char *body, enum status want, uint32_t line)
 static void test_ply_bad_text(void **state)
 {
     static struct buffer b;
-    struct cloudfile_error err;
+    struct clouderror err;
     struct dvec3 *pts;
     size_t n;
 
@@ -387,7 +387,7 @@ static void test_ply_lying_counts(void **state)
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             for (int before = 0; before < 3; before++) {
-                struct cloudfile_error err;
+                struct clouderror err;
                 struct dvec3 *pts;
                 char text[300];
                 size_t n;
@@ -447,7 +447,7 @@ static void test_ply_binary_not_finite(void **state)
 
     (void)state;
     for (size_t i = 0; i < 3; i++) {
-        struct cloudfile_error err;
+        struct clouderror err;
         struct dvec3 *pts;
         size_t n;
 
