@@ -132,7 +132,7 @@ static void load(const struct surface *probe, struct align_point *pts)
 
 /* between(to, from, by_nose, pose): the pose that lays the frame `from` on `to`, centre on
  * centre or nose on nose. */
-static void between(const struct align_frame *to, const struct align_frame *from,
+static void between(const struct align_axes *to, const struct align_axes *from,
                     bool by_nose, struct align_pose *pose)
 {
     const struct dvec3 *a = to->axis, *b = from->axis;
@@ -171,12 +171,12 @@ static const struct start starts[] = {
     {true, false, -0.15, 0.0}, {true, false, 0.0, 0.15},  {true, false, 0.0, -0.15},
 };
 
-static void start_pose(const struct start *st, const struct align_frame *tmpl,
-                       const struct align_frame *probe, struct align_pose *pose)
+static void start_pose(const struct start *st, const struct align_axes *tmpl,
+                       const struct align_axes *probe, struct align_pose *pose)
 {
     static const struct dvec3 scanner[3] = {
         {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    struct align_frame a = *tmpl, b = *probe;
+    struct align_axes a = *tmpl, b = *probe;
     struct dvec3 back = st->by_nose ? tmpl->nose : tmpl->centre;
 
     if (st->as_is) {
@@ -226,8 +226,8 @@ static void choose(struct search *s, const struct surface *tmpl,
 {
     const uint32_t stride = stride_for(s->n, COARSE_POINTS);
     const struct align_pose *given = s->how->start;
-    struct align_frame to, from; /* made when they are needed */
-    uint32_t agreed = 0;         /* starts that led to best[0] */
+    struct align_axes to, from; /* made when they are needed */
+    uint32_t agreed = 0;        /* starts that led to best[0] */
     bool framed = false;
 
     best[0].cost = best[1].cost = INFINITY;
@@ -236,8 +236,8 @@ static void choose(struct search *s, const struct surface *tmpl,
         bool again;
 
         if (i > 0 && !framed) {
-            align_pose_frame(tmpl, &to);
-            align_pose_frame(probe, &from);
+            align_pose_axes(tmpl, &to);
+            align_pose_axes(probe, &from);
             framed = true;
         }
         if (i == 0)
@@ -314,20 +314,20 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out)
 {
-    const size_t cells = mem_round(align_field_bytes(tmpl->mesh.nt));
+    const size_t triangles = mem_round(align_field_bytes(tmpl->mesh.nt));
     struct search search = {.n = probe->mesh.nv, .how = how, .out = out};
     struct candidate best[2];
     unsigned char *block;
     enum status st = ST_OK;
     bool rival;
 
-    block = scratch_need(&w->field, cells + search.n * sizeof *search.pts);
+    block = scratch_need(&w->field, triangles + search.n * sizeof *search.pts);
     if (block == NULL)
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    align_field_make(tmpl, how->u, (struct align_cell *)(void *)block, &search.field);
-    search.pts = (struct align_point *)(void *)(block + cells);
+    align_field_make(tmpl, how->u, (struct align_triangle *)(void *)block, &search.field);
+    search.pts = (struct align_point *)(void *)(block + triangles);
     load(probe, search.pts);
     search.centre = align_pose_centre(&tmpl->mesh);
     search.centre.z -= CENTRE_MM;

@@ -15,15 +15,15 @@
     3.0 /* and what a point without a gap adds, so that sliding apart
                          cannot pay */
 
-_Static_assert(sizeof(struct align_cell) == 64, "a cell is a cache line");
+_Static_assert(sizeof(struct align_triangle) == 64, "a triangle is a cache line");
 
 size_t align_field_bytes(uint32_t nt)
 {
-    return nt * sizeof(struct align_cell);
+    return nt * sizeof(struct align_triangle);
 }
 
 /* plane(c, z): the slopes through the corners' heights z (lattice units). */
-static void plane(struct align_cell *c, const int32_t z[3])
+static void plane(struct align_triangle *c, const int32_t z[3])
 {
     const double ax = c->x[1] - c->x[0], ay = c->y[1] - c->y[0];
     const double bx = c->x[2] - c->x[0], by = c->y[2] - c->y[0];
@@ -37,7 +37,7 @@ static void plane(struct align_cell *c, const int32_t z[3])
     c->flat = (float)(1.0 / sqrt(1.0 + zx * zx + zy * zy));
 }
 
-static float weight_at(const struct align_weight *u, const struct align_cell *c,
+static float weight_at(const struct align_weight *u, const struct align_triangle *c,
                        const int32_t z[3])
 {
     const double third = 1.0 / (3 * LATTICE_PER_MM);
@@ -51,15 +51,15 @@ static float weight_at(const struct align_weight *u, const struct align_cell *c,
 }
 
 void align_field_make(const struct surface *s, const struct align_weight *u,
-                      struct align_cell *cells, struct align_field *f)
+                      struct align_triangle *triangles, struct align_field *f)
 {
     const struct mesh *m = &s->mesh;
 
-    f->cell = cells;
+    f->triangle = triangles;
     f->n = m->nt;
     f->first = ALIGN_FIELD_NONE;
     for (uint32_t t = 0; t < m->nt; t++) {
-        struct align_cell *c = &cells[t];
+        struct align_triangle *c = &triangles[t];
         int32_t z[3];
 
         if (mesh_is_ghost(m, t))
@@ -80,16 +80,16 @@ void align_field_make(const struct surface *s, const struct align_weight *u,
     }
 }
 
-/* walk(f, t, x, y): the cell that contains (x, y), from cell t; NULL when it lies outside
- * the hull.  *at becomes the last cell seen.  The step limit only matters for a template
+/* walk(f, t, x, y): the triangle that contains (x, y), from triangle t; NULL when it lies outside
+ * the hull.  *at becomes the last triangle seen.  The step limit only matters for a template
  * that is no Delaunay triangulation. */
-static const struct align_cell *walk(const struct align_field *f, uint32_t *at, int64_t x,
-                                     int64_t y)
+static const struct align_triangle *walk(const struct align_field *f, uint32_t *at,
+                                         int64_t x, int64_t y)
 {
     uint32_t t = *at;
 
     for (uint32_t steps = 0; steps < f->n; steps++) {
-        const struct align_cell *c = &f->cell[t];
+        const struct align_triangle *c = &f->triangle[t];
         const int64_t x0 = c->x[0] - x, x1 = c->x[1] - x, x2 = c->x[2] - x;
         const int64_t y0 = c->y[0] - y, y1 = c->y[1] - y, y2 = c->y[2] - y;
         uint32_t next;
@@ -129,14 +129,15 @@ static struct pull pull_of(enum align_loss loss, double r, double u)
     return (struct pull){u * s * s, u * TUKEY_MM * (1.0 - s * s * s), u};
 }
 
-const struct align_cell *align_field_find(const struct align_field *f,
-                                          struct align_point *p, struct dvec3 q)
+const struct align_triangle *align_field_find(const struct align_field *f,
+                                              struct align_point *p, struct dvec3 q)
 {
     const double limit = LATTICE_MAX / LATTICE_PER_MM;
 
     if (!(fabs(q.x) < limit && fabs(q.y) < limit))
         return NULL;
-    return walk(f, &p->cell, llrint(q.x * LATTICE_PER_MM), llrint(q.y * LATTICE_PER_MM));
+    return walk(f, &p->triangle, llrint(q.x * LATTICE_PER_MM),
+                llrint(q.y * LATTICE_PER_MM));
 }
 
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
@@ -149,26 +150,26 @@ void align_field_sum(const struct align_field *f, struct align_point *pts, uint3
     memset(sum, 0, sizeof *sum);
     for (uint32_t i = 0; i < n; i += stride, total++) {
         const struct dvec3 q = align_pose_apply(pose, pts[i].p);
-        const struct align_cell *cell;
+        const struct align_triangle *triangle;
         struct pull pull;
         double r, flat, j[6];
 
-        if (pts[i].cell == ALIGN_FIELD_NONE)
-            pts[i].cell = last;
-        cell = align_field_find(f, &pts[i], q);
-        last = pts[i].cell;
-        if (cell == NULL || cell->flat == 0.0f)
+        if (pts[i].triangle == ALIGN_FIELD_NONE)
+            pts[i].triangle = last;
+        triangle = align_field_find(f, &pts[i], q);
+        last = pts[i].triangle;
+        if (triangle == NULL || triangle->flat == 0.0f)
             continue;
         within++;
-        flat = (double)cell->flat;
-        r = (q.z - align_field_height(cell, q.x, q.y)) * flat;
-        j[3] = -(double)cell->zx * flat;
-        j[4] = -(double)cell->zy * flat;
+        flat = (double)triangle->flat;
+        r = (q.z - align_field_height(triangle, q.x, q.y)) * flat;
+        j[3] = -(double)triangle->zx * flat;
+        j[4] = -(double)triangle->zy * flat;
         j[5] = flat;
         j[0] = (q.y - c.y) * j[5] - (q.z - c.z) * j[4];
         j[1] = (q.z - c.z) * j[3] - (q.x - c.x) * j[5];
         j[2] = (q.x - c.x) * j[4] - (q.y - c.y) * j[3];
-        pull = pull_of(loss, r, (double)cell->weight);
+        pull = pull_of(loss, r, (double)triangle->weight);
         align_solve_add(&sum->normal, j, r, pull.weight);
         sum->cost += pull.cost;
         share += pull.share;

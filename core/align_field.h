@@ -1,7 +1,7 @@
 /* align_field.h -- the template as a height field to slide points over, and the robust sum
  * of the gaps at points of the probe.
- * One cell of 64 bytes, a cache line, per triangle of the template: its plane, its corners
- * and its neighbours.  A point is found again by a visibility walk from the cell where it
+ * One triangle of 64 bytes, a cache line, per triangle of the template: its plane, its corners
+ * and its neighbours.  A point is found again by a visibility walk from the triangle where it
  * was last time: exact, as the moved point is rounded to the lattice first, so that on a
  * Delaunay triangulation the walk cannot turn in circles. */
 #ifndef CORE_ALIGN_FIELD_H
@@ -21,7 +21,7 @@ struct align_weight {
     struct align_pose frame; /* template -> canonical frame */
 };
 
-struct align_cell {
+struct align_triangle {
     int32_t x[3], y[3]; /* corners, counter-clockwise, lattice units */
     uint32_t next[3];   /* across the edge from corner i to i + 1; or ALIGN_FIELD_NONE */
     float z0, zx, zy;   /* height at corner 0 (mm) and slopes */
@@ -34,24 +34,24 @@ struct align_cell {
 #define ALIGN_FIELD_NONE UINT32_MAX
 
 struct align_field {
-    struct align_cell *cell;
+    struct align_triangle *triangle;
     uint32_t n;     /* triangles of the template, ghosts included (never walked into) */
-    uint32_t first; /* a cell to start from */
+    uint32_t first; /* a triangle to start from */
 };
 
 /* align_field_bytes(nt): memory for a template of nt triangles. */
 size_t align_field_bytes(uint32_t nt);
 
-/* align_field_make(s, u, cells, f): u NULL: 1 everywhere, else 0 off the grid.  f over cells, align_field_bytes(s->mesh.nt) of
+/* align_field_make(s, u, triangles, f): u NULL: 1 everywhere, else 0 off the grid.  f over triangles, align_field_bytes(s->mesh.nt) of
  * memory.  O(nt). */
 void align_field_make(const struct surface *s, const struct align_weight *u,
-                      struct align_cell *cells, struct align_field *f);
+                      struct align_triangle *triangles, struct align_field *f);
 
 /* A point of the probe. */
 struct align_point {
-    struct dvec3 p; /* mm */
-    float area;     /* of the probe's surface that it stands for, mm^2 */
-    uint32_t cell;  /* where it was last time */
+    struct dvec3 p;    /* mm */
+    float area;        /* of the probe's surface that it stands for, mm^2 */
+    uint32_t triangle; /* where it was last time, or ALIGN_FIELD_NONE */
 };
 
 enum align_loss {
@@ -66,20 +66,21 @@ struct align_sum {
     double within; /* share of the points that have a gap, 0..1 */
 };
 
-/* align_field_find(f, p, q): the cell under q, where the point p now is, in mm; NULL off the
- * template's hull.  Walks from p->cell, which must be one, and keeps there where it is. */
-const struct align_cell *align_field_find(const struct align_field *f,
-                                          struct align_point *p, struct dvec3 q);
+/* align_field_find(f, p, q): the triangle under q, where the point p now is, in mm; NULL off the
+ * template's hull.  Walks from p->triangle, which must be one, and keeps there where it is. */
+const struct align_triangle *align_field_find(const struct align_field *f,
+                                              struct align_point *p, struct dvec3 q);
 
-/* align_field_height(c, x, y): the height of cell c's plane, mm. */
-static inline double align_field_height(const struct align_cell *c, double x, double y)
+/* align_field_height(c, x, y): the height of triangle c's plane, mm. */
+static inline double align_field_height(const struct align_triangle *c, double x,
+                                        double y)
 {
     return (double)c->z0 + (double)c->zx * (x - c->x[0] / LATTICE_PER_MM) +
            (double)c->zy * (y - c->y[0] / LATTICE_PER_MM);
 }
 
 /* align_field_sum(f, pts, n, stride, pose, c, loss, sum): the points 0, stride, 2 stride, ...
- * below n, moved by pose; their cells are brought up to date.  Turns in the normal
+ * below n, moved by pose; their triangles are brought up to date.  Turns in the normal
  * equations are about c (template, mm). */
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,

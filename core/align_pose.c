@@ -182,7 +182,7 @@ static void principal(double a[3][3], struct dvec3 axis[3])
 
 /* protrusion(p, f): how far p sticks out along f->axis[2], less the more it lies to the
  * side: a chin or a forehead turned forward is no nose. */
-static double protrusion(struct dvec3 p, const struct align_frame *f)
+static double protrusion(struct dvec3 p, const struct align_axes *f)
 {
     const struct dvec3 d = vec_sub(p, f->centre);
     const double out = vec_dot(d, f->axis[2]);
@@ -191,7 +191,7 @@ static double protrusion(struct dvec3 p, const struct align_frame *f)
 }
 
 /* nose_of(m, f): the mean of the NOSE_SHARE of the points that protrude most. */
-static struct dvec3 nose_of(const struct mesh *m, const struct align_frame *f)
+static struct dvec3 nose_of(const struct mesh *m, const struct align_axes *f)
 {
     uint32_t count[NOSE_BINS] = {0}, n = 0;
     const uint32_t want = 1 + (uint32_t)(NOSE_SHARE * m->nv);
@@ -235,7 +235,7 @@ struct dvec3 align_pose_centre(const struct mesh *m)
     return (struct dvec3){(double)x * unit, (double)y * unit, (double)z * unit};
 }
 
-void align_pose_frame(const struct surface *s, struct align_frame *f)
+void align_pose_axes(const struct surface *s, struct align_axes *f)
 {
     const struct mesh *m = &s->mesh;
     struct dvec3 axis[3];

@@ -41,7 +41,7 @@ struct align_pose align_pose_after(const struct align_pose *a,
 bool align_pose_rigid(const struct align_pose *a);
 
 /* What a surface's points tell of its own pose. */
-struct align_frame {
+struct align_axes {
     struct dvec3 centre; /* the mean of the points, mm */
     struct dvec3
         axis[3];       /* right-handed: about x, y and z; z is the least axis of inertia,
@@ -52,7 +52,7 @@ struct align_frame {
 /* align_pose_centre(m): the mean of the points, mm.  O(nv). */
 struct dvec3 align_pose_centre(const struct mesh *m);
 
-/* align_pose_frame(s, f): O(nv). */
-void align_pose_frame(const struct surface *s, struct align_frame *f);
+/* align_pose_axes(s, f): O(nv). */
+void align_pose_axes(const struct surface *s, struct align_axes *f);
 
 #endif

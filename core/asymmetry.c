@@ -264,16 +264,16 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
                                 bool last, struct plane *p, struct dvec3 *middle,
                                 struct asymmetry *out)
 {
-    const size_t cells = mem_round(align_field_bytes(s->mesh.nt));
-    const size_t pts = cells + mem_round(s->mesh.nv * sizeof(struct align_point));
+    const size_t triangles = mem_round(align_field_bytes(s->mesh.nt));
+    const size_t pts = triangles + mem_round(s->mesh.nv * sizeof(struct align_point));
     struct search search = {.evaluations = out->evaluations};
     unsigned char *block = scratch_need(&m->scratch, pts + s->mesh.nv * sizeof(uint32_t));
     double within = 0;
 
     if (block == NULL)
         return ST_ENOMEM;
-    align_field_make(s, NULL, (struct align_cell *)(void *)block, &search.field);
-    search.pts = (struct align_point *)(void *)(block + cells);
+    align_field_make(s, NULL, (struct align_triangle *)(void *)block, &search.field);
+    search.pts = (struct align_point *)(void *)(block + triangles);
     load(s, (uint32_t *)(void *)(block + pts), &search);
     out->stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
     if (within < APART_WITHIN)
@@ -310,7 +310,7 @@ static void tell(const struct align_pose *start, const struct align_pose *frame,
 
 bool asymmetry_conclusive(const struct asymmetry *a)
 {
-    return a->stop != ALIGN_APART && a->measure.overlap >= ASYMMETRY_MIN_OVERLAP;
+    return a->stop != ALIGN_APART && a->final.overlap >= ASYMMETRY_MIN_OVERLAP;
 }
 
 enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
@@ -334,10 +334,10 @@ enum status asymmetry_find(const struct surface *s, const struct align_pose *sta
         if (st != ST_OK)
             break;
         if (round == 0 &&
-            (st = measure_at(upright, upright, flip, NULL, m, &out->first)) != ST_OK)
+            (st = measure_at(upright, upright, flip, NULL, m, &out->initial)) != ST_OK)
             break;
         if (round == ROUNDS) {
-            st = measure_at(upright, upright, flip, NULL, m, &out->measure);
+            st = measure_at(upright, upright, flip, NULL, m, &out->final);
             break;
         }
         st = search_plane(upright, m, round + 1 == ROUNDS, &p, &middle, out);

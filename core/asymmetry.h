@@ -24,8 +24,8 @@ struct measure_work; /* measure.h */
 struct asymmetry {
     double normal[3];         /* of the plane, a unit vector towards the image's right, */
     double offset_mm;         /* and normal . p on it; of the surface as it was given */
-    struct disparity first;   /* at the plane of the start */
-    struct disparity measure; /* at the corrected plane: the asymmetry is plain_mm */
+    struct disparity initial; /* at the plane of the start */
+    struct disparity final;   /* at the corrected plane: the asymmetry is plain_mm */
     double moved_deg, moved_mm; /* the correction: the plane's turn, and its shift in the
                                    middle of the surface */
     double turn_deg, shift_mm; /* standard deviations of both, by leaving out each twelfth

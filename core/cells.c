@@ -178,14 +178,14 @@ void cells_sample(const struct align_field *field, struct align_point *pts, uint
     memset(out, 0, sizeof *out);
     for (uint32_t i = 0; i < n; i++) {
         const struct dvec3 q = align_pose_apply(pose, pts[i].p);
-        const struct align_cell *c;
+        const struct align_triangle *c;
         struct piece s;
         double rise;
 
-        if (pts[i].cell == ALIGN_FIELD_NONE)
-            pts[i].cell = last;
+        if (pts[i].triangle == ALIGN_FIELD_NONE)
+            pts[i].triangle = last;
         c = align_field_find(field, &pts[i], q);
-        last = pts[i].cell;
+        last = pts[i].triangle;
         if (c == NULL || c->flat == 0.0f || pts[i].area <= 0.0f)
             continue;
         rise = q.z - align_field_height(c, q.x, q.y);

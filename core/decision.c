@@ -23,10 +23,10 @@ bool decision_valid(const struct decision *d)
     return d->knot[d->n - 1].rate >= 1;
 }
 
-double decision_fmr(const struct decision *d, double disparity_mm)
+double decision_fmr(const struct decision *d, double score_mm)
 {
     const struct decision_knot *k = d->knot;
-    const double mm = disparity_mm < 0 ? 0 : disparity_mm;
+    const double mm = score_mm < 0 ? 0 : score_mm;
     uint32_t i = 1;
 
     if (!(mm < k[d->n - 1].mm))

@@ -25,9 +25,9 @@ struct decision {
  * or a database. */
 bool decision_valid(const struct decision *d);
 
-/* decision_fmr(d, disparity_mm): the share of impostor comparisons with a disparity at or
- * below disparity_mm (false match rate), 0..1: straight lines between the knots; monotone.
+/* decision_fmr(d, score_mm): the share of impostor comparisons with a disparity at or
+ * below score_mm (false match rate), 0..1: straight lines between the knots; monotone.
  * Below the first knot it is an extrapolation.  NaN gives 1. */
-double decision_fmr(const struct decision *d, double disparity_mm);
+double decision_fmr(const struct decision *d, double score_mm);
 
 #endif

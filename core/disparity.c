@@ -52,7 +52,7 @@ static inline double choose(bool holds, double yes, double no)
  * alone on its side of zero (d, e), at the height w; the line of zeros cuts off its tip of
  * the triangle, in area the share w^2 / ((w + |mid|) (below + above)), over which |gap|
  * falls from w to 0: a pyramid.  The signed sum takes the tip from the wedge (f) beyond
- * the line, so the tip is added twice.  In a good fit very many cells are cut, at random:
+ * the line, so the tip is added twice.  In a good fit very many triangles are cut, at random:
  * the sign cases are told apart without branches. */
 static inline double mean3(double a, double b, double c)
 {
@@ -68,7 +68,7 @@ static inline double mean3(double a, double b, double c)
                   fabs(lo + hi + mid));
 }
 
-double disparity_cell(double area, double a, double b, double c)
+double disparity_prism(double area, double a, double b, double c)
 {
     return area * mean3(a, b, c) / 3;
 }
@@ -106,7 +106,7 @@ static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
     }
 }
 
-/* Sums over the cells.  Areas are twice the area, whole square lattice units: all of a
+/* Sums over the triangles.  Areas are twice the area, whole square lattice units: all of a
  * hull's are below 2^52, so they are exact. */
 struct totals {
     struct sum volume, weighted, weights; /* six times, six times, twice */
@@ -120,16 +120,16 @@ static inline double weight_at(const struct disparity_weight *weight, struct ive
                       ((double)p.y + (double)q.y + (double)r.y) / 3);
 }
 
-static struct totals add_cells(const struct mesh *general,
-                               const struct disparity_vertex *vertex,
-                               const struct disparity_weight *weight,
-                               struct disparity *out)
+static struct totals add_triangles(const struct mesh *general,
+                                   const struct disparity_vertex *vertex,
+                                   const struct disparity_weight *weight,
+                                   struct disparity *out)
 {
     const struct ivec2 *const xy = general->xy;
     const uint32_t *const org = general->org;
     const uint32_t nv = general->nv, nh = 3 * general->nt;
     struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0};
-    uint32_t cells = 0, bridged = 0, outside = 0;
+    uint32_t common = 0, bridged = 0, outside = 0;
 
     for (uint32_t h = 0; h < nh; h += 3) {
         const uint32_t i = org[h], j = org[h + 1], k = org[h + 2];
@@ -149,7 +149,7 @@ static struct totals add_cells(const struct mesh *general,
         case DISPARITY_COMMON:
             break;
         }
-        cells++;
+        common++;
         t.common += area;
         volume = area * mean3(vertex[i].gap, vertex[j].gap, vertex[k].gap);
         sum_add(&t.volume, volume);
@@ -160,7 +160,7 @@ static struct totals add_cells(const struct mesh *general,
             sum_add(&t.weights, u * area);
         }
     }
-    out->cells = cells;
+    out->common = common;
     out->bridged = bridged;
     out->outside = outside;
     return t;
@@ -177,7 +177,7 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
 
     memset(out, 0, sizeof *out);
     gaps(b_vertex, a, b, vertex);
-    t = add_cells(general, vertex, weight, out);
+    t = add_triangles(general, vertex, weight, out);
     out->volume_mm3 = sum_total(&t.volume) / 6 * mm2 / per_mm;
     out->area_mm2 = 0.5 * t.common * mm2;
     out->bridged_mm2 = 0.5 * t.bridged * mm2;

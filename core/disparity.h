@@ -10,12 +10,12 @@
 
 struct location; /* locate.h */
 
-/* disparity_cell(area, a, b, c): volume between two planes over a triangle of the given
+/* disparity_prism(area, a, b, c): volume between two planes over a triangle of the given
  * area, where a, b, c are the signed gaps at its corners: the integral of |gap|.  Every
  * sign case of Fig. 9: one sign throughout (pyramid, prism), zeros, and the wedge where
  * the surfaces cross.  The same to the last digit for any order of the corners and for
  * the surfaces exchanged. */
-double disparity_cell(double area, double a, double b, double c);
+double disparity_prism(double area, double a, double b, double c);
 
 /* A surface as the measure needs it. */
 struct disparity_side {
@@ -24,7 +24,7 @@ struct disparity_side {
     const double *other; /* each of its vertices interpolated in the other's mesh */
 };
 
-/* u(x, y) of definition (1), in lattice units; taken at each cell's centroid.  Finite and
+/* u(x, y) of definition (1), in lattice units; taken at each triangle's centroid.  Finite and
  * not negative; it may depend on nothing but arg and the point. */
 struct disparity_weight {
     double (*at)(const void *arg, double x, double y);
@@ -40,7 +40,7 @@ struct disparity_vertex {
 
 enum disparity_kind { DISPARITY_COMMON, DISPARITY_BRIDGED, DISPARITY_OUTSIDE };
 
-/* disparity_kind(general, vertex, h, twice): what the cell of the half-edges h, h + 1,
+/* disparity_kind(general, vertex, h, twice): what the triangle of the half-edges h, h + 1,
  * h + 2 is, as disparity_measure() says; not for ghosts.  *twice: twice its area, exact. */
 static inline enum disparity_kind disparity_kind(const struct mesh *general,
                                                  const struct disparity_vertex *vertex,
@@ -62,15 +62,15 @@ static inline enum disparity_kind disparity_kind(const struct mesh *general,
 }
 
 struct disparity {
-    double volume_mm3;  /* sum of |gap| over the common cells, u = 1 */
+    double volume_mm3;  /* sum of |gap| over the common triangles, u = 1 */
     double area_mm2;    /* their area */
     double plain_mm;    /* volume / area; 0 when the area is 0 */
-    double weighted_mm; /* sum of u |gap| / sum of u over the same cells, or 0 */
-    double weight_mm2;  /* sum of u over the common cells; area_mm2 without a weight */
-    double overlap;     /* area over a's measured area, 0..1 */
+    double weighted_mm; /* sum of u |gap| / sum of u over the same triangles, or 0 */
+    double weight_mm2; /* sum of u over the common triangles; area_mm2 without a weight */
+    double overlap;    /* area over a's measured area, 0..1 */
     double bridged_mm2; /* area left out because a side only bridges missing points */
-    double outside_mm2; /* area of the cells not wholly inside both hulls */
-    uint32_t cells, bridged, outside; /* how many of each */
+    double outside_mm2; /* area of the triangles not wholly inside both hulls */
+    uint32_t common, bridged, outside; /* how many triangles of each kind */
 };
 
 /* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out)
@@ -79,16 +79,16 @@ struct disparity {
  * per_mm   lattice units per millimetre
  * vertex   [general->nv] scratch, set on return
  *
- * Each cell of the general triangulation is one of three:
+ * Each triangle of the general triangulation is one of three:
  *   outside  a corner lies outside the other mesh's hull;
  *   bridged  else, a corner is where the other mesh only bridges missing points: strictly
  *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
- *            triangles bridge; or the cell itself is too wide for the spacings at its
+ *            triangles bridge; or the triangle itself is too wide for the spacings at its
  *            corners (holes_wide(); of three corners of one mesh that is holes_bridges()):
- *            then neither mesh has a point where the cell has its gap;
+ *            then neither mesh has a point where the triangle has its gap;
  *   common   else.  It counts.
  * Sums are compensated (Neumaier), areas whole numbers, the order fixed: the order of the
- * cells.  O(general->nv). */
+ * triangles.  O(general->nv). */
 void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
                        const struct disparity_side *a, const struct disparity_side *b,
                        const struct disparity_weight *weight, double per_mm,

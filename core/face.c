@@ -115,7 +115,7 @@ enum status face_adopt(struct face *f, struct face_work *w)
 
     if (st == ST_OK)
         st = surface_derive(&f->surface, &w->measure.scratch);
-    if (st == ST_OK && f->frame.mark != w->mean.mark)
+    if (st == ST_OK && f->frame.mean_id != w->mean.mean_id)
         st = face_place(f, w);
     if (st != ST_OK)
         clear(f);
@@ -164,7 +164,7 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
     return st;
 }
 
-enum status face_renew(struct face *f, struct face_work *w)
+enum status face_rebuild(struct face *f, struct face_work *w)
 {
     const struct mesh *m = &f->surface.mesh;
     const uint32_t n = m->nv;
@@ -184,10 +184,10 @@ enum status face_renew(struct face *f, struct face_work *w)
 
 static enum face_decision decide(const struct face_result *r)
 {
-    if (r->align.stop == ALIGN_APART || r->measure.overlap < decision_min_overlap ||
+    if (r->align.stop == ALIGN_APART || r->disparity.overlap < decision_min_overlap ||
         r->weight_overlap < decision_min_weight)
         return FACE_INCONCLUSIVE;
-    return r->disparity_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+    return r->score_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
 }
 
 /* The pose of the probe over the template. */
@@ -196,7 +196,7 @@ static enum status search(const struct face *tmpl, const struct face *probe,
 {
     const struct align_pose first =
         align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
-    const struct align_weight u = {w->mean.hold, tmpl->frame.pose};
+    const struct align_weight u = {w->mean.rigid, tmpl->frame.pose};
     const struct align_how how = {&first, &u, &w->motion};
     enum status st;
 
@@ -249,7 +249,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     if ((st = search(tmpl, probe, w, &out->align)) != ST_OK)
         return st;
     aligned = clock_ms != NULL ? clock_ms() : 0;
-    if ((st = measure(tmpl, probe, out->align.transform, w, &out->measure, &cells)) !=
+    if ((st = measure(tmpl, probe, out->align.transform, w, &out->disparity, &cells)) !=
             ST_OK ||
         (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
             ST_OK)
@@ -258,10 +258,9 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
-    out->disparity_mm = score.disparity_mm;
+    out->score_mm = score.mm;
     out->weight_overlap = score.weight;
-    out->fmr_at_score =
-        score.weight > 0 ? decision_fmr(&w->decision, out->disparity_mm) : 1;
+    out->fmr_at_score = score.weight > 0 ? decision_fmr(&w->decision, out->score_mm) : 1;
     out->change_mm = score.change_mm;
     memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
     memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);

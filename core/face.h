@@ -71,26 +71,26 @@ void face_free(struct face *f); /* NULL and empty ones are allowed */
  * Returns ST_OK, ST_ECORRUPT (f->surface.mesh.nv is 0 then), ST_ENOMEM. */
 enum status face_adopt(struct face *f, struct face_work *w);
 
-/* face_renew(f, w): f, which another engine made, as this one makes it from the same points:
+/* face_rebuild(f, w): f, which another engine made, as this one makes it from the same points:
  * what face_build() does but for the spikes, which are laid flat in it for good.  The points
  * stay what they are, to the last bit, and so once more changes nothing; nor does it change
  * what this engine made of a scan without spikes (with some, the frame was found with them).
  * Returns as face_build() but what is about the points given; f is empty on failure.
  * About the cost of face_build(). */
-enum status face_renew(struct face *f, struct face_work *w);
+enum status face_rebuild(struct face *f, struct face_work *w);
 
 enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double disparity_mm; /* the disparity the decision was taken on (score.h) */
+    double score_mm; /* what the decision was taken on (score.h) */
     double threshold_mm;
-    double fmr_at_score;   /* share of impostors at or below disparity_mm */
+    double fmr_at_score;   /* share of impostors at or below score_mm */
     double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
     double change_mm;      /* what was taken out as change within a person (score.h) */
     double region_mm[GRID_REGIONS];     /* each region alone; NAN: not covered */
     double region_weight[GRID_REGIONS]; /* what it counts in a whole face, 0..1 */
-    struct disparity measure;           /* the plain measure of the papers, same pose */
+    struct disparity disparity;         /* the plain measure of the papers, same pose */
     struct align_result align;          /* transform probe -> template, certainty */
     double align_ms, measure_ms;        /* by the caller's clock; 0 without one */
 };

@@ -9,7 +9,7 @@
 #include "model.h"
 
 /* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
-static void hold(const struct model_basis *b, float *out)
+static void rigidity(const struct model_basis *b, float *out)
 {
     float most = 0.0f;
 
@@ -33,8 +33,8 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
     enum status st;
 
     memset(out, 0, sizeof *out);
-    out->mark = model_mark(m);
-    hold(&m->motion, out->hold);
+    out->mean_id = model_mean_id(m);
+    rigidity(&m->motion, out->rigid);
     memcpy(out->height, m->mean, sizeof out->height);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(m->mean[i]))
@@ -60,7 +60,7 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
                        struct align_work *w, struct frame *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct align_weight u = {mean->hold, still};
+    const struct align_weight u = {mean->rigid, still};
     struct align_result found;
     const enum status st = align_search(&mean->surface, face,
                                         &(struct align_how){NULL, &u, NULL}, w, &found);
@@ -68,7 +68,7 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
     if (st != ST_OK)
         return st;
     align_pose_from_matrix(found.transform, &out->pose);
-    out->mark = mean->mark;
+    out->mean_id = mean->mean_id;
     out->cost_mm = found.cost_mm;
     out->within = found.within;
     out->likeness = frame_likeness(mean, face, &out->pose);

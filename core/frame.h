@@ -14,9 +14,9 @@ struct model; /* model.h */
 /* The mean face as a surface to lay others on.  All zero is an empty one. */
 struct frame_mean {
     struct surface surface;
-    float hold[GRID_N];   /* for registrations: where a face keeps its shape, 0..1 */
+    float rigid[GRID_N];  /* for registrations: where a face keeps its shape, 0..1 */
     float height[GRID_N]; /* mm; NAN off the face */
-    uint32_t mark;        /* model_mark() */
+    uint32_t mean_id;     /* model_mean_id() */
 };
 
 /* frame_mean_make(m, w, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
@@ -27,7 +27,7 @@ void frame_mean_free(struct frame_mean *mean);
 
 struct frame {
     struct align_pose pose; /* face -> canonical, mm */
-    uint32_t mark;          /* of the mean face it was found by; 0: not found yet */
+    uint32_t mean_id;       /* of the mean face it was found by; 0: not found yet */
     double cost_mm;         /* mean distance from the mean face there (capped, L1) */
     double within;          /* share of the face's points over the mean face */
     double likeness;        /* frame_likeness() there */

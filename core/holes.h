@@ -54,7 +54,7 @@ static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, do
 }
 
 /* holes_bridges(m, spacing, a, b, c): holes_wide() for three vertices of m, whether they
- * are a triangle of m or a cell of a general triangulation. */
+ * are a triangle of m or of a general triangulation. */
 bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint32_t b,
                    uint32_t c);
 

@@ -243,7 +243,7 @@ size_t model_write(const struct model *m, char *buf, size_t size)
     return w.at;
 }
 
-uint32_t model_mark(const struct model *m)
+uint32_t model_mean_id(const struct model *m)
 {
     uint32_t hash = 2166136261u; /* FNV-1a over the heights in micrometres */
 

@@ -104,8 +104,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         all.whole += part[r].whole;
     }
     out->weight = all.whole > 0 ? all.covered / all.whole : 0;
-    out->disparity_mm =
-        mean(&all) * (1 + SCORE_THIN * fmax(0, SCORE_WHOLE - out->weight));
+    out->mm = mean(&all) * (1 + SCORE_THIN * fmax(0, SCORE_WHOLE - out->weight));
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
         const bool seen = part[r].covered > REGION_MIN * part[r].whole;

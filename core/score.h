@@ -22,7 +22,7 @@
 #define SCORE_THIN  0.3
 
 struct score {
-    double disparity_mm;
+    double mm;
     double weight;    /* share of a whole face's weight that was covered, 0..1 */
     double change_mm; /* root mean square of what was taken out */
     double region_mm[GRID_REGIONS]; /* the same disparity of each region alone; NAN where

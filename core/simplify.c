@@ -166,8 +166,8 @@ static void update_volume(struct state *s, uint32_t p)
             const double was = s->volume[t];
 
             s->volume[t] =
-                disparity_cell((double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]),
-                               s->gap[v[0]], s->gap[v[1]], s->gap[v[2]]);
+                disparity_prism((double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]),
+                                s->gap[v[0]], s->gap[v[1]], s->gap[v[2]]);
             s->total += s->volume[t] - was;
         }
         h = mesh_turn(m, h);
@@ -300,8 +300,8 @@ static enum status finish(const struct state *s, struct scratch *scratch,
 
         if (s->counts[t])
             volume +=
-                disparity_cell((double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]),
-                               s->gap[v[0]], s->gap[v[1]], s->gap[v[2]]);
+                disparity_prism((double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]),
+                                s->gap[v[0]], s->gap[v[1]], s->gap[v[2]]);
     }
     r->kept = n;
     r->disparity = s->area > 0 ? volume / s->area : 0;

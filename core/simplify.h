@@ -6,7 +6,7 @@
  * a search among all subsets.
  * The gap is taken at the points of the original.  That is the papers' measure: the points
  * that are left are points of the original, so the general triangulation of both is the
- * original's own, and over its cells the gap is linear between its corners.  (Within a cell
+ * original's own, and over its triangles the gap is linear between its corners.  (Within a triangle
  * the simplified surface may bend, and the gap between them be larger in one place.)
  * The points of the hull stay, so both surfaces cover the same. */
 #ifndef CORE_SIMPLIFY_H

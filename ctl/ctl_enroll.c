@@ -27,7 +27,7 @@ static enum status check_fit(struct ctl *c, struct store *s, const char *subject
     return errinfo_set(&c->e, ST_EMISMATCH,
                        "%s: does not fit %s's other samples: disparity %.3f mm, "
                        "threshold %.3f mm (--force enrolls it all the same)",
-                       path, subject, r->disparity_mm, r->threshold_mm);
+                       path, subject, r->score_mm, r->threshold_mm);
 }
 
 enum status ctl_enroll_face(struct ctl *c, struct store *s, const char *subject,

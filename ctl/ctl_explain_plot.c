@@ -30,8 +30,8 @@ static void print_title(FILE *to, const struct face_result *r)
 
     (void)fprintf(to,
                   "set title \"{/:Bold*1.25 %s}\\ndisparity %.3f mm, threshold %.3f mm",
-                  words[r->decision], r->disparity_mm, r->threshold_mm);
-    (void)fprintf(to, ", common area %.0f %%\"\n", 100 * r->measure.overlap);
+                  words[r->decision], r->score_mm, r->threshold_mm);
+    (void)fprintf(to, ", common area %.0f %%\"\n", 100 * r->disparity.overlap);
 }
 
 static void picture_script(FILE *to, const void *arg)

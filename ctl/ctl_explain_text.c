@@ -12,7 +12,7 @@ static const char *reason(const struct face_result *r)
         return "the disparity is above the threshold";
     if (r->align.stop == ALIGN_APART)
         return "no pose was found in which the surfaces have enough in common";
-    if (r->measure.overlap < decision_min_overlap)
+    if (r->disparity.overlap < decision_min_overlap)
         return "the common area is too small a share of the template's";
     return "the common area has too small a share of the weight";
 }
@@ -21,17 +21,17 @@ static const char *reason(const struct face_result *r)
 static void print_result(FILE *to, const struct face_result *r)
 {
     (void)fprintf(to, "decision     %s: %s\n", ctl_face_decision(r->decision), reason(r));
-    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
                   r->threshold_mm);
     (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
                   r->fmr_at_score);
     (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
-                  r->measure.plain_mm, r->measure.volume_mm3, r->measure.area_mm2);
+                  r->disparity.plain_mm, r->disparity.volume_mm3, r->disparity.area_mm2);
     (void)fprintf(
         to,
         "common       %.1f %% of the template's area, %.1f %% of a face's weight "
         "(at least %.0f and %.0f %% are needed)\n",
-        100 * r->measure.overlap, 100 * r->weight_overlap, 100 * decision_min_overlap,
+        100 * r->disparity.overlap, 100 * r->weight_overlap, 100 * decision_min_overlap,
         100 * decision_min_weight);
     (void)fprintf(to,
                   "change       %.3f mm (root mean square) taken out as change of one "

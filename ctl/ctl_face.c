@@ -38,8 +38,8 @@ static bool better(const struct face_result *a, const struct face_result *b)
     if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
         return a->decision != FACE_INCONCLUSIVE;
     if (a->decision == FACE_INCONCLUSIVE)
-        return a->measure.overlap > b->measure.overlap;
-    return a->disparity_mm < b->disparity_mm;
+        return a->disparity.overlap > b->disparity.overlap;
+    return a->score_mm < b->score_mm;
 }
 
 enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
@@ -122,13 +122,13 @@ void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_r
                       const struct face *probe)
 {
     ctl_out_text(o, "decision", ctl_face_decision(r->decision));
-    ctl_out_number(o, "disparity_mm", r->disparity_mm);
+    ctl_out_number(o, "disparity_mm", r->score_mm);
     ctl_out_number(o, "threshold_mm", r->threshold_mm);
     ctl_out_number(o, "fmr_at_score", r->fmr_at_score);
-    ctl_out_number(o, "plain_mm", r->measure.plain_mm);
-    ctl_out_number(o, "volume_mm3", r->measure.volume_mm3);
-    ctl_out_number(o, "overlap_mm2", r->measure.area_mm2);
-    ctl_out_number(o, "overlap", r->measure.overlap);
+    ctl_out_number(o, "plain_mm", r->disparity.plain_mm);
+    ctl_out_number(o, "volume_mm3", r->disparity.volume_mm3);
+    ctl_out_number(o, "overlap_mm2", r->disparity.area_mm2);
+    ctl_out_number(o, "overlap", r->disparity.overlap);
     ctl_out_array(o, "transform");
     for (int i = 0; i < 16; i++)
         ctl_out_number(o, NULL, r->align.transform[i]);
@@ -194,17 +194,17 @@ static void print_result(struct ctl *c, const struct face_result *r,
     if (c->json)
         return;
     (void)printf("decision     %s\n", ctl_face_decision(r->decision));
-    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->disparity_mm,
+    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
                  r->threshold_mm);
     (void)printf("impostors    a share of %.2g would score this low or lower\n",
                  r->fmr_at_score);
     (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
-                 100 * r->measure.overlap, 100 * r->weight_overlap);
+                 100 * r->disparity.overlap, 100 * r->weight_overlap);
     (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
     ctl_face_alignment(stdout, &r->align);
     ctl_face_regions(stdout, r);
-    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->measure.plain_mm,
-                 r->measure.volume_mm3, r->measure.area_mm2);
+    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->disparity.plain_mm,
+                 r->disparity.volume_mm3, r->disparity.area_mm2);
     (void)printf("scan         %u points, quality %.2f", probe->surface.mesh.nv,
                  probe->quality.score);
     ctl_face_reasons(stdout, probe);

@@ -18,11 +18,11 @@ static void out_asymmetry(struct ctl_out *o, const struct asymmetry *a)
                                        [ALIGN_APART] = "apart"};
 
     ctl_out_flag(o, "conclusive", asymmetry_conclusive(a));
-    ctl_out_number(o, "disparity_mm", a->measure.plain_mm);
-    ctl_out_number(o, "first_mm", a->first.plain_mm);
-    ctl_out_number(o, "volume_mm3", a->measure.volume_mm3);
-    ctl_out_number(o, "overlap_mm2", a->measure.area_mm2);
-    ctl_out_number(o, "overlap", a->measure.overlap);
+    ctl_out_number(o, "disparity_mm", a->final.plain_mm);
+    ctl_out_number(o, "first_mm", a->initial.plain_mm);
+    ctl_out_number(o, "volume_mm3", a->final.volume_mm3);
+    ctl_out_number(o, "overlap_mm2", a->final.area_mm2);
+    ctl_out_number(o, "overlap", a->final.overlap);
     ctl_out_object(o, "plane");
     ctl_out_array(o, "normal");
     for (int i = 0; i < 3; i++)
@@ -40,15 +40,15 @@ static void out_asymmetry(struct ctl_out *o, const struct asymmetry *a)
 
 static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 {
-    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->measure.plain_mm,
-                 a->measure.volume_mm3, a->measure.area_mm2,
+    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
+                 a->final.volume_mm3, a->final.area_mm2,
                  asymmetry_conclusive(a) ? "" : ", of too little to say");
     (void)printf(
         "first        %.3f mm before the plane was corrected, by %.2f degrees and "
         "%.2f mm\n",
-        a->first.plain_mm, a->moved_deg, a->moved_mm);
+        a->initial.plain_mm, a->moved_deg, a->moved_mm);
     (void)printf("common       %.0f %% of the face lies over its mirror image\n",
-                 100 * a->measure.overlap);
+                 100 * a->final.overlap);
     (void)printf("plane        %.4f x %+.4f y %+.4f z = %.2f mm, ", a->normal[0],
                  a->normal[1], a->normal[2], a->offset_mm);
     if (isfinite(a->turn_deg))

@@ -200,10 +200,10 @@ static enum status compare(const struct run *r, const struct face *face,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
-    x->disparity_mm = f.disparity_mm;
+    x->disparity_mm = f.score_mm;
     x->threshold_mm = f.threshold_mm;
     x->fmr_at_score = f.fmr_at_score;
-    x->overlap = f.measure.overlap;
+    x->overlap = f.disparity.overlap;
     x->weight_overlap = f.weight_overlap;
     x->align_ms = f.align_ms;
     x->measure_ms = f.measure_ms;

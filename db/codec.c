@@ -159,7 +159,7 @@ void codec_encode(const struct face *f, unsigned char *buf)
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
-    put32(buf + AT_MARK, f->frame.mark);
+    put32(buf + AT_MARK, f->frame.mean_id);
     put_frame(buf + AT_FRAME, &f->frame.pose);
     for (uint32_t v = 0; v < m->nv; v++, p += 8) {
         put32(p, (uint32_t)m->xy[v].x);
@@ -215,8 +215,8 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
         return errinfo_set(e, st, "%u points: %s", nv, status_message(st));
     m->nv = nv;
     m->nt = 2 * nv - 2;
-    out->frame = (struct frame){.mark = get32(p + AT_MARK)};
-    if (out->frame.mark != 0 && !get_frame(p + AT_FRAME, &out->frame.pose)) {
+    out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
+    if (out->frame.mean_id != 0 && !get_frame(p + AT_FRAME, &out->frame.pose)) {
         m->nv = m->nt = 0;
         return errinfo_set(e, ST_ECORRUPT, "its canonical frame is no rigid motion");
     }

@@ -127,7 +127,7 @@ struct decoding {
 static enum status renew(const struct decoding *d, const struct store_template *t,
                          struct errinfo *e)
 {
-    const enum status st = face_renew(d->face, d->work);
+    const enum status st = face_rebuild(d->face, d->work);
 
     if (st == ST_OK)
         return ST_OK;

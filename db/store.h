@@ -144,7 +144,7 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
 bool store_stale(const struct store *s, const struct store_template *t);
 
 /* store_template_load(s, id, t, w, f, e): the model too, decoded and validated.  Of a stale
- * one *f is made anew from its points (face_renew()), for some milliseconds more, and is what
+ * one *f is made anew from its points (face_rebuild()), for some milliseconds more, and is what
  * it would be after store_renew(); *t is as it is stored.  ST_EVERSION: this engine cannot
  * make a face of them; nothing should be compared with it then. */
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,

@@ -104,7 +104,7 @@ static enum status gap_found(void *arg, size_t i, struct face_work *w, struct er
     if (st != ST_OK)
         return errinfo_set(e, st, "aligning the pairs: %s", status_message(st));
     memcpy(p->transform, r.align.transform, sizeof p->transform);
-    p->overlap = r.align.stop == ALIGN_APART ? 0 : r.measure.overlap;
+    p->overlap = r.align.stop == ALIGN_APART ? 0 : r.disparity.overlap;
     learn_sample(&cells, t->gap + i * GRID_N);
     return ST_OK;
 }
@@ -123,7 +123,7 @@ static enum status judge_before(void *arg, size_t i, struct face_work *w,
     st = face_compare(face_at(t, p->template), face_at(t, p->probe), 0, NULL, w, &r);
     if (st != ST_OK)
         return errinfo_set(e, st, "judging by the base model: %s", status_message(st));
-    t->mm[i] = r.decision == FACE_INCONCLUSIVE ? (double)INFINITY : r.disparity_mm;
+    t->mm[i] = r.decision == FACE_INCONCLUSIVE ? (double)INFINITY : r.score_mm;
     return ST_OK;
 }
 
@@ -131,7 +131,7 @@ static double disparity(const struct score *s, double overlap)
 {
     return s->weight < decision_min_weight || overlap < decision_min_overlap
                ? (double)INFINITY
-               : s->disparity_mm;
+               : s->mm;
 }
 
 /* By the new model, as a comparison does it: the search, which knows nothing of change and

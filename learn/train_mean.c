@@ -22,9 +22,9 @@
 /* A frame from the face alone. */
 static void own_frame(const struct face *f, struct align_pose *out)
 {
-    struct align_frame own;
+    struct align_axes own;
 
-    align_pose_frame(&f->surface, &own);
+    align_pose_axes(&f->surface, &own);
     for (int i = 0; i < 3; i++) {
         const struct dvec3 a = own.axis[i];
 

@@ -135,7 +135,7 @@ static bool add_plain(cJSON *o, const struct disparity *m)
 /* What tells more of the template than whether it is the same face. */
 static bool add_measure(cJSON *o, const struct face_result *r)
 {
-    return add_plain(o, &r->measure) && add_alignment(o, &r->align) &&
+    return add_plain(o, &r->disparity) && add_alignment(o, &r->align) &&
            add_number(o, "weight_overlap", r->weight_overlap) &&
            add_number(o, "change_mm", r->change_mm) && add_regions(o, r->region_mm);
 }
@@ -176,11 +176,11 @@ char *json_verdict(const struct json_verdict *v)
     cJSON *o = cJSON_CreateObject();
 
     return print(o, add_string(o, "decision", decision[r->decision]) &&
-                        add_number(o, "disparity_mm", r->disparity_mm) &&
+                        add_number(o, "disparity_mm", r->score_mm) &&
                         add_number(o, "threshold_mm", r->threshold_mm) &&
                         add_number(o, "fmr_at_score", r->fmr_at_score) &&
-                        add_number(o, "plain_mm", r->measure.plain_mm) &&
-                        add_number(o, "overlap", r->measure.overlap) &&
+                        add_number(o, "plain_mm", r->disparity.plain_mm) &&
+                        add_number(o, "overlap", r->disparity.overlap) &&
                         add_string(o, "subject", v->subject) &&
                         add_string(o, "template_id", v->template_id) &&
                         add_number(o, "templates_compared", v->templates_compared) &&
@@ -213,11 +213,11 @@ char *json_asymmetry(const struct json_asymmetry *v)
     const struct asymmetry *a = v->result;
     cJSON *o = cJSON_CreateObject(), *x;
     bool good = add_flag(o, "conclusive", asymmetry_conclusive(a)) &&
-                add_number(o, "disparity_mm", a->measure.plain_mm) &&
-                add_number(o, "first_mm", a->first.plain_mm) &&
-                add_number(o, "volume_mm3", a->measure.volume_mm3) &&
-                add_number(o, "overlap_mm2", a->measure.area_mm2) &&
-                add_number(o, "overlap", a->measure.overlap) && add_plane(o, a) &&
+                add_number(o, "disparity_mm", a->final.plain_mm) &&
+                add_number(o, "first_mm", a->initial.plain_mm) &&
+                add_number(o, "volume_mm3", a->final.volume_mm3) &&
+                add_number(o, "overlap_mm2", a->final.area_mm2) &&
+                add_number(o, "overlap", a->final.overlap) && add_plane(o, a) &&
                 add_quality(o, &v->face->quality, &v->face->frame) &&
                 add_string(o, "engine", v->engine);
 
@@ -242,7 +242,7 @@ char *json_problem(const struct errmap *m, const char *detail, const char *reque
                         add_string(o, "request_id", request_id) &&
                         (mismatch == NULL ||
                          (add_string(o, "decision", decision[mismatch->decision]) &&
-                          add_number(o, "disparity_mm", mismatch->disparity_mm) &&
+                          add_number(o, "disparity_mm", mismatch->score_mm) &&
                           add_number(o, "threshold_mm", mismatch->threshold_mm))));
 }
 

@@ -24,8 +24,8 @@ static bool better(const struct face_result *a, const struct face_result *b)
     if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
         return a->decision != FACE_INCONCLUSIVE;
     if (a->decision == FACE_INCONCLUSIVE)
-        return a->measure.overlap > b->measure.overlap;
-    return a->disparity_mm < b->disparity_mm;
+        return a->disparity.overlap > b->disparity.overlap;
+    return a->score_mm < b->score_mm;
 }
 
 enum status verify_calibrate(struct worker *w, struct errinfo *e)

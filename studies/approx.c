@@ -86,7 +86,7 @@ static double general(const struct mesh *a, const struct mesh *b, uint32_t *cell
     interpolate_mesh(b, a, la, za);
     lab_must(merge_build(a, b, lb, &scratch, &g, b_vertex));
     disparity_measure(&g, b_vertex, &sa, &sb, NULL, 1, vertex, &d);
-    *cells = d.cells;
+    *cells = d.common;
     mesh_free(&g);
     scratch_free(&scratch);
     free(la);

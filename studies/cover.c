@@ -153,8 +153,8 @@ static void count(struct tally *t, const struct face_result *r)
     t->match += r->decision == FACE_MATCH;
     t->no_match += r->decision == FACE_NO_MATCH;
     t->inconclusive += r->decision == FACE_INCONCLUSIVE;
-    t->below += r->disparity_mm <= r->threshold_mm && r->weight_overlap > 0;
-    t->mm += r->disparity_mm;
+    t->below += r->score_mm <= r->threshold_mm && r->weight_overlap > 0;
+    t->mm += r->score_mm;
 }
 
 struct outcome {

@@ -135,7 +135,7 @@ static void line(const struct face *few, const struct face *probe, size_t people
                 continue;
             lab_must(face_compare(template, &probe[i], 0, NULL, w, &r));
             t[j > 0].n++;
-            t[j > 0].mm += r.disparity_mm;
+            t[j > 0].mm += r.score_mm;
             t[j > 0].match += r.decision == FACE_MATCH;
             unclear += r.decision == FACE_INCONCLUSIVE;
         }

@@ -338,9 +338,9 @@ static void signs(const struct lab *lab)
     };
     FILE *f = lab_open(lab, "signs.csv"), *d;
 
-    fprintf(f, "case,signs,a,b,c,by hand,disparity_cell(),difference\n");
+    fprintf(f, "case,signs,a,b,c,by hand,disparity_prism(),difference\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        const double v = disparity_cell(0.5, row[i].a, row[i].b, row[i].c);
+        const double v = disparity_prism(0.5, row[i].a, row[i].b, row[i].c);
         char name[32];
 
         fprintf(f, "%s,%s,%g,%g,%g,%.6f,%.6f,%.0e\n", row[i].name, row[i].what, row[i].a,
@@ -355,8 +355,8 @@ static void signs(const struct lab *lab)
     /* (f), the wedge alone: (e) less its pyramid, whose base is 2/3 x 2/5 of the triangle
      * and whose height is 2. */
     fprintf(f, "f,the wedge of e,1,-2,3,%.6f,%.6f,%.0e\n", 19.0 / 45,
-            disparity_cell(0.5, 1, -2, 3) - disparity_cell(0.5 * 4 / 15, 0, 2, 0),
-            fabs(disparity_cell(0.5, 1, -2, 3) - disparity_cell(0.5 * 4 / 15, 0, 2, 0) -
+            disparity_prism(0.5, 1, -2, 3) - disparity_prism(0.5 * 4 / 15, 0, 2, 0),
+            fabs(disparity_prism(0.5, 1, -2, 3) - disparity_prism(0.5 * 4 / 15, 0, 2, 0) -
                  19.0 / 45));
     lab_close(f);
 }

@@ -146,8 +146,8 @@ void mirror_run(const struct lab *lab)
             lab_must(face_build(pts, facegen_sample(&s, pts), w, &face, NULL));
             lab_must(face_asymmetry(&face, w, &a));
             x[n] = truth;
-            y[n] = a.measure.plain_mm;
-            first[n] = a.first.plain_mm;
+            y[n] = a.final.plain_mm;
+            first[n] = a.initial.plain_mm;
             off[n] = angle(&s, a.normal, plane);
             low = fmin(low, y[n]);
             high = fmax(high, y[n]);

@@ -98,7 +98,7 @@ static enum status search(const struct face *a, const struct face *b,
                           struct align_work *w, struct align_result *r)
 {
     const struct align_pose first = align_pose_after(&a->frame.pose, &b->frame.pose);
-    const struct align_weight u = {mean.hold, a->frame.pose};
+    const struct align_weight u = {mean.rigid, a->frame.pose};
     const struct align_how how = {&first, &u, &motion};
 
     return align_search(&a->surface, &b->surface, &how, w, r);
@@ -216,7 +216,7 @@ static void test_field(void **state)
     struct face f = {0};
     struct brute_rng rng = {seed + 4};
     struct align_field field;
-    struct align_cell *cells;
+    struct align_triangle *cells;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
 
     (void)state;
@@ -224,12 +224,12 @@ static void test_field(void **state)
     memset(f.surface.bridge, 0, f.surface.mesh.nt);
     assert_non_null(cells = mem_array(align_field_bytes(f.surface.mesh.nt), 1));
     align_field_make(&f.surface, NULL, cells, &field);
-    p.cell = field.first;
+    p.triangle = field.first;
     for (int i = 0; i < 2000; i++) {
         const struct ivec2 q = {brute_int(&rng, -120000, 120000),
                                 brute_int(&rng, -150000, 150000)};
         const struct location loc = brute_locate(&f.surface.mesh, q);
-        const struct align_cell *cell;
+        const struct align_triangle *cell;
         struct align_sum sum;
 
         p.p = (struct dvec3){q.x / 1000.0, q.y / 1000.0, -30};
@@ -280,8 +280,8 @@ static void test_finds_pose(void **state)
         error = off_by(r.transform, true_r);
         sum += error;
         assert_true(error < 1.5);
-        printf("%d: %.2f degrees, disparity %.3f\n", (int)subject, error, d.disparity_mm);
-        assert_true(d.disparity_mm < 0.15 && d.measure.overlap > 0.5);
+        printf("%d: %.2f degrees, disparity %.3f\n", (int)subject, error, d.score_mm);
+        assert_true(d.score_mm < 0.15 && d.disparity.overlap > 0.5);
         assert_int_not_equal(r.stop, ALIGN_APART);
         assert_true(r.turn_deg > 0 && r.turn_deg < 2 && r.shift_mm > 0 && r.shift_mm < 2);
         assert_true(r.within > 0.5 && r.cost_mm < 1);
@@ -320,8 +320,8 @@ static void test_holes_and_spikes(void **state)
         sum += off_by(r.transform, true_r);
         assert_true(off_by(r.transform, true_r) < 3);
         printf("%d: %.2f degrees, disparity %.3f\n", (int)subject,
-               off_by(r.transform, true_r), d.disparity_mm);
-        assert_true(d.disparity_mm < 0.25);
+               off_by(r.transform, true_r), d.score_mm);
+        assert_true(d.score_mm < 0.25);
     }
     assert_true(sum / 10 < 1.2);
     face_free(&a);
@@ -361,10 +361,10 @@ static void test_start_does_not_matter(void **state)
             build(turned, n, &b);
             compare(&a, &b, &r, &d);
             if (i == 0)
-                first = d.disparity_mm;
+                first = d.score_mm;
             printf("%d, pose %zu: %+.2f %%\n", (int)who, i,
-                   100 * (d.disparity_mm / first - 1));
-            assert_true(fabs(d.disparity_mm - first) < (who >= 3 ? 0.1 * first : 0.0025));
+                   100 * (d.score_mm / first - 1));
+            assert_true(fabs(d.score_mm - first) < (who >= 3 ? 0.1 * first : 0.0025));
         }
     }
     face_free(&a);
@@ -395,9 +395,9 @@ static void test_mirror_and_translation(void **state)
         }
         compare(&f[0], &f[1], &r, &d);
         if (how == 0)
-            first = d.disparity_mm;
-        printf("map %zu: %+.2f %%\n", how, 100 * (d.disparity_mm / first - 1));
-        assert_true(fabs(d.disparity_mm - first) < 0.02 * first);
+            first = d.score_mm;
+        printf("map %zu: %+.2f %%\n", how, 100 * (d.score_mm / first - 1));
+        assert_true(fabs(d.score_mm - first) < 0.02 * first);
     }
     face_free(&f[0]);
     face_free(&f[1]);
@@ -424,7 +424,7 @@ static void test_end(void **state)
         compare(&a, &b, &r, &d);
         compare(&a, &b, &again, &e);
         assert_memory_equal(&r.transform, &again.transform, sizeof r.transform);
-        assert_true(d.disparity_mm == e.disparity_mm);
+        assert_true(d.score_mm == e.score_mm);
         assert_int_equal(face_gap(&a, &b, r.transform, work, &cells), ST_OK);
         assert_int_equal(fit_solve(&motion, &cells, 1e-4, 1, &scratch, &fit), ST_OK);
         for (int i = 0; i < 6; i++)
@@ -482,9 +482,9 @@ static void test_apart(void **state)
     memset(&w, 0, sizeof w);
     enroll(70, &a);
     assert_int_equal(measure_at(&a.surface, &a.surface, far, NULL, &w, &d), ST_OK);
-    assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
+    assert_true(d.common == 0 && d.area_mm2 == 0 && d.overlap == 0);
     assert_int_equal(measure_at(&a.surface, &a.surface, edge_on, NULL, &w, &d), ST_OK);
-    assert_true(d.cells == 0 && d.area_mm2 == 0 && d.overlap == 0);
+    assert_true(d.common == 0 && d.area_mm2 == 0 && d.overlap == 0);
     memset(a.surface.bridge, 1, a.surface.mesh.nt);
     assert_int_equal(search(&a, &a, &align, &r), ST_OK);
     assert_int_equal(r.stop, ALIGN_APART);

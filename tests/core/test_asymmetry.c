@@ -84,9 +84,9 @@ static void test_symmetric(void **state)
     const struct asymmetry a = find(points, sheet(dome, points));
 
     (void)state;
-    close_to(a.first.plain_mm, 0, 1e-9);
-    close_to(a.measure.plain_mm, 0, 1e-9);
-    close_to(a.measure.overlap, 1, 0);
+    close_to(a.initial.plain_mm, 0, 1e-9);
+    close_to(a.final.plain_mm, 0, 1e-9);
+    close_to(a.final.overlap, 1, 0);
     close_to(a.normal[0], 1, 1e-9);
     close_to(a.offset_mm, 0, 1e-6);
     close_to(a.moved_deg, 0, 1e-6);
@@ -102,8 +102,8 @@ static void test_slope(void **state)
     const struct asymmetry a = find(points, sheet(slope, points));
 
     (void)state;
-    close_to(a.first.plain_mm, 6, 1e-9);
-    close_to(a.measure.plain_mm, 0, 0.002);
+    close_to(a.initial.plain_mm, 6, 1e-9);
+    close_to(a.final.plain_mm, 0, 0.002);
     close_to(a.normal[0] * -0.125 + a.normal[1] * -0.25 + a.normal[2], 0, 1e-3);
 }
 
@@ -115,9 +115,9 @@ static void test_step(void **state)
     const double volume = 2 * 2 * (12 + 4.0) * (32 + 4.0);
 
     (void)state;
-    close_to(a.first.volume_mm3 / volume, 1, 0.02);
-    assert_true(a.measure.plain_mm <= a.first.plain_mm + 1e-3);
-    close_to(a.measure.volume_mm3 / volume, 1, 0.05);
+    close_to(a.initial.volume_mm3 / volume, 1, 0.02);
+    assert_true(a.final.plain_mm <= a.initial.plain_mm + 1e-3);
+    close_to(a.final.volume_mm3 / volume, 1, 0.05);
     close_to(a.normal[0], 1, 1e-4);
 }
 
@@ -147,7 +147,7 @@ static void test_tilted(void **state)
                  a.normal[0] * pose.t[0] + a.normal[1] * pose.t[1] +
                      a.normal[2] * pose.t[2],
                  0.05);
-        assert_true(a.measure.plain_mm < 0.06); /* what cutting across the curve leaves */
+        assert_true(a.final.plain_mm < 0.06); /* what cutting across the curve leaves */
     }
 }
 
@@ -285,14 +285,14 @@ static void test_planted(void **state)
             a = measured();
             assert_true(asymmetry_conclusive(&a));
             worst = fmax(worst, angle(&s, a.normal, plane));
-            low = fmin(low, a.measure.plain_mm);
-            high = fmax(high, a.measure.plain_mm);
+            low = fmin(low, a.final.plain_mm);
+            high = fmax(high, a.final.plain_mm);
             n++;
             x += truth;
-            y += a.measure.plain_mm;
+            y += a.final.plain_mm;
             xx += truth * truth;
-            xy += truth * a.measure.plain_mm;
-            yy += a.measure.plain_mm * a.measure.plain_mm;
+            xy += truth * a.final.plain_mm;
+            yy += a.final.plain_mm * a.final.plain_mm;
         }
         spread = fmax(spread, high - low);
     }
@@ -323,7 +323,7 @@ static void test_mirrored(void **state)
             points[i].x = -points[i].x;
         assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
         b = measured();
-        close_to(a.measure.plain_mm / b.measure.plain_mm, 1, 0.01);
+        close_to(a.final.plain_mm / b.final.plain_mm, 1, 0.01);
         close_to(a.normal[0], b.normal[0], 2e-3);
         close_to(a.normal[1], -b.normal[1], 2e-3);
         close_to(a.normal[2], -b.normal[2], 2e-3);
@@ -346,7 +346,7 @@ static void test_half(void **state)
     memset(&b, 0, sizeof b);
     a = measured();
     b = measured();
-    assert_memory_equal(&a.measure, &b.measure, sizeof a.measure);
+    assert_memory_equal(&a.final, &b.final, sizeof a.final);
     assert_memory_equal(a.normal, b.normal, sizeof a.normal);
     assert_true(a.turn_deg > 0.01 && a.turn_deg < 2 && a.shift_mm < 2);
     n = facegen_sample(&s, points);
@@ -381,7 +381,7 @@ static void test_memory(void **state)
             assert_int_equal(st, ST_ENOMEM);
             assert_int_equal(face_asymmetry(&face, w, &got), ST_OK);
         }
-        assert_memory_equal(&want.measure, &got.measure, sizeof want.measure);
+        assert_memory_equal(&want.final, &got.final, sizeof want.final);
         face_work_free(w);
     }
     assert_true(k > 4);

@@ -268,7 +268,7 @@ static void test_sample(void **state)
     const double zero = 0, up = 0.3;
     struct brute_rng rng = {6};
     struct align_field field;
-    struct align_cell *block;
+    struct align_triangle *block;
     double sum = 0;
     uint32_t n = 0;
 

@@ -183,7 +183,7 @@ static void test_by_hand(void **state)
         assert_true(close_to(p->d.plain_mm, want[i].volume / 144));
         assert_true(p->d.weighted_mm == p->d.plain_mm);
         assert_true(p->d.overlap == 1);
-        assert_int_equal(p->d.cells, 4);
+        assert_int_equal(p->d.common, 4);
         assert_int_equal(p->d.bridged + p->d.outside, 0);
         measure(p, NULL, 2); /* half a millimetre a unit */
         assert_true(close_to(p->d.volume_mm3, want[i].volume / 8) || want[i].volume == 0);
@@ -313,7 +313,7 @@ static void test_symmetries(void **state)
             assert_true(p->d.area_mm2 == first->d.area_mm2);
             assert_true(p->d.outside_mm2 == first->d.outside_mm2);
             assert_true(p->d.bridged_mm2 == first->d.bridged_mm2);
-            assert_int_equal(p->d.cells, first->d.cells);
+            assert_int_equal(p->d.common, first->d.common);
             drop(p);
             if (change == 0)
                 for (size_t i = 0; i < (na > nb ? na : nb); i++) {
@@ -361,7 +361,7 @@ static void test_overlap(void **state)
     p = compare(n, grid(pts_b, 11, (struct ivec3){5000, 0, 0}, false), true); /* apart */
     assert_true(p->d.area_mm2 == 0 && p->d.volume_mm3 == 0 && p->d.plain_mm == 0);
     assert_true(p->d.overlap == 0 && p->d.weighted_mm == 0);
-    assert_int_equal(p->d.cells, 0);
+    assert_int_equal(p->d.common, 0);
     drop(p);
 }
 
@@ -527,11 +527,11 @@ static void test_classes(void **state)
                 cells++;
                 common += twice;
                 volume +=
-                    (long double)disparity_cell(0.5 * (double)twice, g[0], g[1], g[2]);
+                    (long double)disparity_prism(0.5 * (double)twice, g[0], g[1], g[2]);
             }
         }
         check_spacings(p);
-        assert_int_equal(p->d.cells, cells);
+        assert_int_equal(p->d.common, cells);
         assert_int_equal(p->d.bridged, bridged);
         assert_int_equal(p->d.outside, outside);
         assert_true(p->d.area_mm2 == 0.5 * (double)common);

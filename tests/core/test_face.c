@@ -301,7 +301,7 @@ static void test_spikes(void **state)
     assert_true(laid >= 45 && laid < 80);
     assert_int_equal(face_compare(&c, &a, 0, NULL, work, &plain), ST_OK);
     assert_int_equal(face_compare(&c, &b, 0, NULL, work, &spikes), ST_OK);
-    assert_true(fabs(plain.disparity_mm - spikes.disparity_mm) < 0.03);
+    assert_true(fabs(plain.score_mm - spikes.score_mm) < 0.03);
     face_free(&a);
     face_free(&b);
     face_free(&c);

@@ -48,8 +48,8 @@ static void make(uint64_t subject, uint64_t number, struct face *f)
 
 static void figures(const struct face_result *r, double x[FIGURES])
 {
-    const struct disparity *m = &r->measure;
-    const double one[24] = {r->disparity_mm,
+    const struct disparity *m = &r->disparity;
+    const double one[24] = {r->score_mm,
                             r->threshold_mm,
                             r->fmr_at_score,
                             r->weight_overlap,
@@ -62,7 +62,7 @@ static void figures(const struct face_result *r, double x[FIGURES])
                             m->overlap,
                             m->bridged_mm2,
                             m->outside_mm2,
-                            m->cells,
+                            m->common,
                             m->bridged,
                             m->outside,
                             r->align.evaluations,
@@ -111,16 +111,16 @@ static void test_identity(void **state)
         make(k, 0, &a);
         assert_int_equal(face_compare(&a, &a, 0, NULL, work, &r), ST_OK);
         assert_int_equal(r.decision, FACE_MATCH);
-        assert_true(r.disparity_mm < 0.001);
-        assert_true(r.measure.plain_mm < 0.001);
-        assert_true(r.measure.overlap > 0.99);
+        assert_true(r.score_mm < 0.001);
+        assert_true(r.disparity.plain_mm < 0.001);
+        assert_true(r.disparity.overlap > 0.99);
         check_identity(r.align.transform, 0.005);
 
         clouds_move(cloud.pts, cloud.n, k, 5, 30, moved);
         build(&b);
         assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
         assert_int_equal(r.decision, FACE_MATCH);
-        assert_true(r.disparity_mm < 0.12); /* another triangulation of the same points */
+        assert_true(r.score_mm < 0.12); /* another triangulation of the same points */
         for (size_t i = 0; i < cloud.n; i++) {
             const double *t = r.align.transform, *m = moved;
             const struct dvec3 q = cloud.pts[i];
@@ -160,17 +160,17 @@ static void test_people(void **state)
             assert_int_equal(face_compare(&tmpl, &probe, 0, NULL, work, &r), ST_OK);
             assert_true(r.threshold_mm == model_default.decision.threshold_mm);
             assert_true(r.fmr_at_score ==
-                        decision_fmr(&model_default.decision, r.disparity_mm));
-            assert_true(r.measure.plain_mm == r.measure.weighted_mm);
+                        decision_fmr(&model_default.decision, r.score_mm));
+            assert_true(r.disparity.plain_mm == r.disparity.weighted_mm);
             assert_true(r.align_ms == 0 && r.measure_ms == 0);
             if (who == k) {
                 assert_int_equal(r.decision, FACE_MATCH);
-                worst = fmax(worst, r.disparity_mm);
+                worst = fmax(worst, r.score_mm);
             } else {
-                assert_int_equal(r.decision, r.disparity_mm <= r.threshold_mm
+                assert_int_equal(r.decision, r.score_mm <= r.threshold_mm
                                                  ? FACE_MATCH
                                                  : FACE_NO_MATCH);
-                nearest = fmin(nearest, r.disparity_mm);
+                nearest = fmin(nearest, r.score_mm);
             }
         }
     }
@@ -217,14 +217,14 @@ static void test_threshold(void **state)
     make(12, 1, &b);
     assert_int_equal(face_compare(&a, &b, 0, NULL, work, &usual), ST_OK);
     assert_int_equal(face_compare(&a, &b, 1e-6, NULL, work, &strict), ST_OK);
-    assert_int_equal(face_compare(&a, &b, usual.disparity_mm, NULL, work, &loose), ST_OK);
+    assert_int_equal(face_compare(&a, &b, usual.score_mm, NULL, work, &loose), ST_OK);
     assert_int_equal(face_compare(&a, &b, -1, NULL, work, &negative), ST_OK);
     assert_int_equal(usual.decision, FACE_MATCH);
     assert_int_equal(strict.decision, FACE_NO_MATCH);
     assert_int_equal(loose.decision, FACE_MATCH); /* at the threshold is below it */
     assert_true(strict.threshold_mm == 1e-6);
-    assert_true(loose.threshold_mm == usual.disparity_mm);
-    assert_true(strict.disparity_mm == usual.disparity_mm);
+    assert_true(loose.threshold_mm == usual.score_mm);
+    assert_true(strict.score_mm == usual.score_mm);
     check_same_result(&usual, &negative);
     face_free(&a);
     face_free(&b);
@@ -246,7 +246,7 @@ static void test_inconclusive(void **state)
     cloud.n = n;
     build(&b);
     assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
-    assert_true(r.measure.overlap < decision_min_overlap);
+    assert_true(r.disparity.overlap < decision_min_overlap);
     assert_int_equal(r.decision, FACE_INCONCLUSIVE);
     assert_int_equal(face_compare(&a, &b, 1000, NULL, work, &r), ST_OK);
     assert_int_equal(r.decision, FACE_INCONCLUSIVE); /* whatever the threshold */

@@ -75,7 +75,7 @@ static void test_toy(void **state)
         printf("pose %d: off by %.2f mm, cost %.2f mm, within %.2f\n", k,
                apart(&both, &still, corners, 5), frame.cost_mm, frame.within);
         assert_true(apart(&both, &still, corners, 5) < 1);
-        assert_int_equal(frame.mark, mean.mark);
+        assert_int_equal(frame.mean_id, mean.mean_id);
         assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
         assert_true(frame.likeness > 0.95);
         assert_true(align_pose_rigid(&frame.pose));
@@ -183,13 +183,13 @@ static void test_mean(void **state)
 
     (void)state;
     for (uint32_t i = 0; i < GRID_N; i++) {
-        assert_true(mean.hold[i] >= 0.0f && mean.hold[i] <= 1.0f);
-        assert_true((mean.hold[i] > 0.0f) == (model.motion.rest[i] > 0.0f));
+        assert_true(mean.rigid[i] >= 0.0f && mean.rigid[i] <= 1.0f);
+        assert_true((mean.rigid[i] > 0.0f) == (model.motion.rest[i] > 0.0f));
         bad.mean[i] = (float)NAN;
     }
     /* nose firmer than mouth */
-    assert_true(mean.hold[grid_cell(2, 20)] > 2 * mean.hold[grid_cell(2, -42)]);
-    assert_int_equal(mean.mark, model_mark(&model));
+    assert_true(mean.rigid[grid_cell(2, 20)] > 2 * mean.rigid[grid_cell(2, -42)]);
+    assert_int_equal(mean.mean_id, model_mean_id(&model));
     assert_int_equal(frame_mean_make(&bad, &scratch, &m), ST_EDEGENERATE);
     for (uint32_t i = 3 * GRID_NX; i < 4 * GRID_NX; i++)
         bad.mean[i] = 0.0f; /* all on a line */

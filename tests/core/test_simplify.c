@@ -191,7 +191,7 @@ static double volume_of(const struct mesh *m, const double *g, bool bound, doubl
             (double)(m->xy[v[1]].y - m->xy[v[0]].y) * (m->xy[v[2]].x - m->xy[v[0]].x);
         *area += twice;
         volume += bound ? twice * (fabs(g[v[0]]) + fabs(g[v[1]]) + fabs(g[v[2]])) / 3
-                        : disparity_cell(twice, g[v[0]], g[v[1]], g[v[2]]);
+                        : disparity_prism(twice, g[v[0]], g[v[1]], g[v[2]]);
     }
     return volume;
 }

@@ -153,7 +153,7 @@ static void test_followed(void **state)
     r = compare();
     assert_int_equal(r.decision, FACE_MATCH);
     assert_true(r.threshold_mm == 9);
-    assert_true(r.fmr_at_score == decision_fmr(&k.decision, r.disparity_mm));
+    assert_true(r.fmr_at_score == decision_fmr(&k.decision, r.score_mm));
 
     k.shipped = true; /* back: the row's own numbers do not matter */
     add(s, &k);

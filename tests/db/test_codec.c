@@ -99,7 +99,7 @@ static void round_trip(const struct face *f)
     memcpy(odd + 1, buf, len); /* at an odd address */
     assert_int_equal(codec_decode(odd + 1, len, work, &g, &e), ST_OK);
     assert_same(&f->surface.mesh, &g.surface.mesh);
-    assert_true(align_pose_rigid(&g.frame.pose) && g.frame.mark != 0);
+    assert_true(align_pose_rigid(&g.frame.pose) && g.frame.mean_id != 0);
     codec_encode(&g, buf);
     assert_int_equal(codec_decode(buf, len, work, &h, &e), ST_OK);
     assert_same(&f->surface.mesh, &h.surface.mesh);
@@ -282,7 +282,7 @@ static void test_golden(void **state)
         assert_memory_equal(f.surface.mesh.parent, parent, sizeof parent);
         for (uint32_t v = 0; v < 5; v++)
             assert_int_equal(f.surface.mesh.z[v], v == 1 ? 20000 : -1000);
-        assert_true(f.frame.mark != 0 && f.frame.mark != frame.mark); /* found anew */
+        assert_true(f.frame.mean_id != 0 && f.frame.mean_id != frame.mean_id); /* found anew */
         assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
         assert_string_equal(
             digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
@@ -349,7 +349,7 @@ static void test_version_1(void **state)
     seal(buf, len);
     assert_int_equal(decode(buf, len, &g, &e), ST_OK);
     assert_same(&f.surface.mesh, &g.surface.mesh);
-    assert_int_equal(f.frame.mark, g.frame.mark);
+    assert_int_equal(f.frame.mean_id, g.frame.mean_id);
     check_close(&f.frame.pose, &g.frame.pose);
     free(buf);
     face_free(&f);
@@ -372,7 +372,7 @@ static void test_frame(void **state)
     (void)state;
     assert_non_null(other);
     assert_int_equal(decode(buf, len, &g, &e), ST_OK);
-    assert_int_equal(f.frame.mark, g.frame.mark);
+    assert_int_equal(f.frame.mean_id, g.frame.mean_id);
     assert_memory_equal(&f.frame.pose, &g.frame.pose, sizeof f.frame.pose);
     for (size_t i = 0; i < 12; i++) /* a motion, but not this face's: who would know? */
         put_double(buf + FRAME + 8 * i, i == 0 || i == 4 || i == 8 ? 1 : 0);
@@ -383,7 +383,7 @@ static void test_frame(void **state)
     other[MARK] ^= 1;
     seal(other, len);
     assert_int_equal(decode(other, len, &g, &e), ST_OK);
-    assert_int_equal(f.frame.mark, g.frame.mark);
+    assert_int_equal(f.frame.mean_id, g.frame.mean_id);
     check_close(&f.frame.pose, &g.frame.pose);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         memcpy(other, buf, len);

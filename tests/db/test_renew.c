@@ -81,7 +81,7 @@ static void make_models(void)
         work[i] = face_work_new(&model[i]);
         assert_non_null(work[i]);
     }
-    assert_int_equal(model_mark(&model[HOLDS]), model_mark(&model_default));
+    assert_int_equal(model_mean_id(&model[HOLDS]), model_mean_id(&model_default));
 }
 
 /* ---- faces */
@@ -98,7 +98,7 @@ static void test_identity(void **state)
         make(subject, 0, 1, SHIPPED, &f);
         encode(&f, &before);
         q = f.quality;
-        assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+        assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
         encode(&f, &after);
         assert_same(&before, &after);
         assert_memory_equal(&q, &f.quality, sizeof q);
@@ -116,14 +116,14 @@ static void test_spikes(void **state)
     (void)state;
     make(1, 0.05, 1, SHIPPED, &f);
     assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
-    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+    assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
     encode(&f, &first);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(face_renew(&f, work[i % 2]), ST_OK);
+        assert_int_equal(face_rebuild(&f, work[i % 2]), ST_OK);
         assert_int_equal(codec_digest(&f.surface.mesh, same), ST_OK);
         assert_string_equal(digest, same);
     }
-    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+    assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
     encode(&f, &again);
     assert_same(&first, &again);
     face_free(&f);
@@ -145,7 +145,7 @@ static void test_engines(void **state)
         assert_int_equal(ours.n, theirs.n);
         assert_memory_not_equal(ours.b, theirs.b, ours.n);
         assert_int_equal(codec_decode(theirs.b, theirs.n, work[SHIPPED], &f, &e), ST_OK);
-        assert_int_equal(face_renew(&f, work[SHIPPED]), ST_OK);
+        assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
         encode(&f, &renewed);
         assert_same(&ours, &renewed);
         assert_memory_equal(&f.quality, &g.quality, sizeof f.quality);
@@ -160,7 +160,7 @@ static void test_no_face(void **state)
 
     (void)state;
     make(3, 0, -1, HOLLOW, &f);
-    assert_int_equal(face_renew(&f, work[SHIPPED]), ST_ENOTFACE);
+    assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_ENOTFACE);
     assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
 }

@@ -27,11 +27,11 @@ static void check_result(const struct face_result *r)
 {
     require(r->decision == FACE_MATCH || r->decision == FACE_NO_MATCH ||
             r->decision == FACE_INCONCLUSIVE);
-    require(isfinite(r->disparity_mm) && r->disparity_mm >= 0);
-    require(isfinite(r->measure.volume_mm3) && r->measure.volume_mm3 >= 0);
-    require(isfinite(r->measure.area_mm2) && r->measure.area_mm2 >= 0);
-    require(isfinite(r->measure.plain_mm) && r->measure.plain_mm >= 0);
-    require(r->measure.overlap >= 0 && r->measure.overlap <= 1 + 1e-9);
+    require(isfinite(r->score_mm) && r->score_mm >= 0);
+    require(isfinite(r->disparity.volume_mm3) && r->disparity.volume_mm3 >= 0);
+    require(isfinite(r->disparity.area_mm2) && r->disparity.area_mm2 >= 0);
+    require(isfinite(r->disparity.plain_mm) && r->disparity.plain_mm >= 0);
+    require(r->disparity.overlap >= 0 && r->disparity.overlap <= 1 + 1e-9);
     require(r->fmr_at_score >= 0 && r->fmr_at_score <= 1);
     for (int i = 0; i < 16; i++)
         require(isfinite(r->align.transform[i]));
@@ -46,7 +46,7 @@ static void compare(const struct face *a, const struct face *b, struct face_work
     require(face_compare(a, b, 0, NULL, w, &first) == ST_OK);
     check_result(&first);
     require(face_compare(a, b, 0, NULL, w, &again) == ST_OK);
-    require(memcmp(&first.disparity_mm, &again.disparity_mm, sizeof(double)) == 0);
+    require(memcmp(&first.score_mm, &again.score_mm, sizeof(double)) == 0);
     require(memcmp(first.align.transform, again.align.transform,
                    sizeof first.align.transform) == 0);
     require(first.decision == again.decision);

@@ -96,7 +96,7 @@ static void test_identical(void **state)
     (void)state;
     no_gap();
     s = score();
-    assert_true(s.disparity_mm == 0 && s.change_mm == 0);
+    assert_true(s.mm == 0 && s.change_mm == 0);
     assert_true(fabs(s.weight - 1) < 1e-12);
     for (int r = 0; r < GRID_REGIONS; r++) {
         assert_true(s.region_mm[r] == 0 && s.region_weight[r] > 0);
@@ -115,12 +115,12 @@ static void test_definition(void **state)
     for (uint32_t i = 0; i < GRID_N; i++)
         cells.gap[i] = cells.area[i] > 0.0f ? cells.normal[i][0] * 0.2f : 0.0f;
     s = score();
-    assert_true(s.disparity_mm < 0.05 && s.change_mm > 0.01);
+    assert_true(s.mm < 0.05 && s.change_mm > 0.01);
     for (int round = 0; round < 2; round++) {
         chequered(0.5, -1);
         s = score();
-        assert_true(s.disparity_mm > 0.1);
-        assert_true(fabs(s.disparity_mm - defined(-1)) < 1e-5);
+        assert_true(s.mm > 0.1);
+        assert_true(fabs(s.mm - defined(-1)) < 1e-5);
         for (int r = 0; r < GRID_REGIONS; r++)
             assert_true(isnan(s.region_mm[r]) ||
                         fabs(s.region_mm[r] - defined(r)) < 1e-5);
@@ -144,7 +144,7 @@ static void test_noise(void **state)
     no_gap();
     chequered(0.3, -1);
     wide = score();
-    assert_true(narrow.disparity_mm < 0.15 && wide.disparity_mm > narrow.disparity_mm);
+    assert_true(narrow.mm < 0.15 && wide.mm > narrow.mm);
 }
 
 /* However large the gap, a cell adds the cap at most. */
@@ -156,8 +156,8 @@ static void test_cap(void **state)
     no_gap();
     chequered(8, -1);
     s = score();
-    assert_true(fabs(s.disparity_mm - defined(-1)) < 1e-5);
-    assert_true(s.disparity_mm > 0.2 && s.disparity_mm <= (double)model.cap_mm);
+    assert_true(fabs(s.mm - defined(-1)) < 1e-5);
+    assert_true(s.mm > 0.2 && s.mm <= (double)model.cap_mm);
 }
 
 /* A difference in one region shows in that region, and counts with its weight. */
@@ -175,7 +175,7 @@ static void test_regions(void **state)
             assert_true(q == r || s.region_mm[q] < 0.3 * s.region_mm[r]);
         for (int q = 0; q < GRID_REGIONS; q++)
             sum += s.region_mm[q] * s.region_weight[q];
-        assert_true(fabs(s.disparity_mm - sum) < 0.01);
+        assert_true(fabs(s.mm - sum) < 0.01);
     }
 }
 
@@ -195,10 +195,10 @@ static void test_covered(void **state)
     assert_true(isnan(s.region_mm[GRID_CHIN]) && !isnan(s.region_mm[GRID_NOSE]));
     assert_true(s.region_weight[GRID_CHIN] == whole.region_weight[GRID_CHIN]);
     assert_true(fabs(s.weight - (1 - whole.region_weight[GRID_CHIN])) < 1e-9);
-    assert_true(fabs(s.disparity_mm - whole.disparity_mm) < 0.05);
+    assert_true(fabs(s.mm - whole.mm) < 0.05);
     memset(cells.area, 0, sizeof cells.area);
     s = score();
-    assert_true(s.disparity_mm == 0 && s.weight == 0 && s.change_mm == 0);
+    assert_true(s.mm == 0 && s.weight == 0 && s.change_mm == 0);
     for (int r = 0; r < GRID_REGIONS; r++)
         assert_true(isnan(s.region_mm[r]));
 }
@@ -217,7 +217,7 @@ static void test_scale_of_weight(void **state)
     for (uint32_t i = 0; i < GRID_N; i++)
         model.weight[i] *= 2.0f;
     b = score();
-    assert_true(a.disparity_mm == b.disparity_mm && a.weight == b.weight);
+    assert_true(a.mm == b.mm && a.weight == b.weight);
     model = saved;
 }
 

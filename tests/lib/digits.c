@@ -44,8 +44,8 @@ static void compare(struct text *t, const char *what, const struct face *a,
     if (face_compare(a, b, 0, NULL, w, &r) != ST_OK)
         abort();
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "# %s\n", what);
-    put(t, "disparity_mm", &r.disparity_mm, 1);
-    put(t, "plain_mm", &r.measure.plain_mm, 1);
+    put(t, "disparity_mm", &r.score_mm, 1);
+    put(t, "plain_mm", &r.disparity.plain_mm, 1);
     put(t, "change_mm", &r.change_mm, 1);
     put(t, "region_mm", r.region_mm, GRID_REGIONS);
     put(t, "turn_deg", &r.align.turn_deg, 1);

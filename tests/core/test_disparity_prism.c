@@ -18,19 +18,19 @@ static uint64_t seed;
 static void test_cell_by_hand(void **state)
 {
     (void)state;
-    assert_true(disparity_cell(6, 0, 0, 0) == 0);
-    assert_true(disparity_cell(6, 2, 2, 2) == 12); /* prism */
-    assert_true(disparity_cell(6, 1, 2, 3) == 12); /* cut prism */
-    assert_true(disparity_cell(6, 0, 3, 3) == 12); /* (a) pyramid over a quadrangle */
-    assert_true(disparity_cell(6, 0, 0, 3) == 6);  /* (b) (c) pyramid over the triangle */
-    assert_true(disparity_cell(6, 0, 0, -3) == 6);
-    assert_true(disparity_cell(6, 0, -3, 3) == 6); /* (d) two pyramids of 3 */
-    assert_true(disparity_cell(6, 0, -1, 3) == 5); /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
-    assert_true(disparity_cell(6, 1, -1, 1) == 3); /* (e) (f) 0.5 and a wedge of 2.5 */
-    assert_true(disparity_cell(6, -1, 1, -1) == 3);
+    assert_true(disparity_prism(6, 0, 0, 0) == 0);
+    assert_true(disparity_prism(6, 2, 2, 2) == 12); /* prism */
+    assert_true(disparity_prism(6, 1, 2, 3) == 12); /* cut prism */
+    assert_true(disparity_prism(6, 0, 3, 3) == 12); /* (a) pyramid over a quadrangle */
+    assert_true(disparity_prism(6, 0, 0, 3) == 6); /* (b) (c) pyramid over the triangle */
+    assert_true(disparity_prism(6, 0, 0, -3) == 6);
+    assert_true(disparity_prism(6, 0, -3, 3) == 6); /* (d) two pyramids of 3 */
+    assert_true(disparity_prism(6, 0, -1, 3) == 5); /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
+    assert_true(disparity_prism(6, 1, -1, 1) == 3); /* (e) (f) 0.5 and a wedge of 2.5 */
+    assert_true(disparity_prism(6, -1, 1, -1) == 3);
     /* tip 30 / 3 / 5 = 2 in area, 2 / 3 in volume; the signed volume is 50 */
-    assert_true(fabs(disparity_cell(30, 2, -1, 4) - (50 + 4.0 / 3)) < 1e-13);
-    assert_true(disparity_cell(0, 5, -7, 1) == 0);
+    assert_true(fabs(disparity_prism(30, 2, -1, 4) - (50 + 4.0 / 3)) < 1e-13);
+    assert_true(disparity_prism(0, 5, -7, 1) == 0);
 }
 
 static double cell_by_overlay(double *area, int32_t a, int32_t b, int32_t c)
@@ -60,7 +60,7 @@ static void test_cell_by_overlay(void **state)
         double area;
         const double want = cell_by_overlay(&area, a, b, c);
 
-        assert_true(fabs(disparity_cell(area, a, b, c) - want) <= 1e-12 * (want + 1));
+        assert_true(fabs(disparity_prism(area, a, b, c) - want) <= 1e-12 * (want + 1));
     }
 }
 
@@ -72,13 +72,13 @@ static void test_cell_symmetries(void **state)
     for (int round = 0; round < 5000; round++) {
         const double a = brute_real(&r) - 0.5, b = brute_real(&r) - 0.5;
         const double c = round % 3 == 0 ? 0 : round % 7 == 0 ? a : brute_real(&r) - 0.5;
-        const double v = disparity_cell(3, a, b, c);
+        const double v = disparity_prism(3, a, b, c);
 
         assert_true(v > 0);
-        assert_true(disparity_cell(3, b, c, a) == v && disparity_cell(3, c, a, b) == v);
-        assert_true(disparity_cell(3, b, a, c) == v && disparity_cell(3, c, b, a) == v);
-        assert_true(disparity_cell(3, -a, -b, -c) == v);
-        assert_true(disparity_cell(3, 1024 * a, 1024 * b, 1024 * c) == 1024 * v);
+        assert_true(disparity_prism(3, b, c, a) == v && disparity_prism(3, c, a, b) == v);
+        assert_true(disparity_prism(3, b, a, c) == v && disparity_prism(3, c, b, a) == v);
+        assert_true(disparity_prism(3, -a, -b, -c) == v);
+        assert_true(disparity_prism(3, 1024 * a, 1024 * b, 1024 * c) == 1024 * v);
         assert_true(v <= 3 * (fabs(a) + fabs(b) + fabs(c)) / 3 * (1 + 1e-15));
         assert_true(v >= 3 * fabs(a + b + c) / 3 * (1 - 1e-15));
     }
@@ -92,6 +92,6 @@ int main(void)
         cmocka_unit_test(test_cell_symmetries),
     };
 
-    seed = brute_seed("test_disparity_cell");
+    seed = brute_seed("test_disparity_prism");
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
