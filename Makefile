@@ -35,10 +35,9 @@ SEES_tools  := base core
 
 # The libraries that a room needs besides the C library.
 NEEDS_core   := -lm
-NEEDS_base   := -linih -lpthread
+NEEDS_base   := -linih -lcjson -lpthread
 NEEDS_db     := -lsqlite3 -lsodium -lxxhash
-NEEDS_server := -lmicrohttpd -lgnutls -lcjson -lsystemd -lz -lzstd
-NEEDS_ctl    := -lcjson
+NEEDS_server := -lmicrohttpd -lgnutls -lsystemd -lz -lzstd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
 flags = $(addprefix -I,$(call sees,$(1))) -I$(BUILD)/gen

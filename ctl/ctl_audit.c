@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "json.h"
 #include "store_chain.h"
 #include "ctl.h"
 #include "ctl_dir.h"
@@ -257,25 +258,39 @@ static void tell_problem(void *arg, uint64_t seq, const char *line)
         (void)printf("at entry %" PRIu64 ": %s\n", seq, line);
 }
 
-static bool take_hex(const struct ctl_out *o, const char *key, unsigned char *out,
+/* A line as a document; NULL: it is none. */
+static struct json_value *read_line(const char *line)
+{
+    struct json_value *v;
+
+    (void)json_read(line, strlen(line), JSON_MEMBERS, &v, NULL);
+    return v;
+}
+
+static bool take_text(const struct json_value *v, const char *key, char *out, size_t size)
+{
+    return json_copy_text(json_member(v, key), out, size);
+}
+
+static bool take_hex(const struct json_value *v, const char *key, unsigned char *out,
                      size_t most, size_t *n)
 {
     char text[2 * VAULT_SIGN + 1];
 
-    return ctl_out_take_text(o, key, text, sizeof text) &&
+    return take_text(v, key, text, sizeof text) &&
            sodium_hex2bin(out, most, text, strlen(text), NULL, n, NULL) == 0;
 }
 
-static bool take_bytes(const struct ctl_out *o, const char *key, unsigned char *out,
+static bool take_bytes(const struct json_value *v, const char *key, unsigned char *out,
                        size_t n)
 {
     size_t got;
 
-    return take_hex(o, key, out, n, &got) && got == n;
+    return take_hex(v, key, out, n, &got) && got == n;
 }
 
 /* An entry or a checkpoint; false: neither. */
-static bool walk_line(struct store_chain_walk *w, const struct ctl_out *o,
+static bool walk_line(struct store_chain_walk *w, const struct json_value *v,
                       uint64_t *entries)
 {
     unsigned char ref[16], hash[STORE_CHAIN_HASH];
@@ -288,22 +303,22 @@ static bool walk_line(struct store_chain_walk *w, const struct ctl_out *o,
                                       .outcome = a.outcome};
     struct store_chain_mark m = {.seq = 0};
 
-    if (ctl_out_take_count(o, "checkpoint", &m.seq)) {
-        if (!ctl_out_take_text(o, "at", m.at, sizeof m.at) ||
-            !take_bytes(o, "hash", m.hash, sizeof m.hash) ||
-            !take_bytes(o, "signature", m.signature, sizeof m.signature))
+    if (json_get_count(json_member(v, "checkpoint"), &m.seq)) {
+        if (!take_text(v, "at", m.at, sizeof m.at) ||
+            !take_bytes(v, "hash", m.hash, sizeof m.hash) ||
+            !take_bytes(v, "signature", m.signature, sizeof m.signature))
             return false;
         store_chain_pass(w, &m);
         return true;
     }
-    if (!ctl_out_take_count(o, "seq", &entry.seq) ||
-        !ctl_out_take_text(o, "at", a.at, sizeof a.at) ||
-        !ctl_out_take_text(o, "kind", a.kind, sizeof a.kind) ||
-        !ctl_out_take_text(o, "actor", a.actor, sizeof a.actor) ||
-        !take_hex(o, "subject", ref, sizeof ref, &entry.nsubject) ||
-        !ctl_out_take_text(o, "template_id", a.template_id, sizeof a.template_id) ||
-        !ctl_out_take_text(o, "outcome", a.outcome, sizeof a.outcome) ||
-        !take_bytes(o, "hash", hash, sizeof hash))
+    if (!json_get_count(json_member(v, "seq"), &entry.seq) ||
+        !take_text(v, "at", a.at, sizeof a.at) ||
+        !take_text(v, "kind", a.kind, sizeof a.kind) ||
+        !take_text(v, "actor", a.actor, sizeof a.actor) ||
+        !take_hex(v, "subject", ref, sizeof ref, &entry.nsubject) ||
+        !take_text(v, "template_id", a.template_id, sizeof a.template_id) ||
+        !take_text(v, "outcome", a.outcome, sizeof a.outcome) ||
+        !take_bytes(v, "hash", hash, sizeof hash))
         return false;
     store_chain_step(w, &entry, hash);
     ++*entries;
@@ -317,19 +332,19 @@ static enum status walk_head(struct ctl *c, FILE *in, struct store_chain_walk *w
     unsigned char public[VAULT_KEY];
     char line[LINE];
     uint64_t version = 0;
-    struct ctl_out *o = NULL;
+    struct json_value *v = NULL;
     enum status st = ST_OK;
 
-    if (fgets(line, sizeof line, in) == NULL || (o = ctl_out_parse(line)) == NULL ||
-        !ctl_out_take_count(o, "surface_audit", &version) ||
-        !ctl_out_take_count(o, "entries", entries) ||
-        !take_bytes(o, "public_key", public, sizeof public))
+    if (fgets(line, sizeof line, in) == NULL || (v = read_line(line)) == NULL ||
+        !json_get_count(json_member(v, "surface_audit"), &version) ||
+        !json_get_count(json_member(v, "entries"), entries) ||
+        !take_bytes(v, "public_key", public, sizeof public))
         st = errinfo_set(&c->e, ST_EINVAL, "%.120s is no audit log", c->args[0]);
     else if (version != 1)
         st = errinfo_set(&c->e, ST_EVERSION, "%.120s is of a newer version", c->args[0]);
     else if (memcmp(public, w->public, sizeof public) != 0)
         store_chain_problem(w, 1, "the file is of another key than the one given");
-    ctl_out_drop(o);
+    json_free(v);
     return st;
 }
 
@@ -343,13 +358,13 @@ static enum status walk_file(struct ctl *c, FILE *in, struct store_chain_walk *w
     if (st != ST_OK)
         return st;
     for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
-        struct ctl_out *o = ctl_out_parse(line);
+        struct json_value *v = read_line(line);
 
-        if (o == NULL || !walk_line(w, o, entries)) {
+        if (v == NULL || !walk_line(w, v, entries)) {
             (void)snprintf(text, sizeof text, "line %lu of the file is malformed", n);
             store_chain_problem(w, w->seq + 1, text);
         }
-        ctl_out_drop(o);
+        json_free(v);
     }
     if (ferror(in))
         return errinfo_set(&c->e, ST_EIO, "%.120s cannot be read", c->args[0]);

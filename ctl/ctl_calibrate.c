@@ -171,7 +171,7 @@ static void out_table(struct ctl_out *o, const struct decision *d)
     for (uint32_t i = 0; i < d->n; i++) {
         ctl_out_object(o, NULL);
         ctl_out_number(o, "mm", d->knot[i].mm);
-        ctl_out_number(o, "rate", d->knot[i].rate);
+        ctl_out_rate(o, "rate", d->knot[i].rate);
         ctl_out_close(o);
     }
     ctl_out_close(o);
@@ -183,7 +183,7 @@ static void out_calibration(struct ctl_out *o, const struct store_calibration *k
 {
     ctl_out_text(o, "source", k->shipped ? "shipped" : "database");
     ctl_out_number(o, "threshold_mm", k->decision.threshold_mm);
-    ctl_out_number(o, "fmr", k->fmr);
+    ctl_out_rate(o, "fmr", k->fmr);
     if (!k->shipped) {
         ctl_out_number(o, "low_mm", k->low_mm);
         ctl_out_number(o, "high_mm", k->high_mm);
@@ -206,14 +206,14 @@ static void out_result(struct ctl *c, const struct result *r)
     ctl_out_number(o, "seed", (double)SEED);
     ctl_out_object(o, "shipped");
     ctl_out_number(o, "threshold_mm", c->model->decision.threshold_mm);
-    ctl_out_number(o, "fmr", r->shipped_fmr);
+    ctl_out_rate(o, "fmr", r->shipped_fmr);
     if (r->k.genuine > 0)
-        ctl_out_number(o, "fnmr", r->shipped_fnmr);
+        ctl_out_rate(o, "fnmr", r->shipped_fnmr);
     ctl_out_close(o);
     if (r->k.genuine > 0) {
-        ctl_out_number(o, "fnmr", r->fnmr);
-        ctl_out_number(o, "fnmr_low", r->fnmr_low);
-        ctl_out_number(o, "fnmr_high", r->fnmr_high);
+        ctl_out_rate(o, "fnmr", r->fnmr);
+        ctl_out_rate(o, "fnmr_low", r->fnmr_low);
+        ctl_out_rate(o, "fnmr_high", r->fnmr_high);
     }
     ctl_out_number(o, "scans_outside", (double)r->people.outside);
     ctl_out_number(o, "scans_refused", (double)r->people.refused);

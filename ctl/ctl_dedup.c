@@ -337,7 +337,7 @@ static void tell_costs(const struct dedup *d)
     ctl_out_number(d->c->out, "pairs", d->pairs);
     ctl_out_number(d->c->out, "estimate_s", d->estimate_s);
     ctl_out_number(d->c->out, "threshold_mm", d->threshold_mm);
-    ctl_out_number(d->c->out, "by_chance", chance);
+    ctl_out_rate(d->c->out, "by_chance", chance);
     (void)fprintf(stderr,
                   "surfacectl: %.0f comparisons of %" PRIu32
                   " subjects' templates, about "
@@ -358,7 +358,7 @@ static void tell_pair(const struct dedup *d, const struct pair *p)
     ctl_out_text(d->c->out, "template_a", a->id);
     ctl_out_text(d->c->out, "template_b", b->id);
     ctl_out_number(d->c->out, "disparity_mm", p->mm);
-    ctl_out_number(d->c->out, "fmr_at_score", fmr);
+    ctl_out_rate(d->c->out, "fmr_at_score", fmr);
     ctl_out_flag(d->c->out, "same_scan", same);
     ctl_out_close(d->c->out);
     if (!d->c->json)

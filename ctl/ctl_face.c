@@ -124,15 +124,12 @@ void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_r
     ctl_out_text(o, "decision", ctl_face_decision(r->decision));
     ctl_out_number(o, "disparity_mm", r->score_mm);
     ctl_out_number(o, "threshold_mm", r->threshold_mm);
-    ctl_out_number(o, "fmr_at_score", r->fmr_at_score);
+    ctl_out_rate(o, "fmr_at_score", r->fmr_at_score);
     ctl_out_number(o, "plain_mm", r->disparity.plain_mm);
-    ctl_out_number(o, "volume_mm3", r->disparity.volume_mm3);
-    ctl_out_number(o, "overlap_mm2", r->disparity.area_mm2);
+    ctl_out_extent(o, "volume_mm3", r->disparity.volume_mm3);
+    ctl_out_extent(o, "overlap_mm2", r->disparity.area_mm2);
     ctl_out_number(o, "overlap", r->disparity.overlap);
-    ctl_out_array(o, "transform");
-    for (int i = 0; i < 16; i++)
-        ctl_out_number(o, NULL, r->align.transform[i]);
-    ctl_out_close(o);
+    ctl_out_transform(o, "transform", r->align.transform);
     out_alignment(o, &r->align);
     ctl_out_number(o, "weight_overlap", r->weight_overlap);
     ctl_out_number(o, "change_mm", r->change_mm);

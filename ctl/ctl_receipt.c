@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json.h"
 #include "store_receipt.h"
 #include "ctl.h"
 
@@ -56,50 +57,51 @@ static enum status read_file(struct ctl *c, char **out)
     return st;
 }
 
-static bool read_templates(struct ctl_out *o, struct store_receipt *r)
+static bool read_templates(const struct json_value *ids, struct store_receipt *r)
 {
-    char id[STORE_ID_LEN + 1];
-    bool good = ctl_out_enter(o, "template_ids");
+    const struct json_value *v = json_first(ids);
 
     r->template_id = calloc(TEMPLATES_MAX, sizeof *r->template_id);
-    if (!good || r->template_id == NULL)
+    if (!json_is_array(ids) || r->template_id == NULL)
         return false;
-    while (r->templates < TEMPLATES_MAX &&
-           ctl_out_take_item(o, r->templates, id, sizeof id))
-        memcpy(r->template_id[r->templates++], id, sizeof id);
-    good = ctl_out_count(o) == r->templates;
-    ctl_out_close(o);
-    return good;
+    for (; v != NULL; v = json_next(v), r->templates++)
+        if (r->templates == TEMPLATES_MAX ||
+            !json_copy_text(v, r->template_id[r->templates], sizeof *r->template_id))
+            return false;
+    return true;
 }
 
-static bool read_entry(struct ctl_out *o, struct store_receipt *r)
+static bool take_text(const struct json_value *v, const char *key, char *out, size_t size)
 {
-    const bool good = ctl_out_enter(o, "audit") &&
-                      ctl_out_take_count(o, "seq", &r->seq) &&
-                      ctl_out_take_text(o, "hash", r->hash, sizeof r->hash);
+    return json_copy_text(json_member(v, key), out, size);
+}
 
-    ctl_out_close(o);
-    return good;
+static bool take_receipt(const struct json_value *v, struct store_receipt *r)
+{
+    const struct json_value *audit = json_member(v, "audit");
+
+    return take_text(v, "subject", r->subject, sizeof r->subject) &&
+           store_subject_valid(r->subject) &&
+           take_text(v, "erased_at", r->at, sizeof r->at) &&
+           take_text(v, "digest", r->digest, sizeof r->digest) &&
+           take_text(v, "signature", r->signature, sizeof r->signature) &&
+           take_text(v, "public_key", r->public_key, sizeof r->public_key) &&
+           read_templates(json_member(v, "template_ids"), r) &&
+           json_get_count(json_member(audit, "seq"), &r->seq) && r->seq > 0 &&
+           take_text(audit, "hash", r->hash, sizeof r->hash);
 }
 
 static enum status read_receipt(struct review *v)
 {
-    struct store_receipt *r = &v->r;
-    struct ctl_out *o = NULL;
+    struct json_value *doc = NULL;
     char *text = NULL;
     enum status st = read_file(v->c, &text);
 
-    if (st == ST_OK &&
-        ((o = ctl_out_parse(text)) == NULL ||
-         !ctl_out_take_text(o, "subject", r->subject, sizeof r->subject) ||
-         !store_subject_valid(r->subject) ||
-         !ctl_out_take_text(o, "erased_at", r->at, sizeof r->at) ||
-         !ctl_out_take_text(o, "digest", r->digest, sizeof r->digest) ||
-         !ctl_out_take_text(o, "signature", r->signature, sizeof r->signature) ||
-         !ctl_out_take_text(o, "public_key", r->public_key, sizeof r->public_key) ||
-         !read_templates(o, r) || !read_entry(o, r) || r->seq == 0))
+    if (st == ST_OK && (json_read(text, strlen(text), TEMPLATES_MAX + JSON_MEMBERS, &doc,
+                                  NULL) != ST_OK ||
+                        !take_receipt(doc, &v->r)))
         st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is no receipt", v->c->args[0]);
-    ctl_out_drop(o);
+    json_free(doc);
     free(text);
     return st;
 }

@@ -15,12 +15,12 @@ static void rate(struct ctl_out *o, const char *key, double value, double low,
     const bool supported = rates_supported(value, n);
 
     ctl_out_object(o, key);
-    ctl_out_number(o, "value", if_stated(value, n));
+    ctl_out_rate(o, "value", if_stated(value, n));
     ctl_out_flag(o, "supported", supported);
     if (!supported && n > 0)
-        ctl_out_number(o, "below", fmin(1, rates_least(n)));
-    ctl_out_number(o, "low", low);
-    ctl_out_number(o, "high", supported ? high : fmax(high, fmin(1, rates_least(n))));
+        ctl_out_rate(o, "below", fmin(1, rates_least(n)));
+    ctl_out_rate(o, "low", low);
+    ctl_out_rate(o, "high", supported ? high : fmax(high, fmin(1, rates_least(n))));
     ctl_out_number(o, "comparisons", (double)n);
     ctl_out_close(o);
 }
@@ -43,7 +43,7 @@ static void targets(const struct ctl_report *r, const struct ctl_report_group *g
         const bool supported = known && 1 - g->f.tar[k] >= least;
 
         ctl_out_object(o, NULL);
-        ctl_out_number(o, "fmr", rates_target[k]);
+        ctl_out_rate(o, "fmr", rates_target[k]);
         ctl_out_flag(o, "supported", supported);
         if (!known)
             ctl_out_number(o, "impostors_needed", (double)rates_needed(rates_target[k]));

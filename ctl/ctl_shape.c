@@ -20,14 +20,11 @@ static void out_asymmetry(struct ctl_out *o, const struct asymmetry *a)
     ctl_out_flag(o, "conclusive", asymmetry_conclusive(a));
     ctl_out_number(o, "disparity_mm", a->final.plain_mm);
     ctl_out_number(o, "first_mm", a->initial.plain_mm);
-    ctl_out_number(o, "volume_mm3", a->final.volume_mm3);
-    ctl_out_number(o, "overlap_mm2", a->final.area_mm2);
+    ctl_out_extent(o, "volume_mm3", a->final.volume_mm3);
+    ctl_out_extent(o, "overlap_mm2", a->final.area_mm2);
     ctl_out_number(o, "overlap", a->final.overlap);
     ctl_out_object(o, "plane");
-    ctl_out_array(o, "normal");
-    for (int i = 0; i < 3; i++)
-        ctl_out_number(o, NULL, a->normal[i]);
-    ctl_out_close(o);
+    ctl_out_direction(o, "normal", a->normal);
     ctl_out_number(o, "offset_mm", a->offset_mm);
     ctl_out_number(o, "moved_deg", a->moved_deg);
     ctl_out_number(o, "moved_mm", a->moved_mm);

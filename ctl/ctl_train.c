@@ -55,7 +55,7 @@ static void say(void *arg, const char *line)
 static void print_figures(struct ctl *c, const char *key, const struct rates_figures *f)
 {
     ctl_out_object(c->out, key);
-    ctl_out_number(c->out, "eer", f->eer);
+    ctl_out_rate(c->out, "eer", f->eer);
     ctl_out_number(c->out, "tar_at_fmr_1e-2", f->tar[0]);
     ctl_out_number(c->out, "tar_at_fmr_1e-3", f->tar[1]);
     ctl_out_close(c->out);

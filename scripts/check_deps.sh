@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_deps.sh: a room includes itself and the rooms that the Makefile lets it see (SEES_*).
 # core is libc and libm only, neither prints nor exits and takes memory in mem.c alone;
-# SQLite stays in db/, JSON in one file of each of base/, server/ and ctl/, libmicrohttpd in
+# SQLite stays in db/, the JSON library in one file of base/, libmicrohttpd in
 # two files of server/.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -65,7 +65,7 @@ only() {
     done
 }
 only 'sqlite3.*' 99 db SQLite
-only '(cjson/)?cJSON.*' 2 'server ctl' JSON
+only '(cjson/)?cJSON.*' 1 base JSON
 only 'microhttpd.*' 2 server libmicrohttpd
 
 # What the compiled core asks of libc.

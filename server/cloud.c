@@ -6,7 +6,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "face.h"
-#include "json.h"
+#include "parse.h"
 #include "lattice.h"
 #include "mem.h"
 #include "params.h"
@@ -39,9 +39,8 @@ static void drop_body(struct request *r)
 static enum status read_json(struct request *r, double mm, struct cloud *out,
                              struct errinfo *e)
 {
-    struct json_cloud c;
-    enum status st =
-        json_cloud_read((const char *)r->body, r->len, FACE_MAX_POINTS, &c, e);
+    struct parse_cloud c;
+    enum status st = parse_cloud((const char *)r->body, r->len, FACE_MAX_POINTS, &c, e);
 
     if (st == ST_OK) {
         *out = (struct cloud){c.pts, c.n};
@@ -97,14 +96,14 @@ enum status cloud_read(struct request *r, struct cloud *out)
 enum status cloud_read_two(struct request *r, struct cloud *a, struct cloud *b)
 {
     struct errinfo e = {0};
-    struct json_cloud ja, jb;
+    struct parse_cloud ja, jb;
     double mm = 1.0;
     enum status st;
 
     *a = *b = (struct cloud){0};
     if (!params_units(r, &mm))
         return ST_EINVAL;
-    st = json_clouds_read((const char *)r->body, r->len, FACE_MAX_POINTS, &ja, &jb, &e);
+    st = parse_clouds((const char *)r->body, r->len, FACE_MAX_POINTS, &ja, &jb, &e);
     drop_body(r);
     if (st != ST_OK) {
         request_fail(r, &e);

@@ -5,7 +5,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
-#include "json.h"
+#include "render.h"
 #include "log.h"
 #include "mem.h"
 #include "params.h"
@@ -52,7 +52,7 @@ void compare_handle(struct request *r, struct worker *w)
     request_stage(r, REQUEST_MEASURE, result.measure_ms);
     verify_event(r, "compare", "", "", result.decision);
     request_answer(r, 200,
-                   json_verdict(&(struct json_verdict){
+                   render_verdict(&(struct render_verdict){
                        .result = &result,
                        .probe = &w->probe,
                        .engine = store_made_by(r->app->store),

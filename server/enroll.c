@@ -9,7 +9,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "idempotency.h"
-#include "json.h"
+#include "render.h"
 #include "log.h"
 #include "metrics.h"
 #include "params.h"
@@ -69,7 +69,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         return;
     }
     metrics_enrollment(r->app->metrics, created ? METRICS_ENROLLED : METRICS_KNOWN);
-    request_written(r, created ? 201 : 200, json_template(&t, &w->probe.frame));
+    request_written(r, created ? 201 : 200, render_template(&t, &w->probe.frame));
     if (r->answer.http < 300)
         (void)snprintf(r->answer.location, sizeof r->answer.location, LOCATION "%s",
                        t.id);

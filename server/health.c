@@ -6,7 +6,7 @@
 #include "calibration.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "json.h"
+#include "render.h"
 #include "metrics.h"
 #include "queue.h"
 #include "request.h"
@@ -31,7 +31,7 @@ static const char *reason(enum status st)
 void health_live(struct request *r, struct worker *w)
 {
     (void)w;
-    request_answer(r, 200, json_state("ok"));
+    request_answer(r, 200, render_state("ok"));
 }
 
 void health_ready(struct request *r, struct worker *w)
@@ -44,7 +44,7 @@ void health_ready(struct request *r, struct worker *w)
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
                calibration_in_force(r->app->store, &k, &e) == ST_OK) {
-        request_answer(r, 200, json_ready(&k));
+        request_answer(r, 200, render_ready(&k));
     } else {
         metrics_database_error(r->app->metrics, e.code);
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));

@@ -4,7 +4,7 @@
 
 #include "app.h"
 #include "face.h"
-#include "json.h"
+#include "render.h"
 #include "metrics.h"
 #include "queue.h"
 #include "request.h"
@@ -31,5 +31,5 @@ void meta_version(struct request *r, struct worker *w)
 
     (void)w;
     memcpy(version, from, strcspn(from, " "));
-    request_answer(r, 200, json_version(version, engine, __VERSION__));
+    request_answer(r, 200, render_version(version, engine, __VERSION__));
 }

@@ -6,7 +6,7 @@
 
 #include "auth.h"
 #include "errmap.h"
-#include "json.h"
+#include "parse.h"
 #include "request.h"
 
 /* The value into buf; *there tells whether it was given.  False when it cannot be read, and
@@ -42,7 +42,7 @@ bool params_units(struct request *r, double *mm)
     char buf[8];
     bool there;
 
-    if (get(r, "units", buf, sizeof buf, &there) && (!there || json_units(buf, mm)))
+    if (get(r, "units", buf, sizeof buf, &there) && (!there || parse_units(buf, mm)))
         return true;
     request_problem(r, ERRMAP_PARAMETER, "units is not mm, cm or m");
     return false;

@@ -11,7 +11,7 @@
 #include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "json.h"
+#include "render.h"
 #include "log.h"
 #include "metrics.h"
 #include "routes.h"
@@ -203,7 +203,8 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
         r->answer.challenge = true;
     r->answer.location[0] = '\0';
     /* Without memory for the document its status code has to do. */
-    set_body(r, m->http, "application/problem+json", json_problem(m, told, r->id, NULL));
+    set_body(r, m->http, "application/problem+json",
+             render_problem(m, told, r->id, NULL));
 }
 
 void request_fail(struct request *r, const struct errinfo *e)
@@ -216,15 +217,16 @@ void request_mismatch(struct request *r, const struct face_result *result)
 {
     const struct errmap *m = errmap_get(ST_EMISMATCH);
 
-    set_body(r, m->http, "application/problem+json",
-             json_problem(m,
-                          result->decision == FACE_INCONCLUSIVE
-                              ? "the sample has too little in common with any of the "
-                                "subject's templates to tell whether it fits; force=true "
-                                "enrolls it all the same"
-                              : "the sample does not match any of the subject's "
-                                "templates; force=true enrolls it all the same",
-                          r->id, result));
+    set_body(
+        r, m->http, "application/problem+json",
+        render_problem(m,
+                       result->decision == FACE_INCONCLUSIVE
+                           ? "the sample has too little in common with any of the "
+                             "subject's templates to tell whether it fits; force=true "
+                             "enrolls it all the same"
+                           : "the sample does not match any of the subject's "
+                             "templates; force=true enrolls it all the same",
+                       r->id, result));
 }
 
 void request_log(const struct request *r, int http, double ms)

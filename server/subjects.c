@@ -10,7 +10,8 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "idempotency.h"
-#include "json.h"
+#include "parse.h"
+#include "render.h"
 #include "params.h"
 #include "queue.h"
 #include "request.h"
@@ -52,7 +53,7 @@ void subjects_list(struct request *r, struct worker *w)
     if (store_subject_list(r->app->store, after, limit + 1, &s, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, json_subjects(s, n > limit ? limit : n, n > limit));
+        request_answer(r, 200, render_subjects(s, n > limit ? limit : n, n > limit));
     free(s);
 }
 
@@ -68,7 +69,7 @@ static void show(struct request *r, void (*answer)(struct request *, int, char *
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        answer(r, 200, json_subject(&s, t, n));
+        answer(r, 200, render_subject(&s, t, n));
     free(t);
 }
 
@@ -84,12 +85,12 @@ void subjects_add(struct request *r, struct worker *w)
     struct errinfo e = {0};
 
     (void)w;
-    if (json_newcomer_read((const char *)r->body, r->len, &s, &e) != ST_OK ||
+    if (parse_newcomer((const char *)r->body, r->len, &s, &e) != ST_OK ||
         store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
         request_fail(r, &e);
         return;
     }
-    request_written(r, 201, json_subject(&s, NULL, 0));
+    request_written(r, 201, render_subject(&s, NULL, 0));
     if (r->answer.http == 201)
         (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/subjects/%s",
                        s.id);
@@ -97,11 +98,11 @@ void subjects_add(struct request *r, struct worker *w)
 
 void subjects_change(struct request *r, struct worker *w)
 {
-    struct json_change to;
+    struct parse_change to;
     struct errinfo e = {0};
 
     (void)w;
-    if (json_change_read((const char *)r->body, r->len, &to, &e) != ST_OK ||
+    if (parse_change((const char *)r->body, r->len, &to, &e) != ST_OK ||
         store_subject_set(r->app->store, r->actor, r->subject, &to.what, &e) != ST_OK)
         request_fail(r, &e);
     else
@@ -121,7 +122,7 @@ void subjects_delete(struct request *r, struct worker *w)
     for (uint32_t i = 0; i < receipt.templates; i++)
         cache_forget(r->app->cache, receipt.template_id[i]);
     idempotency_erase(r->app->idempotency, r->subject);
-    request_written(r, 200, json_erased(&receipt));
+    request_written(r, 200, render_erased(&receipt));
 out:
     store_receipt_free(&receipt);
 }
@@ -135,7 +136,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, json_template(&t, NULL));
+        request_answer(r, 200, render_template(&t, NULL));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)

@@ -3,7 +3,7 @@
 #include "app.h"
 #include "asymmetry.h"
 #include "cloud.h"
-#include "json.h"
+#include "render.h"
 #include "log.h"
 #include "queue.h"
 #include "request.h"
@@ -32,7 +32,7 @@ void symmetry_handle(struct request *r, struct worker *w)
     measured = log_clock_ms();
     request_stage(r, REQUEST_MEASURE, measured - prepared);
     request_answer(r, 200,
-                   json_asymmetry(&(struct json_asymmetry){
+                   render_asymmetry(&(struct render_asymmetry){
                        .result = &result,
                        .face = &w->probe,
                        .engine = store_made_by(r->app->store),

@@ -11,7 +11,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
-#include "json.h"
+#include "render.h"
 #include "log.h"
 #include "mem.h"
 #include "metrics.h"
@@ -188,7 +188,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
                  best.result.decision);
     store_subject_seen(r->app->store, &one);
     request_answer(r, 200,
-                   json_verdict(&(struct json_verdict){
+                   render_verdict(&(struct render_verdict){
                        .result = &best.result,
                        .probe = &w->probe,
                        .engine = store_made_by(r->app->store),

@@ -44,7 +44,7 @@ bad "an array" 400 malformed 'not an object' '[[1,2,3]]'
 bad "a number" 400 malformed 'not an object' '17'
 bad "units" 400 malformed 'units' '{"points": [], "units": "inch"}'
 bad "units a number" 400 malformed 'units' '{"points": [], "units": 1}'
-bad "deep nesting" 400 malformed 'not valid JSON' "$(printf '%05000d' 0 | tr 0 '[')"
+bad "deep nesting" 400 malformed 'deeper than 16 at byte 16' "$(printf '%05000d' 0 | tr 0 '[')"
 bad "deep nesting of objects" 400 malformed '' \
     "{\"points\": $(printf '%03000d' 0 | sed 's/0/{"a":/g')"
 bad "not UTF-8" 400 malformed 'not UTF-8 at byte 12' "$(printf '{"points": "\377"}')"

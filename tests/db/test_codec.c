@@ -282,7 +282,8 @@ static void test_golden(void **state)
         assert_memory_equal(f.surface.mesh.parent, parent, sizeof parent);
         for (uint32_t v = 0; v < 5; v++)
             assert_int_equal(f.surface.mesh.z[v], v == 1 ? 20000 : -1000);
-        assert_true(f.frame.mean_id != 0 && f.frame.mean_id != frame.mean_id); /* found anew */
+        assert_true(f.frame.mean_id != 0 &&
+                    f.frame.mean_id != frame.mean_id); /* found anew */
         assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
         assert_string_equal(
             digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");

@@ -6,12 +6,12 @@
 #include <string.h>
 
 #include "errinfo.h"
-#include "json.h"
+#include "parse.h"
 #include "mem.h"
 
 #define LIMIT 2000
 
-static void check(const struct json_cloud *c, enum status st)
+static void check(const struct parse_cloud *c, enum status st)
 {
     if (st != ST_OK) {
         if (c->pts != NULL || c->n != 0)
@@ -28,7 +28,7 @@ static void check(const struct json_cloud *c, enum status st)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct json_cloud a = {0}, b = {0};
+    struct parse_cloud a = {0}, b = {0};
     struct errinfo e = {ST_OK, ""};
     enum status st;
     char *text;
@@ -40,10 +40,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(text, data + 1, size - 1);
     text[size - 1] = 0;
     if (data[0] % 2 == 0) {
-        st = json_cloud_read(text, size - 1, LIMIT, &a, &e);
+        st = parse_cloud(text, size - 1, LIMIT, &a, &e);
         check(&a, st);
     } else {
-        st = json_clouds_read(text, size - 1, LIMIT, &a, &b, &e);
+        st = parse_clouds(text, size - 1, LIMIT, &a, &b, &e);
         check(&a, st);
         check(&b, st);
     }

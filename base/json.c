@@ -1,0 +1,472 @@
+#include "json.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cjson/cJSON.h>
+
+#include "errinfo.h"
+#include "utf8.h"
+
+/* The library says "not valid" of what it had no memory for: this tells them apart. */
+static _Thread_local bool starved;
+
+static void *take_memory(size_t size)
+{
+    void *p = malloc(size);
+
+    starved = starved || p == NULL;
+    return p;
+}
+
+static void watch_memory(void)
+{
+    cJSON_Hooks hooks = {.malloc_fn = take_memory, .free_fn = free};
+
+    cJSON_InitHooks(&hooks);
+}
+
+static void start(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+    (void)pthread_once(&once, watch_memory);
+    starved = false;
+}
+
+/* ---- writing */
+
+struct json {
+    bool failed;
+    int depth;
+    cJSON *open[JSON_DEPTH]; /* the first is the root, each other within the one before */
+};
+
+struct json *json_new(void)
+{
+    struct json *j = calloc(1, sizeof *j);
+
+    start();
+    if (j != NULL && (j->open[0] = cJSON_CreateObject()) == NULL) {
+        free(j);
+        return NULL;
+    }
+    return j;
+}
+
+/* After a failure nothing is added any more: the tree is not printed. */
+static bool adds(const struct json *j)
+{
+    return j != NULL && !j->failed;
+}
+
+static void add(struct json *j, const char *key, cJSON *item)
+{
+    cJSON *in = j->open[j->depth];
+
+    if (item == NULL || !(key == NULL ? cJSON_AddItemToArray(in, item)
+                                      : cJSON_AddItemToObject(in, key, item))) {
+        cJSON_Delete(item);
+        j->failed = true;
+    }
+}
+
+static void begin(struct json *j, const char *key, cJSON *item)
+{
+    add(j, key, item);
+    if (!j->failed && j->depth + 1 < JSON_DEPTH)
+        j->open[++j->depth] = item;
+    else
+        j->failed = true;
+}
+
+void json_object(struct json *j, const char *key)
+{
+    if (adds(j))
+        begin(j, key, cJSON_CreateObject());
+}
+
+void json_array(struct json *j, const char *key)
+{
+    if (adds(j))
+        begin(j, key, cJSON_CreateArray());
+}
+
+void json_close(struct json *j)
+{
+    if (adds(j) && j->depth > 0)
+        j->depth--;
+}
+
+/* value with U+FFFD in place of each byte that is not UTF-8. */
+static cJSON *create_repaired(const char *value, size_t len)
+{
+    char *text = malloc(3 * len + 1);
+    size_t n = 0;
+    cJSON *item;
+
+    if (text == NULL)
+        return NULL;
+    for (size_t good; len > 0; value += good, len -= good) {
+        good = utf8_valid(value, len);
+        memcpy(text + n, good > 0 ? value : "\xef\xbf\xbd", good > 0 ? good : 3);
+        n += good > 0 ? good : 3;
+        good += good == 0;
+    }
+    text[n] = '\0';
+    item = cJSON_CreateString(text);
+    free(text);
+    return item;
+}
+
+void json_text(struct json *j, const char *key, const char *value)
+{
+    const size_t len = value == NULL ? 0 : strlen(value);
+
+    if (adds(j))
+        add(j, key,
+            value == NULL                   ? cJSON_CreateNull()
+            : utf8_valid(value, len) == len ? cJSON_CreateString(value)
+                                            : create_repaired(value, len));
+}
+
+void json_flag(struct json *j, const char *key, bool value)
+{
+    if (adds(j))
+        add(j, key, cJSON_CreateBool(value));
+}
+
+/* The double nearest to value in steps of 1 / per_unit.  The library prints the shortest text
+ * that reads as it, and null for what is not finite. */
+static void add_rounded(struct json *j, const char *key, double value, double per_unit)
+{
+    const double scaled = round(value * per_unit);
+
+    if (!adds(j))
+        return;
+    if (fabs(scaled) < 9007199254740992.0)
+        value = scaled == 0 ? 0 : scaled / per_unit; /* no -0 */
+    add(j, key, cJSON_CreateNumber(value));
+}
+
+#define LENGTH    1e4
+#define EXTENT    1e1
+#define DIRECTION 1e7
+
+void json_number(struct json *j, const char *key, double value)
+{
+    add_rounded(j, key, value, LENGTH);
+}
+
+void json_extent(struct json *j, const char *key, double value)
+{
+    add_rounded(j, key, value, EXTENT);
+}
+
+void json_rate(struct json *j, const char *key, double value)
+{
+    char text[32];
+
+    (void)snprintf(text, sizeof text, "%.2e", value);
+    if (adds(j))
+        add(j, key, cJSON_CreateNumber(isfinite(value) ? strtod(text, NULL) : value));
+}
+
+void json_direction(struct json *j, const char *key, const double value[3])
+{
+    json_array(j, key);
+    for (int i = 0; i < 3; i++)
+        add_rounded(j, NULL, value[i], DIRECTION);
+    json_close(j);
+}
+
+void json_transform(struct json *j, const char *key, const double value[16])
+{
+    json_array(j, key);
+    for (int i = 0; i < 16; i++)
+        add_rounded(j, NULL, value[i], i % 4 == 3 ? LENGTH : DIRECTION);
+    json_close(j);
+}
+
+void json_discard(struct json *j)
+{
+    if (j == NULL)
+        return;
+    cJSON_Delete(j->open[0]);
+    free(j);
+}
+
+char *json_compact(struct json *j)
+{
+    char *text = adds(j) ? cJSON_PrintUnformatted(j->open[0]) : NULL;
+
+    json_discard(j);
+    return text;
+}
+
+char *json_pretty(struct json *j)
+{
+    char *text = adds(j) ? cJSON_Print(j->open[0]) : NULL;
+
+    json_discard(j);
+    return text;
+}
+
+/* ---- reading */
+
+/* A value is the library's; no other file sees into it. */
+static const cJSON *item_of(const struct json_value *v)
+{
+    return (const cJSON *)v;
+}
+
+static const struct json_value *value_of(const cJSON *item)
+{
+    return (const struct json_value *)item;
+}
+
+/* What the library does not refuse, or not before it took memory for it. */
+static enum status look_over(const char *text, size_t len, size_t max_values,
+                             struct errinfo *e)
+{
+    size_t values = 1, depth = 0;
+    bool quoted = false;
+
+    for (size_t i = 0; i < len; i++) {
+        const char c = text[i];
+
+        if (quoted && (unsigned char)c < 0x20)
+            return errinfo_set(e, ST_EINVAL, "a control character in a text at byte %zu",
+                               i);
+        if (c == '\0')
+            return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", i);
+        if (c == '"')
+            quoted = !quoted;
+        else if (quoted && c == '\\' && strncmp(text + i, "\\u0000", 6) == 0)
+            return errinfo_set(e, ST_EINVAL, "\\u0000 cannot be in a text");
+        else if (quoted && c == '\\')
+            i++; /* what is escaped, be it a quote; if that is the end, text[len] is 0 */
+        else if (!quoted && (c == ',' || c == '[' || c == '{'))
+            values++; /* each but the first follows one of them */
+        if (!quoted && (c == '[' || c == '{') && ++depth > JSON_DEPTH)
+            return errinfo_set(e, ST_EINVAL, "deeper than %d at byte %zu", JSON_DEPTH, i);
+        if (!quoted && (c == ']' || c == '}') && depth > 0)
+            depth--;
+    }
+    if (values > max_values)
+        return errinfo_set(e, ST_ELIMIT, "more than %zu values", max_values);
+    return ST_OK;
+}
+
+/* Where a value stands: chained from it to the outermost. */
+struct place {
+    const struct place *in;
+    const cJSON *item;
+    size_t index;
+};
+
+/* As in a.points[17]; nothing for the outermost.  Returns the length. */
+static size_t print_place(const struct place *p, char *out, size_t size)
+{
+    size_t n;
+    int more;
+
+    if (p->in == NULL)
+        return 0;
+    n = print_place(p->in, out, size);
+    more = p->item->string == NULL ? snprintf(out + n, size - n, "[%zu]", p->index)
+                                   : snprintf(out + n, size - n, "%s%.32s",
+                                              n > 0 ? "." : "", p->item->string);
+    return more > 0 && (size_t)more < size - n ? n + (size_t)more : n;
+}
+
+static enum status check_object(const struct place *p, struct errinfo *e)
+{
+    const cJSON *first = p->item->child;
+    char where[120] = "the document";
+    unsigned n = 0;
+
+    (void)print_place(p, where, sizeof where);
+    for (const cJSON *a = first; a != NULL; a = a->next) {
+        if (++n > JSON_MEMBERS)
+            return errinfo_set(e, ST_EINVAL, "more than %d members in %s", JSON_MEMBERS,
+                               where);
+        for (const cJSON *b = first; b != a; b = b->next)
+            if (strcmp(a->string, b->string) == 0)
+                return errinfo_set(e, ST_EINVAL,
+                                   "member %u of %s has the name of an earlier one", n,
+                                   where);
+    }
+    return ST_OK;
+}
+
+/* The objects below p; as deep as look_over() allowed. */
+static enum status check_objects(const struct place *p, struct errinfo *e)
+{
+    struct place below = {.in = p, .item = p->item->child};
+    enum status st = cJSON_IsObject(p->item) ? check_object(p, e) : ST_OK;
+
+    for (; below.item != NULL && st == ST_OK; below.item = below.item->next) {
+        if (below.item->child != NULL)
+            st = check_objects(&below, e);
+        below.index++;
+    }
+    return st;
+}
+
+enum status json_read(const char *text, size_t len, size_t max_values,
+                      struct json_value **out, struct errinfo *e)
+{
+    const size_t valid = utf8_valid(text, len);
+    const char *end = NULL;
+    cJSON *doc;
+    enum status st;
+
+    *out = NULL;
+    if (len == 0)
+        return errinfo_set(e, ST_EINVAL, "the document is empty");
+    if (valid < len)
+        return errinfo_set(e, ST_EINVAL, "not UTF-8 at byte %zu", valid);
+    if ((st = look_over(text, len, max_values, e)) != ST_OK)
+        return st;
+    start();
+    doc = cJSON_ParseWithLengthOpts(text, len + 1, &end, true);
+    if (doc == NULL && starved)
+        return errinfo_set(e, ST_ENOMEM, "no memory for %zu bytes of JSON", len);
+    if (doc == NULL && end >= text + len)
+        return errinfo_set(e, ST_EINVAL, "not valid JSON: it ends too early");
+    if (doc == NULL)
+        return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu",
+                           end == NULL ? 0 : (size_t)(end - text));
+    if ((st = check_objects(&(struct place){.item = doc}, e)) != ST_OK)
+        cJSON_Delete(doc);
+    else
+        *out = (struct json_value *)doc;
+    return st;
+}
+
+void json_free(struct json_value *document)
+{
+    cJSON_Delete((cJSON *)document);
+}
+
+bool json_is_object(const struct json_value *v)
+{
+    return cJSON_IsObject(item_of(v));
+}
+
+bool json_is_array(const struct json_value *v)
+{
+    return cJSON_IsArray(item_of(v));
+}
+
+bool json_is_null(const struct json_value *v)
+{
+    return cJSON_IsNull(item_of(v));
+}
+
+const struct json_value *json_member(const struct json_value *object, const char *key)
+{
+    return json_is_object(object)
+               ? value_of(cJSON_GetObjectItemCaseSensitive(item_of(object), key))
+               : NULL;
+}
+
+static bool is_known(const char *key, const char *const known[])
+{
+    while (*known != NULL && strcmp(*known, key) != 0)
+        known++;
+    return *known != NULL;
+}
+
+static enum status unknown_member(const char *key, const char *where,
+                                  const char *const known[], struct errinfo *e)
+{
+    const size_t len = strlen(key), shown = utf8_valid(key, len < 64 ? len : 64);
+    char list[120] = "";
+
+    for (size_t i = 0, n = 0; known[i] != NULL && n < sizeof list; i++)
+        n += (size_t)snprintf(list + n, sizeof list - n, "%s%s",
+                              i == 0                 ? ""
+                              : known[i + 1] == NULL ? " and "
+                                                     : ", ",
+                              known[i]);
+    return errinfo_set(e, ST_EINVAL, "%s has %s, not %.*s", where, list, (int)shown, key);
+}
+
+enum status json_expect(const struct json_value *v, const char *where,
+                        const char *const known[], struct errinfo *e)
+{
+    if (!json_is_object(v))
+        return errinfo_set(e, ST_EINVAL, "%s is not an object", where);
+    for (v = json_first(v); v != NULL; v = json_next(v))
+        if (!is_known(json_key(v), known))
+            return unknown_member(json_key(v), where, known, e);
+    return ST_OK;
+}
+
+const struct json_value *json_first(const struct json_value *v)
+{
+    return v == NULL ? NULL : value_of(item_of(v)->child);
+}
+
+const struct json_value *json_next(const struct json_value *v)
+{
+    return value_of(item_of(v)->next);
+}
+
+const char *json_key(const struct json_value *v)
+{
+    return item_of(v)->string;
+}
+
+const char *json_get_text(const struct json_value *v)
+{
+    return cJSON_GetStringValue(item_of(v));
+}
+
+bool json_copy_text(const struct json_value *v, char *out, size_t size)
+{
+    const char *text = json_get_text(v);
+
+    if (text == NULL || strlen(text) >= size)
+        return false;
+    memcpy(out, text, strlen(text) + 1);
+    return true;
+}
+
+bool json_get_flag(const struct json_value *v, bool *out)
+{
+    if (!cJSON_IsBool(item_of(v)))
+        return false;
+    *out = cJSON_IsTrue(item_of(v));
+    return true;
+}
+
+bool json_get_count(const struct json_value *v, uint64_t *out)
+{
+    const cJSON *item = item_of(v);
+
+    if (!cJSON_IsNumber(item) || !(item->valuedouble >= 0) ||
+        item->valuedouble > 9007199254740992.0 ||
+        item->valuedouble != floor(item->valuedouble))
+        return false;
+    *out = (uint64_t)item->valuedouble;
+    return true;
+}
+
+enum status json_get_numbers(const struct json_value *v, size_t n, double *out)
+{
+    const cJSON *item = json_is_array(v) ? item_of(v)->child : NULL;
+    enum status st = ST_OK;
+    size_t i = 0;
+
+    for (; i < n && cJSON_IsNumber(item); item = item->next) {
+        if (!isfinite(item->valuedouble))
+            st = ST_ENOTFINITE;
+        out[i++] = item->valuedouble;
+    }
+    return i < n || item != NULL || !json_is_array(v) ? ST_EINVAL : st;
+}

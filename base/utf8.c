@@ -1,0 +1,33 @@
+#include "utf8.h"
+
+/* The bytes of the character at s, of which len are there; 0: it is none. */
+static size_t character(const unsigned char *s, size_t len)
+{
+    const unsigned c = s[0];
+    /* What the second byte may be: less than 0x80-0xbf after the four first bytes that could
+     * begin an overlong form, a surrogate or what lies above U+10FFFF. */
+    const unsigned lo = c == 0xe0 ? 0xa0 : c == 0xf0 ? 0x90 : 0x80;
+    const unsigned hi = c == 0xed ? 0x9f : c == 0xf4 ? 0x8f : 0xbf;
+    const size_t n = c < 0x80                 ? 1
+                     : c >= 0xc2 && c <= 0xdf ? 2
+                     : (c & 0xf0) == 0xe0     ? 3
+                     : c >= 0xf0 && c <= 0xf4 ? 4
+                                              : 0;
+
+    if (n > len || (n > 1 && (s[1] < lo || s[1] > hi)))
+        return 0;
+    for (size_t k = 2; k < n; k++)
+        if ((s[k] & 0xc0) != 0x80)
+            return 0;
+    return n;
+}
+
+size_t utf8_valid(const char *s, size_t len)
+{
+    const unsigned char *bytes = (const unsigned char *)s;
+    size_t i = 0, n;
+
+    while (i < len && (n = character(bytes + i, len - i)) > 0)
+        i += n;
+    return i;
+}

@@ -1,0 +1,108 @@
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "utf8.h"
+
+/* The bytes of c as Unicode's table 3-6 says; 0: no character. */
+static size_t encode(uint32_t c, char *out)
+{
+    if (c >= 0xd800 && c <= 0xdfff)
+        return 0;
+    if (c < 0x80) {
+        out[0] = (char)c;
+        return 1;
+    }
+    if (c < 0x800) {
+        out[0] = (char)(0xc0 | c >> 6);
+        out[1] = (char)(0x80 | (c & 0x3f));
+        return 2;
+    }
+    if (c < 0x10000) {
+        out[0] = (char)(0xe0 | c >> 12);
+        out[1] = (char)(0x80 | (c >> 6 & 0x3f));
+        out[2] = (char)(0x80 | (c & 0x3f));
+        return 3;
+    }
+    out[0] = (char)(0xf0 | c >> 18);
+    out[1] = (char)(0x80 | (c >> 12 & 0x3f));
+    out[2] = (char)(0x80 | (c >> 6 & 0x3f));
+    out[3] = (char)(0x80 | (c & 0x3f));
+    return 4;
+}
+
+/* Every character is valid, whole and not cut short. */
+static void test_characters(void **state)
+{
+    char s[8];
+    size_t count = 0;
+
+    (void)state;
+    for (uint32_t c = 0; c <= 0x10ffff; c++) {
+        const size_t n = encode(c, s);
+
+        if (n == 0)
+            continue;
+        assert_int_equal(utf8_valid(s, n), n);
+        if (n > 1)
+            assert_int_equal(utf8_valid(s, n - 1), 0);
+        count++;
+    }
+    assert_int_equal(count, 0x110000 - 0x800);
+}
+
+/* Of all sequences of one to three bytes as many are valid as there are such characters;
+ * of four, with the last one good. */
+static void test_sequences(void **state)
+{
+    size_t one = 0, two = 0, three = 0, four = 0;
+    char s[4];
+
+    (void)state;
+    for (uint32_t c = 0; c < 1U << 24; c++) {
+        s[0] = (char)(c >> 16);
+        s[1] = (char)(c >> 8 & 0xff);
+        s[2] = (char)(c & 0xff);
+        s[3] = (char)0x80;
+        if (c < 256) {
+            s[0] = (char)c;
+            one += utf8_valid(s, 1) == 1;
+            s[0] = 0;
+        }
+        if ((unsigned char)s[0] < 0x80)
+            continue; /* what follows is counted by itself */
+        two += (c & 0xff) == 0 && utf8_valid(s, 2) == 2;
+        three += utf8_valid(s, 3) == 3 && utf8_valid(s, 2) == 0;
+        four += utf8_valid(s, 4) == 4 && utf8_valid(s, 3) == 0;
+    }
+    assert_int_equal(one, 0x80);
+    assert_int_equal(two, 0x800 - 0x80);
+    assert_int_equal(three, 0x10000 - 0x800 - 0x800);
+    assert_int_equal(four, 0x100000 / 64);
+}
+
+static void test_where(void **state)
+{
+    (void)state;
+    assert_int_equal(utf8_valid("", 0), 0);
+    assert_int_equal(utf8_valid("a\0b", 3), 3);
+    assert_int_equal(utf8_valid("ab\xff", 3), 2);
+    assert_int_equal(utf8_valid("\xc3\xa4\xc3", 3), 2);
+    assert_int_equal(utf8_valid("x\xed\xa0\x80", 4), 1);     /* a surrogate */
+    assert_int_equal(utf8_valid("x\xc0\xaf", 3), 1);         /* overlong */
+    assert_int_equal(utf8_valid("x\xf4\x90\x80\x80", 5), 1); /* above U+10FFFF */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_characters),
+        cmocka_unit_test(test_sequences),
+        cmocka_unit_test(test_where),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
