@@ -11,6 +11,7 @@
 ifeq ($(origin CC),default)
 CC           := gcc
 endif
+HOSTCC       ?= $(CC)
 BUILD        ?= build
 PREFIX       ?= /usr/local
 LIBDIR       ?= $(PREFIX)/lib
@@ -68,7 +69,7 @@ TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
 BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
-TOOL_BIN  := $(call programs,$(wildcard tools/*_main.c))
+TOOL_BIN  := $(call programs,$(filter-out tools/model_main.c,$(wildcard tools/*_main.c)))
 AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
 SHIM_BIN  := $(BUILD)/crash_shim.so
@@ -119,11 +120,16 @@ $$(BUILD)/gen/%_$(1).h: server/%.$(1) scripts/embed.sh
 endef
 $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
-# The shipped model, a table in text, as a constant of the library.
-$(BUILD)/gen/default_model.c: core/default.model scripts/model_c.sh
+# The shipped model, a table in text, as a constant of the library: printed by a program that
+# is made of the text's parser alone and runs here, wherever the rest is to run.
+$(BUILD)/gen/model: tools/model_main.c core/model.c core/decision.c core/model.h Makefile
 	@mkdir -p $(@D)
+	$(call say,LD)
+	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off -Icore -o $@ $(filter %.c,$^) -lm
+
+$(BUILD)/gen/default_model.c: core/default.model $(BUILD)/gen/model
 	$(call say,GEN)
-	$(Q)scripts/model_c.sh < $< > $@.tmp && mv $@.tmp $@
+	$(Q)$(BUILD)/gen/model < $< > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c core/model.h Makefile
 	$(call say,CC)

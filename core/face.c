@@ -14,6 +14,7 @@
 #include "mem.h"
 #include "mesh_link.h"
 #include "model.h"
+#include "model_digest.h"
 #include "quality.h"
 #include "score.h"
 

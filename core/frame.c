@@ -7,6 +7,7 @@
 #include "align_solve.h"
 #include "lattice.h"
 #include "model.h"
+#include "model_digest.h"
 
 /* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
 static void rigidity(const struct model_basis *b, float *out)

@@ -15,6 +15,7 @@
 #include "face.h"
 #include "fail_alloc.h"
 #include "frame.h"
+#include "model_digest.h"
 #include "toy.h"
 
 #define POINTS 3000

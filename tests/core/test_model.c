@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "model.h"
+#include "model_digest.h"
 #include "toy.h"
 
 #define SHIPPED "core/default.model"
@@ -93,7 +94,7 @@ static void test_full(void **state)
     free(text);
 }
 
-/* The table in the source tree and the constant made of it by a script. */
+/* The table in the source tree and the constant made of it by the build. */
 static void test_shipped(void **state)
 {
     FILE *in = fopen(SHIPPED, "rb");

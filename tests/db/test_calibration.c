@@ -15,6 +15,7 @@
 #include "face.h"
 #include "forge.h"
 #include "model.h"
+#include "model_digest.h"
 #include "store.h"
 #include "tempdb.h"
 

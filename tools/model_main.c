@@ -1,0 +1,88 @@
+/* model < core/default.model > default_model.c: the shipped model as the constant
+ * model_default.  The build runs it, so it is linked with the parser alone, not with the
+ * library that the constant becomes a part of.  Floats are printed in hexadecimal: exactly. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "model.h"
+
+#define LARGEST ((size_t)8 << 20)
+
+static void print_float(float v)
+{
+    if (isnan(v))
+        (void)printf("NAN,");
+    else
+        (void)printf("%af,", (double)v);
+}
+
+static void print_cells(const char *member, const float v[GRID_N])
+{
+    (void)printf("    .%s = {", member);
+    for (int i = 0; i < GRID_N; i++) {
+        if (i % 8 == 0)
+            (void)printf("\n        ");
+        print_float(v[i]);
+    }
+    (void)printf("\n    },\n");
+}
+
+static void print_basis(const char *name, const struct model_basis *b)
+{
+    char rest[32];
+
+    (void)snprintf(rest, sizeof rest, "%s.rest", name);
+    print_cells(rest, b->rest);
+    (void)printf("    .%s.n = %u,\n    .%s.mode = {\n", name, (unsigned)b->n, name);
+    for (int i = 0; i < GRID_N; i++) {
+        (void)printf("        {");
+        for (uint32_t k = 0; k < (b->n > 0 ? b->n : 1); k++)
+            print_float(b->mode[i][k]);
+        (void)printf("},\n");
+    }
+    (void)printf("    },\n");
+}
+
+static void print_text(const char *text)
+{
+    (void)putchar('"');
+    for (; *text != '\0'; text++)
+        (void)printf(*text == '"' || *text == '\\' ? "\\%c" : "%c", *text);
+    (void)putchar('"');
+}
+
+static void print_model(const struct model *m)
+{
+    (void)printf("/* Made by tools/model_main.c; do not edit. */\n#include <math.h>\n"
+                 "#include \"model.h\"\nconst struct model model_default = {\n"
+                 "    .name = ");
+    print_text(m->name);
+    (void)printf(",\n    .cap_mm = %af,\n    .decision = {\n", (double)m->cap_mm);
+    (void)printf("        .threshold_mm = %a,\n        .halving_mm = %a,\n",
+                 m->decision.threshold_mm, m->decision.halving_mm);
+    (void)printf("        .n = %u,\n        .knot = {", (unsigned)m->decision.n);
+    for (uint32_t i = 0; i < m->decision.n; i++)
+        (void)printf("{%a, %a},", m->decision.knot[i].mm, m->decision.knot[i].rate);
+    (void)printf("},\n    },\n");
+    print_cells("mean", m->mean);
+    print_cells("weight", m->weight);
+    print_basis("motion", &m->motion);
+    print_basis("change", &m->change);
+    (void)printf("};\n");
+}
+
+int main(void)
+{
+    static struct model m;
+    static char text[LARGEST];
+    const size_t len = fread(text, 1, sizeof text, stdin);
+    uint32_t line = 0;
+
+    if (ferror(stdin) || model_parse(text, len, &m, &line) != ST_OK) {
+        (void)fprintf(stderr, "line %u: not a model\n", (unsigned)line);
+        return EXIT_FAILURE;
+    }
+    print_model(&m);
+    return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
