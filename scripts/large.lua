@@ -1,13 +1,13 @@
--- large.lua: for wrk, run by scripts/large: one request for each line of a list, then stop.
--- Arguments: "verify" or "enroll"; the list, of numbers of subjects; the folder with their
--- scans; a token.  Whoever is enrolled is somebody new.  One thread only.
--- At the end one line: requests seconds p50 p99 other
--- Times in ms; other: whatever was not a match, or not created.
+-- large.lua: script of wrk for scripts/large: sends one request for each line of a list, then
+-- stops.  Arguments: "verify" or "enroll"; the list, of subjects' numbers; the folder with their
+-- scans; a token.  "enroll" enrolls each scan under a new subject id.  One thread only.
+-- Prints one line at the end: requests seconds p50 p99 other
+-- Times in ms; other: responses that are not a match, or not created, and failed connections.
 local wanted = {verify = '"decision":%s*"match"', enroll = '"created":%s*true'}
 local requests, sent, seen = {}, 0, 0
 local pattern, worker
 
-other = 0 -- global: done() has no other way to it
+other = 0 -- global, because done() cannot reach it otherwise
 
 function setup(thread)
     worker = thread
@@ -51,8 +51,8 @@ function response(_, _, body)
     end
     if seen == #requests then
         wrk.thread:stop()
-        -- wrk itself sleeps until its time is over, or a signal comes to it and not to this
-        -- thread, which is about to end.
+        -- wrk's main thread sleeps until its time is over or it gets a signal.  Repeated,
+        -- because this thread, which is about to end, may get the signal instead.
         io.popen("(for _ in 1 2 3 4 5; do sleep 0.05; kill -INT $PPID || exit; done) 2>&1 &"):close()
     end
 end
