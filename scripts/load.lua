@@ -1,14 +1,14 @@
--- load.lua: for wrk, run by scripts/load: genuine verifications of all its subjects in turn.
--- Arguments: the folder with the scans; their ending; a token; how many subjects; and the
--- time in ms that a connection waits before each request.
--- One thread only.  At the end one line:
+-- load.lua: script of wrk for scripts/load: mated verifications of all subjects in turn.
+-- Arguments: the folder with the scans; their file extension; a token; the number of subjects;
+-- and the time in ms that a connection waits before each request.
+-- One thread only.  Prints one line at the end:
 --   requests seconds p50 p95 p99 matches busy lost
--- Times in ms; busy: answers of 503; lost: whatever else became of a request.
+-- Times in ms; busy: responses with 503; lost: all other requests.
 local type_of = {ply = "model/x-ply", json = "application/json"}
 local requests, turn, pause = {}, 0, 0
 local worker
 
-matches, busy, other = 0, 0, 0 -- global: done() has no other way to them
+matches, busy, other = 0, 0, 0 -- global, because done() cannot reach them otherwise
 
 function setup(thread)
     worker = thread
@@ -29,7 +29,7 @@ function init(args)
     pause = tonumber(args[5])
     if pause > 0 then
         math.randomseed(1)
-        delay = function() -- spread, or all connections would send at once
+        delay = function() -- random, or all connections would send at the same time
             return math.floor(pause * (0.5 + math.random()) + 0.5)
         end
     end
