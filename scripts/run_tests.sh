@@ -1,15 +1,15 @@
 #!/bin/sh
-# run_tests.sh TEST...: run each test, $JOBS (one per core and one more, since those against
-# the daemon wait much) at a time, and add up.  A test
-# is a cmocka program or a black-box script; a script that counts for itself ends with
-# "N passed, N failed".  What a test prints goes to $BUILD/log/NAME.log and is shown when the
-# test fails; a line that begins with SKIP is always shown.  The totals are added to the
-# file $RESULTS, if set.  Exit: 0 all passed, 1 otherwise.
+# run_tests.sh TEST...: run each test, $JOBS at a time (default: the number of cores and one more,
+# because tests of the daemon wait much), and add up the results.  A test is a cmocka program or a
+# black-box script; a script that counts for itself ends with "N passed, N failed".  A test's
+# output goes to $BUILD/log/NAME.log and is shown if it fails; a line that begins with SKIP is
+# always shown.  The totals are appended to the file $RESULTS, if set.  Exit: 0 if all passed,
+# 1 otherwise.
 set -u
 BUILD=${BUILD:-build}
 export BUILD
 
-# run_one TEST: one test, its report, and its counts into $BUILD/log/NAME.counts.
+# run_one TEST: run it, print its report, and write its counts to $BUILD/log/NAME.counts.
 run_one() {
     name=$(basename "$1" .sh)
     log=$BUILD/log/$name.log
