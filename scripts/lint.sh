@@ -1,5 +1,5 @@
 #!/bin/sh
-# lint.sh: the rules of the house that a check can hold, on a finished build in $BUILD.
+# lint.sh: run the checks of the project's rules on a finished build in $BUILD.
 # shellcheck disable=SC2046,SC2086 # lists of file names of our own
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -11,8 +11,8 @@ checks=0
 rooms=$(make -s layers | sed 's/ .*//')
 code=$(find $rooms studies -name '*.[ch]')
 
-# check TITLE COMMAND...: a check passes when the command exits 0.  They all run at once; what
-# they said is told in their order at the end, by report().
+# check TITLE COMMAND...: a check passes if the command exits 0.  All checks run at the same
+# time; report() prints their results in order at the end.
 check() {
     checks=$((checks + 1))
     title=$1 log=$out/$checks
@@ -42,7 +42,7 @@ report() {
     failed=$((checks - passed - $(grep -c '^  SKIP' "$out/report")))
 }
 
-# Files of at most 700 lines, functions of at most 80: some air above the aim, 600 and 60.
+# Files of at most 700 lines, functions of at most 80: the aim is 600 and 60.
 check_length() {
     awk 'FNR == 1 { start = 0 }
         FNR == 701 { print FILENAME ": more than 700 lines"; bad = 1 }
@@ -57,7 +57,8 @@ check_unfinished() {
         scripts/test scripts/setup README.md
 }
 
-# gcc finds the sign conversions; clang also counts an int passed for an enum.
+# -Wno-sign-conversion, because clang also reports an int passed for an enum; gcc checks the
+# sign conversions.
 clang_all() {
     make -s -j2 BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion tests
 }
