@@ -1,6 +1,6 @@
 #!/bin/sh
-# boot_root.sh ROOT: run the systemd of the Debian in the folder ROOT, in namespaces of its
-# own, until this script is killed.  As root; for check_deb.sh.
+# boot_root.sh ROOT: boot the Debian system in the folder ROOT with its own systemd, in new
+# namespaces, until this script is killed.  Needs root; check_deb.sh uses it.
 set -eu
 if [ "${2:-}" != inside ]; then
     exec unshare --mount --pid --fork --kill-child --uts --ipc --net --cgroup "$0" "$1" inside
@@ -27,7 +27,7 @@ else
     mkdir "$root/sys/fs/cgroup/systemd"
     mount -t cgroup -o none,name=systemd cgroup "$root/sys/fs/cgroup/systemd"
 fi
-# Not chroot: there are no user namespaces in one, and the service has one of its own.
+# pivot_root, because the service makes a user namespace and the kernel allows none in a chroot.
 cd "$root"
 pivot_root . .
 umount -l .

@@ -1,9 +1,9 @@
 #!/bin/sh
-# check_deb.sh: the life of the Debian packages in $BUILD/deb on a bare Debian 12: installed,
-# started by systemd, used, upgraded, removed, installed again, purged.  A root folder is made
-# for it (mmdebstrap, from Debian's mirror) and its own systemd booted in it.  As root, some
-# minutes; the last line is "N passed, N failed".  The bare root is kept in $BUILD for the
-# next time.
+# check_deb.sh: test the Debian packages in $BUILD/deb on a bare Debian 12: install, start by
+# systemd, use, upgrade, remove, install again, purge.  mmdebstrap makes the system in a
+# temporary folder, from Debian's mirror, and its own systemd is booted there.  Needs root and
+# some minutes; the last line is "N passed, N failed".  The bare system is kept in $BUILD as a
+# tar file for the next run.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 BUILD=${BUILD:-build}
@@ -22,7 +22,7 @@ log=$place/log
 
 clean_up() {
     if [ -n "$boot" ]; then
-        kill -KILL "$boot" # and with it the systemd below it: see unshare(1)
+        kill -KILL "$boot" # unshare --kill-child then kills the systemd too
         wait "$boot"
     fi 2>/dev/null
     rm -rf --one-file-system "$place"
@@ -30,7 +30,7 @@ clean_up() {
 trap clean_up EXIT
 trap 'exit 1' INT TERM
 
-# ok TITLE COMMAND...: a check passes when the command exits 0.
+# ok TITLE COMMAND...: a test; it passes if the command exits 0.
 ok() {
     title=$1
     shift
@@ -46,7 +46,7 @@ ok() {
 no() { ! "$@"; }
 is() { [ "$1" = "$2" ]; }
 
-# run COMMAND...: in the root, and in the booted system once there is one.
+# run COMMAND...: in the booted system, or before the boot in a chroot.
 run() {
     if [ -n "$system" ]; then
         nsenter -t "$system" -m -p -u -i -n -C env -i LC_ALL=C \
@@ -61,7 +61,7 @@ surfacectl() { run runuser -u surfaced -- surfacectl --db $db "$@"; }
 http() { nsenter -t "$system" -n curl -sS -f -m 20 -H "Authorization: Bearer $token" "$@"; }
 pid() { run systemctl show -P MainPID surfaced.service; }
 
-# in_time COMMAND...: it succeeds within a minute.
+# in_time COMMAND...: repeat the command for a minute, until it succeeds.
 in_time() {
     for _ in $(seq 300); do
         "$@" && return
@@ -71,7 +71,7 @@ in_time() {
 }
 another_pid() { [ "$(pid)" != "$1" ] && [ "$(pid)" != 0 ]; }
 
-# An earlier version to upgrade from: the same package under a lower number.
+# An earlier version to upgrade from: the same package with a lower version number.
 earlier() {
     dpkg-deb -R "$deb" "$place/earlier" &&
         sed -i 's/^Version: .*/Version: 0.0.1/' "$place/earlier/DEBIAN/control" &&
@@ -108,37 +108,37 @@ done
 
 echo "== installed on a bare Debian 12"
 earlier >"$log" || exit 1
-ok "installs with what apt finds" install_deb /surfaced_0.0.1.deb
+ok "installs with the dependencies that apt finds" install_deb /surfaced_0.0.1.deb
 ok "the library installs beside it" install_deb /surface.deb
-ok "the system user" run getent passwd surfaced
-ok "who cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
-ok "whose the state folder is" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
-ok "the programs run" run surfacectl --version
-ok "the settings are good" run runuser -u surfaced -- surfaced --check-config
+ok "there is a system user" run getent passwd surfaced
+ok "it cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
+ok "it owns the state folder" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
+ok "surfacectl runs" run surfacectl --version
+ok "the settings are valid" run runuser -u surfaced -- surfaced --check-config
 ok "the service is enabled" run systemctl is-enabled surfaced.service
-ok "the socket is not" no run systemctl is-enabled surfaced.socket
+ok "the socket is not enabled" no run systemctl is-enabled surfaced.socket
 
 echo "== running"
 ok "systemd boots" boot
-ok "the service is up" in_time run systemctl -q is-active surfaced.service
+ok "the service is active" in_time run systemctl -q is-active surfaced.service
 first=$(pid)
-ok "not as root, without capabilities, filtered" run sh -c "
+ok "not root, no capabilities, filtered system calls" run sh -c "
     set -e
     grep -q '^Uid:	[1-9]' /proc/$first/status
     grep -q '^CapBnd:	0*\$' /proc/$first/status
     grep -q '^NoNewPrivs:	1' /proc/$first/status
     grep -q '^Seccomp:	2' /proc/$first/status"
 token=$(surfacectl token create check 2>/dev/null)
-ok "surfacectl enrolls beside it" run sh -c \
+ok "surfacectl enrolls beside the daemon" run sh -c \
     "cat /alice-0.ply | runuser -u surfaced -- surfacectl --db $db enroll alice -"
 probe() {
     http -H 'Content-Type: model/x-ply' --data-binary "@$root/alice-1.ply" \
         http://127.0.0.1:8787/v1/subjects/alice/verify | grep '"decision": *"match"'
 }
-ok "it verifies" probe
+ok "the daemon verifies" probe
 ok "reload" run systemctl reload surfaced.service
 ok "verifies after a reload" probe
-ok "as the same process" is "$(pid)" "$first"
+ok "it is the same process" is "$(pid)" "$first"
 
 echo "== hung and crashed"
 run mkdir -p /run/systemd/system/surfaced.service.d
@@ -147,46 +147,46 @@ run systemctl daemon-reload
 run systemctl restart surfaced.service
 before=$(pid)
 run sh -c "kill -STOP $before"
-ok "the watchdog restarts what hangs" in_time another_pid "$before"
+ok "the watchdog restarts a daemon that hangs" in_time another_pid "$before"
 run rm -r /run/systemd/system/surfaced.service.d
 run systemctl daemon-reload
 run systemctl restart surfaced.service
 before=$(pid)
 run sh -c "kill -KILL $before"
-ok "a crash restarts it" in_time another_pid "$before"
-ok "it verifies" in_time probe
+ok "systemd restarts it after a crash" in_time another_pid "$before"
+ok "the daemon verifies again" in_time probe
 
 echo "== upgraded"
 run sh -c 'echo "queue = 77" >>/etc/surfaced.conf'
 before=$(pid)
 ok "upgrades" install_deb /surfaced.deb
-ok "the new one runs" in_time another_pid "$before"
-ok "the faces are there" probe
+ok "the new daemon runs" in_time another_pid "$before"
+ok "the database is kept" probe
 ok "the settings are kept" run grep 'queue = 77' /etc/surfaced.conf
 
-echo "== by its socket"
+echo "== activated by the socket"
 run systemctl stop surfaced.service
-ok "a clean stop" is "$(run systemctl show -P Result surfaced.service)" success
+ok "the service stops cleanly" is "$(run systemctl show -P Result surfaced.service)" success
 ok "the socket is enabled" run systemctl -q enable --now surfaced.socket
-ok "the service is not up" is "$(pid)" 0
+ok "the service is not running" is "$(pid)" 0
 ok "the first request starts it" probe
-ok "which systemd listens for" is "$(run systemctl show -P NAccepted surfaced.socket)" 0
+ok "the daemon accepts connections itself" is "$(run systemctl show -P NAccepted surfaced.socket)" 0
 
 echo "== removed"
 ok "removes" run apt-get -q -y remove surfaced
-ok "nothing runs" no run pgrep -x surfaced
-ok "the programs are gone" no run test -e /usr/sbin/surfaced -o -e /usr/bin/surfacectl
-ok "the faces are kept" run test -s $db
+ok "the daemon is stopped" no run pgrep -x surfaced
+ok "the programs are removed" no run test -e /usr/sbin/surfaced -o -e /usr/bin/surfacectl
+ok "the database is kept" run test -s $db
 ok "the settings are kept" run test -s /etc/surfaced.conf
 ok "installs again" install_deb /surfaced.deb
-ok "the faces are there" in_time probe
+ok "the database is used again" in_time probe
 
 echo "== purged"
 ok "purges" run apt-get -q -y purge surfaced libsurface-dev
 left=$(run find / -xdev -name '*surface[d.]*' -not -path '/proc/*' -not -path '/sys/*' \
     -not -name '*.deb' -not -path '/var/log/*' -not -path '/tmp/*')
-ok "nothing is left: $(echo "$left" | tr '\n' ' ')" is "$left" ""
-ok "the system user stays, no other gets its number" run getent passwd surfaced
+ok "no file is left: $(echo "$left" | tr '\n' ' ')" is "$left" ""
+ok "the system user stays" run getent passwd surfaced
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
