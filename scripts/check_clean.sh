@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_clean.sh [FILE]: list the files that git does not know of; given a list made before,
-# complain about new ones: building and testing must leave nothing behind.
+# check_clean.sh [FILE]: list the untracked files; given FILE, an earlier list, print the new
+# ones and fail if there are any: building and testing must leave no files behind.
 set -eu
 cd "$(dirname "$0")/.."
 git status --porcelain --untracked-files=all 2>/dev/null | grep '^??' >build/untracked || true

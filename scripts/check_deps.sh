@@ -1,8 +1,8 @@
 #!/bin/sh
-# check_deps.sh: a room includes itself and the rooms that the Makefile lets it see (SEES_*).
-# core is libc and libm only, neither prints nor exits and takes memory in mem.c alone;
-# SQLite stays in db/, the JSON library in one file of base/, libmicrohttpd in
-# two files of server/.
+# check_deps.sh: a room includes only headers of its own and of the rooms that the Makefile
+# lists for it (SEES_*).  core uses libc and libm only, does not print or exit, and allocates
+# memory only in mem.c.  SQLite, cJSON and libmicrohttpd are included only where the calls of
+# only() below allow it.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -15,14 +15,14 @@ complain() {
     bad=1
 }
 
-# including FILE-PATTERN FILE...: the files that include a header matching the pattern
+# including PATTERN FILE...: those of the files that include a header matching the pattern
 including() {
     pattern=$1
     shift
     grep -El "^# *include *[<\"](${pattern})[>\"]" "$@"
 }
 
-# own FOLDER ALLOWED...: a quoted include in FOLDER is found in one of ALLOWED
+# own FOLDER ALLOWED...: each quoted include in FOLDER is a file of one of the ALLOWED folders
 own() {
     folder=$1
     shift
@@ -51,7 +51,8 @@ libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint
 grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |
     sed 's|^|check_deps: |' | grep . && bad=1
 
-# only PATTERN NUMBER FOLDER WHAT: in at most so many files of FOLDER, and in no other room
+# only PATTERN NUMBER ROOMS NAME: at most NUMBER files of each of ROOMS include a header matching
+# the pattern, and no file of another room does
 only() {
     for room in $rooms; do
         files=$(including "$1" "$room"/*.[ch])
@@ -68,7 +69,7 @@ only 'sqlite3.*' 99 db SQLite
 only '(cjson/)?cJSON.*' 1 base JSON
 only 'microhttpd.*' 2 server libmicrohttpd
 
-# What the compiled core asks of libc.
+# The libc functions that the compiled core uses.
 memory='malloc|calloc|realloc|aligned_alloc|posix_memalign|free|strdup'
 world='printf|fprintf|puts|fputs|fputc|putchar|fwrite|perror|exit|_exit|abort|fopen|open|read'
 world="$world|write|time|clock|clock_gettime|rand|random|setlocale|getenv"

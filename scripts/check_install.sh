@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_install.sh: `make install` into an empty place gives a library that a stranger's
-# program can be built with, and everything else where it belongs.
+# check_install.sh: after `make install` into an empty folder a program of its own builds and
+# runs with the installed library, and all other files are where they belong.
 set -eu
 cd "$(dirname "$0")/.."
 place=$(mktemp -d)

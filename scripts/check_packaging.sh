@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_packaging.sh: what the package says twice says the same: its version is the
-# program's, and it is built with the libraries of scripts/packages.txt.
+# check_packaging.sh: the package's version is the program's, and its Build-Depends has the
+# libraries of scripts/packages.txt.
 set -eu
 cd "$(dirname "$0")/.."
 debian=packaging/debian
@@ -15,7 +15,7 @@ libraries=$(awk '$1 == "build" && $2 ~ /-dev$/ && $2 != "libc6-dev" { print $2 }
     scripts/packages.txt)
 for library in $libraries; do
     if ! grep -qE "[ ,]$library(,|$)" $debian/control; then
-        echo "$debian/control: Build-Depends has no $library, scripts/packages.txt has"
+        echo "$debian/control: Build-Depends lacks $library of scripts/packages.txt"
         bad=1
     fi
 done

@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_symbols.sh: foo.c exports names that begin with foo_ (or foo itself), no others.
-# Runs on the objects of a finished build in $BUILD.
+# check_symbols.sh: foo.c exports only foo and names that begin with foo_.  Checks the objects
+# of a finished build in $BUILD.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -19,7 +19,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             is_source[each[n]]
     }
 
-    # What a source may export, by its path without the ending.
+    # allowed(SOURCE): a pattern of the names that the file SOURCE.c may export.
     function allowed(source, folder, module, names) {
         if (source == "core/predicates")
             return "incircle_.*" # named as in the literature
@@ -52,4 +52,4 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             bad = 1
         }
     }
-    END { exit bad || NR == 0 }' # also where there is no build
+    END { exit bad || NR == 0 }' # NR is 0 without a build

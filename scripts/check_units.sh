@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_units.sh: systemd understands the units, and the services' may leave it open to
-# little: `systemd-analyze security` may say 2.0 at most.
+# check_units.sh: systemd accepts the units without a warning, and `systemd-analyze security`
+# rates the services' exposure at most 2.0.
 set -eu
 cd "$(dirname "$0")/.."
 place=$(mktemp -d)
@@ -11,7 +11,7 @@ sed "s|/usr/bin/surfacectl|${program%ed}ectl|" packaging/surfaced-backup.service
     >"$place/surfaced-backup.service"
 cp packaging/surfaced.socket packaging/surfaced-backup.timer "$place/"
 if systemd-analyze verify --man=no "$place"/surfaced* 2>&1 | grep .; then
-    exit 1 # a word is a complaint
+    exit 1 # any output is a warning
 fi
 for unit in surfaced surfaced-backup; do
     systemd-analyze security --offline=true --no-pager --threshold=20 \
