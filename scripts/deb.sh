@@ -1,12 +1,12 @@
 #!/bin/sh
 # deb.sh: build the Debian packages into $BUILD/deb, from a copy of this tree with
-# packaging/debian at its top.  No root, and nothing but the copy is written to.
+# packaging/debian at its top.  Needs no root and writes only below $BUILD/deb.
 set -eu
 cd "$(dirname "$0")/.."
 out=${BUILD:-build}/deb
 for tool in dpkg-buildpackage dh; do
     command -v $tool >/dev/null || {
-        echo "deb: there is no $tool; scripts/setup deb installs it" >&2
+        echo "deb: $tool is not installed (scripts/setup deb)" >&2
         exit 1
     }
 done

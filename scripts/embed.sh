@@ -1,6 +1,6 @@
 #!/bin/sh
-# embed.sh NAME < FILE > NAME.h: FILE as a C array, NUL-terminated, to be built into a
-# program.  An array of numbers, because C11 promises only 4095 characters a string.
+# embed.sh NAME < FILE > NAME.h: FILE as the NUL-terminated C array NAME, to be compiled into a
+# program.  An array of numbers, because C11 guarantees string literals of 4095 characters only.
 set -eu
 name=$1
 printf '/* Made by scripts/embed.sh; do not edit. */\n'

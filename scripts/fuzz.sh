@@ -1,7 +1,7 @@
 #!/bin/sh
-# fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a
-# time, starting from its corpus.  What it finds on the way is kept in BUILD/corpus; a crash
-# leaves its input in BUILD/crash.
+# fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a time,
+# starting from its corpus in tests/fuzz.  Inputs that reach new code are kept in BUILD/corpus,
+# an input that crashes in BUILD/crash.
 set -u
 
 run_one() { # FUZZER BUILD SECONDS
