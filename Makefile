@@ -1,12 +1,12 @@
 # surfaced -- see README.md.  `make help` lists the targets.
 #
-# A room is a folder of modules.  What is built follows from what is there: the *.c files of
-# a room are an archive, build/libROOM.a; server/main.c and ctl/ctl.c have the programs'
-# main(), tools/NAME_main.c and tests/*/NAME_main.c are programs of their own, build/NAME;
-# tests/ROOM/test_*.c are unit tests, each linked with its room and those below it alone.
-# A test that needs a linker flag says so on a line of its own:  /* link: -Wl,--wrap=f */
+# A room is a folder of modules.  The Makefile finds the files by their names: the *.c files
+# of a room become an archive, build/libROOM.a; server/main.c and ctl/ctl.c hold the programs'
+# main(); tools/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
+# tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
+# A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
 # Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
-# server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* alike.
+# server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* likewise.
 
 ifeq ($(origin CC),default)
 CC           := gcc
@@ -22,7 +22,7 @@ WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
 VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
 
-# ---- the rooms, and what each may include and link besides itself, nearest first
+# ---- the rooms, and the others that each may include and link, in link order
 
 ROOMS       := core base scan learn db server ctl tools
 SEES_core   :=
@@ -34,7 +34,7 @@ SEES_server := db scan base core
 SEES_ctl    := db learn scan base core
 SEES_tools  := base core
 
-# The libraries that a room needs besides the C library.
+# The libraries that a room needs in addition to the C library.
 NEEDS_core   := -lm
 NEEDS_base   := -linih -lcjson -lpthread
 NEEDS_db     := -lsqlite3 -lsodium -lxxhash
@@ -48,7 +48,7 @@ needs = $(foreach r,$(call sees,$(1)),$(NEEDS_$r))
 
 WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
             -Wmissing-prototypes -Wcast-qual -Wformat=2 -Wvla -Wundef $(WERROR)
-# -ffp-contract=off and no fast-math: the same bytes in, the same digits out.
+# -ffp-contract=off and no fast-math, so that the same input gives the same digits everywhere.
 CFLAGS   := -std=c11 -g $(OPT) -ffp-contract=off -fno-math-errno \
             -fstack-protector-strong -fPIE $(WARN) $(EXTRA)
 FORTIFY  := $(if $(findstring -O0,$(OPT))$(findstring sanitize,$(EXTRA)),0,2)
@@ -56,11 +56,11 @@ CPPFLAGS := -D_POSIX_C_SOURCE=200809L -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=$(FORT
 LDFLAGS  := -pie -Wl,--as-needed -Wl,-z,relro -Wl,-z,now $(EXTRA)
 link      = $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^
 
-# V=1 shows the commands in full; -s nothing.
+# V=1 prints the full commands; -s prints nothing.
 Q   := $(if $(V),,@)
 say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\n' $(1) $@)
 
-# ---- what is there
+# ---- sources and programs
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
@@ -136,7 +136,7 @@ $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c core/model.h Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -Icore -c -o $@ $<
 
 $(call arch,core): $(BUILD)/gen/default_model.o
-# What needs cmocka, a package of tests alone, is linked with unit tests alone.
+# Helpers that include cmocka are linked only with unit tests: a build for users has no cmocka.
 FIXTURES := $(shell grep -ls '<cmocka.h>' tests/lib/*.c)
 $(call arch,fixtures): $(call obj,$(FIXTURES))
 $(call arch,tests): $(call obj,$(filter-out $(FIXTURES),$(wildcard tests/lib/*.c)))
@@ -158,7 +158,7 @@ $(TOOL_BIN): $(BUILD)/%: $(BUILD)/tools/%_main.o $(call archs,tools)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,tools)
 
-# The studies (scripts/studies): the library's geometry and the face generator.
+# The program of scripts/studies.
 $(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,tools) \
     $(call archs,scan)
 	$(call say,LD)
@@ -168,7 +168,7 @@ $(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call ar
 
 linkflags = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
 
-# Programs below tests/ROOM: with the tests' library, the generator and the rooms seen.
+# The programs in tests/ROOM, linked with tests/lib, the face generator and the rooms they see.
 define testlink
 $(filter $(BUILD)/tests/$(1)/%,$(TEST_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,fixtures) $(call arch,tests) \
     $(call arch,tools) $(call archs,$(1))
@@ -185,7 +185,7 @@ $(call programs,$(filter tests/$(1)/%,$(AID_SRC))): $(BUILD)/%: $(BUILD)/tests/$
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testlink,$r)))
 
-# To be loaded into a program that is as it is, so never with a sanitizer.
+# Preloaded into a finished program, so never built with a sanitizer.
 $(SHIM_BIN): $(BUILD)/%.so: tests/box/%.c tests/lib/crash_op.h Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
@@ -196,17 +196,17 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/bench/%.o \
 	$(call say,LD)
 	$(Q)$(link) $(call needs,bench)
 
-# What the black-box tests run.
+# Programs that the black-box tests run.
 AIDS := $(AID_BIN) $(SHIM_BIN) $(BUILD)/study
 
 ## tests: everything that the tests need
 .PHONY: tests
 tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
-# Minutes under a sanitizer, of code that other tests take there too; and one that loads what
-# a sanitizer would have to be loaded before.
+# Left out under a sanitizer: tests that would take minutes, of code that other tests run there
+# too; and crash, whose preloaded library would be loaded before the sanitizer's.
 LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-client crash
-# The black-box tests wait much and take longest: first, so that others run beside the last.
+# The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(TEST_BIN) $(FUZZ_BIN)
 CHECK     := $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
@@ -228,7 +228,7 @@ threads: all $(AIDS) $(THREAD_BIN)
 	    $(patsubst %,tests/box/http-%.sh,routes same crowd) tests/box/ctl-calibrate.sh \
 	    tests/box/ctl-explain.sh
 
-## demo: faces enrolled and verified over HTTP (scripts/demo)
+## demo: enroll and verify faces over HTTP (scripts/demo)
 .PHONY: demo
 demo:
 	scripts/demo
@@ -243,7 +243,7 @@ bench: all $(BENCH_BIN)
 studies:
 	BUILD=$(BUILD) scripts/studies
 
-# Sanitizers: a build and a run of the tests of their own.
+# Each sanitizer has its own build, in which the tests run.
 SANE := -fno-omit-frame-pointer -fno-sanitize-recover=all
 .PHONY: asan ubsan tsan sanitize
 ## asan: the tests under the address and leak sanitizers
@@ -269,12 +269,12 @@ fuzz:
 $(BUILD)/tests/fuzz/%.o: CPPFLAGS += $(if $(findstring fuzzer,$(EXTRA)),-DFUZZ_LIBFUZZER)
 fuzzers: $(FUZZ_BIN)
 
-# The rooms and what each sees, for the checks.
+# Prints each room and the rooms that it sees, for the checks.
 .PHONY: layers
 layers:
 	@$(foreach r,$(ROOMS),echo $r $(SEES_$r);)
 
-## lint: the rules of the house: headers, symbols, dependencies, format, shell scripts
+## lint: the project's rules: headers, symbols, dependencies, format, shell scripts
 .PHONY: lint
 lint: all
 	BUILD=$(BUILD) scripts/lint.sh
@@ -312,12 +312,12 @@ install: all
 	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
 	done
 
-## deb: Debian packages, in build/deb (make check-deb tries them on a bare Debian)
+## deb: Debian packages, in build/deb (make check-deb tests them on a bare Debian)
 .PHONY: deb
 deb:
 	BUILD=$(BUILD) scripts/deb.sh
 
-# A target of its own, not a part of scripts/test: it takes root, a mirror and some minutes.
+# Not a part of scripts/test: it needs root, a mirror and some minutes.
 .PHONY: check-deb
 check-deb: deb $(BUILD)/facegen
 	BUILD=$(BUILD) scripts/check_deb.sh
