@@ -269,6 +269,29 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     return ST_OK;
 }
 
+enum status face_field(const struct face *tmpl, const struct face *probe,
+                       const double transform[16], struct face_work *w,
+                       struct face_field *out)
+{
+    struct score_cells part;
+    struct disparity plain;
+    struct cells cells;
+    struct score score;
+    struct fit fit;
+    enum status st = measure(tmpl, probe, transform, w, &plain, &cells);
+
+    if (st == ST_OK)
+        st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score);
+    if (st != ST_OK)
+        return st;
+    score_cells(w->model, &cells, &fit, &score, &part);
+    memcpy(out->gap_mm, cells.gap, sizeof out->gap_mm);
+    memcpy(out->rest_mm, fit.rest, sizeof out->rest_mm);
+    memcpy(out->weight, part.weight, sizeof out->weight);
+    memcpy(out->local_mm, part.local_mm, sizeof out->local_mm);
+    return ST_OK;
+}
+
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out)
 {

@@ -114,6 +114,21 @@ enum status face_place(struct face *f, struct face_work *w);
 enum status face_gap(const struct face *tmpl, const struct face *probe,
                      const double *transform, struct face_work *w, struct cells *out);
 
+/* What a comparison was decided on, per cell of the template's canonical frame (grid.h). */
+struct face_field {
+    float gap_mm[GRID_N]; /* the mean gap, probe minus template (cells.h) */
+    float
+        rest_mm[GRID_N]; /* of it what is left once learned change is taken out (fit.h) */
+    float weight[GRID_N];   /* what the cell counts, the sum is 1; 0: not covered */
+    float local_mm[GRID_N]; /* what weight averages to the disparity (score_cells()) */
+};
+
+/* face_field(tmpl, probe, transform, w, out): what face_compare(), whose transform it is,
+ * decided on.  The cost of a measure.  Returns ST_OK, ST_ENOMEM. */
+enum status face_field(const struct face *tmpl, const struct face *probe,
+                       const double transform[16], struct face_work *w,
+                       struct face_field *out);
+
 /* face_asymmetry(f, w, out): f against its mirror image, from the symmetry plane of its
  * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */
 enum status face_asymmetry(const struct face *f, struct face_work *w,

@@ -65,6 +65,12 @@ static double capped(float mm, float cap)
     return (double)(a < cap ? a : cap);
 }
 
+/* What the score is multiplied by, by the share of the weight covered. */
+static double thin(double weight)
+{
+    return 1 + SCORE_THIN * fmax(0, SCORE_WHOLE - weight);
+}
+
 enum status score_of(const struct model *m, const struct fit_basis *change,
                      const struct cells *c, struct scratch *s, struct fit *fit,
                      struct score *out)
@@ -104,7 +110,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         all.whole += part[r].whole;
     }
     out->weight = all.whole > 0 ? all.covered / all.whole : 0;
-    out->mm = mean(&all) * (1 + SCORE_THIN * fmax(0, SCORE_WHOLE - out->weight));
+    out->mm = mean(&all) * thin(out->weight);
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
         const bool seen = part[r].covered > REGION_MIN * part[r].whole;
@@ -113,4 +119,23 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         out->region_weight[r] = all.whole > 0 ? part[r].whole / all.whole : 0;
     }
     return ST_OK;
+}
+
+void score_cells(const struct model *m, const struct cells *c, const struct fit *fit,
+                 const struct score *s, struct score_cells *out)
+{
+    float rough[GRID_N];
+    double sum = 0;
+
+    roughness(c, fit->rest, rough);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double left =
+            capped(fit->rest[i], m->cap_mm) - SCORE_ROUGH * capped(rough[i], m->cap_mm);
+
+        out->weight[i] = m->change.rest[i] > 0.0f ? m->weight[i] * cells_cover(c, i) : 0;
+        out->local_mm[i] = out->weight[i] > 0.0f ? (float)(left * thin(s->weight)) : 0.0f;
+        sum += (double)out->weight[i];
+    }
+    for (uint32_t i = 0; i < GRID_N && sum > 0; i++)
+        out->weight[i] = (float)((double)out->weight[i] / sum);
 }

@@ -36,4 +36,14 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
                      const struct cells *c, struct scratch *s, struct fit *fit,
                      struct score *out);
 
+/* score_cells(m, c, fit, s, out): what score_of() averaged, from its own results: s is
+ * their score.  The sum of weight is 1 (0 where nothing is covered), and the sum of
+ * weight times local_mm is the disparity, which is 0 where that sum is negative. */
+struct score_cells {
+    float weight[GRID_N];   /* the cell's share of the covered weight, 0..1 */
+    float local_mm[GRID_N]; /* its own disparity; below 0 where it is roughness alone */
+};
+void score_cells(const struct model *m, const struct cells *c, const struct fit *fit,
+                 const struct score *s, struct score_cells *out);
+
 #endif

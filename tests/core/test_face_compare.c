@@ -275,6 +275,43 @@ static void test_clock(void **state)
     face_free(&a);
 }
 
+/* What is given out per cell is what was decided on. */
+static void test_field(void **state)
+{
+    static struct face_field field;
+    struct face a = {0}, b[2];
+
+    (void)state;
+    memset(b, 0, sizeof b);
+    make(16, 0, &a);
+    make(16, 1, &b[0]);
+    make(17, 0, &b[1]);
+    for (int k = 0; k < 2; k++) {
+        struct face_result r;
+        double weight = 0, score = 0, taken = 0;
+        size_t n = 0;
+
+        assert_int_equal(face_compare(&a, &b[k], 0, NULL, work, &r), ST_OK);
+        assert_int_equal(face_field(&a, &b[k], r.align.transform, work, &field), ST_OK);
+        for (uint32_t i = 0; i < GRID_N; i++) {
+            const double d = (double)field.gap_mm[i] - (double)field.rest_mm[i];
+
+            if (field.weight[i] <= 0)
+                continue;
+            weight += (double)field.weight[i];
+            score += (double)field.weight[i] * (double)field.local_mm[i];
+            taken += d * d;
+            n++;
+        }
+        assert_true(n > 500);
+        assert_true(fabs(weight - 1) < 1e-5);
+        assert_true(fabs(score - r.score_mm) < 1e-5);
+        assert_true(fabs(sqrt(taken / (double)n) - r.change_mm) < 0.02 * r.change_mm);
+        face_free(&b[k]);
+    }
+    face_free(&a);
+}
+
 static void test_heatmap(void **state)
 {
     static double gap[2 * POINTS];
@@ -379,8 +416,8 @@ int main(void)
         cmocka_unit_test(test_identity),     cmocka_unit_test(test_people),
         cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
         cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_clock),
-        cmocka_unit_test(test_heatmap),      cmocka_unit_test(test_heatmap_rim),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_field),        cmocka_unit_test(test_heatmap),
+        cmocka_unit_test(test_heatmap_rim),  cmocka_unit_test(test_no_memory),
     };
     int failed;
 
