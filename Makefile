@@ -24,14 +24,15 @@ VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
 
 # ---- the rooms, and the others that each may include and link, in link order
 
-ROOMS       := core base scan learn db server ctl tools
+ROOMS       := core base scan learn db verify server ctl tools
 SEES_core   :=
 SEES_base   := core
 SEES_scan   := base core
 SEES_learn  := scan base core
 SEES_db     := scan base core
-SEES_server := db scan base core
-SEES_ctl    := db learn scan base core
+SEES_verify := db scan base core
+SEES_server := verify db scan base core
+SEES_ctl    := verify db learn scan base core
 SEES_tools  := base core
 
 # The libraries that a room needs in addition to the C library.

@@ -39,8 +39,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include "enrolment.h"
 #include "errinfo.h"
 #include "face.h"
+#include "nearest.h"
 #include "store.h"
 #include "ctl_out.h"
 
@@ -217,19 +219,25 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out);
 enum status ctl_model_read(struct ctl *c, struct model **owned);
 enum status ctl_model_store(struct ctl *c, enum store_mode mode, struct store **s);
 
-/* ctl_face_nearest(c, s, subject, probe, w, best): the probe compared with all of a
- * subject's templates, by the database's calibration; ST_ENOTFOUND without any. */
+/* ctl_face_nearest(c, s, subject, probe, w, best): the probe compared with a subject's
+ * templates, by the database's calibration (nearest_find()); who may not be verified is
+ * ST_EDENIED.  ctl_face_template(): with one template of it. */
 struct ctl_nearest {
-    struct face_result result;
-    struct store_template tmpl;
-    unsigned compared;
-    char newest[STORE_ID_LEN + 1]; /* the subject's last one; "" without any */
+    struct nearest nearest;
+    struct store_template tmpl; /* that decides */
+    struct store_subject subject;
 };
 enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
                              const struct face *probe, struct face_work *w,
                              struct ctl_nearest *best);
+enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
+                              const struct face *probe, struct face_work *w,
+                              struct ctl_nearest *best);
 
-const char *ctl_face_decision(enum face_decision d);
+/* ctl_face_enroll(c, s, x, w, out): enrolment_add(). */
+enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
+                            struct face_work *w, struct enrolment_outcome *out);
+
 int ctl_face_exit(enum face_decision d);
 
 /* What every JSON answer to a comparison has. */

@@ -1,48 +1,28 @@
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "ctl.h"
 #include "ctl_crowd.h"
 
-/* A further sample must match the nearest of the subject's templates. */
-static enum status check_fit(struct ctl *c, struct store *s, const char *subject,
-                             const char *path, struct face_work *w, const struct face *f,
-                             char newest[STORE_ID_LEN + 1])
-{
-    struct ctl_nearest best;
-    const struct face_result *r = &best.result;
-    enum status st = ctl_face_nearest(c, s, subject, f, w, &best);
-
-    memcpy(newest, best.newest, sizeof best.newest);
-    if (st == ST_ENOTFOUND)
-        return ST_OK; /* the first one */
-    if (st != ST_OK || r->decision == FACE_MATCH)
-        return st;
-    if (r->decision == FACE_INCONCLUSIVE)
-        return errinfo_set(&c->e, ST_EMISMATCH,
-                           "%s: too little in common with %s's other samples to tell "
-                           "whether it fits (--force enrolls it all the same)",
-                           path, subject);
-    return errinfo_set(&c->e, ST_EMISMATCH,
-                       "%s: does not fit %s's other samples: disparity %.3f mm, "
-                       "threshold %.3f mm (--force enrolls it all the same)",
-                       path, subject, r->score_mm, r->threshold_mm);
-}
-
 enum status ctl_enroll_face(struct ctl *c, struct store *s, const char *subject,
                             const char *label, const char *path, struct face_work *w,
                             const struct face *f, struct store_template *t, bool *created)
 {
-    char newest[STORE_ID_LEN + 1];
-    enum status st;
+    const struct enrolment x = {.actor = CTL_ACTOR,
+                                .subject = subject,
+                                .label = label,
+                                .face = f,
+                                .force = c->force};
+    struct enrolment_outcome out;
+    struct errinfo e;
+    const enum status st = ctl_face_enroll(c, s, &x, w, &out);
 
-    do { /* again only when another enrolment came in between */
-        if (!c->force && (st = check_fit(c, s, subject, path, w, f, newest)) != ST_OK)
-            return st;
-        st = store_enroll_after(s, CTL_ACTOR, subject, label, f, c->force ? NULL : newest,
-                                t, created, &c->e);
-    } while (st == ST_EEXISTS);
+    if (st == ST_EMISMATCH) {
+        e = c->e;
+        (void)errinfo_set(&c->e, st, "%.100s: %s", path, e.msg);
+    }
+    *t = out.tmpl;
+    *created = out.created;
     return st;
 }
 

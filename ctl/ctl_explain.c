@@ -5,11 +5,11 @@
 #include "ctl_explain.h"
 
 #include "mem.h"
+#include "verdict.h"
 #include "ctl.h"
 #include "ctl_dir.h"
 
-/* A from the database: of a subject the template that decides, or else the template; by the
- * database's calibration, which the attempt to find a subject sets in any case. */
+/* A from the database: of a subject the template that decides, or else the template. */
 static enum status template_stored(struct ctl *c, struct face_work *w,
                                    struct explanation *x, struct store_template *t)
 {
@@ -20,20 +20,17 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
     if (st != ST_OK)
         return st;
     st = ctl_face_nearest(c, s, x->a, &x->probe, w, &best);
+    if (st == ST_ENOTFOUND && store_id_valid(x->a))
+        st = ctl_face_template(c, s, x->a, &x->probe, w, &best);
     if (st == ST_OK) {
-        x->compared = best.compared;
-        x->result = best.result;
+        x->compared = best.nearest.compared;
+        x->result = best.nearest.result;
         st = store_template_load(s, best.tmpl.id, t, w, &x->tmpl, &c->e);
-    } else if (st == ST_ENOTFOUND && store_id_valid(x->a)) {
-        x->compared = 1;
-        st = store_template_load(s, x->a, t, w, &x->tmpl, &c->e);
-        if (st == ST_OK)
-            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
     }
     x->template_id = t->id;
     if (st == ST_OK)
         st = store_event(s, "explain", CTL_ACTOR, t->subject, t->id,
-                         ctl_face_decision(x->result.decision), &c->e);
+                         verdict_decision(x->result.decision), &c->e);
     store_close(s);
     return st;
 }

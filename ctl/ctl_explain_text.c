@@ -1,5 +1,6 @@
 #include <math.h>
 
+#include "verdict.h"
 #include "ctl.h"
 #include "ctl_explain.h"
 
@@ -20,7 +21,7 @@ static const char *reason(const struct face_result *r)
 /* What the comparison found; by region of the face at the end. */
 static void print_result(FILE *to, const struct face_result *r)
 {
-    (void)fprintf(to, "decision     %s: %s\n", ctl_face_decision(r->decision), reason(r));
+    (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
     (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
                   r->threshold_mm);
     (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",

@@ -1,13 +1,12 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
-#include "calibration.h"
 #include "frame.h"
 #include "grid.h"
 #include "quality.h"
+#include "verdict.h"
 #include "ctl.h"
 
 static double clock_ms(void)
@@ -18,68 +17,103 @@ static double clock_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-const char *ctl_face_decision(enum face_decision d)
-{
-    static const char *const name[] = {[FACE_MATCH] = "match",
-                                       [FACE_NO_MATCH] = "no_match",
-                                       [FACE_INCONCLUSIVE] = "inconclusive"};
-
-    return name[d];
-}
-
 int ctl_face_exit(enum face_decision d)
 {
     return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
 }
 
-/* A comparison that says something before one that does not, then the smaller disparity. */
-static bool better(const struct face_result *a, const struct face_result *b)
+/* Models as nearest.h takes them: loaded from the store into one face. */
+struct shelf {
+    struct store *store;
+    struct face face;
+};
+
+static enum status hold(void *arg, const char *id, struct face_work *w,
+                        const struct face **out, struct errinfo *e)
 {
-    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
-        return a->decision != FACE_INCONCLUSIVE;
-    if (a->decision == FACE_INCONCLUSIVE)
-        return a->disparity.overlap > b->disparity.overlap;
-    return a->score_mm < b->score_mm;
+    struct shelf *s = arg;
+    struct store_template t;
+
+    *out = &s->face;
+    return store_template_load(s->store, id, &t, w, &s->face, e);
+}
+
+static void release(void *arg, const struct face *f)
+{
+    (void)arg;
+    (void)f;
+}
+
+static void pass_over(void *arg, const struct errinfo *e)
+{
+    (void)arg;
+    (void)fprintf(stderr, "surfacectl: passed over: %s\n", e->msg);
+}
+
+static struct nearest_context context(struct shelf *shelf, struct store *s,
+                                      struct face_work *w)
+{
+    *shelf = (struct shelf){.store = s};
+    return (struct nearest_context){.store = s,
+                                    .work = w,
+                                    .hold = hold,
+                                    .release = release,
+                                    .pass_over = pass_over,
+                                    .arg = shelf};
+}
+
+/* Templates t[0..n-1] are subject's. */
+static enum status nearest(struct ctl *c, struct store *s, const char *subject,
+                           const struct store_template *t, size_t n,
+                           const struct face *probe, struct face_work *w,
+                           struct ctl_nearest *best)
+{
+    struct shelf shelf;
+    struct nearest_context with = context(&shelf, s, w);
+    enum status st = store_subject_get(s, subject, &best->subject, &c->e);
+
+    if (st == ST_OK && admit_subject(&best->subject, &c->e) != ADMIT_YES)
+        st = ST_EDENIED;
+    if (st == ST_OK)
+        st = nearest_find(&with, t, n, probe, &best->nearest, &c->e);
+    if (st == ST_OK)
+        best->tmpl = t[best->nearest.index];
+    face_free(&shelf.face);
+    return st;
 }
 
 enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
                              const struct face *probe, struct face_work *w,
                              struct ctl_nearest *best)
 {
-    struct store_template *list = NULL, t;
-    struct face f = {0};
-    int64_t version = 0;
-    size_t n;
-    enum status st = calibration_follow(s, w, &version, &c->e);
+    struct store_template *t = NULL;
+    size_t n = 0;
+    enum status st = store_template_list(s, subject, &t, &n, &c->e);
 
     if (st == ST_OK)
-        st = store_template_list(s, subject, &list, &n, &c->e);
-    memset(best, 0, sizeof *best);
-    if (st == ST_OK && n > 0)
-        memcpy(best->newest, list[n - 1].id, sizeof best->newest);
-    for (size_t i = 0; st == ST_OK && i < n; i++) {
-        struct face_result r;
+        st = nearest(c, s, subject, t, n, probe, w, best);
+    free(t);
+    return st;
+}
 
-        if ((st = store_template_load(s, list[i].id, &t, w, &f, &c->e)) == ST_ENOTFOUND) {
-            st = ST_OK; /* deleted since it was listed */
-            continue;
-        }
-        if (st == ST_EVERSION) { /* of another engine, and of no use to this one */
-            (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
-            st = ST_OK;
-            continue;
-        }
-        if (st == ST_OK && (st = face_compare(&f, probe, 0.0, NULL, w, &r)) != ST_OK)
-            (void)errinfo_set(&c->e, st, "template %s: %s", t.id, status_message(st));
-        if (st == ST_OK && (best->compared++ == 0 || better(&r, &best->result))) {
-            best->result = r;
-            best->tmpl = t;
-        }
-    }
-    if (st == ST_OK && best->compared == 0)
-        st = errinfo_set(&c->e, ST_ENOTFOUND, "%s has no template", subject);
-    free(list);
-    face_free(&f);
+enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
+                              const struct face *probe, struct face_work *w,
+                              struct ctl_nearest *best)
+{
+    struct store_template t;
+    const enum status st = store_template_get(s, id, &t, &c->e);
+
+    return st == ST_OK ? nearest(c, s, t.subject, &t, 1, probe, w, best) : st;
+}
+
+enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
+                            struct face_work *w, struct enrolment_outcome *out)
+{
+    struct shelf shelf;
+    struct nearest_context with = context(&shelf, s, w);
+    const enum status st = enrolment_add(&with, x, out, &c->e);
+
+    face_free(&shelf.face);
     return st;
 }
 
@@ -121,7 +155,7 @@ static void out_alignment(struct ctl_out *o, const struct align_result *a)
 void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_result *r,
                       const struct face *probe)
 {
-    ctl_out_text(o, "decision", ctl_face_decision(r->decision));
+    ctl_out_text(o, "decision", verdict_decision(r->decision));
     ctl_out_number(o, "disparity_mm", r->score_mm);
     ctl_out_number(o, "threshold_mm", r->threshold_mm);
     ctl_out_rate(o, "fmr_at_score", r->fmr_at_score);
@@ -190,7 +224,7 @@ static void print_result(struct ctl *c, const struct face_result *r,
     ctl_out_number(c->out, "total_ms", ms);
     if (c->json)
         return;
-    (void)printf("decision     %s\n", ctl_face_decision(r->decision));
+    (void)printf("decision     %s\n", verdict_decision(r->decision));
     (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
                  r->threshold_mm);
     (void)printf("impostors    a share of %.2g would score this low or lower\n",
@@ -208,18 +242,6 @@ static void print_result(struct ctl *c, const struct face_result *r,
     (void)printf("time         %.1f ms\n", ms);
 }
 
-static enum status may_verify(struct ctl *c, const struct store_subject *one)
-{
-    if (one->disabled)
-        return errinfo_set(&c->e, ST_EDENIED,
-                           "subject %s is disabled (surfacectl subject enable)", one->id);
-    if (one->expired)
-        return errinfo_set(&c->e, ST_EDENIED,
-                           "subject %s expired at %s (surfacectl subject set)", one->id,
-                           one->expires);
-    return ST_OK;
-}
-
 int ctl_face_verify(struct ctl *c)
 {
     const char *subject = c->args[0];
@@ -227,7 +249,6 @@ int ctl_face_verify(struct ctl *c)
     struct face probe = {0};
     struct store *s = NULL;
     struct ctl_nearest best;
-    struct store_subject one;
     double start = 0;
     enum status st;
 
@@ -236,29 +257,27 @@ int ctl_face_verify(struct ctl *c)
     else
         st = ctl_model_store(c, STORE_WRITE, &s);
     start = clock_ms();
-    if (st == ST_OK && (st = store_subject_get(s, subject, &one, &c->e)) == ST_OK)
-        st = may_verify(c, &one);
     if (st == ST_OK)
         st = ctl_scan_read(c, c->args[1], w, &probe);
     if (st == ST_OK)
         st = ctl_face_nearest(c, s, subject, &probe, w, &best);
     if (st == ST_OK)
         st = store_event(s, "verify", CTL_ACTOR, subject, best.tmpl.id,
-                         ctl_face_decision(best.result.decision), &c->e);
+                         verdict_decision(best.nearest.result.decision), &c->e);
     if (st == ST_OK) {
-        store_subject_seen(s, &one);
+        store_subject_seen(s, &best.subject);
         ctl_out_text(c->out, "subject", subject);
         ctl_out_text(c->out, "template_id", best.tmpl.id);
-        ctl_out_number(c->out, "templates_compared", best.compared);
-        print_result(c, &best.result, &probe, clock_ms() - start);
+        ctl_out_number(c->out, "templates_compared", best.nearest.compared);
+        print_result(c, &best.nearest.result, &probe, clock_ms() - start);
         if (!c->json)
             (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
-                         best.tmpl.id, best.compared, subject, best.tmpl.created);
+                         best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
     }
     store_close(s);
     face_free(&probe);
     face_work_free(w);
-    return st == ST_OK ? ctl_face_exit(best.result.decision) : ctl_fail(c, st);
+    return st == ST_OK ? ctl_face_exit(best.nearest.result.decision) : ctl_fail(c, st);
 }
 
 int ctl_face_compare(struct ctl *c)

@@ -1,6 +1,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "verdict.h"
 #include "ctl_report.h"
 
 #define THRESHOLDS 2000
@@ -43,7 +44,7 @@ static void write_trial(FILE *to, const struct corpus *c, const struct ctl_trial
         (void)fprintf(to, "refused,,,,,,\n");
         return;
     }
-    (void)fprintf(to, "%s,%.6f,%.6g,%.4g,%.4f,%.4f,", ctl_face_decision(x->decision),
+    (void)fprintf(to, "%s,%.6f,%.6g,%.4g,%.4f,%.4f,", verdict_decision(x->decision),
                   x->disparity_mm, x->threshold_mm, x->fmr_at_score, x->overlap,
                   x->weight_overlap);
     if (!isnan(x->rotation_deg))

@@ -5,6 +5,7 @@
 
 #include "cloudfile.h"
 #include "mem.h"
+#include "sample.h"
 #include "ctl.h"
 
 #define MAX_FILE ((size_t)256 << 20)
@@ -81,18 +82,10 @@ enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
 enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
                            size_t n, struct face_work *w, struct face *out)
 {
-    size_t bad = 0;
-    const enum status st = face_build(pts, n, w, out, &bad);
+    const struct sample sample = {
+        .name = path, .pts = pts, .n = n, .unit_mm = unit_mm(c->units)};
 
-    if (st == ST_ENOTFINITE || st == ST_ERANGE)
-        (void)errinfo_set(&c->e, st, "%s: point %zu of %zu: %s", path, bad + 1, n,
-                          status_message(st));
-    else if (st == ST_ETOOFEW)
-        (void)errinfo_set(&c->e, st, "%s: %zu points, fewer than %d usable ones", path, n,
-                          FACE_MIN_POINTS);
-    else if (st != ST_OK)
-        (void)errinfo_set(&c->e, st, "%s: %s", path, status_message(st));
-    return st;
+    return sample_build(&sample, w, out, &c->e);
 }
 
 enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,

@@ -4,13 +4,12 @@
 
 #include "cloudfile.h"
 #include "errinfo.h"
-#include "errmap.h"
 #include "face.h"
 #include "parse.h"
-#include "lattice.h"
 #include "mem.h"
 #include "params.h"
 #include "request.h"
+#include "sample.h"
 
 void cloud_free(struct cloud *c)
 {
@@ -18,8 +17,9 @@ void cloud_free(struct cloud *c)
     *c = (struct cloud){0};
 }
 
-static void to_mm(const struct cloud *c, double mm)
+static void to_mm(struct cloud *c, double mm)
 {
+    c->unit_mm = mm;
     if (mm != 1.0) {
         for (size_t i = 0; i < c->n; i++) {
             c->pts[i].x *= mm;
@@ -43,7 +43,7 @@ static enum status read_json(struct request *r, double mm, struct cloud *out,
     enum status st = parse_cloud((const char *)r->body, r->len, FACE_MAX_POINTS, &c, e);
 
     if (st == ST_OK) {
-        *out = (struct cloud){c.pts, c.n};
+        *out = (struct cloud){.pts = c.pts, .n = c.n};
         to_mm(out, c.has_units ? c.mm : mm);
     }
     return st;
@@ -109,8 +109,8 @@ enum status cloud_read_two(struct request *r, struct cloud *a, struct cloud *b)
         request_fail(r, &e);
         return st;
     }
-    *a = (struct cloud){ja.pts, ja.n};
-    *b = (struct cloud){jb.pts, jb.n};
+    *a = (struct cloud){.pts = ja.pts, .n = ja.n};
+    *b = (struct cloud){.pts = jb.pts, .n = jb.n};
     to_mm(a, ja.has_units ? ja.mm : mm);
     to_mm(b, jb.has_units ? jb.mm : mm);
     return ST_OK;
@@ -119,38 +119,12 @@ enum status cloud_read_two(struct request *r, struct cloud *a, struct cloud *b)
 enum status cloud_build(struct request *r, const struct cloud *c, const char *name,
                         struct face_work *w, struct face *out)
 {
-    size_t bad = 0;
-    enum status st = face_build(c->pts, c->n, w, out, &bad);
+    const struct sample sample = {
+        .name = name, .pts = c->pts, .n = c->n, .unit_mm = c->unit_mm};
+    struct errinfo e = {0};
+    enum status st = sample_build(&sample, w, out, &e);
 
-    switch (st) {
-    case ST_OK:
-        break;
-    case ST_ETOOFEW:
-        request_problem(r, st, "%s has fewer than %d usable points (%zu were sent)", name,
-                        FACE_MIN_POINTS, c->n);
-        break;
-    case ST_ENOTFINITE:
-        request_problem(r, st, "%s[%zu] is not three finite numbers", name, bad);
-        break;
-    case ST_ERANGE:
-        request_problem(r, st, "%s[%zu] has a coordinate beyond %.0f mm", name, bad,
-                        LATTICE_MAX / LATTICE_PER_MM);
-        break;
-    case ST_EDEGENERATE:
-        request_problem(r, st, "%s: all on one line, or no area", name);
-        break;
-    case ST_EUNITS:
-        request_problem(r, st, "%s: the extent is outside 60-500 mm; is the unit right?",
-                        name);
-        break;
-    case ST_ENOTFACE:
-        request_problem(r, st, "%s: the surface does not have the shape of a face", name);
-        break;
-    case ST_EQUALITY:
-        request_problem(r, st, "%s: too sparse, too noisy or too many holes", name);
-        break;
-    default:
-        request_problem(r, st, "%s: %s", name, status_message(st));
-    }
+    if (st != ST_OK)
+        request_fail(r, &e);
     return st;
 }

@@ -13,6 +13,7 @@ struct request;
 struct cloud {
     struct dvec3 *pts; /* mm, in the order they came; released by cloud_free() */
     size_t n;
+    double unit_mm; /* millimetres per unit that they were sent in */
 };
 
 /* cloud_read(r, out): the body as JSON or as a scanner's file, in millimetres; for JSON its

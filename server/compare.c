@@ -9,10 +9,10 @@
 #include "log.h"
 #include "mem.h"
 #include "params.h"
-#include "queue.h"
 #include "request.h"
 #include "store.h"
 #include "verify.h"
+#include "worker.h"
 
 void compare_handle(struct request *r, struct worker *w)
 {
@@ -27,16 +27,16 @@ void compare_handle(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &a, "a.points", w->work, &w->other) != ST_OK ||
-        cloud_build(r, &b, "b.points", w->work, &w->probe) != ST_OK)
+    if (cloud_build(r, &a, "a.points", w->compare.work, &w->other) != ST_OK ||
+        cloud_build(r, &b, "b.points", w->compare.work, &w->probe) != ST_OK)
         goto out;
-    if (verify_calibrate(w, &e) != ST_OK) {
+    if (nearest_calibrate(&w->compare, &e) != ST_OK) {
         request_fail(r, &e);
         goto out;
     }
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = face_compare(&w->other, &w->probe, 0.0, log_clock_ms, w->work, &result);
+    st = face_compare(&w->other, &w->probe, 0.0, log_clock_ms, w->compare.work, &result);
     if (st == ST_OK && detail == PARAMS_HEATMAP) {
         gap = mem_array(b.n, sizeof *gap);
         if (gap == NULL)

@@ -1,11 +1,11 @@
 #include "enroll.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "app.h"
 #include "cloud.h"
+#include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "idempotency.h"
@@ -13,66 +13,44 @@
 #include "log.h"
 #include "metrics.h"
 #include "params.h"
-#include "queue.h"
 #include "request.h"
 #include "verify.h"
+#include "worker.h"
 
 #define LOCATION "/v1/templates/" /* and the template's id */
 
-/* Does the sample match the best of those that the subject has?  From then on it decides
- * like any of them, so one that cannot be compared (too little in common) does not do.
- * newest: the id of the last one it was compared with, "" where there is none. */
-static enum status check_fit(struct request *r, struct worker *w,
-                             char newest[STORE_ID_LEN + 1], struct errinfo *e)
-{
-    struct store_template *t = NULL;
-    struct verify_best best = {0};
-    size_t n = 0;
-    enum status st = store_template_list(r->app->store, r->subject, &t, &n, e);
-
-    newest[0] = '\0';
-    if (st == ST_OK && n > 0) {
-        memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
-        st = verify_compare(w, t, n, &w->probe, &best, e);
-        request_stage(r, REQUEST_ALIGN, best.align_ms);
-        request_stage(r, REQUEST_MEASURE, best.measure_ms);
-    }
-    free(t);
-    if (st == ST_ENOTFOUND || (st == ST_OK && n == 0))
-        return ST_OK; /* the first sample */
-    if (st == ST_OK && best.result.decision != FACE_MATCH) {
-        metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
-        request_mismatch(r, &best.result);
-        return ST_EMISMATCH;
-    }
-    if (st != ST_OK)
-        request_fail(r, e);
-    return st;
-}
-
 static void enroll(struct request *r, struct worker *w, const char *label, bool force)
 {
-    struct store_template t;
+    const struct enrolment x = {.actor = r->actor,
+                                .subject = r->subject,
+                                .label = label,
+                                .face = &w->probe,
+                                .force = force};
+    struct enrolment_outcome out;
     struct errinfo e = {0};
-    char newest[STORE_ID_LEN + 1];
-    bool created = false;
-    enum status st;
+    enum status st = enrolment_add(&w->compare, &x, &out, &e);
 
-    do { /* again only when another enrolment came in between */
-        if (!force && check_fit(r, w, newest, &e) != ST_OK)
-            return;
-        st = store_enroll_after(r->app->store, r->actor, r->subject, label, &w->probe,
-                                force ? NULL : newest, &t, &created, &e);
-    } while (st == ST_EEXISTS);
+    if (out.nearest.compared > 0) {
+        request_stage(r, REQUEST_ALIGN, out.nearest.align_ms);
+        request_stage(r, REQUEST_MEASURE, out.nearest.measure_ms);
+    }
+    if (!verify_admitted(r, out.admit, &e))
+        return;
+    if (st == ST_EMISMATCH) {
+        metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
+        request_mismatch(r, e.msg, &out.nearest.result);
+        return;
+    }
     if (st != ST_OK) {
         request_fail(r, &e);
         return;
     }
-    metrics_enrollment(r->app->metrics, created ? METRICS_ENROLLED : METRICS_KNOWN);
-    request_written(r, created ? 201 : 200, render_template(&t, &w->probe.frame));
+    metrics_enrollment(r->app->metrics, out.created ? METRICS_ENROLLED : METRICS_KNOWN);
+    request_written(r, out.created ? 201 : 200,
+                    render_template(&out.tmpl, &w->probe.frame));
     if (r->answer.http < 300)
         (void)snprintf(r->answer.location, sizeof r->answer.location, LOCATION "%s",
-                       t.id);
+                       out.tmpl.id);
 }
 
 static void read_and_enroll(struct request *r, struct worker *w)
@@ -92,7 +70,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    st = cloud_build(r, &c, "points", w->work, &w->probe);
+    st = cloud_build(r, &c, "points", w->compare.work, &w->probe);
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloud_free(&c);
     if (st == ST_OK)

@@ -8,7 +8,6 @@
 #include "errmap.h"
 #include "render.h"
 #include "metrics.h"
-#include "queue.h"
 #include "request.h"
 
 /* What anybody may know of the reason; the log has all of it. */

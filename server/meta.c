@@ -6,7 +6,6 @@
 #include "face.h"
 #include "render.h"
 #include "metrics.h"
-#include "queue.h"
 #include "request.h"
 
 #include "openapi_json.h"

@@ -3,7 +3,14 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "app.h"
+#include "worker.h"
+
+/* A thread and what it works with. */
+struct server {
+    struct queue *queue;
+    struct worker worker;
+    pthread_t thread;
+};
 
 struct queue {
     void (*run)(struct worker *w, struct request *r);
@@ -13,9 +20,8 @@ struct queue {
     unsigned head, waiting, limit, running;
     uint64_t served;
     bool closed;
-    unsigned nworkers; /* how many threads there are */
-    pthread_t *threads;
-    struct worker *workers;
+    unsigned nservers; /* how many there are */
+    struct server *servers;
 };
 
 /* The next request; NULL when the queue is closed and empty. */
@@ -40,12 +46,12 @@ static struct request *take(struct queue *q, bool was_running)
 
 static void *serve(void *arg)
 {
-    struct worker *w = arg;
-    struct request *r = take(w->queue, false);
+    struct server *s = arg;
+    struct request *r = take(s->queue, false);
 
     while (r != NULL) {
-        w->queue->run(w, r);
-        r = take(w->queue, true);
+        s->queue->run(&s->worker, r);
+        r = take(s->queue, true);
     }
     return NULL;
 }
@@ -64,23 +70,20 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
     (void)pthread_mutex_init(&q->lock, NULL);
     (void)pthread_cond_init(&q->wake, NULL);
     q->ring = calloc(limit, sizeof *q->ring);
-    q->threads = calloc(workers, sizeof *q->threads);
-    q->workers = calloc(workers, sizeof *q->workers);
-    if (q->ring == NULL || q->threads == NULL || q->workers == NULL)
+    q->servers = calloc(workers, sizeof *q->servers);
+    if (q->ring == NULL || q->servers == NULL)
         goto fail;
     for (unsigned i = 0; i < workers; i++) {
-        struct worker *w = &q->workers[i];
+        struct server *s = &q->servers[i];
 
-        w->app = app;
-        w->queue = q;
-        w->work = face_work_new(app->model);
-        if (w->work == NULL)
+        s->queue = q;
+        if (worker_open(&s->worker, app) != ST_OK)
             goto fail;
-        if (pthread_create(&q->threads[i], NULL, serve, w) != 0) {
-            face_work_free(w->work);
+        if (pthread_create(&s->thread, NULL, serve, s) != 0) {
+            worker_close(&s->worker);
             goto fail;
         }
-        q->nworkers++;
+        q->nservers++;
     }
     *out = q;
     return ST_OK;
@@ -111,13 +114,11 @@ void queue_stop(struct queue *q)
     q->closed = true;
     (void)pthread_cond_broadcast(&q->wake);
     (void)pthread_mutex_unlock(&q->lock);
-    for (unsigned i = 0; i < q->nworkers; i++) {
-        (void)pthread_join(q->threads[i], NULL);
-        face_free(&q->workers[i].probe);
-        face_free(&q->workers[i].other);
-        face_work_free(q->workers[i].work);
+    for (unsigned i = 0; i < q->nservers; i++) {
+        (void)pthread_join(q->servers[i].thread, NULL);
+        worker_close(&q->servers[i].worker);
     }
-    q->nworkers = 0;
+    q->nservers = 0;
 }
 
 void queue_free(struct queue *q)
@@ -127,8 +128,7 @@ void queue_free(struct queue *q)
     (void)pthread_cond_destroy(&q->wake);
     (void)pthread_mutex_destroy(&q->lock);
     free(q->ring);
-    free(q->threads);
-    free(q->workers);
+    free(q->servers);
     free(q);
 }
 
@@ -137,7 +137,7 @@ void queue_look(struct queue *q, struct queue_state *out)
     (void)pthread_mutex_lock(&q->lock);
     out->waiting = q->waiting;
     out->limit = q->limit;
-    out->workers = q->nworkers;
+    out->workers = q->nservers;
     out->running = q->running;
     out->served = q->served;
     (void)pthread_mutex_unlock(&q->lock);

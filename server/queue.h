@@ -4,20 +4,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "face.h"
+#include "status.h"
 
 struct app;
 struct queue;
 struct request;
-
-/* What one worker thread owns and uses again for each request. */
-struct worker {
-    struct queue *queue; /* the one it serves */
-    struct app *app;
-    struct face_work *work;
-    int64_t calibration; /* that work decides by: calibration.h */
-    struct face probe, other;
-};
+struct worker;
 
 /* queue_start(app, workers, limit, run, out): limit: requests that may wait.
  * run(w, r) is called on a worker; when it returns, r is no longer the queue's.

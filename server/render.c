@@ -9,6 +9,7 @@
 #include "frame.h"
 #include "json.h"
 #include "quality.h"
+#include "verdict.h"
 
 /* null for "" */
 static void text_or_null(struct json *j, const char *key, const char *value)
@@ -67,16 +68,12 @@ static void measure(struct json *j, const struct face_result *r)
     json_close(j);
 }
 
-static const char *const decision[] = {[FACE_MATCH] = "match",
-                                       [FACE_NO_MATCH] = "no_match",
-                                       [FACE_INCONCLUSIVE] = "inconclusive"};
-
 char *render_verdict(const struct render_verdict *v)
 {
     const struct face_result *r = v->result;
     struct json *j = json_new();
 
-    json_text(j, "decision", decision[r->decision]);
+    json_text(j, "decision", verdict_decision(r->decision));
     json_number(j, "disparity_mm", r->score_mm);
     json_number(j, "threshold_mm", r->threshold_mm);
     json_rate(j, "fmr_at_score", r->fmr_at_score);
@@ -149,7 +146,7 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
     json_text(j, "code", m->code);
     json_text(j, "request_id", request_id);
     if (mismatch != NULL) {
-        json_text(j, "decision", decision[mismatch->decision]);
+        json_text(j, "decision", verdict_decision(mismatch->decision));
         json_number(j, "disparity_mm", mismatch->score_mm);
         json_number(j, "threshold_mm", mismatch->threshold_mm);
     }

@@ -213,20 +213,13 @@ void request_fail(struct request *r, const struct errinfo *e)
     request_problem(r, (unsigned)e->code, "%s", e->msg);
 }
 
-void request_mismatch(struct request *r, const struct face_result *result)
+void request_mismatch(struct request *r, const char *detail,
+                      const struct face_result *result)
 {
     const struct errmap *m = errmap_get(ST_EMISMATCH);
 
-    set_body(
-        r, m->http, "application/problem+json",
-        render_problem(m,
-                       result->decision == FACE_INCONCLUSIVE
-                           ? "the sample has too little in common with any of the "
-                             "subject's templates to tell whether it fits; force=true "
-                             "enrolls it all the same"
-                           : "the sample does not match any of the subject's "
-                             "templates; force=true enrolls it all the same",
-                       r->id, result));
+    set_body(r, m->http, "application/problem+json",
+             render_problem(m, detail, r->id, result));
 }
 
 void request_log(const struct request *r, int http, double ms)

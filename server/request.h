@@ -137,9 +137,10 @@ request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 /* request_fail(r, e): the problem that e tells; one of the database is counted. */
 void request_fail(struct request *r, const struct errinfo *e);
 
-/* request_mismatch(r, result): 409 sample_mismatch, with the decision (no match or
+/* request_mismatch(r, detail, result): 409 sample_mismatch, with the decision (no match or
  * inconclusive), the disparity and the threshold. */
-void request_mismatch(struct request *r, const struct face_result *result);
+void request_mismatch(struct request *r, const char *detail,
+                      const struct face_result *result);
 
 /* request_log(r, http, ms): the one line that the log has of r: its id, route, status and
  * times, the token's id, and what is behind a 5xx; no subject.  http, ms: as for

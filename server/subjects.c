@@ -13,7 +13,6 @@
 #include "parse.h"
 #include "render.h"
 #include "params.h"
-#include "queue.h"
 #include "request.h"
 
 #define PAGE_DEFAULT 100

@@ -5,9 +5,9 @@
 #include "cloud.h"
 #include "render.h"
 #include "log.h"
-#include "queue.h"
 #include "request.h"
 #include "store.h"
+#include "worker.h"
 
 void symmetry_handle(struct request *r, struct worker *w)
 {
@@ -21,11 +21,11 @@ void symmetry_handle(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", w->work, &w->probe) != ST_OK)
+    if (cloud_build(r, &c, "points", w->compare.work, &w->probe) != ST_OK)
         goto out;
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    if ((st = face_asymmetry(&w->probe, w->work, &result)) != ST_OK) {
+    if ((st = face_asymmetry(&w->probe, w->compare.work, &result)) != ST_OK) {
         request_problem(r, st, "measuring the asymmetry: %s", status_message(st));
         goto out;
     }

@@ -6,7 +6,6 @@
 #include "app.h"
 #include "attempts.h"
 #include "cache.h"
-#include "calibration.h"
 #include "cloud.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -16,90 +15,19 @@
 #include "mem.h"
 #include "metrics.h"
 #include "params.h"
-#include "queue.h"
 #include "request.h"
-
-static bool better(const struct face_result *a, const struct face_result *b)
-{
-    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
-        return a->decision != FACE_INCONCLUSIVE;
-    if (a->decision == FACE_INCONCLUSIVE)
-        return a->disparity.overlap > b->disparity.overlap;
-    return a->score_mm < b->score_mm;
-}
-
-enum status verify_calibrate(struct worker *w, struct errinfo *e)
-{
-    return calibration_follow(w->app->store, w->work, &w->calibration, e);
-}
-
-/* A template of another engine, of no use to this one; there may be others. */
-static void pass_over(const struct errinfo *e)
-{
-    struct log_entry l;
-
-    log_begin(&l, "warn", "template passed over");
-    log_text(&l, "fault", e->msg);
-    log_end(&l);
-}
-
-enum status verify_compare(struct worker *w, const struct store_template *t, size_t n,
-                           const struct face *probe, struct verify_best *out,
-                           struct errinfo *e)
-{
-    enum status st = verify_calibrate(w, e);
-    bool foreign = false; /* there is one that this engine cannot make anew */
-
-    *out = (struct verify_best){0};
-    if (st != ST_OK)
-        return st;
-    for (size_t i = 0; i < n; i++) {
-        struct face_result result;
-        const struct face *face;
-
-        st = cache_hold(w->app->cache, w->app->store, t[i].id, w->work, &face, e);
-
-        if (st == ST_EVERSION) {
-            pass_over(e);
-            foreign = true;
-        }
-        if (st == ST_EVERSION || st == ST_ENOTFOUND)
-            continue;
-        if (st == ST_OK) {
-            st = face_compare(face, probe, 0.0, log_clock_ms, w->work, &result);
-            cache_release(w->app->cache, face);
-            if (st != ST_OK)
-                return errinfo_set(e, st, "comparing: %s", status_message(st));
-        }
-        if (st != ST_OK)
-            return st;
-        if (out->compared++ == 0 || better(&result, &out->result)) {
-            out->result = result;
-            out->index = i;
-        }
-        out->align_ms += result.align_ms;
-        out->measure_ms += result.measure_ms;
-    }
-    if (out->compared > 0)
-        return ST_OK;
-    if (foreign)
-        return errinfo_set(e, ST_EVERSION,
-                           "no template of the subject is of this engine, or can be made "
-                           "anew by it");
-    return errinfo_set(e, ST_ENOTFOUND, "there is no template to compare with");
-}
+#include "store.h"
+#include "verdict.h"
+#include "worker.h"
 
 void verify_event(struct request *r, const char *kind, const char *subject,
                   const char *template_id, enum face_decision decision)
 {
-    static const char *const outcome[] = {[FACE_MATCH] = "match",
-                                          [FACE_NO_MATCH] = "no_match",
-                                          [FACE_INCONCLUSIVE] = "inconclusive"};
     struct errinfo e = {0};
 
     metrics_decision(r->app->metrics, decision);
     if (store_event(r->app->store, kind, r->actor, subject, template_id,
-                    outcome[decision], &e) != ST_OK) {
+                    verdict_decision(decision), &e) != ST_OK) {
         struct log_entry l;
 
         metrics_lost_event(r->app->metrics);
@@ -117,7 +45,8 @@ static enum status heatmap(struct worker *w, const char *id, const struct cloud 
                            const double transform[16], double **gap, struct errinfo *e)
 {
     const struct face *face;
-    enum status st = cache_hold(w->app->cache, w->app->store, id, w->work, &face, e);
+    enum status st =
+        cache_hold(w->app->cache, w->app->store, id, w->compare.work, &face, e);
 
     if (st != ST_OK)
         return st;
@@ -126,6 +55,14 @@ static enum status heatmap(struct worker *w, const char *id, const struct cloud 
         heatmap_gaps(&face->surface, c->pts, c->n, transform, *gap);
     cache_release(w->app->cache, face);
     return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
+}
+
+bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e)
+{
+    if (admit != ADMIT_YES)
+        request_problem(r, admit == ADMIT_DISABLED ? ERRMAP_DISABLED : ERRMAP_EXPIRED,
+                        "%s", e->msg);
+    return admit == ADMIT_YES;
 }
 
 /* May the subject be verified at all?  *one: what is known of it. */
@@ -137,15 +74,8 @@ static bool admit(struct request *r, const char *subject, struct store_subject *
         request_fail(r, &e);
         return false;
     }
-    if (one->disabled) {
-        request_problem(r, ERRMAP_DISABLED, "the subject is disabled");
-        return false;
-    }
-    if (one->expired) {
-        request_problem(r, ERRMAP_EXPIRED, "the subject expired at %s", one->expires);
-        return false;
-    }
-    return attempts_admit(r->app->attempts, r, subject);
+    return verify_admitted(r, admit_subject(one, &e), &e) &&
+           attempts_admit(r->app->attempts, r, subject);
 }
 
 /* The probe of the body against templates t[0..n-1] of one subject. */
@@ -155,7 +85,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     double start = log_clock_ms(), parsed, prepared, *gap = NULL;
     struct errinfo e = {0};
     struct cloud c = {0};
-    struct verify_best best;
+    struct nearest best;
     struct store_subject one;
     enum params_detail detail = PARAMS_BRIEF;
     enum status st;
@@ -168,11 +98,11 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", w->work, &w->probe) != ST_OK)
+    if (cloud_build(r, &c, "points", w->compare.work, &w->probe) != ST_OK)
         goto out;
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = verify_compare(w, t, n, &w->probe, &best, &e);
+    st = nearest_find(&w->compare, t, n, &w->probe, &best, &e);
     if (st == ST_OK && detail == PARAMS_HEATMAP)
         st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
     if (st != ST_OK) {

@@ -50,6 +50,10 @@ send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_disabled
 ctl_exits 77 verify alice "$T/a2.ply"
 ok "surfacectl says why" grep -q 'alice is disabled' "$T/ctl.err"
+ctl_exits 77 explain alice "$T/a2.ply" --out "$T/explained"
+ctl_exits 77 explain "$id" "$T/a2.ply" --out "$T/explained"
+ctl_exits 77 enroll alice "$T/a2.ply" --force
+ok "surfacectl says why here too" grep -q 'alice is disabled' "$T/ctl.err"
 is "they are no attempts" "$("$BUILD/surfacectl" --db "$DB" attempts list)" 'no failed verifications'
 ctl_exits 0 subject enable alice
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"

@@ -25,7 +25,7 @@ bad "NaN" 400 malformed 'byte 17' '{"points": [[1,2,NaN]]}'
 bad "Infinity" 400 malformed 'byte 17' '{"points": [[1,2,-Infinity]]}'
 bad "a huge number" 422 not_finite 'points\[1\] is not three finite numbers' \
     '{"points": [[1,2,3],[1,2,1e999]]}'
-bad "a large number" 422 out_of_range 'points\[200\]' "{\"points\": [$(seq -s, -f '[%.0f,1,2]' 1 200),[1e300,2,3]]}"
+bad "a large number" 422 out_of_range 'point 201 of 201' "{\"points\": [$(seq -s, -f '[%.0f,1,2]' 1 200),[1e300,2,3]]}"
 bad "a string" 400 malformed 'points\[0\] is not three finite numbers' \
     '{"points": [["1",2,3]]}'
 bad "null" 400 malformed 'points\[2\]' '{"points": [[1,2,3],[1,2,3],[1,2,null]]}'

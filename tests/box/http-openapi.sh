@@ -201,6 +201,8 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
     is "disabled" "$(get .code)" subject_disabled
 done
+put POST "/v1/subjects/alice/templates?force=true" 403 "$PLY" "$T/a.ply"
+is "not enrolled either" "$(get .code)" subject_disabled
 subject enable
 echo '{"expires_at": "2020-01-01"}' >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
@@ -208,6 +210,8 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
     is "expired" "$(get .code)" subject_expired
 done
+put POST /v1/subjects/alice/templates 403 "$PLY" "$T/a.ply"
+is "nor here" "$(get .code)" subject_expired
 echo '{"expires_at": null}' >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"

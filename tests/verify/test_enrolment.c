@@ -1,0 +1,163 @@
+/* A sample becomes a template if it fits those that are there, if it is forced, or if it is
+ * the first; not of a subject that is disabled or has expired. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "clouds.h"
+#include "enrolment.h"
+#include "errinfo.h"
+#include "tempdb.h"
+
+#define POINTS 1500
+
+static struct store *store;
+static struct face model,
+    again; /* what is loaded; another scan of tempdb_face[0]'s person */
+static struct errinfo e;
+static const struct face *rival; /* NULL: nobody does */
+
+static enum status hold(void *arg, const char *id, struct face_work *w,
+                        const struct face **out, struct errinfo *err)
+{
+    struct store_template t;
+
+    (void)arg;
+    *out = &model;
+    return store_template_load(store, id, &t, w, &model, err);
+}
+
+/* Another enrolment comes in between the comparison and the storing, once. */
+static void release(void *arg, const struct face *f)
+{
+    struct store_template t;
+
+    (void)arg;
+    (void)f;
+    if (rival != NULL)
+        tempdb_enroll(store, "alice", "", rival, &t);
+    rival = NULL;
+}
+
+static enum status add(const struct face *f, bool force, struct enrolment_outcome *out)
+{
+    struct nearest_context c = {
+        .store = store, .work = tempdb_work, .hold = hold, .release = release};
+    const struct enrolment x = {
+        .actor = "test", .subject = "alice", .label = "", .face = f, .force = force};
+
+    return enrolment_add(&c, &x, out, &e);
+}
+
+static int set_up(void **state)
+{
+    static struct dvec3 pts[POINTS];
+
+    assert_int_equal(tempdb_begin_faces(state), 0);
+    assert_int_equal(
+        face_build(pts, clouds_scan(1, 1, POINTS, pts), tempdb_work, &again, NULL),
+        ST_OK);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    face_free(&model);
+    face_free(&again);
+    return tempdb_end_faces(state);
+}
+
+static int fresh(void **state)
+{
+    (void)state;
+    store = tempdb_fresh();
+    return 0;
+}
+
+static int closed(void **state)
+{
+    (void)state;
+    store_close(store);
+    return 0;
+}
+
+static void test_fit(void **state)
+{
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_true(out.created);
+    assert_int_equal(out.nearest.compared, 0);
+    assert_int_equal(add(&again, false, &out), ST_OK);
+    assert_true(out.created);
+    assert_int_equal(out.nearest.compared, 1);
+    assert_int_equal(add(&again, false, &out), ST_OK);
+    assert_false(out.created);
+    assert_int_equal(add(&tempdb_face[1], false, &out), ST_EMISMATCH);
+    assert_int_equal(out.nearest.compared, 2);
+    assert_int_equal(out.nearest.result.decision, FACE_NO_MATCH);
+    assert_non_null(strstr(e.msg, "does not fit"));
+    assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
+    assert_int_equal(out.nearest.compared, 0);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
+}
+
+/* What another enrols between the comparison and the storing is compared with too. */
+static void test_meanwhile(void **state)
+{
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    rival = &tempdb_face[1];
+    assert_int_equal(add(&again, false, &out), ST_OK);
+    assert_null(rival);
+    assert_int_equal(out.nearest.compared, 2);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
+}
+
+static void test_admitted(void **state)
+{
+    static const bool yes = true, no = false;
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(store_subject_set(store, "test", "alice",
+                                       &(struct store_subject_change){.disabled = &yes},
+                                       &e),
+                     ST_OK);
+    for (int force = 0; force < 2; force++) {
+        assert_int_equal(add(&again, force == 1, &out), ST_EDENIED);
+        assert_int_equal(out.admit, ADMIT_DISABLED);
+        assert_non_null(strstr(e.msg, "alice is disabled"));
+    }
+    assert_int_equal(
+        store_subject_set(
+            store, "test", "alice",
+            &(struct store_subject_change){.disabled = &no, .expires = "2020-01-01"}, &e),
+        ST_OK);
+    assert_int_equal(add(&again, false, &out), ST_EDENIED);
+    assert_int_equal(out.admit, ADMIT_EXPIRED);
+    assert_non_null(strstr(e.msg, "alice expired at 2020-01-01"));
+    assert_int_equal(store_subject_set(store, "test", "alice",
+                                       &(struct store_subject_change){.expires = ""}, &e),
+                     ST_OK);
+    assert_int_equal(add(&again, false, &out), ST_OK);
+    assert_int_equal(out.admit, ADMIT_YES);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,271 @@
+/* Which template of a subject decides, in whatever order they come; those that are gone or of
+ * another engine are left out; what fails ends it; every model is given back. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "clouds.h"
+#include "errinfo.h"
+#include "nearest.h"
+#include "tempdb.h"
+
+#define POINTS 1500
+
+enum { /* a stranger's; of the probe's person; the middle of that face */
+       OTHER,
+       SAME,
+       AGAIN,
+       MIDDLE,
+       MODELS
+};
+
+static struct face model[MODELS], probe, part; /* part: of the probe's person */
+static struct store *store;
+static enum status fails[MODELS]; /* what hold() returns instead of a model */
+static int held, passed_over;
+static struct errinfo e;
+
+/* The id of model m is its number. */
+static enum status hold(void *arg, const char *id, struct face_work *w,
+                        const struct face **out, struct errinfo *err)
+{
+    const int m = id[0] - '0';
+
+    (void)w;
+    assert_ptr_equal(arg, &held);
+    if (fails[m] != ST_OK)
+        return errinfo_set(err, fails[m], "model %d", m);
+    held++;
+    *out = &model[m];
+    return ST_OK;
+}
+
+static void release(void *arg, const struct face *f)
+{
+    (void)arg;
+    assert_true(f >= model && f < model + MODELS);
+    held--;
+}
+
+static void pass_over(void *arg, const struct errinfo *err)
+{
+    (void)arg;
+    assert_int_equal(err->code, ST_EVERSION);
+    passed_over++;
+}
+
+static double clock_ms(void)
+{
+    static double ms;
+
+    return ms += 1;
+}
+
+/* The points of a scan that lie within +-x and +-y of the nose. */
+static void make(uint64_t subject, uint64_t scan, double x, double y, struct face *f)
+{
+    static struct dvec3 pts[2 * POINTS];
+    const size_t all = clouds_scan(subject, scan, 2 * POINTS, pts);
+    size_t n = 0;
+
+    for (size_t i = 0; i < all; i++)
+        if (fabs(pts[i].x) < x && fabs(pts[i].y) < y)
+            pts[n++] = pts[i];
+    assert_int_equal(face_build(pts, n, tempdb_work, f, NULL), ST_OK);
+}
+
+static int set_up(void **state)
+{
+    assert_int_equal(tempdb_begin_faces(state), 0);
+    store = tempdb_fresh();
+    make(1, 0, 200, 200, &probe);
+    make(2, 0, 200, 200, &model[OTHER]);
+    make(1, 1, 200, 200, &model[SAME]);
+    make(1, 2, 200, 200, &model[AGAIN]);
+    make(1, 3, 28, 60, &model[MIDDLE]);
+    make(1, 4, 18, 50, &part);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    for (int m = 0; m < MODELS; m++)
+        face_free(&model[m]);
+    face_free(&probe);
+    face_free(&part);
+    store_close(store);
+    return tempdb_end_faces(state);
+}
+
+static int reset(void **state)
+{
+    (void)state;
+    memset(fails, 0, sizeof fails);
+    passed_over = 0;
+    return 0;
+}
+
+static struct nearest_context context(void)
+{
+    return (struct nearest_context){.store = store,
+                                    .work = tempdb_work,
+                                    .clock_ms = clock_ms,
+                                    .hold = hold,
+                                    .release = release,
+                                    .pass_over = pass_over,
+                                    .arg = &held};
+}
+
+/* ids: the models to compare with, a digit each.  Returns what decided, -1 on failure. */
+static int find(const char *ids, const struct face *p, enum status *st,
+                struct nearest *out)
+{
+    struct nearest_context c = context();
+    struct store_template t[MODELS] = {0};
+    const size_t n = strlen(ids);
+
+    for (size_t i = 0; i < n; i++)
+        (void)snprintf(t[i].id, sizeof t[i].id, "%c", ids[i]);
+    *st = nearest_find(&c, t, n, p, out, &e);
+    assert_int_equal(held, 0);
+    return *st == ST_OK ? ids[out->index] - '0' : -1;
+}
+
+static void assert_decides(const char *ids, const struct face *p, int m,
+                           enum face_decision decision)
+{
+    struct nearest out;
+    enum status st;
+
+    assert_int_equal(find(ids, p, &st, &out), m);
+    assert_int_equal(out.result.decision, decision);
+    assert_int_equal(out.compared, strlen(ids));
+    assert_true(out.align_ms >= (double)out.compared);
+    assert_true(out.measure_ms >= (double)out.compared);
+}
+
+static void test_lowest(void **state)
+{
+    struct nearest out;
+    enum status st;
+
+    (void)state;
+    assert_decides("0", &probe, OTHER, FACE_NO_MATCH);
+    assert_decides("01", &probe, SAME, FACE_MATCH);
+    assert_decides("10", &probe, SAME, FACE_MATCH);
+    assert_int_equal(find("1", &probe, &st, &out), SAME);
+    const double same = out.result.score_mm;
+    assert_int_equal(find("2", &probe, &st, &out), AGAIN);
+    const int lower = same < out.result.score_mm ? SAME : AGAIN;
+
+    assert_decides("012", &probe, lower, FACE_MATCH);
+    assert_decides("210", &probe, lower, FACE_MATCH);
+}
+
+/* Where no comparison says anything, the one with the greatest overlap is told. */
+static void test_inconclusive(void **state)
+{
+    struct nearest out;
+    double greatest = 0;
+    enum status st;
+    int widest = -1;
+
+    (void)state;
+    for (int m = 0; m < MIDDLE; m++) {
+        const char id[] = {(char)('0' + m), '\0'};
+
+        assert_int_equal(find(id, &part, &st, &out), m);
+        assert_int_equal(out.result.decision, FACE_INCONCLUSIVE);
+        if (out.result.disparity.overlap > greatest) {
+            greatest = out.result.disparity.overlap;
+            widest = m;
+        }
+    }
+    assert_decides("012", &part, widest, FACE_INCONCLUSIVE);
+    assert_decides("201", &part, widest, FACE_INCONCLUSIVE);
+}
+
+/* Although the disparity of the inconclusive comparisons is lower. */
+static void test_conclusive_first(void **state)
+{
+    (void)state;
+    assert_decides("3", &part, MIDDLE, FACE_MATCH);
+    assert_decides("3012", &part, MIDDLE, FACE_MATCH);
+    assert_decides("0213", &part, MIDDLE, FACE_MATCH);
+}
+
+static void test_left_out(void **state)
+{
+    struct nearest out;
+    enum status st;
+
+    (void)state;
+    fails[SAME] = ST_ENOTFOUND;
+    assert_int_equal(find("10", &probe, &st, &out), OTHER);
+    assert_int_equal(out.compared, 1);
+    assert_int_equal(passed_over, 0);
+    fails[SAME] = ST_EVERSION;
+    assert_int_equal(find("01", &probe, &st, &out), OTHER);
+    assert_int_equal(passed_over, 1);
+    assert_int_equal(find("1", &probe, &st, &out), -1);
+    assert_int_equal(st, ST_EVERSION);
+    fails[OTHER] = ST_ENOTFOUND;
+    assert_int_equal(find("0", &probe, &st, &out), -1);
+    assert_int_equal(st, ST_ENOTFOUND);
+    assert_int_equal(find("", &probe, &st, &out), -1);
+    assert_int_equal(st, ST_ENOTFOUND);
+}
+
+static void test_failure(void **state)
+{
+    struct nearest out;
+    enum status st;
+
+    (void)state;
+    fails[OTHER] = ST_ECORRUPT;
+    assert_int_equal(find("10", &probe, &st, &out), -1);
+    assert_int_equal(st, ST_ECORRUPT);
+    assert_string_equal(e.msg, "model 0");
+}
+
+/* A calibration that comes into force decides the next comparison. */
+static void test_calibration(void **state)
+{
+    struct store_calibration k = {.fmr = 0.5,
+                                  .low_mm = 0.0001,
+                                  .high_mm = 0.0001,
+                                  .decision = {.threshold_mm = 0.0001,
+                                               .halving_mm = 0.01,
+                                               .n = 2,
+                                               .knot = {{0.0001, 0.5}, {100, 1}}}};
+    struct nearest_context c = context();
+    struct store_template t = {.id = "1"};
+    struct nearest out;
+
+    (void)state;
+    assert_int_equal(nearest_find(&c, &t, 1, &probe, &out, &e), ST_OK);
+    assert_int_equal(out.result.decision, FACE_MATCH);
+    if (store_calibration_add(store, "test", &k, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(nearest_find(&c, &t, 1, &probe, &out, &e), ST_OK);
+    assert_int_equal(out.result.decision, FACE_NO_MATCH);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_lowest, reset),
+        cmocka_unit_test_setup(test_inconclusive, reset),
+        cmocka_unit_test_setup(test_conclusive_first, reset),
+        cmocka_unit_test_setup(test_left_out, reset),
+        cmocka_unit_test_setup(test_failure, reset),
+        cmocka_unit_test_setup(test_calibration, reset),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

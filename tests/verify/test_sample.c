@@ -1,0 +1,139 @@
+/* Every reason why there is no face model is told with what was measured and what to do, in
+ * few enough bytes. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "clouds.h"
+#include "errinfo.h"
+#include "face.h"
+#include "sample.h"
+
+#define POINTS 1500
+
+static struct dvec3 pts[POINTS];
+static size_t n;
+static struct face_work *work;
+static struct face f;
+static struct errinfo e;
+
+static int set_up(void **state)
+{
+    (void)state;
+    work = face_work_new(NULL);
+    return work == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    face_free(&f);
+    face_work_free(work);
+    return 0;
+}
+
+/* A scan in units of unit_mm, of which as many are taken for given_mm. */
+static void take(double unit_mm, double given_mm)
+{
+    n = clouds_scan(1, 0, POINTS, pts);
+    for (size_t i = 0; i < n; i++)
+        pts[i] =
+            (struct dvec3){pts[i].x / unit_mm * given_mm, pts[i].y / unit_mm * given_mm,
+                           pts[i].z / unit_mm * given_mm};
+}
+
+static enum status build(double given_mm)
+{
+    const struct sample s = {.name = "points", .pts = pts, .n = n, .unit_mm = given_mm};
+
+    e = (struct errinfo){0};
+    return sample_build(&s, work, &f, &e);
+}
+
+/* text: what must stand in the message, which ends with a hint. */
+static void assert_refused(enum status st, double given_mm, const char *text)
+{
+    assert_int_equal(build(given_mm), st);
+    assert_int_equal(e.code, st);
+    assert_true(strncmp(e.msg, "points: ", 8) == 0);
+    if (strstr(e.msg, text) == NULL)
+        fail_msg("'%s' lacks '%s'", e.msg, text);
+    assert_true(strlen(e.msg) < sizeof e.msg - 1); /* whole */
+}
+
+static void test_units(void **state)
+{
+    static const struct {
+        double real_mm, given_mm;
+        const char *guess;
+    } known[] = {{1000, 1, "mm: is it metres?"},
+                 {10, 1, "mm: is it centimetres?"},
+                 {1, 10, "mm: is it millimetres?"},
+                 {100000, 1, "mm: is it one face, and the unit right?"}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        take(known[i].real_mm, known[i].given_mm);
+        if (known[i].real_mm >
+            50000) { /* so small that it must be drawn out to be seen */
+            pts[0].x += 5;
+            pts[1].y += 5;
+        }
+        assert_refused(ST_EUNITS, known[i].given_mm, known[i].guess);
+        assert_non_null(strstr(e.msg, "the extent is "));
+    }
+    take(1000, 1);
+    pts[0] = (struct dvec3){-0.09, 0.12, 0.01};
+    for (size_t i = 1; i < n; i++)
+        pts[i] = (struct dvec3){fmax(pts[i].x, -0.09), fmin(pts[i].y, 0.12), pts[i].z};
+    pts[1] = (struct dvec3){0.1, -0.12, -0.1};
+    assert_int_equal(build(1), ST_EUNITS);
+    assert_non_null(strstr(e.msg, "the extent is 0.19 x 0.24 x "));
+}
+
+static void test_points(void **state)
+{
+    (void)state;
+    take(1, 1);
+    assert_int_equal(build(1), ST_OK);
+    pts[16].y = NAN;
+    assert_refused(ST_ENOTFINITE, 1, "point 17 of 15");
+    take(1, 1);
+    pts[16].z = 2e6;
+    assert_refused(ST_ERANGE, 1, "point 17 of 15");
+    n = 99;
+    assert_refused(ST_ETOOFEW, 1, "99 points");
+    take(1, 1);
+    for (size_t i = 0; i < n; i++)
+        pts[i].x = pts[i].y = 0;
+    assert_refused(ST_EDEGENERATE, 1, "on one line");
+}
+
+static void test_surface(void **state)
+{
+    (void)state;
+    take(1, 1);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z = 0;
+    assert_refused(ST_ENOTFACE, 1, "from the front");
+    take(1, 1);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z += (double)(i * 7919 % 41) - 20;
+    assert_refused(ST_EQUALITY, 1, "scan again");
+    assert_non_null(strstr(e.msg, "noise "));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_units),
+        cmocka_unit_test(test_points),
+        cmocka_unit_test(test_surface),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,71 @@
+#include "enrolment.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "errinfo.h"
+
+static enum status mismatch(const struct face_result *r, struct errinfo *e)
+{
+    return errinfo_set(
+        e, ST_EMISMATCH, "%s",
+        r->decision == FACE_INCONCLUSIVE
+            ? "the sample has too little in common with any of the subject's "
+              "templates to tell whether it fits; force enrolls it all the same"
+            : "the sample does not fit: it matches none of the subject's templates; force "
+              "enrolls it all the same");
+}
+
+/* newest: the id of the last template that it was compared with, "" where there is none. */
+static enum status check_fit(struct nearest_context *c, const struct enrolment *x,
+                             char newest[STORE_ID_LEN + 1], struct nearest *out,
+                             struct errinfo *e)
+{
+    struct store_template *t = NULL;
+    size_t n = 0;
+    enum status st = store_template_list(c->store, x->subject, &t, &n, e);
+
+    newest[0] = '\0';
+    *out = (struct nearest){0};
+    if (st == ST_OK && n > 0) {
+        memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
+        st = nearest_find(c, t, n, x->face, out, e);
+    }
+    free(t);
+    if (st == ST_ENOTFOUND) /* of the subject, or of its templates by now */
+        return ST_OK;
+    if (st == ST_OK && n > 0 && out->result.decision != FACE_MATCH)
+        return mismatch(&out->result, e);
+    return st;
+}
+
+/* A subject that is not there yet is made with its first template. */
+static enum status look_at_subject(struct store *s, const char *subject, enum admit *out,
+                                   struct errinfo *e)
+{
+    struct store_subject one;
+    const enum status st = store_subject_get(s, subject, &one, e);
+
+    if (st != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    *out = admit_subject(&one, e);
+    return *out == ADMIT_YES ? ST_OK : ST_EDENIED;
+}
+
+enum status enrolment_add(struct nearest_context *c, const struct enrolment *x,
+                          struct enrolment_outcome *out, struct errinfo *e)
+{
+    char newest[STORE_ID_LEN + 1];
+    enum status st;
+
+    *out = (struct enrolment_outcome){0};
+    if ((st = look_at_subject(c->store, x->subject, &out->admit, e)) != ST_OK)
+        return st;
+    do { /* again only when another enrolment came in between */
+        if (!x->force && (st = check_fit(c, x, newest, &out->nearest, e)) != ST_OK)
+            return st;
+        st = store_enroll_after(c->store, x->actor, x->subject, x->label, x->face,
+                                x->force ? NULL : newest, &out->tmpl, &out->created, e);
+    } while (st == ST_EEXISTS);
+    return st;
+}

@@ -1,0 +1,32 @@
+/* enrolment.h -- a sample becomes a template of a subject.  A further sample must match the
+ * nearest of those that are there: from then on it decides like any of them, so one that
+ * cannot be compared (too little in common) does not do either. */
+#ifndef VERIFY_ENROLMENT_H
+#define VERIFY_ENROLMENT_H
+#include <stdbool.h>
+#include "admit.h"
+#include "nearest.h"
+#include "status.h"
+#include "store.h"
+
+struct enrolment {
+    const char *actor, *subject, *label; /* as in store_enroll() */
+    const struct face *face;
+    bool force; /* whether it fits is not asked */
+};
+
+struct enrolment_outcome {
+    struct store_template tmpl; /* as it is stored; zero on failure */
+    bool created;               /* false: the subject had this very cloud already */
+    enum admit admit;           /* may samples of the subject be enrolled? */
+    struct nearest nearest;     /* compared is 0 where there was nothing to fit */
+};
+
+/* enrolment_add(c, x, out, e): the sample is compared (unless force) and stored, with all
+ * that the subject has at that moment, whatever other threads and processes enrol meanwhile.
+ * Returns ST_OK; ST_EMISMATCH: it does not fit, and out->nearest tells why; ST_EDENIED: out->admit
+ * says that the subject is disabled or has expired; or as nearest_find(), store_enroll(). */
+enum status enrolment_add(struct nearest_context *c, const struct enrolment *x,
+                          struct enrolment_outcome *out, struct errinfo *e);
+
+#endif
