@@ -14,6 +14,7 @@ struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
 struct model;       /* model.h */
 struct queue;       /* queue.h */
+struct route;       /* route.h */
 struct store;       /* store.h */
 struct throttle;    /* throttle.h */
 
@@ -27,7 +28,9 @@ struct app {
     struct attempts *attempts;
     struct throttle *throttle;
     struct queue *queue;
-    struct guard *guard; /* of the connections; http.c's */
+    struct guard *guard;        /* of the connections; http.c's */
+    const struct route *routes; /* [nroutes] */
+    size_t nroutes;
     bool no_auth;
     size_t max_body; /* bytes */
     atomic_bool stopping;

@@ -10,7 +10,7 @@
 #include "errmap.h"
 #include "log.h"
 #include "request.h"
-#include "routes.h"
+#include "route.h"
 #include "store.h"
 #include "throttle.h"
 

@@ -7,6 +7,7 @@
 #include "docs_css.h"
 #include "docs_html.h"
 #include "docs_js.h"
+#include "openapi_json.h"
 
 /* What the page may do: its own files, and /openapi.json. */
 #define POLICY                                                                           \
@@ -35,4 +36,10 @@ void docs_script(struct request *r, struct worker *w)
 {
     (void)w;
     send_file(r, "text/javascript; charset=utf-8", docs_js);
+}
+
+void docs_openapi(struct request *r, struct worker *w)
+{
+    (void)w;
+    request_answer(r, 200, strdup(openapi_json));
 }

@@ -6,9 +6,10 @@
 struct request;
 struct worker;
 
-/* Handlers, as in routes.h: quick, all 200 or out of memory. */
+/* Handlers, as in route.h: quick, all 200 or out of memory. */
 void docs_page(struct request *r, struct worker *w);
 void docs_style(struct request *r, struct worker *w);
 void docs_script(struct request *r, struct worker *w);
+void docs_openapi(struct request *r, struct worker *w); /* the description itself */
 
 #endif

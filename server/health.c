@@ -7,7 +7,6 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "render.h"
-#include "metrics.h"
 #include "request.h"
 
 /* What anybody may know of the reason; the log has all of it. */
@@ -45,8 +44,8 @@ void health_ready(struct request *r, struct worker *w)
                calibration_in_force(r->app->store, &k, &e) == ST_OK) {
         request_answer(r, 200, render_ready(&k));
     } else {
-        metrics_database_error(r->app->metrics, e.code);
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));
+        r->failed = e.code;
         (void)snprintf(r->fault, sizeof r->fault, "%s", e.msg);
     }
 }

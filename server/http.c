@@ -12,10 +12,12 @@
 #include <unistd.h>
 #include <microhttpd.h>
 
+#include "access.h"
 #include "address.h"
 #include "app.h"
 #include "auth.h"
 #include "backlog.h"
+#include "body.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "drain.h"
@@ -29,7 +31,7 @@
 #include "peer.h"
 #include "queue.h"
 #include "request.h"
-#include "routes.h"
+#include "route.h"
 #include "service.h"
 #include "throttle.h"
 #include "tls.h"
@@ -41,7 +43,6 @@
 /* Connections that are being closed still count with libmicrohttpd. */
 #define CONNECTIONS_CLOSING 64
 #define PER_ADDRESS         64
-#define LENGTH_UNKNOWN      UINT64_MAX
 /* On a stop: for the connections to be accepted, and for a client that was answered just
  * before it to have sent its next request. */
 #define BACKLOG_MS 1000.0
@@ -64,7 +65,7 @@ struct exchange {
     struct MHD_Connection *conn;
     struct peer *peer;
     enum state state;
-    uint64_t length;  /* Content-Length, or LENGTH_UNKNOWN */
+    uint64_t length;  /* Content-Length, or BODY_LENGTH_UNKNOWN */
     bool has_length;  /* it gives a length, or sends chunks */
     bool ambiguous;   /* its headers say in two ways where the body ends */
     bool body_sent;   /* the client sends a body, or says so */
@@ -205,7 +206,7 @@ void http_run(struct worker *w, struct request *r)
     request_stage(r, REQUEST_QUEUE, log_clock_ms() - x->queued_ms);
     if (x->state == ADMITTED)
         auth_check(r);
-    else if (inflate_request(r))
+    else if (body_unpack(r))
         r->route->handle(r, w);
     MHD_resume_connection(x->conn);
 }
@@ -235,38 +236,11 @@ static void look_at_body(struct exchange *x)
 
     x->length = 0;
     if (coding != NULL)
-        x->length = LENGTH_UNKNOWN;
+        x->length = BODY_LENGTH_UNKNOWN;
     else if (length != NULL)
         x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
     x->body_sent = x->length > 0;
     x->r.media = request_media(header(x, "Content-Type"));
-}
-
-static void refuse_size(struct exchange *x)
-{
-    request_problem(&x->r, ERRMAP_BODY_SIZE, "the limit is %zu bytes",
-                    x->http->app->max_body);
-}
-
-/* Refuse the body for what the headers say of it. */
-static void check_body(struct exchange *x)
-{
-    struct request *r = &x->r;
-    const char *wants = routes_wants(r);
-
-    if (x->length != LENGTH_UNKNOWN && x->length > x->http->app->max_body)
-        refuse_size(x);
-    else if (r->route->body == ROUTES_NO_BODY)
-        return;
-    else if (!x->has_length)
-        request_problem(r, ERRMAP_NO_LENGTH,
-                        "send Content-Length, or the body in chunks");
-    else if (r->coding == INFLATE_OTHER)
-        inflate_refuse(r);
-    else if (wants != NULL)
-        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s", wants);
-    else if (x->length == 0)
-        request_problem(r, ST_EINVAL, "the body is empty");
 }
 
 /* Room for n more bytes and a final 0 in r.body. */
@@ -277,7 +251,7 @@ static bool make_room(struct exchange *x, size_t n)
 
     if (need <= cap)
         return true;
-    if (cap == 0 && x->length != LENGTH_UNKNOWN && x->length < (1 << 20))
+    if (cap == 0 && x->length != BODY_LENGTH_UNKNOWN && x->length < (1 << 20))
         cap = (size_t)x->length + 1; /* what it says, where that costs little */
     while (cap < need)
         cap = cap < 65536 ? 65536 : 2 * cap;
@@ -298,10 +272,10 @@ static enum MHD_Result collect(struct exchange *x, const char *data, size_t *siz
 
     peer_more(x->peer, *size);
     if (*size > x->http->app->max_body - r->len) {
-        refuse_size(x);
+        body_refuse_size(r);
         return send_amid(x);
     }
-    if (r->route->body == ROUTES_NO_BODY) {
+    if (r->route->body == ROUTE_NO_BODY) {
         r->len += *size; /* counted against the limit, and not looked at */
     } else if (make_room(x, *size)) {
         memcpy(r->body + r->len, data, *size);
@@ -317,7 +291,7 @@ static enum MHD_Result collect(struct exchange *x, const char *data, size_t *siz
 
 static enum MHD_Result body_complete(struct exchange *x)
 {
-    if (x->r.route->body != ROUTES_NO_BODY && x->r.len == 0) {
+    if (x->r.route->body != ROUTE_NO_BODY && x->r.len == 0) {
         request_problem(&x->r, ST_EINVAL, "the body is empty");
         return send_answer(x);
     }
@@ -334,11 +308,11 @@ static enum MHD_Result body_complete(struct exchange *x)
 /* The client may ask: are the path's id and the query well-formed, and the body one to read? */
 static enum MHD_Result admit(struct exchange *x)
 {
-    routes_read_id(&x->r);
+    route_read_id(&x->r);
     if (x->r.answer.http == 0)
-        routes_check_query(&x->r);
+        route_check_query(&x->r);
     if (x->r.answer.http == 0)
-        check_body(x);
+        body_check(&x->r, x->has_length, x->length);
     if (x->r.answer.http != 0)
         return send_early(x);
     x->state = COLLECTING;
@@ -378,7 +352,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
         x->body_sent = true; /* whatever the one that was taken says */
         return send_early(x);
     }
-    routes_find(r);
+    route_find(r->app->routes, r->app->nroutes, r);
     if (r->answer.http != 0)
         return send_early(x);
     if (r->route->scope == 0 || x->http->app->no_auth)
@@ -462,7 +436,7 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
     ms = log_clock_ms() - x->r.start_ms;
     http = x->state == ANSWERED ? x->r.answer.http : 0;
     metrics_request(h->app->metrics, &x->r, http, ms);
-    request_log(&x->r, http, ms);
+    access_log(&x->r, http, ms);
     if (x->drain_fd >= 0)
         drain_adopt(h->drain, x->drain_fd);
     peer_begin(x->peer, GUARD_IDLE, 0);

@@ -2,6 +2,7 @@
 #include "inflate.h"
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +11,7 @@
 #include <zstd.h>
 #include <zstd_errors.h>
 
-#include "app.h"
 #include "errinfo.h"
-#include "errmap.h"
-#include "request.h"
 
 #define FIRST_ROOM      65536
 #define ZSTD_WINDOW_LOG 23        /* 8 MB: what RFC 9659 allows a sender */
@@ -188,38 +186,4 @@ enum status inflate_body(enum inflate_coding coding, const unsigned char *in, si
     *out = s.data;
     *outlen = s.len;
     return ST_OK;
-}
-
-void inflate_refuse(struct request *r)
-{
-    request_problem(r, ERRMAP_CODING,
-                    "Content-Encoding may be gzip or zstd, one of them and once");
-    r->answer.codings = true;
-}
-
-bool inflate_request(struct request *r)
-{
-    struct errinfo e = {0};
-    unsigned char *body;
-    size_t len;
-    enum status st;
-
-    if (r->coding == INFLATE_NONE || r->len == 0)
-        return true;
-    st = inflate_body(r->coding, r->body, r->len, r->app->max_body, &body, &len, &e);
-    free(r->body); /* what it took, http.c counts until the request's end */
-    r->body = body;
-    r->len = len;
-    r->coding = INFLATE_NONE;
-    if (st == ST_OK && len > 0)
-        return true;
-    if (st == ST_OK)
-        request_problem(r, ST_EINVAL, "the body is empty");
-    else
-        request_problem(r,
-                        st == ST_EINVAL   ? (unsigned)ERRMAP_PACKED
-                        : st == ST_ELIMIT ? (unsigned)ERRMAP_BODY_SIZE
-                                          : (unsigned)st,
-                        "%s", e.msg);
-    return false;
 }

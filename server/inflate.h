@@ -3,12 +3,10 @@
  * strangers: what they unpack to is bounded before it is there. */
 #ifndef SERVER_INFLATE_H
 #define SERVER_INFLATE_H
-#include <stdbool.h>
 #include <stddef.h>
 #include "status.h"
 
 struct errinfo;
-struct request;
 
 enum inflate_coding {
     INFLATE_NONE,
@@ -32,12 +30,5 @@ enum inflate_coding inflate_coding(const char *value);
 enum status inflate_body(enum inflate_coding coding, const unsigned char *in, size_t len,
                          size_t limit, unsigned char **out, size_t *outlen,
                          struct errinfo *e);
-
-/* inflate_refuse(r): the answer to a body of INFLATE_OTHER: 415 with Accept-Encoding. */
-void inflate_refuse(struct request *r);
-
-/* inflate_request(r): unpack r->body, if it is packed, within the limit for bodies.  On a
- * worker: it computes.  Returns false where r->answer is set: damaged, too large. */
-bool inflate_request(struct request *r);
 
 #endif

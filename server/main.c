@@ -19,6 +19,7 @@
 #include "modelfile.h"
 #include "options.h"
 #include "queue.h"
+#include "routes.h"
 #include "service.h"
 #include "settings.h"
 #include "store.h"
@@ -43,7 +44,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
         return st;
     store_use_model(app->store, app->model);
     app->cache = cache_new((size_t)o->cache_mb << 20);
-    app->metrics = metrics_new();
+    app->routes = routes_table(&app->nroutes);
+    app->metrics = metrics_new(app->routes, app->nroutes);
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
     app->attempts = attempts_new(app->store, o->attempts, o->attempt_wait);
     app->throttle = throttle_new(o->rate_limit_tokens);

@@ -12,7 +12,7 @@
 #include "process.h"
 #include "queue.h"
 #include "request.h"
-#include "routes.h"
+#include "route.h"
 
 #define NSTATUS  600
 #define NBUCKETS 14
@@ -32,23 +32,28 @@ enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 
 struct metrics {
     time_t start;
-    struct {
-        counter status[NSTATUS];
-        struct histogram duration;
-    } route[ROUTES_MAX];
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
     counter decision[FACE_INCONCLUSIVE + 1];
     counter enrollment[METRICS_MISMATCH + 1];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens;
+    const struct route *routes;
+    size_t nroutes;
+    struct by_route {
+        counter status[NSTATUS];
+        struct histogram duration;
+    } route[]; /* [nroutes + 1], the last for requests without one */
 };
 
-struct metrics *metrics_new(void)
+struct metrics *metrics_new(const struct route *routes, size_t nroutes)
 {
-    struct metrics *m = calloc(1, sizeof *m);
+    struct metrics *m = calloc(1, sizeof *m + (nroutes + 1) * sizeof *m->route);
 
-    if (m != NULL)
+    if (m != NULL) {
         m->start = time(NULL);
+        m->routes = routes;
+        m->nroutes = nroutes;
+    }
     return m;
 }
 
@@ -76,10 +81,11 @@ static void observe(struct histogram *h, double ms)
 
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
 {
-    size_t route = routes_index(r->route);
+    struct by_route *by =
+        &m->route[r->route == NULL ? m->nroutes : (size_t)(r->route - m->routes)];
 
-    count(&m->route[route].status[http < 0 || http >= NSTATUS ? 0 : http], 1);
-    observe(&m->route[route].duration, ms);
+    count(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
+    observe(&by->duration, ms);
     for (size_t i = 0; i < REQUEST_STAGES; i++)
         if ((r->stages >> i & 1) != 0)
             observe(&m->stage[i], r->stage_ms[i]);
@@ -87,6 +93,7 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         observe(&m->stage[REQUEST_STAGES], ms);
     if (r->answer.bad_token)
         count(&m->wrong_tokens, 1);
+    metrics_database_error(m, r->failed);
 }
 
 void metrics_decision(struct metrics *m, enum face_decision d)
@@ -164,24 +171,31 @@ static void print_histogram(FILE *f, const char *name, const char *labels,
     fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
 }
 
+/* NULL: what is counted without a route. */
+static const struct route *route_at(const struct metrics *m, size_t i)
+{
+    return i < m->nroutes ? &m->routes[i] : NULL;
+}
+
 static void print_requests(FILE *f, const struct metrics *m)
 {
-    const char *name, *method;
     char labels[128];
 
     head(f, "surfaced_http_requests_total", "counter",
          "Requests by route and status; status 0: the client went away.");
-    for (size_t i = 0; (name = routes_name(i, &method)) != NULL; i++)
+    for (size_t i = 0; i <= m->nroutes; i++)
         for (int s = 0; s < NSTATUS; s++)
             if (value(&m->route[i].status[s]) > 0)
                 fprintf(f,
                         "surfaced_http_requests_total{route=\"%s\",method=\"%s\","
                         "status=\"%d\"} %" PRIu64 "\n",
-                        name, method, s, value(&m->route[i].status[s]));
+                        route_pattern(route_at(m, i)), route_method(route_at(m, i)), s,
+                        value(&m->route[i].status[s]));
     head(f, "surfaced_http_request_duration_seconds", "histogram",
          "From the request line to the end of the answer.");
-    for (size_t i = 0; (name = routes_name(i, &method)) != NULL; i++) {
-        (void)snprintf(labels, sizeof labels, "route=\"%s\",method=\"%s\"", name, method);
+    for (size_t i = 0; i <= m->nroutes; i++) {
+        (void)snprintf(labels, sizeof labels, "route=\"%s\",method=\"%s\"",
+                       route_pattern(route_at(m, i)), route_method(route_at(m, i)));
         print_histogram(f, "surfaced_http_request_duration_seconds", labels,
                         &m->route[i].duration);
     }
@@ -288,11 +302,11 @@ static void print_process(FILE *f, const struct app *app)
               "Most file descriptors that may be open.");
 }
 
-char *metrics_text(const struct app *app)
+static char *text(const struct app *app)
 {
-    char *text = NULL;
+    char *out = NULL;
     size_t len;
-    FILE *f = open_memstream(&text, &len);
+    FILE *f = open_memstream(&out, &len);
     bool failed;
 
     if (f == NULL)
@@ -304,8 +318,14 @@ char *metrics_text(const struct app *app)
     print_process(f, app);
     failed = ferror(f) != 0;
     if (fclose(f) != 0 || failed) {
-        free(text);
+        free(out);
         return NULL;
     }
-    return text;
+    return out;
+}
+
+void metrics_handle(struct request *r, struct worker *w)
+{
+    (void)w;
+    request_text(r, "text/plain; version=0.0.4; charset=utf-8", text(r->app));
 }

@@ -6,15 +6,18 @@
 #include "face.h"
 #include "status.h"
 
-struct app;
 struct metrics;
 struct request;
+struct route;
+struct worker;
 
-struct metrics *metrics_new(void); /* NULL: out of memory */
+/* metrics_new(routes, nroutes): routes is borrowed.  NULL: out of memory. */
+struct metrics *metrics_new(const struct route *routes, size_t nroutes);
 void metrics_free(struct metrics *m);
 
 /* metrics_request(m, r, http, ms): r came to its end after ms; http: the status that was
- * sent, 0 when the client was gone.  Its route, its stages and a refused token count. */
+ * sent, 0 when the client was gone.  Its route and stages count, a token
+ * that was refused, and a failure of the store. */
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms);
 
 /* metrics_decision(m, d): a verification or comparison was decided. */
@@ -35,7 +38,6 @@ void metrics_database_error(struct metrics *m, enum status st);
 /* metrics_lost_event(m): an event could not be written to the store. */
 void metrics_lost_event(struct metrics *m);
 
-/* metrics_text(app): all of it as heap text; NULL: out of memory. */
-char *metrics_text(const struct app *app);
+void metrics_handle(struct request *r, struct worker *w); /* GET /metrics */
 
 #endif

@@ -8,13 +8,9 @@
 #include <strings.h>
 #include <sodium.h>
 
-#include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "render.h"
-#include "log.h"
-#include "metrics.h"
-#include "routes.h"
 
 enum request_method request_method(const char *name)
 {
@@ -209,7 +205,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
 
 void request_fail(struct request *r, const struct errinfo *e)
 {
-    metrics_database_error(r->app->metrics, e->code);
+    r->failed = e->code;
     request_problem(r, (unsigned)e->code, "%s", e->msg);
 }
 
@@ -220,31 +216,6 @@ void request_mismatch(struct request *r, const char *detail,
 
     set_body(r, m->http, "application/problem+json",
              render_problem(m, detail, r->id, result));
-}
-
-void request_log(const struct request *r, int http, double ms)
-{
-    struct log_entry l;
-    const char *method, *route = routes_name(routes_index(r->route), &method);
-    char key[32];
-
-    log_begin(&l, r->fault[0] == '\0' ? "info" : "error", "request");
-    log_text(&l, "request_id", r->id);
-    log_text(&l, "method", method);
-    log_text(&l, "route", route);
-    log_count(&l, "status", (uint64_t)http);
-    log_real(&l, "ms", ms, 3);
-    for (enum request_stage i = 0; i < REQUEST_STAGES; i++) {
-        if ((r->stages >> i & 1) == 0)
-            continue;
-        (void)snprintf(key, sizeof key, "%s_ms", request_stage_name(i));
-        log_real(&l, key, r->stage_ms[i], 3);
-    }
-    if (r->actor[0] != '\0')
-        log_text(&l, "token", r->actor);
-    if (r->fault[0] != '\0')
-        log_text(&l, "fault", r->fault);
-    log_end(&l);
 }
 
 void request_free(struct request *r)

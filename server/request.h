@@ -12,9 +12,8 @@
 
 struct app;
 struct errinfo;
-struct face_result;  /* face.h */
-struct routes_route; /* routes.h */
-struct worker;       /* queue.h */
+struct face_result; /* face.h */
+struct route;       /* route.h */
 
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
@@ -69,7 +68,7 @@ struct request {
     struct app *app;
     char *target; /* as sent: path[?query], still percent-encoded */
     enum request_method method;
-    const struct routes_route *route;    /* NULL until it is known */
+    const struct route *route;           /* NULL until it is known */
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
@@ -88,7 +87,8 @@ struct request {
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
     struct request_answer answer;
-    char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
+    enum status failed; /* what request_fail() was told; ST_OK: nothing */
+    char fault[512];    /* for the log: what is behind a 5xx; "" for nothing */
 };
 
 /* request_method(name): GET and HEAD are REQUEST_GET. */
@@ -134,18 +134,13 @@ void request_text(struct request *r, const char *type, char *text);
 __attribute__((format(printf, 3, 4))) void
 request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 
-/* request_fail(r, e): the problem that e tells; one of the database is counted. */
+/* request_fail(r, e): the problem that e tells; r->failed, for the metrics. */
 void request_fail(struct request *r, const struct errinfo *e);
 
 /* request_mismatch(r, detail, result): 409 sample_mismatch, with the decision (no match or
  * inconclusive), the disparity and the threshold. */
 void request_mismatch(struct request *r, const char *detail,
                       const struct face_result *result);
-
-/* request_log(r, http, ms): the one line that the log has of r: its id, route, status and
- * times, the token's id, and what is behind a 5xx; no subject.  http, ms: as for
- * metrics_request(). */
-void request_log(const struct request *r, int http, double ms);
 
 /* request_free(r): what r points to. */
 void request_free(struct request *r);

@@ -1,0 +1,46 @@
+/* route.h -- what a route is, and which of them a request takes.  The table is routes.c's. */
+#ifndef SERVER_ROUTE_H
+#define SERVER_ROUTE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include "request.h"
+
+struct worker; /* worker.h */
+
+enum route_body {
+    ROUTE_NO_BODY,
+    ROUTE_CLOUD, /* JSON or a scanner's file */
+    ROUTE_JSON,  /* JSON alone */
+    ROUTE_MERGE  /* a JSON merge patch, or JSON */
+};
+
+struct route {
+    enum request_method method;
+    const char *pattern; /* "/v1/subjects/{subject}/verify" */
+    enum route_body body;
+    unsigned scope;    /* a token must have (enum store_scope); 0: none is needed */
+    const char *query; /* the query parameters it has: "units, detail"; "": none */
+    /* handle(r, w): sets r->response.  Called on worker w; or, where quick, on the I/O thread
+     * with NULL: then it neither computes nor touches the store. */
+    void (*handle)(struct request *r, struct worker *w);
+    bool quick;
+};
+
+/* route_find(table, n, r): set r->route by r->target and r->method, or r->response: no such
+ * path, no such method. */
+void route_find(const struct route *table, size_t n, struct request *r);
+
+/* route_read_id(r): set r->subject or r->template_id where r->route has one, or r->response
+ * when it is malformed. */
+void route_read_id(struct request *r);
+
+/* route_check_query(r): set r->response where r->target has a query parameter that r->route
+ * does not: one that is misspelt must not be ignored.  O(length of the query). */
+void route_check_query(struct request *r);
+
+/* For the log and the metrics: "GET" (of a GET or HEAD), and the pattern; of NULL (no route)
+ * "-" and "none". */
+const char *route_method(const struct route *route);
+const char *route_pattern(const struct route *route);
+
+#endif
