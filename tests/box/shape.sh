@@ -31,7 +31,7 @@ ok "no more than the scanner's error" holds '.disparity_mm < 0.3 and .disparity_
 ok "the plane is where the head was turned to" holds '.plane | .stop == "converged" and
     .normal[0] > 0.97 and (.normal[1] + 0.105 | fabs) < 0.01 and
     (.normal[2] + 0.156 | fabs) < 0.01 and .turn_deg < 0.5 and .shift_mm < 0.5'
-ok "volume over area" holds '.volume_mm3 / .overlap_mm2 / .disparity_mm - 1 | fabs < 1e-9'
+ok "volume over area" holds '.volume_mm3 / .overlap_mm2 / .disparity_mm - 1 | fabs < 1e-3'
 without_times "$T/body" >"$T/even.http"
 asymmetry "$T/even.xyz"
 is "surfacectl's exit" "$CODE" 0
@@ -63,7 +63,7 @@ for mm in 0.1 0.5; do
     simplify "$T/a.ply" --tolerance "$mm"
     is "simplify by $mm mm" "$CODE" 0
     ok "within it" holds ".error_mm <= $mm and .disparity_mm < .error_mm and .kept < .points"
-    ok "the share" holds '.kept / .points == .share'
+    ok "the share" holds '.kept / .points - .share | fabs <= 0.00005'
 done
 is "as many points as it says" "$(sed -n 's/element vertex //p' "$T/small.ply")" "$(get .kept)"
 ok "fewer than a third" holds '.share < 0.33'
