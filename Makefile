@@ -121,8 +121,8 @@ $$(BUILD)/gen/%_$(1).h: server/%.$(1) scripts/embed.sh
 endef
 $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
-# The shipped model, a table in text, as a constant of the library: printed by a program that
-# is made of the text's parser alone and runs here, wherever the rest is to run.
+# The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
+# it: a program of the model's parser alone, built for this machine also when cross-compiling.
 $(BUILD)/gen/model: tools/model_main.c core/model.c core/decision.c core/model.h Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
