@@ -84,8 +84,7 @@ struct disparity {
  *   bridged  else, a corner is where the other mesh only bridges missing points: strictly
  *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
  *            triangles bridge; or the triangle itself is too wide for the spacings at its
- *            corners (holes_wide(); of three corners of one mesh that is holes_bridges()):
- *            then neither mesh has a point where the triangle has its gap;
+ *            corners (holes_wide()): then neither mesh has a point where the triangle has its gap;
  *   common   else.  It counts.
  * Sums are compensated (Neumaier), areas whole numbers, the order fixed: the order of the
  * triangles.  O(general->nv). */

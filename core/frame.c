@@ -76,36 +76,6 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
     return ST_OK;
 }
 
-void frame_map(const struct surface *face, const struct align_pose *pose, float z[GRID_N])
-{
-    const struct mesh *m = &face->mesh;
-    double area[GRID_N] = {0}, sum[GRID_N] = {0};
-
-    for (uint32_t t = 0; t < m->nt; t++) {
-        struct dvec3 q[3];
-        double twice, third = 1.0 / 3;
-        uint32_t i;
-
-        if (face->bridge[t] || mesh_is_ghost(m, t))
-            continue;
-        for (int k = 0; k < 3; k++) {
-            const uint32_t v = m->org[3 * t + (uint32_t)k];
-
-            q[k] = align_pose_apply(pose, lattice_to_mm(m->xy[v], m->z[v]));
-        }
-        twice =
-            (q[1].x - q[0].x) * (q[2].y - q[0].y) - (q[1].y - q[0].y) * (q[2].x - q[0].x);
-        i = grid_cell((q[0].x + q[1].x + q[2].x) * third,
-                      (q[0].y + q[1].y + q[2].y) * third);
-        if (i == GRID_NONE || twice <= 0)
-            continue;
-        area[i] += twice / 2;
-        sum[i] += twice / 2 * (q[0].z + q[1].z + q[2].z) * third;
-    }
-    for (uint32_t i = 0; i < GRID_N; i++)
-        z[i] = area[i] >= FRAME_COVERED ? (float)(sum[i] / area[i]) : (float)NAN;
-}
-
 /* Less relief than this is rounding, mm^2 of mean square: a quadric itself. */
 #define RELIEF_LEAST 1e-6
 
@@ -124,7 +94,7 @@ static void quadric(uint32_t cell, double j[6])
 }
 
 /* The mean height of the face's points in each cell; 0 and n[i] = 0 where there are none.
- * Cheaper than frame_map(), and as good for what is only to be like a face. */
+ * By points, not by area: cheap, and enough for a likeness. */
 static void mean_heights(const struct surface *face, const struct align_pose *pose,
                          double z[GRID_N], uint32_t n[GRID_N])
 {

@@ -38,12 +38,6 @@ struct frame {
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);
 
-/* frame_map(face, pose, z): the mean height (mm) of the face in each cell of the frame that
- * pose takes it to; NAN where less than FRAME_COVERED mm^2 of a cell is covered.  O(nv). */
-#define FRAME_COVERED 4.0
-void frame_map(const struct surface *face, const struct align_pose *pose,
-               float z[GRID_N]);
-
 /* frame_likeness(mean, face, pose): is it shaped like a face, -1..1: the correlation, over
  * the cells that both cover, of its relief with the mean face's.  The relief is what the
  * best-fitting quadric z(x, y) leaves of the heights (least squares, each on its own): nose,

@@ -57,15 +57,6 @@ enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacin
     return ST_OK;
 }
 
-bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint32_t b,
-                   uint32_t c)
-{
-    const double sum = (double)spacing[a] + (double)spacing[b] + (double)spacing[c];
-    double twice;
-
-    return holes_wide(m->xy[a], m->xy[b], m->xy[c], sum, &twice);
-}
-
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
 {
     const uint32_t nv = m->nv, nt = m->nt;

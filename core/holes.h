@@ -53,11 +53,6 @@ static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, do
            (a * b * c > 4 * HOLES_CIRCLE * HOLES_CIRCLE * mean2 * (cross * cross));
 }
 
-/* holes_bridges(m, spacing, a, b, c): holes_wide() for three vertices of m, whether they
- * are a triangle of m or of a general triangulation. */
-bool holes_bridges(const struct mesh *m, const float *spacing, uint32_t a, uint32_t b,
-                   uint32_t c);
-
 /* holes_mark(m, spacing, bridge): bridge[t] = 1 for each triangle of m that bridges
  * missing points, ghosts included, 0 for the others.  Returns the measured area: that of
  * the triangles that do not, in square lattice units.  O(nv). */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum status lattice_round(double mm, double scale, int32_t *out)
+static enum status to_unit(double mm, double scale, int32_t *out)
 {
     double u = mm * scale;
 
@@ -18,12 +18,12 @@ enum status lattice_from_mm(const struct dvec3 *pts, size_t n, double scale,
                             struct ivec3 *out, size_t *bad)
 {
     for (size_t i = 0; i < n; i++) {
-        enum status st = lattice_round(pts[i].x, scale, &out[i].x);
+        enum status st = to_unit(pts[i].x, scale, &out[i].x);
 
         if (st == ST_OK)
-            st = lattice_round(pts[i].y, scale, &out[i].y);
+            st = to_unit(pts[i].y, scale, &out[i].y);
         if (st == ST_OK)
-            st = lattice_round(pts[i].z, scale, &out[i].z);
+            st = to_unit(pts[i].z, scale, &out[i].z);
         if (st != ST_OK) {
             if (bad != NULL)
                 *bad = i;

@@ -11,13 +11,10 @@
 #define LATTICE_PER_MM 1000.0             /* lattice units per millimetre, for faces */
 #define LATTICE_MAX    (INT32_C(1) << 24) /* |coordinate| <= this: incircle fits 128 bits */
 
-/* lattice_round(mm, scale, out): nearest lattice coordinate, ties to even; scale is units
- * per millimetre.  Returns ST_OK, ST_ENOTFINITE, or ST_ERANGE beyond LATTICE_MAX. */
-enum status lattice_round(double mm, double scale, int32_t *out);
-
-/* lattice_from_mm(pts, n, scale, out, bad): round n points into out[0..n-1].
+/* lattice_from_mm(pts, n, scale, out, bad): out[0..n-1] = the n points, each coordinate the
+ * nearest lattice coordinate, ties to even; scale is units per millimetre.
  * On failure *bad (may be NULL) is the index of the first point refused, and out is
- * unspecified.  Returns ST_OK, ST_ENOTFINITE, ST_ERANGE. */
+ * unspecified.  Returns ST_OK, ST_ENOTFINITE, or ST_ERANGE beyond LATTICE_MAX. */
 enum status lattice_from_mm(const struct dvec3 *pts, size_t n, double scale,
                             struct ivec3 *out, size_t *bad);
 

@@ -8,8 +8,9 @@
 #include "corpus.h"
 #include "errinfo.h"
 #include "face.h"
-#include "frame.h"
 #include "grid.h"
+#include "lattice.h"
+#include "learn.h"
 #include "model.h"
 #include "pool.h"
 #include "train_set.h"
@@ -18,6 +19,37 @@
 #define LEAST_CELLS 200  /* of the mean: what model_parse() asks for */
 #define UPRIGHT_MM  60.0 /* above and below the nose tip the mean face is as high */
 #define DEVIATION   0.5  /* mm, before anything is known of change */
+
+void train_mean_map(const struct surface *face, const struct align_pose *pose,
+                    float z[GRID_N])
+{
+    const struct mesh *m = &face->mesh;
+    double area[GRID_N] = {0}, sum[GRID_N] = {0};
+
+    for (uint32_t t = 0; t < m->nt; t++) {
+        struct dvec3 q[3];
+        double twice, third = 1.0 / 3;
+        uint32_t i;
+
+        if (face->bridge[t] || mesh_is_ghost(m, t))
+            continue;
+        for (int k = 0; k < 3; k++) {
+            const uint32_t v = m->org[3 * t + (uint32_t)k];
+
+            q[k] = align_pose_apply(pose, lattice_to_mm(m->xy[v], m->z[v]));
+        }
+        twice =
+            (q[1].x - q[0].x) * (q[2].y - q[0].y) - (q[1].y - q[0].y) * (q[2].x - q[0].x);
+        i = grid_cell((q[0].x + q[1].x + q[2].x) * third,
+                      (q[0].y + q[1].y + q[2].y) * third);
+        if (i == GRID_NONE || twice <= 0)
+            continue;
+        area[i] += twice / 2;
+        sum[i] += twice / 2 * (q[0].z + q[1].z + q[2].z) * third;
+    }
+    for (uint32_t i = 0; i < GRID_N; i++)
+        z[i] = area[i] >= LEARN_COVERED ? (float)(sum[i] / area[i]) : (float)NAN;
+}
 
 /* A frame from the face alone. */
 static void own_frame(const struct face *f, struct align_pose *out)
@@ -46,7 +78,7 @@ static void average(const struct train_set *set, float *mean)
 
         if (!set->corpus->scan[i].enrolled || f->surface.mesh.nv == 0)
             continue;
-        frame_map(&f->surface, &f->frame.pose, z);
+        train_mean_map(&f->surface, &f->frame.pose, z);
         faces++;
         for (uint32_t c = 0; c < GRID_N; c++) {
             if (isnan(z[c]))

@@ -1,11 +1,14 @@
 /* train_mean.h -- the mean face of a collection. */
 #ifndef LEARN_TRAIN_MEAN_H
 #define LEARN_TRAIN_MEAN_H
+#include "grid.h"
 #include "status.h"
 
-struct errinfo;
-struct model;     /* model.h */
-struct train_set; /* train_set.h */
+struct align_pose; /* align_pose.h */
+struct errinfo;    /* errinfo.h */
+struct model;      /* model.h */
+struct surface;    /* surface.h */
+struct train_set;  /* train_set.h */
 
 /* train_mean(set, threads, m, e): m->mean, and the frames of all of the set's faces by it: from each
  * enrolled face's principal axes and nose at first, then by laying all on their mean,
@@ -15,5 +18,10 @@ struct train_set; /* train_set.h */
 #define TRAIN_MEAN_ROUNDS 5
 enum status train_mean(const struct train_set *set, unsigned threads, struct model *m,
                        struct errinfo *e);
+
+/* train_mean_map(s, pose, z): the mean height (mm) of s in each cell of the frame that pose
+ * takes it to; NAN where less than LEARN_COVERED mm^2 of the cell is covered.  O(nv). */
+void train_mean_map(const struct surface *s, const struct align_pose *pose,
+                    float z[GRID_N]);
 
 #endif

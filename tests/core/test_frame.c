@@ -115,33 +115,6 @@ static void test_moves_along(void **state)
     face_work_free(w);
 }
 
-/* The map of the mean face is the mean face; where there is no surface it is empty. */
-static void test_map(void **state)
-{
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    static float z[GRID_N];
-    struct align_pose pose, back;
-    struct brute_rng rng = {7};
-
-    (void)state;
-    toy_pose(10, -8, 20, (struct dvec3){40, 50, 60}, &pose);
-    back = align_pose_after(&pose, &still);
-    toy_scan(toy, NULL, 9000, &pose, &rng, &surface);
-    frame_map(&surface, &back, z);
-    for (uint32_t c = 0; c < GRID_N; c++) {
-        const double u = grid_x(c) / 55, v = grid_y(c) / 70;
-
-        if (u * u + v * v < 0.7)
-            assert_true(fabs((double)z[c] - toy_height(grid_x(c), grid_y(c))) < 1.2);
-        if (u * u + v * v > 1.3)
-            assert_true(isnan(z[c]));
-    }
-    pose.t[0] = 900;
-    frame_map(&surface, &pose, z);
-    for (uint32_t c = 0; c < GRID_N; c++)
-        assert_true(isnan(z[c]));
-}
-
 /* Heights that are a multiple of the mean face's relief and any quadric. */
 static double scaled(const void *arg, double x, double y)
 {
@@ -238,9 +211,9 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_toy),  cmocka_unit_test(test_moves_along),
-        cmocka_unit_test(test_map),  cmocka_unit_test(test_likeness),
-        cmocka_unit_test(test_mean), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_toy),      cmocka_unit_test(test_moves_along),
+        cmocka_unit_test(test_likeness), cmocka_unit_test(test_mean),
+        cmocka_unit_test(test_memory),
     };
     int failed;
 

@@ -10,19 +10,20 @@
 
 static int32_t rounded(double mm, double scale)
 {
-    int32_t u = INT32_MIN;
+    const struct dvec3 p = {mm, 0, 0};
+    struct ivec3 u = {INT32_MIN, 1, 1};
 
-    assert_int_equal(lattice_round(mm, scale, &u), ST_OK);
-    return u;
+    assert_int_equal(lattice_from_mm(&p, 1, scale, &u, NULL), ST_OK);
+    assert_true(u.y == 0 && u.z == 0);
+    return u.x;
 }
 
 static enum status refused(double mm)
 {
-    int32_t u = 42;
-    const enum status st = lattice_round(mm, LATTICE_PER_MM, &u);
+    const struct dvec3 p = {mm, 0, 0};
+    struct ivec3 u;
 
-    assert_int_equal(u, 42);
-    return st;
+    return lattice_from_mm(&p, 1, LATTICE_PER_MM, &u, NULL);
 }
 
 static void test_nearest(void **state)
