@@ -12,32 +12,12 @@
 #include "mem.h"
 #include "mesh.h"
 #include "surface.h"
+#include "tuning.h"
 
-/* Turns are taken about a point this far behind the surface: a face is roughly a ball of
- * that radius, so that turns and shifts disturb each other least. */
-#define CENTRE_MM 80.0
-
-#define COARSE_POINTS 200 /* points that decide between starts */
-#define MIDDLE_POINTS 400 /* that bring the best of them home */
-#define TUKEY_POINTS  800 /* that leave out what does not fit */
-#define LAST_STEPS    2
-#define LAST_MM       0.05
-#define LAST_TIE      1e-4 /* prior on the motion: next to none */
-#define DEGREES       57.29577951308232
-#define DAMPING       1e-4
-#define MAX_TURN      0.25 /* longest step, radians and mm */
-#define MAX_SHIFT_MM  25.0
-
-/* A coarse pose needs no rival when it covers GOOD_WITHIN of the points and its cost is low
- * enough for the number of starts that led there (SAME_MM apart). */
-#define GOOD_WITHIN 0.75
-#define GOOD_MM     1.0
-#define SAME_MM     5.0
-static const double good_mm[] = {0, GOOD_MM, 2.0, 3.0};
-#define AGREED 3 /* more starts than that say no more */
-
-/* Less than this share of the probe's points over the template: apart. */
-#define APART_WITHIN 0.2
+/* What a coarse pose may cost to need no rival, by the number of starts that led there; more
+ * starts than AGREED say no more. */
+static const double good_mm[] = {0, ALIGN_GOOD_MM, ALIGN_GOOD_2_MM, ALIGN_GOOD_3_MM};
+#define AGREED 3
 
 /* A search in progress. */
 struct search {
@@ -56,24 +36,24 @@ struct candidate {
 };
 
 /* step(s, sum, pose): one Gauss-Newton step; returns its length in mm (turns at
- * CENTRE_MM), or 0 when nothing can be told. */
+ * POSE_LEVER_MM), or 0 when nothing can be told. */
 static double step(const struct search *s, const struct align_sum *sum,
                    struct align_pose *pose)
 {
     double x[6], turn, shift, scale = 1.0;
 
-    if (!align_solve(&sum->normal, DAMPING, x))
+    if (!align_solve(&sum->normal, ALIGN_DAMPING, x))
         return 0.0;
     turn = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     shift = sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]);
-    if (turn > MAX_TURN)
-        scale = MAX_TURN / turn;
-    if (shift * scale > MAX_SHIFT_MM)
-        scale = MAX_SHIFT_MM / shift;
+    if (turn > ALIGN_MAX_TURN_RAD)
+        scale = ALIGN_MAX_TURN_RAD / turn;
+    if (shift * scale > ALIGN_MAX_SHIFT_MM)
+        scale = ALIGN_MAX_SHIFT_MM / shift;
     for (int i = 0; i < 6; i++)
         x[i] *= scale;
     align_pose_move(pose, s->centre, x);
-    return scale * (turn * CENTRE_MM + shift);
+    return scale * (turn * POSE_LEVER_MM + shift);
 }
 
 /* descend(s, stride, loss, limit, enough, c): at most limit steps from c->pose, until one
@@ -164,11 +144,13 @@ struct start {
     double yaw, pitch;
 };
 
+#define AXES  ALIGN_TILT_AXES
+#define AS_IS ALIGN_TILT_AS_IS
 static const struct start starts[] = {
-    {false, true, 0.0, 0.0},   {false, false, 0.0, 0.0},  {true, true, 0.0, 0.0},
-    {true, false, 0.0, 0.0},   {false, true, 0.12, 0.0},  {false, true, -0.12, 0.0},
-    {false, true, 0.0, 0.12},  {false, true, 0.0, -0.12}, {true, false, 0.15, 0.0},
-    {true, false, -0.15, 0.0}, {true, false, 0.0, 0.15},  {true, false, 0.0, -0.15},
+    {false, true, 0.0, 0.0},    {false, false, 0.0, 0.0},  {true, true, 0.0, 0.0},
+    {true, false, 0.0, 0.0},    {false, true, AXES, 0.0},  {false, true, -AXES, 0.0},
+    {false, true, 0.0, AXES},   {false, true, 0.0, -AXES}, {true, false, AS_IS, 0.0},
+    {true, false, -AS_IS, 0.0}, {true, false, 0.0, AS_IS}, {true, false, 0.0, -AS_IS},
 };
 
 static void start_pose(const struct start *st, const struct align_axes *tmpl,
@@ -184,7 +166,7 @@ static void start_pose(const struct start *st, const struct align_axes *tmpl,
         memcpy(b.axis, scanner, sizeof scanner);
     }
     between(&a, &b, st->by_nose, pose);
-    back.z -= CENTRE_MM;
+    back.z -= POSE_LEVER_MM;
     align_pose_tilt(pose, back, st->yaw, st->pitch);
 }
 
@@ -193,7 +175,8 @@ static void start_pose(const struct start *st, const struct align_axes *tmpl,
 static bool same(const struct search *s, const struct align_pose *a,
                  const struct align_pose *b)
 {
-    static const double offset[3][3] = {{50, 0, 80}, {-50, 0, 80}, {0, 70, 80}};
+    static const double offset[3][3] = {
+        {50, 0, POSE_LEVER_MM}, {-50, 0, POSE_LEVER_MM}, {0, 70, POSE_LEVER_MM}};
 
     for (int i = 0; i < 3; i++) {
         const struct dvec3 q = {s->centre.x + offset[i][0] - a->t[0],
@@ -207,7 +190,7 @@ static bool same(const struct search *s, const struct align_pose *a,
         const double dx = m.x - a->t[0] - q.x, dy = m.y - a->t[1] - q.y;
         const double dz = m.z - a->t[2] - q.z;
 
-        if (dx * dx + dy * dy + dz * dz > SAME_MM * SAME_MM)
+        if (dx * dx + dy * dy + dz * dz > ALIGN_SAME_MM * ALIGN_SAME_MM)
             return false;
     }
     return true;
@@ -224,7 +207,7 @@ static uint32_t stride_for(uint32_t n, uint32_t points)
 static void choose(struct search *s, const struct surface *tmpl,
                    const struct surface *probe, struct candidate best[2])
 {
-    const uint32_t stride = stride_for(s->n, COARSE_POINTS);
+    const uint32_t stride = stride_for(s->n, ALIGN_COARSE_POINTS);
     const struct align_pose *given = s->how->start;
     struct align_axes to, from; /* made when they are needed */
     uint32_t agreed = 0;        /* starts that led to best[0] */
@@ -244,7 +227,7 @@ static void choose(struct search *s, const struct surface *tmpl,
             c.pose = *given;
         else
             start_pose(&starts[i - 1], &to, &from, &c.pose);
-        (void)descend(s, stride, ALIGN_LOSS_L1, 8, 1.0, &c);
+        (void)descend(s, stride, ALIGN_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
         s->out->starts++;
         again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
         agreed = again ? agreed + (agreed < AGREED) : c.cost < best[0].cost ? 1 : agreed;
@@ -255,7 +238,7 @@ static void choose(struct search *s, const struct surface *tmpl,
         } else if (!again && c.cost < best[1].cost) {
             best[1] = c;
         }
-        if (best[0].within > GOOD_WITHIN && best[0].cost < good_mm[agreed])
+        if (best[0].within > ALIGN_GOOD_WITHIN && best[0].cost < good_mm[agreed])
             break;
     }
 }
@@ -265,20 +248,20 @@ static enum status settle(struct search *s, struct align_work *w, struct align_p
 {
     const struct align_pose *frame = &s->how->u->frame;
     const double *r = frame->r;
-    const double back[3] = {-frame->t[0], -frame->t[1], -FIT_LEVER_MM - frame->t[2]};
+    const double back[3] = {-frame->t[0], -frame->t[1], -POSE_LEVER_MM - frame->t[2]};
     const struct dvec3 lever = {r[0] * back[0] + r[3] * back[1] + r[6] * back[2],
                                 r[1] * back[0] + r[4] * back[1] + r[7] * back[2],
                                 r[2] * back[0] + r[5] * back[1] + r[8] * back[2]};
 
     s->out->stop = ALIGN_STEPS;
-    for (int i = 0; i < LAST_STEPS && s->out->stop == ALIGN_STEPS; i++) {
+    for (int i = 0; i < ALIGN_LAST_STEPS && s->out->stop == ALIGN_STEPS; i++) {
         struct cells cells;
         struct fit fit;
         double x[6];
         enum status st;
 
         cells_sample(&s->field, s->pts, s->n, pose, frame, &cells);
-        st = fit_solve(s->how->motion, &cells, LAST_TIE, 1, &w->fit, &fit);
+        st = fit_solve(s->how->motion, &cells, ALIGN_LAST_TIE, 1, &w->fit, &fit);
         if (st != ST_OK)
             return st;
         s->out->evaluations++;
@@ -289,14 +272,14 @@ static enum status settle(struct search *s, struct align_work *w, struct align_p
                    r[k - b + 6] * fit.x[b + 2];
         }
         align_pose_move(pose, lever, x);
-        if (FIT_LEVER_MM * (fabs(x[0]) + fabs(x[1]) + fabs(x[2])) + fabs(x[3]) +
+        if (POSE_LEVER_MM * (fabs(x[0]) + fabs(x[1]) + fabs(x[2])) + fabs(x[3]) +
                 fabs(x[4]) + fabs(x[5]) <
-            LAST_MM)
+            ALIGN_LAST_MM)
             s->out->stop = ALIGN_CONVERGED;
         s->out->turn_deg = sqrt(fit.deviation[0] * fit.deviation[0] +
                                 fit.deviation[1] * fit.deviation[1] +
                                 fit.deviation[2] * fit.deviation[2]) *
-                           DEGREES;
+                           VEC_DEGREES;
         s->out->shift_mm = sqrt(fit.deviation[3] * fit.deviation[3] +
                                 fit.deviation[4] * fit.deviation[4] +
                                 fit.deviation[5] * fit.deviation[5]);
@@ -330,15 +313,15 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
     search.pts = (struct align_point *)(void *)(block + triangles);
     load(probe, search.pts);
     search.centre = align_pose_centre(&tmpl->mesh);
-    search.centre.z -= CENTRE_MM;
+    search.centre.z -= POSE_LEVER_MM;
 
     choose(&search, tmpl, probe, best);
-    rival = best[0].cost >= GOOD_MM && best[1].cost < 1.4 * best[0].cost;
-    (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 8, 0.3,
-                  &best[0]);
+    rival = best[0].cost >= ALIGN_GOOD_MM && best[1].cost < ALIGN_RIVAL * best[0].cost;
+    (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), ALIGN_LOSS_L1,
+                  ALIGN_STAGE_STEPS, ALIGN_MIDDLE_MM, &best[0]);
     if (rival)
-        (void)descend(&search, stride_for(search.n, MIDDLE_POINTS), ALIGN_LOSS_L1, 8, 0.3,
-                      &best[1]);
+        (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), ALIGN_LOSS_L1,
+                      ALIGN_STAGE_STEPS, ALIGN_MIDDLE_MM, &best[1]);
     if (rival && best[1].cost < best[0].cost) {
         const struct candidate swap = best[0];
 
@@ -348,11 +331,12 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
     out->cost_mm = best[0].cost;
     out->rival_mm = best[1].cost;
     out->within = best[0].within;
-    out->stop = descend(&search, stride_for(search.n, TUKEY_POINTS), ALIGN_LOSS_TUKEY, 8,
-                        0.1, &best[0])
-                    ? ALIGN_CONVERGED
-                    : ALIGN_STEPS;
-    if (best[0].within < APART_WITHIN)
+    out->stop =
+        descend(&search, stride_for(search.n, ALIGN_TUKEY_POINTS), ALIGN_LOSS_TUKEY,
+                ALIGN_STAGE_STEPS, ALIGN_TUKEY_STEP_MM, &best[0])
+            ? ALIGN_CONVERGED
+            : ALIGN_STEPS;
+    if (best[0].within < ALIGN_APART_WITHIN)
         out->stop = ALIGN_APART;
     else if (how->u != NULL && how->motion != NULL && how->motion->b->n > 0)
         st = settle(&search, w, &best[0].pose);

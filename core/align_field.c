@@ -7,13 +7,7 @@
 #include "lattice.h"
 #include "mesh.h"
 #include "surface.h"
-
-#define SOFT_MM  0.05 /* |r| is rounded off below this: L1's weight 1 / |r| stays finite */
-#define TUKEY_MM 2.5
-#define CAP_MM   5.0 /* what one residual can add to the cost of a pose */
-#define NO_GAP_MM                                                                        \
-    3.0 /* and what a point without a gap adds, so that sliding apart
-                         cannot pay */
+#include "tuning.h"
 
 _Static_assert(sizeof(struct align_triangle) == 64, "a triangle is a cache line");
 
@@ -119,14 +113,14 @@ struct pull {
 
 static struct pull pull_of(enum align_loss loss, double r, double u)
 {
-    const double a = fabs(r), soft = a > SOFT_MM ? a : SOFT_MM;
+    const double a = fabs(r), soft = a > ALIGN_SOFT_MM ? a : ALIGN_SOFT_MM;
     double v, s;
 
     if (loss == ALIGN_LOSS_L1)
-        return (struct pull){1.0 / soft, a < CAP_MM ? a : CAP_MM, 1.0};
-    v = a / TUKEY_MM;
+        return (struct pull){1.0 / soft, a < ALIGN_CAP_MM ? a : ALIGN_CAP_MM, 1.0};
+    v = a / ALIGN_TUKEY_MM;
     s = v < 1.0 ? 1.0 - v * v : 0.0;
-    return (struct pull){u * s * s, u * TUKEY_MM * (1.0 - s * s * s), u};
+    return (struct pull){u * s * s, u * ALIGN_TUKEY_MM * (1.0 - s * s * s), u};
 }
 
 const struct align_triangle *align_field_find(const struct align_field *f,
@@ -177,7 +171,7 @@ void align_field_sum(const struct align_field *f, struct align_point *pts, uint3
     if (total > 0)
         sum->within = (double)within / total;
     if (loss == ALIGN_LOSS_L1) {
-        sum->cost += NO_GAP_MM * (total - within);
+        sum->cost += ALIGN_NO_GAP_MM * (total - within);
         share = total;
     }
     sum->cost = share > 0.0 ? sum->cost / share : INFINITY;

@@ -7,11 +7,7 @@
 #include "lattice.h"
 #include "mesh.h"
 #include "surface.h"
-
-/* Share of the points that stick out most, whose mean is taken for the nose. */
-#define NOSE_SHARE     0.02
-#define NOSE_BINS      128
-#define NOSE_RADIUS_MM 250.0 /* what lies d to the side protrudes d^2 / this less */
+#include "tuning.h"
 
 static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
 {
@@ -187,17 +183,17 @@ static double protrusion(struct dvec3 p, const struct align_axes *f)
     const struct dvec3 d = vec_sub(p, f->centre);
     const double out = vec_dot(d, f->axis[2]);
 
-    return out - (vec_dot(d, d) - out * out) * (1.0 / NOSE_RADIUS_MM);
+    return out - (vec_dot(d, d) - out * out) * (1.0 / POSE_NOSE_RADIUS_MM);
 }
 
-/* nose_of(m, f): the mean of the NOSE_SHARE of the points that protrude most. */
+/* nose_of(m, f): the mean of the POSE_NOSE_SHARE of the points that protrude most. */
 static struct dvec3 nose_of(const struct mesh *m, const struct align_axes *f)
 {
-    uint32_t count[NOSE_BINS] = {0}, n = 0;
-    const uint32_t want = 1 + (uint32_t)(NOSE_SHARE * m->nv);
+    uint32_t count[POSE_NOSE_BINS] = {0}, n = 0;
+    const uint32_t want = 1 + (uint32_t)(POSE_NOSE_SHARE * m->nv);
     double lo = INFINITY, hi = -INFINITY, scale;
     struct dvec3 sum = {0.0, 0.0, 0.0};
-    int bin = NOSE_BINS;
+    int bin = POSE_NOSE_BINS;
 
     for (uint32_t v = 0; v < m->nv; v++) {
         const double h = protrusion(vertex_mm(m, v), f);
@@ -205,7 +201,7 @@ static struct dvec3 nose_of(const struct mesh *m, const struct align_axes *f)
         lo = h < lo ? h : lo;
         hi = h > hi ? h : hi;
     }
-    scale = hi > lo ? (NOSE_BINS - 1) / (hi - lo) : 0.0;
+    scale = hi > lo ? (POSE_NOSE_BINS - 1) / (hi - lo) : 0.0;
     for (uint32_t v = 0; v < m->nv; v++)
         count[(int)((protrusion(vertex_mm(m, v), f) - lo) * scale)]++;
     while (n < want && bin > 0)

@@ -10,21 +10,10 @@
 #include "lattice.h"
 #include "measure.h"
 #include "surface.h"
-
-#define ROUNDS       2    /* turned upright by the start, then by the corrected plane */
-#define POINTS       4000 /* of the mirror image, at most, in a robust sum */
-#define STEPS        40
-#define ENOUGH_MM    2e-3 /* a step shorter than that is the last */
-#define LEVER_MM     80.0 /* at which turns count as lengths */
-#define MAX_TURN     0.2  /* longest step, radians */
-#define MAX_SHIFT_MM 10.0
-#define DAMPING      1e-9 /* keeps what nothing tells (a sphere's plane) where it is */
-#define APART_WITHIN 0.2
-#define DEGREES      57.29577951308232
+#include "tuning.h"
 
 /* The surface in parts, each left out in turn: bands across, inner and outer halves. */
-#define BANDS    6
-#define BLOCKS   (2 * BANDS)
+#define BLOCKS   (2 * ASYMMETRY_BANDS)
 #define NO_BLOCK BLOCKS
 
 /* normal . p = offset. */
@@ -74,7 +63,7 @@ static uint32_t block_of(struct ivec2 p, struct ivec2 low, struct ivec2 high)
     const double up = ((double)p.y - low.y) / ((double)high.y - low.y + 1);
     const int64_t wide = high.x > -(int64_t)low.x ? high.x : -(int64_t)low.x;
 
-    return 2 * (uint32_t)(up * BANDS) + (2 * llabs(p.x) > wide);
+    return 2 * (uint32_t)(up * ASYMMETRY_BANDS) + (2 * llabs(p.x) > wide);
 }
 
 /* The vertices that a measured triangle has, sorted by block, in the order of the mesh. */
@@ -112,7 +101,7 @@ static void load(const struct surface *s, uint32_t *block, struct search *out)
         n++;
     }
     out->middle = vec_along((struct dvec3){0, 0, 0}, 1.0 / (n != 0 ? n : 1), sum);
-    out->stride = 1 + n / POINTS;
+    out->stride = 1 + n / ASYMMETRY_POINTS;
 }
 
 /* The robust sum over all blocks but one. */
@@ -181,17 +170,17 @@ static double step(const struct search *s, const struct align_sum *sum, struct p
     const struct align_normal normal = reduce(&sum->normal, to);
     double x[6], turn, scale = 1;
 
-    if (!align_solve(&normal, DAMPING, x))
+    if (!align_solve(&normal, ASYMMETRY_DAMPING, x))
         return 0;
     turn = sqrt(x[0] * x[0] + x[1] * x[1]);
-    if (turn > MAX_TURN)
-        scale = MAX_TURN / turn;
-    if (fabs(x[3]) * scale > MAX_SHIFT_MM)
-        scale = MAX_SHIFT_MM / fabs(x[3]);
+    if (turn > ASYMMETRY_MAX_TURN_RAD)
+        scale = ASYMMETRY_MAX_TURN_RAD / turn;
+    if (fabs(x[3]) * scale > ASYMMETRY_MAX_SHIFT_MM)
+        scale = ASYMMETRY_MAX_SHIFT_MM / fabs(x[3]);
     /* a x n = -b and b x n = a */
     p->normal = unit(vec_along(vec_along(n, -scale * x[0], b), scale * x[1], a));
     p->offset = vec_dot(p->normal, c) + scale * x[3];
-    return scale * (turn * LEVER_MM + fabs(x[3]));
+    return scale * (turn * POSE_LEVER_MM + fabs(x[3]));
 }
 
 /* descend(s, without, p, within): steps from *p, which becomes the cheapest plane seen.
@@ -202,7 +191,7 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
     double cost = INFINITY;
     bool ended = false;
 
-    for (int i = 0; i <= STEPS; i++) {
+    for (int i = 0; i <= ASYMMETRY_STEPS; i++) {
         const struct align_sum sum = sum_at(s, &at, without);
 
         if (sum.cost < cost) {
@@ -210,9 +199,9 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
             *within = sum.within;
             *p = at;
         }
-        if (ended || i == STEPS)
+        if (ended || i == ASYMMETRY_STEPS)
             break;
-        ended = step(s, &sum, &at) < ENOUGH_MM;
+        ended = step(s, &sum, &at) < ASYMMETRY_LAST_MM;
     }
     return ended;
 }
@@ -243,7 +232,7 @@ static void jackknife(struct search *s, const struct plane *best, struct asymmet
     if (n < 2)
         return;
     out->turn_deg =
-        DEGREES * sqrt((n - 1) / n * fmax(squares - vec_dot(sum, sum) / n, 0));
+        VEC_DEGREES * sqrt((n - 1) / n * fmax(squares - vec_dot(sum, sum) / n, 0));
     out->shift_mm = sqrt((n - 1) / n * fmax(shifts - shift * shift / n, 0));
 }
 
@@ -276,7 +265,7 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
     search.pts = (struct align_point *)(void *)(block + triangles);
     load(s, (uint32_t *)(void *)(block + pts), &search);
     out->stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
-    if (within < APART_WITHIN)
+    if (within < ALIGN_APART_WITHIN)
         out->stop = ALIGN_APART;
     else if (last)
         jackknife(&search, p, out);
@@ -304,7 +293,7 @@ static void tell(const struct align_pose *start, const struct align_pose *frame,
     out->normal[2] = to.normal.z;
     out->offset_mm = to.offset;
     out->moved_deg =
-        DEGREES * atan2(sqrt(vec_dot(turn, turn)), vec_dot(from.normal, to.normal));
+        VEC_DEGREES * atan2(sqrt(vec_dot(turn, turn)), vec_dot(from.normal, to.normal));
     out->moved_mm = fabs(to.offset - vec_dot(to.normal, c));
 }
 
@@ -325,7 +314,7 @@ enum status asymmetry_find(const struct surface *s, const struct align_pose *sta
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
     out->stop = ALIGN_APART;
-    for (int round = 0; round <= ROUNDS; round++) {
+    for (int round = 0; round <= ASYMMETRY_ROUNDS; round++) {
         struct plane p = {{1, 0, 0}, 0};
         struct dvec3 middle;
 
@@ -336,11 +325,11 @@ enum status asymmetry_find(const struct surface *s, const struct align_pose *sta
         if (round == 0 &&
             (st = measure_at(upright, upright, flip, NULL, m, &out->initial)) != ST_OK)
             break;
-        if (round == ROUNDS) {
+        if (round == ASYMMETRY_ROUNDS) {
             st = measure_at(upright, upright, flip, NULL, m, &out->final);
             break;
         }
-        st = search_plane(upright, m, round + 1 == ROUNDS, &p, &middle, out);
+        st = search_plane(upright, m, round + 1 == ASYMMETRY_ROUNDS, &p, &middle, out);
         if (st != ST_OK)
             break;
         straighten(&p, middle, &frame);

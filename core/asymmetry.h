@@ -35,10 +35,7 @@ struct asymmetry {
 };
 
 /* asymmetry_conclusive(a): was a plane found, and does enough of the surface lie over its
- * mirror image for its disparity to say something?  Of faces turned by 35 degrees, or with
- * 40 % missing in blobs, half does; of one half of a face, which some other plane fits as
- * well, less than a third. */
-#define ASYMMETRY_MIN_OVERLAP 0.45
+ * mirror image (ASYMMETRY_MIN_OVERLAP) for its disparity to say something? */
 bool asymmetry_conclusive(const struct asymmetry *a);
 
 /* asymmetry_find(s, start, m, upright, out): the plane in which s is most like its mirror image,

@@ -9,8 +9,7 @@
 #include "lattice.h"
 #include "measure.h"
 #include "mesh.h"
-
-#define STEEP 0.25 /* cosine between a normal and the frame's z */
+#include "tuning.h"
 
 /* A piece of the template's surface, in its frame, with the gap over it. */
 struct piece {
@@ -38,7 +37,7 @@ static inline void add(struct cells *c, const struct align_pose *frame, struct d
     const uint32_t i = grid_cell(q.x, q.y);
     double area;
 
-    if (i == GRID_NONE || s->normal.z < STEEP)
+    if (i == GRID_NONE || s->normal.z < CELLS_STEEP)
         return;
     area = s->area * s->normal.z; /* seen along the frame's z */
     c->area[i] += (float)area;
@@ -71,7 +70,6 @@ struct side {
 };
 
 /* Where a triangle is sampled: by its size, so that no cell under it is passed over. */
-#define SMALL_MM2 4.0
 static const double samples[7][3] = {{1. / 3, 1. / 3, 1. / 3}, /* small */
                                      {4. / 6, 1. / 6, 1. / 6},
                                      {1. / 6, 4. / 6, 1. / 6},
@@ -112,8 +110,8 @@ static void add_side(const struct side *side, const struct align_pose *frame,
         zy = (bz * ax - az * bx) * over;
         flat = 1.0 / sqrt(1.0 + zx * zx + zy * zy);
         s.normal = normal_of(frame, zx, zy, flat);
-        first = twice < 2 * SMALL_MM2 ? 0 : 1;
-        last = twice < 2 * SMALL_MM2 ? 0 : 3;
+        first = twice < 2 * CELLS_SMALL_MM2 ? 0 : 1;
+        last = twice < 2 * CELLS_SMALL_MM2 ? 0 : 3;
         s.area = 0.5 * twice / (flat * (last - first + 1));
         for (int k = first; k <= last; k++) {
             const double *b = samples[k];

@@ -6,14 +6,12 @@
 #define CORE_CELLS_H
 #include "align_pose.h"
 #include "grid.h"
+#include "tuning.h"
 
 struct align_field;  /* align_field.h */
 struct align_point;  /* align_field.h */
 struct surface;      /* surface.h */
 struct measure_work; /* measure.h */
-
-#define CELLS_COVERED                                                                    \
-    1.0f /* mm^2 of a cell's 16 that both surfaces must cover at least */
 
 struct cells {
     float area[GRID_N];      /* mm^2 in the frame's plane that both surfaces cover */

@@ -3,9 +3,6 @@
 #include <math.h>
 #include <stddef.h>
 
-const double decision_min_overlap = 0.3;
-const double decision_min_weight = 0.2;
-
 bool decision_valid(const struct decision *d)
 {
     if (!(d->n >= 2 && d->n <= DECISION_KNOTS) ||

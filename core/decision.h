@@ -4,11 +4,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A comparison over less than this share of the template's measured area, or of a whole
- * face's weight (score.h), says nothing.  Down to these shares the false match rate does
- * not rise (docs/accuracy.md). */
-extern const double decision_min_overlap, decision_min_weight;
-
 #define DECISION_KNOTS 32
 
 /* A calibration: learned from comparisons of different people (docs/decision.md). */

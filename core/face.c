@@ -17,6 +17,7 @@
 #include "model_digest.h"
 #include "quality.h"
 #include "score.h"
+#include "tuning.h"
 
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
@@ -185,8 +186,8 @@ enum status face_rebuild(struct face *f, struct face_work *w)
 
 static enum face_decision decide(const struct face_result *r)
 {
-    if (r->align.stop == ALIGN_APART || r->disparity.overlap < decision_min_overlap ||
-        r->weight_overlap < decision_min_weight)
+    if (r->align.stop == ALIGN_APART || r->disparity.overlap < DECISION_MIN_OVERLAP ||
+        r->weight_overlap < DECISION_MIN_WEIGHT)
         return FACE_INCONCLUSIVE;
     return r->score_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
 }

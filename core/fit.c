@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#define HUBER 2.5
+#include "tuning.h"
 
 /* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
  * motions, its gap, a zero.  The normal equations are the upper triangle of the sum of
@@ -133,11 +133,11 @@ static void load(struct work *w, const struct model_basis *b, const struct cells
         nz *= flat;
         x = grid_x(i);
         y = grid_y(i);
-        z = (double)c->z[i] + FIT_LEVER_MM;
+        z = (double)c->z[i] + POSE_LEVER_MM;
         /* Turns in units of 1 mm at the lever's length, so that all unknowns are alike. */
-        tail[0] = (float)((z * ny - y * nz) / FIT_LEVER_MM);
-        tail[1] = (float)((x * nz - z * nx) / FIT_LEVER_MM);
-        tail[2] = (float)((y * nx - x * ny) / FIT_LEVER_MM);
+        tail[0] = (float)((z * ny - y * nz) / POSE_LEVER_MM);
+        tail[1] = (float)((x * nz - z * nx) / POSE_LEVER_MM);
+        tail[2] = (float)((y * nx - x * ny) / POSE_LEVER_MM);
         tail[3] = (float)-nx;
         tail[4] = (float)-ny;
         tail[5] = (float)-nz;
@@ -206,7 +206,8 @@ static void reweight(struct work *w, const struct model_basis *b, const float *y
     for (uint32_t r = 0; r < w->n; r++) {
         const float *modes = b->mode[w->cell[r]];
         const float z = fabsf(left(modes, w->tail[r], w->modes, y)) * w->over[r];
-        const float now = w->full[r] * (z > (float)HUBER ? (float)HUBER / z : 1.0f);
+        const float now =
+            w->full[r] * (z > (float)FIT_HUBER ? (float)FIT_HUBER / z : 1.0f);
         const float rise = now - w->weight[r];
 
         w->weight[r] = now;
@@ -280,7 +281,7 @@ static void deviations(const struct work *w, struct fit *out)
             for (uint32_t j = k + 1; j < 6; j++)
                 v[j] -= v[k] * col[j];
         }
-        out->deviation[i] = sqrt(sum) / (i < 3 ? FIT_LEVER_MM : 1.0);
+        out->deviation[i] = sqrt(sum) / (i < 3 ? POSE_LEVER_MM : 1.0);
     }
 }
 
@@ -310,7 +311,7 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
             y[k] = (float)-w->g[k];
         memcpy(out->a, w->g, p->b->n * sizeof *out->a);
         for (uint32_t i = 0; i < 6; i++)
-            out->x[i] = w->g[w->modes + i] / (i < 3 ? FIT_LEVER_MM : 1.0);
+            out->x[i] = w->g[w->modes + i] / (i < 3 ? POSE_LEVER_MM : 1.0);
         if (pass == passes)
             deviations(w, out);
     }

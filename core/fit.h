@@ -3,7 +3,7 @@
  * model's modes of change within one person (model.h), plus a rest:
  *     gap = B a - J x + rest,
  * where (a, x) minimise  sum rho(rest / deviation of the cell) + |a|^2 + tie |x|^2  over the covered
- * cells, rho Huber's loss at 2.5, by reweighted least squares.  Removing a learned change
+ * cells, rho Huber's loss at FIT_HUBER, by reweighted least squares.  Removing a learned change
  * before faces are compared: Al-Osaimi, Bennamoun and Mian, "An Expression Deformation
  * Approach to Non-rigid 3D Face Recognition", IJCV 81(3), 2009.
  * Float products summed in a fixed order: the same digits everywhere. */
@@ -14,9 +14,6 @@
 #include "mem.h"
 #include "model.h"
 #include "status.h"
-
-#define FIT_LEVER_MM                                                                     \
-    80.0 /* turns are about the point (0, 0, -FIT_LEVER_MM) of the frame */
 
 struct fit {
     double a[MODEL_MODES];
@@ -39,11 +36,10 @@ struct fit_basis {
 void fit_prepare(const struct model_basis *b, struct fit_basis *out);
 
 /* fit_solve(p, c, tie, passes, s, out): tie is the strength of the prior on x, in 1 / mm^2
- * at FIT_LEVER_MM; small: free.  passes: reweightings, 0 or more.
+ * at POSE_LEVER_MM; small: free.  passes: reweightings, 0 or more.
  * With fewer than FIT_MIN_CELLS covered cells nothing is explained: a and x are 0.
  * Cost  O(cells n + n^3 + changed n^2), changed the number of p's cells that are not fully
  * covered or, pass after pass, fit badly.  Returns ST_OK, ST_ENOMEM. */
-#define FIT_MIN_CELLS 40
 enum status fit_solve(const struct fit_basis *p, const struct cells *c, double tie,
                       int passes, struct scratch *s, struct fit *out);
 

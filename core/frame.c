@@ -8,6 +8,7 @@
 #include "lattice.h"
 #include "model.h"
 #include "model_digest.h"
+#include "tuning.h"
 
 /* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
 static void rigidity(const struct model_basis *b, float *out)
@@ -76,9 +77,6 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
     return ST_OK;
 }
 
-/* Less relief than this is rounding, mm^2 of mean square: a quadric itself. */
-#define RELIEF_LEAST 1e-6
-
 /* The terms of a quadric at a cell, of order 1 wherever the grid is. */
 static void quadric(uint32_t cell, double j[6])
 {
@@ -146,6 +144,7 @@ double frame_likeness(const struct frame_mean *mean, const struct surface *face,
         ab += a.g[k] * y[k];
         bb += b.g[k] * y[k];
     }
-    return aa > RELIEF_LEAST * common && bb > RELIEF_LEAST * common ? ab / sqrt(aa * bb)
-                                                                    : 0;
+    return aa > FRAME_RELIEF_MIN_MM2 * common && bb > FRAME_RELIEF_MIN_MM2 * common
+               ? ab / sqrt(aa * bb)
+               : 0;
 }

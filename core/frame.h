@@ -45,7 +45,6 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
  * most of a face's depth is that of an egg.  0: there is no relief.
  * NAN where fewer than FRAME_LIKENESS_CELLS, a third of a face, are common: a part may be
  * laid on another part, and tells nothing.  O(nv); nothing is allocated. */
-#define FRAME_LIKENESS_CELLS 350
 double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose);
 

@@ -16,21 +16,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
+#include "tuning.h"
 #include "vec.h"
 
 struct location; /* locate.h */
 struct mesh;     /* mesh.h */
 struct scratch;  /* mem.h */
 
-#define HOLES_SIDE   4.0
-#define HOLES_CIRCLE 2.8
-#define HOLES_MOST   1.5
-
 /* holes_spacing(m, s, spacing): spacing[v] = the local point spacing round v in lattice
  * units: the mean length of the tree's edges within three steps of v, those met on several
- * ways counted as often, but at most HOLES_MOST times that of all edges.  Without the limit
- * a few points left over between wide holes would take these for their own spacing: with
- * 92 % of a face cut out, a third of it counted as measured (docs/studies.md).
+ * ways counted as often, but at most HOLES_MOST times that of all edges.
  * Needs m->parent.  O(nv).  Returns ST_OK, ST_ENOMEM. */
 enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacing);
 

@@ -17,10 +17,7 @@
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
-
-/* Steps and flips a point may cost on average before merging starts from scratch.  Two
- * scans of a face need about 6. */
-#define WORK_PER_POINT 40
+#include "tuning.h"
 
 struct grower {
     struct mesh *m;
@@ -182,7 +179,7 @@ static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
                  const struct location *b_in_a, uint32_t *b_vertex)
 {
     const uint32_t ghost = a->nv + b->nv;
-    struct grower g = {m, ghost, 0, (uint64_t)WORK_PER_POINT * ghost};
+    struct grower g = {m, ghost, 0, (uint64_t)MERGE_WORK * ghost};
 
     name_ghost(m, a->nv, g.ghost);
     for (uint32_t v = 0; v < b->nv; v++) {

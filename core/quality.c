@@ -11,18 +11,11 @@
 #include "predicates.h"
 #include "select.h"
 #include "surface.h"
-
-#define EXTENT_MIN (60 * LATTICE_PER_MM)
-#define EXTENT_MAX (500 * LATTICE_PER_MM)
-#define RELIEF_MIN (3 * LATTICE_PER_MM) /* root mean square from the best plane */
-#define NOISE_MAX  3.0                  /* mm */
-#define COVER_MIN  0.1
-#define SPIKES_MAX 0.25 /* share of the points laid flat; beyond it noise hides in them */
-
-#define NOISE_STRIDE 4 /* the noise is taken from every 4th point */
+#include "tuning.h"
 
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
 {
+    const size_t stray = n / QUALITY_STRAY_IN;
     struct ivec3 lo = pts[0], hi = pts[0];
     double side;
     double *v;
@@ -38,16 +31,17 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
         hi.z = p.z > hi.z ? p.z : hi.z;
     }
     side = fmax(fmax((double)hi.x - lo.x, (double)hi.y - lo.y), (double)hi.z - lo.z);
-    if (side < EXTENT_MIN)
+    if (side < QUALITY_EXTENT_MIN_MM * LATTICE_PER_MM)
         return ST_EUNITS;
-    if (side <= EXTENT_MAX)
+    if (side <= QUALITY_EXTENT_MAX_MM * LATTICE_PER_MM)
         return ST_OK;
     if ((v = scratch_need(s, n * sizeof *v)) == NULL)
         return ST_ENOMEM;
     for (int axis = 0; axis < 3; axis++) {
         for (size_t i = 0; i < n; i++)
             v[i] = axis == 0 ? pts[i].x : axis == 1 ? pts[i].y : pts[i].z;
-        if (select_kth(v, n, n - 1 - n / 100) - select_kth(v, n, n / 100) > EXTENT_MAX)
+        if (select_kth(v, n, n - 1 - stray) - select_kth(v, n, stray) >
+            QUALITY_EXTENT_MAX_MM * LATTICE_PER_MM)
             return ST_EUNITS;
     }
     return ST_OK;
@@ -132,12 +126,12 @@ static double ring_residual(const struct mesh *m, uint32_t v)
 }
 
 /* White noise along the surface normal, in lattice units: from the median residual, so
- * that edges and spikes do not count.  r has room for nv / NOISE_STRIDE + 1. */
+ * that edges and spikes do not count.  r has room for nv / QUALITY_NOISE_STRIDE + 1. */
 static double noise(const struct mesh *m, double *r)
 {
     size_t n = 0;
 
-    for (uint32_t v = 0; v < m->nv; v += NOISE_STRIDE) {
+    for (uint32_t v = 0; v < m->nv; v += QUALITY_NOISE_STRIDE) {
         const double d = ring_residual(m, v);
 
         if (d >= 0)
@@ -145,7 +139,7 @@ static double noise(const struct mesh *m, double *r)
     }
     if (n == 0)
         return 0;
-    return 1.4826 * select_kth(r, n, n / 2);
+    return QUALITY_MEDIAN * select_kth(r, n, n / 2);
 }
 
 static double hull_area(const struct mesh *m)
@@ -173,18 +167,19 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
 
     for (uint32_t v = 0; v < m->nv; v++)
         laid += f->raw[v] != m->z[v];
-    if ((r = scratch_need(s, (m->nv / NOISE_STRIDE + 1) * sizeof *r)) == NULL)
+    if ((r = scratch_need(s, (m->nv / QUALITY_NOISE_STRIDE + 1) * sizeof *r)) == NULL)
         return ST_ENOMEM;
     rough = relief(m);
     q->coverage = fmin(1, f->measured / area);
     q->density_mm = sqrt(f->measured / m->nv) / LATTICE_PER_MM;
     q->noise_mm = noise(m, r) / LATTICE_PER_MM;
-    dense = fmin(1, 3 / q->density_mm);
-    smooth = fmax(0, 1 - q->noise_mm / NOISE_MAX);
+    dense = fmin(1, QUALITY_SPARSE_MM / q->density_mm);
+    smooth = fmax(0, 1 - q->noise_mm / QUALITY_NOISE_MAX_MM);
     q->score = fmin(q->coverage, fmin(dense, smooth));
-    if (rough < RELIEF_MIN)
+    if (rough < QUALITY_RELIEF_MIN_MM * LATTICE_PER_MM)
         return ST_ENOTFACE;
-    if (q->noise_mm > NOISE_MAX || laid > SPIKES_MAX * m->nv || q->coverage < COVER_MIN)
+    if (q->noise_mm > QUALITY_NOISE_MAX_MM || laid > QUALITY_SPIKES_MAX * m->nv ||
+        q->coverage < QUALITY_COVER_MIN)
         return ST_EQUALITY;
     return ST_OK;
 }
@@ -203,11 +198,11 @@ enum status quality_place(const struct frame *frame)
 /* Is the face turned away from the scanner, whose axes the frame's pose leads from? */
 static bool turned(const struct align_pose *p)
 {
-    static const double degree = 3.14159265358979323846 / 180;
     const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
 
-    return fabs(atan2(r[6], r[8])) > 30 * degree || fabs(pitch) > 20 * degree ||
-           fabs(atan2(r[3], r[4])) > 20 * degree;
+    return fabs(atan2(r[6], r[8])) * VEC_DEGREES > QUALITY_TURNED_YAW_DEG ||
+           fabs(pitch) * VEC_DEGREES > QUALITY_TURNED_OTHER_DEG ||
+           fabs(atan2(r[3], r[4])) * VEC_DEGREES > QUALITY_TURNED_OTHER_DEG;
 }
 
 unsigned quality_reasons(const struct quality *q, const struct frame *frame)

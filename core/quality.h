@@ -31,19 +31,10 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
 enum status quality_rate(const struct surface *f, struct scratch *s, struct quality *q);
 
 /* quality_place(frame): the gate once more, when the face has been laid on the mean face:
- * ST_ENOTFACE where it lies on it nowhere: the mean distance above QUALITY_APART_MM, or
- * above QUALITY_LOOSE_MM with less than QUALITY_LOOSE_SHARE of the points over the mean
- * face; and where its relief is not a face's: likeness below QUALITY_LIKENESS; else ST_OK.
- * The limits refuse none of 1,200 scans of faces, whose worst had 2.90 mm, another 0.74, and
- * a likeness of 0.47 (half a face: 0.49 where nose and mouth are what is left).  A wrong
- * refusal is worse than a wrong pass, which then matches nobody: cylinders, cones that lie,
- * spheres, boxes and ellipsoids are refused, and about 19 in 20 faces upside down or seen
- * from behind; of what has a hump in its middle, as a nose, a part is not
- * (docs/accuracy.md). */
-#define QUALITY_APART_MM    3.2
-#define QUALITY_LOOSE_MM    2.8
-#define QUALITY_LOOSE_SHARE 0.6
-#define QUALITY_LIKENESS    0.35
+ * ST_ENOTFACE where it lies on it nowhere (QUALITY_APART_MM, QUALITY_LOOSE_MM) or its relief
+ * is not a face's (QUALITY_LIKENESS), else ST_OK.
+ * A wrong refusal is worse than a wrong pass, which then matches nobody: of what has a hump
+ * in its middle, as a nose, a part passes (docs/accuracy.md). */
 enum status quality_place(const struct frame *frame);
 
 /* What is wrong with a scan that may still be used: bits. */
@@ -59,15 +50,7 @@ enum quality_reason {
 };
 
 /* quality_reasons(q, frame): the bits 1 << reason, 0: all is well.  frame: NULL where it is
- * not known; then nothing is said of the last two.
- * The limits: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm, mean
- * distance 2.68 mm, likeness 0.72); where the score begins to fall (density); a third of
- * the outline missing; turns beyond what align_search() is made for. */
-#define QUALITY_SPARSE_MM        3.0
-#define QUALITY_NOISY_MM         0.6
-#define QUALITY_INCOMPLETE_SHARE 0.7
-#define QUALITY_UNUSUAL_MM       2.75
-#define QUALITY_UNUSUAL_LIKENESS 0.55
+ * not known; then nothing is said of the last two. */
 unsigned quality_reasons(const struct quality *q, const struct frame *frame);
 
 const char *

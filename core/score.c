@@ -3,12 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The pose is known within about half a degree and half a millimetre: how far the fit may
- * still move the probe (1 / mm^2). */
-#define TIE    4.0
-#define PASSES 2
-
-#define REGION_MIN (1.0 / 3.0)
+#include "tuning.h"
 
 /* The blur: a Gaussian of one cell, cut off at three. */
 #define BLUR 3
@@ -82,7 +77,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = fit_solve(change, c, TIE, PASSES, s, fit)) != ST_OK)
+    if ((st = fit_solve(change, c, SCORE_TIE, SCORE_PASSES, s, fit)) != ST_OK)
         return st;
     roughness(c, fit->rest, rough);
     for (uint32_t i = 0; i < GRID_N; i++) {
@@ -113,7 +108,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
     out->mm = mean(&all) * thin(out->weight);
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
-        const bool seen = part[r].covered > REGION_MIN * part[r].whole;
+        const bool seen = part[r].covered > SCORE_REGION_MIN * part[r].whole;
 
         out->region_mm[r] = seen ? mean(&part[r]) : (double)NAN;
         out->region_weight[r] = all.whole > 0 ? part[r].whole / all.whole : 0;

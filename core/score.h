@@ -17,10 +17,6 @@
 #include "grid.h"
 #include "model.h"
 
-#define SCORE_ROUGH 0.6
-#define SCORE_WHOLE 0.85
-#define SCORE_THIN  0.3
-
 struct score {
     double mm;
     double weight;    /* share of a whole face's weight that was covered, 0..1 */

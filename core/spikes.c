@@ -4,12 +4,13 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
 #include "select.h"
+#include "tuning.h"
 
-/* A spike rises from each neighbour by more than this: 1 mm, and steeper than 45 degrees. */
-#define SPIKE_STEP INT64_C(1000)
+#define STEP (SPIKES_STEP_MM * (int64_t)LATTICE_PER_MM)
 
 /* Does a lie far above b (1), far below (-1), or neither (0)?  In squares, on whole
  * numbers. */
@@ -17,7 +18,7 @@ static int step(const struct mesh *m, uint32_t a, uint32_t b)
 {
     const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
     const int64_t rise = (int64_t)m->z[a] - m->z[b];
-    const int64_t over = (rise < 0 ? -rise : rise) - SPIKE_STEP;
+    const int64_t over = (rise < 0 ? -rise : rise) - STEP;
 
     if ((over <= 0) | (over * over <= dx * dx + dy * dy))
         return 0;
@@ -41,7 +42,8 @@ static bool is_spike(const struct mesh *m, uint32_t v)
         }
         h = mesh_turn(m, h);
     } while (h != first);
-    return 4 * above >= 3 * neighbours || 4 * below >= 3 * neighbours;
+    return 4 * above >= SPIKES_QUARTERS * neighbours ||
+           4 * below >= SPIKES_QUARTERS * neighbours;
 }
 
 /* The median height of v's neighbours that are no spikes; v's own when all are. */

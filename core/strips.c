@@ -6,9 +6,9 @@
 #include "lattice.h"
 #include "mem.h"
 #include "predicates.h"
+#include "tuning.h"
 
 #define DIGIT_BITS 11
-#define PER_CELL   8 /* points in a square cell of a strip; measured: flat from 4 to 12 */
 
 struct item {
     int32_t x, y, z;
@@ -66,7 +66,8 @@ static uint32_t cut(struct item *a, size_t n)
     uint32_t want = 1, strip = 0;
     size_t size, next;
 
-    while (want < STRIPS_MAX && (uint64_t)(want + 1) * (want + 1) * PER_CELL <= n)
+    while (want < STRIPS_MAX &&
+           (uint64_t)(want + 1) * (want + 1) * STRIPS_PER_SQUARE <= n)
         want++;
     size = (n + want - 1) / want;
     next = size;

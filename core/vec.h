@@ -15,6 +15,8 @@ struct dvec3 {
     double x, y, z;
 };
 
+#define VEC_DEGREES 57.29577951308232 /* in a radian */
+
 static inline double vec_dot(struct dvec3 a, struct dvec3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

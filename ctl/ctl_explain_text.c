@@ -3,6 +3,7 @@
 #include "verdict.h"
 #include "ctl.h"
 #include "ctl_explain.h"
+#include "tuning.h"
 
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct face_result *r)
@@ -13,7 +14,7 @@ static const char *reason(const struct face_result *r)
         return "the disparity is above the threshold";
     if (r->align.stop == ALIGN_APART)
         return "no pose was found in which the surfaces have enough in common";
-    if (r->disparity.overlap < decision_min_overlap)
+    if (r->disparity.overlap < DECISION_MIN_OVERLAP)
         return "the common area is too small a share of the template's";
     return "the common area has too small a share of the weight";
 }
@@ -32,8 +33,8 @@ static void print_result(FILE *to, const struct face_result *r)
         to,
         "common       %.1f %% of the template's area, %.1f %% of a face's weight "
         "(at least %.0f and %.0f %% are needed)\n",
-        100 * r->disparity.overlap, 100 * r->weight_overlap, 100 * decision_min_overlap,
-        100 * decision_min_weight);
+        100 * r->disparity.overlap, 100 * r->weight_overlap, 100 * DECISION_MIN_OVERLAP,
+        100 * DECISION_MIN_WEIGHT);
     (void)fprintf(to,
                   "change       %.3f mm (root mean square) taken out as change of one "
                   "face\n",

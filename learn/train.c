@@ -19,6 +19,7 @@
 #include "train_mean.h"
 #include "train_motion.h"
 #include "train_set.h"
+#include "tuning.h"
 
 #define CHANGE_MODES 24
 #define SMOOTH_MODES 40
@@ -129,7 +130,7 @@ static enum status judge_before(void *arg, size_t i, struct face_work *w,
 
 static double disparity(const struct score *s, double overlap)
 {
-    return s->weight < decision_min_weight || overlap < decision_min_overlap
+    return s->weight < DECISION_MIN_WEIGHT || overlap < DECISION_MIN_OVERLAP
                ? (double)INFINITY
                : s->mm;
 }

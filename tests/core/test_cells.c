@@ -16,6 +16,7 @@
 #include "measure.h"
 #include "mem.h"
 #include "toy.h"
+#include "tuning.h"
 
 static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static const double same_place[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -8,6 +8,7 @@
 
 #include "decision.h"
 #include "model.h"
+#include "tuning.h"
 
 static const struct decision *const d = &model_default.decision;
 
@@ -31,7 +32,7 @@ static void test_threshold(void **state)
 {
     (void)state;
     assert_true(fabs(decision_fmr(d, d->threshold_mm) - 0.001) < 2e-4);
-    assert_true(decision_min_overlap > 0 && decision_min_overlap < 0.5);
+    assert_true(DECISION_MIN_OVERLAP > 0 && DECISION_MIN_OVERLAP < 0.5);
 }
 
 static void test_odd_values(void **state)

@@ -16,6 +16,7 @@
 #include "heatmap.h"
 #include "lattice.h"
 #include "model.h"
+#include "tuning.h"
 
 #define POINTS 3000
 
@@ -246,7 +247,7 @@ static void test_inconclusive(void **state)
     cloud.n = n;
     build(&b);
     assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
-    assert_true(r.disparity.overlap < decision_min_overlap);
+    assert_true(r.disparity.overlap < DECISION_MIN_OVERLAP);
     assert_int_equal(r.decision, FACE_INCONCLUSIVE);
     assert_int_equal(face_compare(&a, &b, 1000, NULL, work, &r), ST_OK);
     assert_int_equal(r.decision, FACE_INCONCLUSIVE); /* whatever the threshold */

@@ -19,6 +19,7 @@
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
+#include "tuning.h"
 
 #define MAX_POINTS 4000
 

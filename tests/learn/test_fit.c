@@ -16,6 +16,7 @@
 #include "fit.h"
 #include "learn.h"
 #include "toy.h"
+#include "tuning.h"
 
 #define MOST (MODEL_MODES + 6)
 
@@ -40,7 +41,7 @@ static void no_gap(struct cells *c)
  * part of the turn about the lever's point and of the shift. */
 static double moves(const struct cells *c, uint32_t i, const double x[6])
 {
-    const double p[3] = {grid_x(i), grid_y(i), (double)c->z[i] + FIT_LEVER_MM};
+    const double p[3] = {grid_x(i), grid_y(i), (double)c->z[i] + POSE_LEVER_MM};
     const double m[3] = {(double)c->normal[i][0], (double)c->normal[i][1],
                          (double)c->normal[i][2]};
     const double len = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
@@ -99,7 +100,7 @@ static void row_of(const struct model_basis *b, const struct cells *c, uint32_t 
     for (uint32_t k = 0; k < 6; k++) {
         double x[6] = {0};
 
-        x[k] = k < 3 ? 1 / FIT_LEVER_MM : 1;
+        x[k] = k < 3 ? 1 / POSE_LEVER_MM : 1;
         row[b->n + k] = -moves(c, i, x);
     }
 }
@@ -182,7 +183,7 @@ static void test_against_naive(void **state)
         for (uint32_t k = 0; k < b.n; k++)
             assert_true(fabs(fit.a[k] - y[k]) < 2e-4 * scale);
         for (uint32_t k = 0; k < 6; k++)
-            assert_true(fabs(fit.x[k] * (k < 3 ? FIT_LEVER_MM : 1) - y[b.n + k]) <
+            assert_true(fabs(fit.x[k] * (k < 3 ? POSE_LEVER_MM : 1) - y[b.n + k]) <
                         2e-4 * scale);
         for (uint32_t i = 0; i < GRID_N; i++)
             assert_true(fabs((double)fit.rest[i] - rest[i]) < 2e-4);
@@ -240,7 +241,7 @@ static void test_outliers(void **state)
                 cells.gap[i] += 3.0f;
         assert_int_equal(fit_solve(&moved, &cells, 1e-6, passes, &scratch, &fit), ST_OK);
         for (int k = 0; k < 6; k++)
-            off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? FIT_LEVER_MM : 1);
+            off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? POSE_LEVER_MM : 1);
     }
     print_message("off by %.3f mm by least squares, %.3f mm reweighted\n", off[0],
                   off[1]);

@@ -13,6 +13,7 @@
 #include "learn.h"
 #include "score.h"
 #include "toy.h"
+#include "tuning.h"
 
 static struct model model;
 static struct fit_basis changed; /* its change, prepared */

@@ -1,0 +1,247 @@
+/* tuning.h -- every number that tunes the method, with its unit and the reason for it.
+ * Measurements are those of docs/accuracy.md (simulated scans of 200 + 40 subjects) unless
+ * another page is named.  "By hand" marks a value that works, was set by judgement, and has
+ * no measurement of its own.
+ * Whoever changes a number that a score depends on counts up the measure in FACE_ENGINE.
+ * What a model learns (weights, modes, threshold) is in the model, not here. */
+#ifndef CORE_TUNING_H
+#define CORE_TUNING_H
+
+/* ---- triangulation, merging: time, not results */
+
+/* Points in a square of a strip (strips.h).  Time is flat from 4 to 12. */
+#define STRIPS_PER_SQUARE 8
+
+/* Steps and flips per point, on average, before merge_build() starts from scratch.  Two
+ * scans of a face need about 6; contrived input would need N. */
+#define MERGE_WORK 40
+
+/* ---- holes (paper 2): relative to the local point spacing */
+
+/* A triangle bridges missing points when its longest side and the radius of its circle
+ * exceed these multiples of the mean spacing at its corners.  Of points wholly at random the
+ * rule takes 0.5 % of the area, of sound simulated scans less than 0.01 % inside the
+ * outline; of blobs 12 to 44 mm wide it misses 0.6 % of the area. */
+#define HOLES_SIDE   4.0
+#define HOLES_CIRCLE 2.8
+
+/* The local spacing counts at most this multiple of the whole scan's.  Without the limit
+ * points left over between wide holes took these for their own spacing: with 92 % of a face
+ * cut out a third of it counted as measured.  1.3 and 2 fare alike (docs/studies.md). */
+#define HOLES_MOST 1.5
+
+/* ---- spikes */
+
+/* A spike rises above a neighbour by more than this (mm), and more steeply than 45 degrees,
+ * so that neither noise nor the side of a nose is one.  By hand. */
+#define SPIKES_STEP_MM 1
+
+/* It does so above (or below) this many quarters of its neighbours: on an edge of the
+ * surface only about half of them lie below.  By hand. */
+#define SPIKES_QUARTERS 3
+
+/* ---- quality: what is no face, and what is too poor a scan (quality.h) */
+
+/* mm, of the longest side: what a scan in cm, inches or metres, or of a room, has not. */
+#define QUALITY_EXTENT_MIN_MM 60
+#define QUALITY_EXTENT_MAX_MM 500
+
+/* Of so many points the largest extent leaves out one at either end of each axis: a few
+ * stray points do not matter. */
+#define QUALITY_STRAY_IN 100
+
+/* Root mean square distance from the best plane, mm: below it there is no relief.  By hand. */
+#define QUALITY_RELIEF_MIN_MM 3
+
+/* White noise, mm: the limit, at which the score is 0 too.  Of scans of a good scanner 99 in
+ * 100 have less than 0.51. */
+#define QUALITY_NOISE_MAX_MM 3.0
+
+/* Noise is taken from each so manieth point: enough for a median, a quarter of the time. */
+#define QUALITY_NOISE_STRIDE 4
+
+/* The median of |x| of a normal distribution is its deviation over this. */
+#define QUALITY_MEDIAN 1.4826
+
+/* Measured area over the outline's area below which a scan says nothing.  By hand. */
+#define QUALITY_COVER_MIN 0.1
+
+/* Share of points that stand out as spikes, beyond which noise hides in them: white noise of
+ * 58 mm had more than half laid flat and passed as 1.9 mm.  Simulated scans have 2 % at
+ * most; a face seen from 28 degrees aside folds over itself in a tenth of its points. */
+#define QUALITY_SPIKES_MAX 0.25
+
+/* Mean distance from the mean face (mm, capped, L1) above which a scan is no face; a lower
+ * limit holds where less than LOOSE_SHARE of its points lie over the mean face.  Of 1,200
+ * scans of faces the farthest had 2.90 mm, and 0.74 was the least share. */
+#define QUALITY_APART_MM    3.2
+#define QUALITY_LOOSE_MM    2.8
+#define QUALITY_LOOSE_SHARE 0.6
+
+/* Least likeness (frame.h).  Of 1,200 scans of faces the least had 0.47, of half faces 0.48;
+ * refuses 96 % of cylinders and 95 % of faces upside down. */
+#define QUALITY_LIKENESS 0.35
+
+/* Warnings.  Density (mm): beyond it the score begins to fall, and with it q->score.  The
+ * others: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm, distance 2.68
+ * mm, likeness 0.72); a third of the outline missing; turns beyond what align_search() is
+ * made for. */
+#define QUALITY_SPARSE_MM        3.0
+#define QUALITY_NOISY_MM         0.6
+#define QUALITY_INCOMPLETE_SHARE 0.7
+#define QUALITY_UNUSUAL_MM       2.75
+#define QUALITY_UNUSUAL_LIKENESS 0.55
+#define QUALITY_TURNED_YAW_DEG   30
+#define QUALITY_TURNED_OTHER_DEG 20 /* pitch, roll */
+
+/* ---- poses */
+
+/* Turns are taken about a point this far behind the surface, mm: a face is roughly a ball of
+ * that radius, so that turns and shifts disturb each other least.  Turns count as lengths at
+ * this distance. */
+#define POSE_LEVER_MM 80.0
+
+/* The nose: the mean of this share of the points, those that protrude most; what lies d to
+ * the side protrudes d^2 / RADIUS less, so that a chin or a forehead turned forward is no
+ * nose.  BINS of protrusion, each about 1 mm.  By hand. */
+#define POSE_NOSE_SHARE     0.02
+#define POSE_NOSE_RADIUS_MM 250.0
+#define POSE_NOSE_BINS      128
+
+/* ---- alignment (align.h) */
+
+/* Points of the probe that decide between starts, that bring the best of them home, and that
+ * leave out what does not fit; a step shorter than MM is the last of its stage, and there
+ * are STAGE_STEPS at most.  Time grows with the points; one start is enough for 90 % of
+ * probes turned by up to 25 degrees, and none of 340 ended beyond 1.5 degrees. */
+#define ALIGN_COARSE_POINTS 200
+#define ALIGN_COARSE_MM     1.0
+#define ALIGN_MIDDLE_POINTS 400
+#define ALIGN_MIDDLE_MM     0.3
+#define ALIGN_TUKEY_POINTS  800
+#define ALIGN_TUKEY_STEP_MM 0.1
+#define ALIGN_STAGE_STEPS   8
+
+/* Other starts are tilted by turns whose half angles have these tangents: 14 degrees from
+ * the principal axes, 17 from the pose as scanned, which knows less.  By hand. */
+#define ALIGN_TILT_AXES  0.12
+#define ALIGN_TILT_AS_IS 0.15
+
+/* A coarse pose needs no rival when it has GOOD_WITHIN of the points over the template and
+ * costs less than GOOD_MM, or more when two or three starts led there (SAME_MM apart at
+ * most).  A quarter of all scans tried all starts before agreement counted. */
+#define ALIGN_GOOD_WITHIN 0.75
+#define ALIGN_GOOD_MM     1.0
+#define ALIGN_GOOD_2_MM   2.0
+#define ALIGN_GOOD_3_MM   3.0
+#define ALIGN_SAME_MM     5.0
+
+/* Else the second best is followed too, if it costs less than this times the best. */
+#define ALIGN_RIVAL 1.4
+
+/* Share of the probe's points over the template below which both are apart. */
+#define ALIGN_APART_WITHIN 0.2
+
+/* The last steps, which tell motion from change: how many at most, the length of the last,
+ * and the prior on the motion (1 / mm^2), which is next to none.  By hand. */
+#define ALIGN_LAST_STEPS 2
+#define ALIGN_LAST_MM    0.05
+#define ALIGN_LAST_TIE   1e-4
+
+/* Gauss-Newton: the longest step, and damping that keeps what nothing tells where it is.  By
+ * hand. */
+#define ALIGN_MAX_TURN_RAD 0.25
+#define ALIGN_MAX_SHIFT_MM 25.0
+#define ALIGN_DAMPING      1e-4
+
+/* Residuals, mm.  |r| is rounded off below SOFT, so that L1's weight 1 / |r| stays finite;
+ * beyond TUKEY a residual counts nothing: it belongs to another expression, to hair or to a
+ * spike; one residual adds at most CAP to a pose's cost; a point without a gap adds NO_GAP,
+ * so that sliding apart does not pay.  By hand. */
+#define ALIGN_SOFT_MM   0.05
+#define ALIGN_TUKEY_MM  2.5
+#define ALIGN_CAP_MM    5.0
+#define ALIGN_NO_GAP_MM 3.0
+
+/* ---- asymmetry (asymmetry.h): alignment along three motions */
+
+/* The surface is turned upright by the start, then by the corrected plane: after two rounds
+ * the side it was scanned from does not matter. */
+#define ASYMMETRY_ROUNDS 2
+
+/* Points of the mirror image in a robust sum, at most; steps, and the length of the last. */
+#define ASYMMETRY_POINTS  4000
+#define ASYMMETRY_STEPS   40
+#define ASYMMETRY_LAST_MM 2e-3
+
+/* As in alignment; the start is nearer, and a sphere's plane stays where it is. */
+#define ASYMMETRY_MAX_TURN_RAD 0.2
+#define ASYMMETRY_MAX_SHIFT_MM 10.0
+#define ASYMMETRY_DAMPING      1e-9
+
+/* Bands across the surface, in halves, inner and outer: each is left out in turn. */
+#define ASYMMETRY_BANDS 6
+
+/* Least overlap of a surface with its mirror image that says something.  Of faces turned by
+ * 35 degrees, or with 40 % missing in blobs, half of the surface lies over its image; of one
+ * half of a face, which some other plane fits as well, less than a third. */
+#define ASYMMETRY_MIN_OVERLAP 0.45
+
+/* ---- the canonical frame (frame.h) */
+
+/* Common cells below which the likeness is unknown: a third of a face. */
+#define FRAME_LIKENESS_CELLS 350
+
+/* Mean square, mm^2, below which a relief is rounding: the surface is a quadric. */
+#define FRAME_RELIEF_MIN_MM2 1e-6
+
+/* ---- the gap per cell (cells.h), and its fit (fit.h) */
+
+/* mm^2 of a cell's 16 that both surfaces must cover before the cell counts at all.  By
+ * hand: what little counts beyond it rises from nothing (cells_cover()). */
+#define CELLS_COVERED 1.0f
+
+/* Cosine between a normal and the frame's z (75 degrees) below which a place is left out: a
+ * gap at right angles says little there, and the area is seen edge-on. */
+#define CELLS_STEEP 0.25
+
+/* mm^2: smaller triangles are sampled once, larger ones at three points, so that no cell
+ * under a triangle is passed over. */
+#define CELLS_SMALL_MM2 4.0
+
+/* Huber's limit, in standard deviations: 1.2 % of a normal distribution lies beyond. */
+#define FIT_HUBER 2.5
+
+/* With fewer covered cells nothing is explained; a third of a face has 350.  By hand. */
+#define FIT_MIN_CELLS 40
+
+/* ---- the score (score.h) */
+
+/* The pose is known within about half a degree and half a millimetre (docs/accuracy.md, "The
+ * pose"): how far the fit may still move the probe, 1 / mm^2. */
+#define SCORE_TIE 4.0
+
+/* Reweightings of the robust fit.  By hand. */
+#define SCORE_PASSES 2
+
+/* Share of the roughness that is taken off: 97.9 instead of 92.5 % accepted with 1,000
+ * points, 92.5 instead of 90.3 with an expression on a coarse, noisy grid. */
+#define SCORE_ROUGH 0.6
+
+/* Below this share of a whole face's weight the score is raised, by THIN for all of it
+ * missing.  0.85 is what whole faces cover; 0.2 to 0.5 fare alike ("Partial scans"). */
+#define SCORE_WHOLE 0.85
+#define SCORE_THIN  0.3
+
+/* Share of a region's weight that must be covered for the region to have a score. */
+#define SCORE_REGION_MIN (1.0 / 3.0)
+
+/* ---- the decision (face.h) */
+
+/* A comparison over less than this share of the template's measured area, or of a whole
+ * face's weight, is inconclusive.  Down to a fifth of the weight the false match rate does
+ * not rise; below, there were eight comparisons ("Partial scans"). */
+#define DECISION_MIN_OVERLAP 0.3
+#define DECISION_MIN_WEIGHT  0.2
+
+#endif
