@@ -11,6 +11,7 @@
 
 #include "errinfo.h"
 #include "model.h"
+#include "newfile.h"
 
 /* All of an open file, to be released by free(). */
 static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
@@ -74,30 +75,31 @@ out:
     return st;
 }
 
+/* The daemon that is to read it is another user: as the umask says, not as newfile does. */
+static void make_readable(int fd)
+{
+    const mode_t mask = umask(077);
+
+    (void)umask(mask);
+    (void)fchmod(fd, 0666 & ~mask);
+}
+
 enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e)
 {
-    const size_t len = model_write(m, NULL, 0), room = strlen(path) + 5;
-    char *text = malloc(len + 1), *temporary = malloc(room);
-    FILE *f = NULL;
-    enum status st = ST_OK;
+    const size_t len = model_write(m, NULL, 0);
+    struct newfile file = NEWFILE_NONE;
+    char *text = malloc(len + 1);
+    enum status st;
 
-    if (text == NULL || temporary == NULL) {
-        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-        goto out;
-    }
+    if (text == NULL)
+        return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
     (void)model_write(m, text, len + 1);
-    (void)snprintf(temporary, room, "%s.tmp", path);
-    if ((f = fopen(temporary, "w")) == NULL || fwrite(text, 1, len, f) != len ||
-        fflush(f) != 0 || fsync(fileno(f)) != 0)
-        st = errinfo_set(e, ST_EIO, "%.160s: %s", temporary, strerror(errno));
-    if (f != NULL && fclose(f) != 0 && st == ST_OK)
-        st = errinfo_set(e, ST_EIO, "%.160s: %s", temporary, strerror(errno));
-    if (st == ST_OK && rename(temporary, path) != 0)
-        st = errinfo_set(e, ST_EIO, "%.160s: %s", path, strerror(errno));
-    if (st != ST_OK && f != NULL)
-        (void)remove(temporary);
-out:
+    if ((st = newfile_open(path, &file, e)) == ST_OK &&
+        (st = newfile_put(&file, text, len, e)) == ST_OK) {
+        make_readable(file.fd);
+        st = newfile_commit(&file, e);
+    }
+    newfile_close(&file);
     free(text);
-    free(temporary);
     return st;
 }

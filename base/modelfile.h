@@ -1,6 +1,6 @@
 /* modelfile.h -- a model (core/model.h) from a file and into one. */
-#ifndef DB_MODELFILE_H
-#define DB_MODELFILE_H
+#ifndef BASE_MODELFILE_H
+#define BASE_MODELFILE_H
 #include <stddef.h>
 #include "status.h"
 
@@ -16,7 +16,8 @@ struct model; /* model.h */
 enum status modelfile_read(const char *path, struct model **out, struct errinfo *e);
 
 /* modelfile_write(path, m, e): whole, or not at all: a file that was there stays until the
- * new one is complete.  Returns ST_OK, ST_EIO, ST_ENOMEM. */
+ * new one is complete.  As readable as the umask says; not from two threads at once.
+ * Returns ST_OK; ST_EDENIED, ST_EIO; ST_EBUSY another process writes it; ST_ENOMEM. */
 enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e);
 
 #endif

@@ -1,26 +1,42 @@
 /* newfile.h -- a file that is there whole or not at all: it is written as PATH.part, readable
  * by its owner alone, and gets its name when it is on the disk. */
-#ifndef DB_NEWFILE_H
-#define DB_NEWFILE_H
+#ifndef BASE_NEWFILE_H
+#define BASE_NEWFILE_H
+#include <stddef.h>
+#include <stdio.h>
 #include "status.h"
 
 struct errinfo;
 
 struct newfile {
     int fd;     /* of the part; -1: there is none */
+    int dir;    /* that the names are relative to */
     char *path; /* NULL: there is none */
     char *part;
 };
 
 #define NEWFILE_NONE                                                                     \
     {                                                                                    \
-        -1, NULL, NULL                                                                   \
+        -1, -1, NULL, NULL                                                               \
     }
 
 /* newfile_open(path, n, e): an empty PATH.part; what a process that was killed has left is
- * overwritten.  ST_EBUSY: another process writes it; ST_EIO, ST_ENOMEM.  After ST_OK
- * newfile_close() must follow. */
+ * overwritten.  ST_EBUSY: another process writes it; ST_EDENIED, ST_EIO, ST_ENOMEM.  After
+ * ST_OK newfile_close() must follow.
+ * newfile_open_at(dir, name, n, e): in an open folder, which is borrowed until then. */
 enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e);
+enum status newfile_open_at(int dir, const char *name, struct newfile *n,
+                            struct errinfo *e);
+
+/* newfile_put(n, data, len, e): len bytes more.  ST_EIO. */
+enum status newfile_put(struct newfile *n, const void *data, size_t len,
+                        struct errinfo *e);
+
+/* newfile_fill(n, write, arg, e): what write(to, arg, e) prints, which need not look at write
+ * errors.  Returns its status; ST_EIO where not everything could be written. */
+typedef enum status newfile_writer(FILE *to, const void *arg, struct errinfo *e);
+enum status newfile_fill(struct newfile *n, newfile_writer *write, const void *arg,
+                         struct errinfo *e);
 
 /* newfile_commit(n, e): bring it to the disk and give it its name; a file of that name is
  * replaced.  newfile_keep(n, e): ST_EEXISTS where there is one. */

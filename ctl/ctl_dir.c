@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -27,35 +26,16 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e)
     return *dir >= 0 ? ST_OK : fail(e, path);
 }
 
-enum status ctl_dir_write(int dir, const char *name,
-                          enum status (*write)(FILE *to, const void *arg,
-                                               struct errinfo *e),
+enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
                           const void *arg, struct errinfo *e)
 {
-    char temp[64];
-    FILE *to;
+    struct newfile file = NEWFILE_NONE;
     enum status st;
-    bool whole;
-    int fd;
 
-    (void)snprintf(temp, sizeof temp, ".%.32s.%ld", name, (long)getpid());
-    (void)unlinkat(dir, temp, 0); /* of a process that was killed */
-    fd = openat(dir, temp, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (fd < 0)
-        return fail(e, name);
-    if ((to = fdopen(fd, "wb")) == NULL) {
-        st = fail(e, name);
-        (void)close(fd);
-        goto out;
-    }
-    st = write(to, arg, e);
-    whole = fflush(to) == 0 && !ferror(to);
-    whole = fclose(to) == 0 && whole;
-    if (st == ST_OK && (!whole || renameat(dir, temp, dir, name) != 0))
-        st = fail(e, name);
-out:
-    if (st != ST_OK)
-        (void)unlinkat(dir, temp, 0);
+    if ((st = newfile_open_at(dir, name, &file, e)) == ST_OK &&
+        (st = newfile_fill(&file, write, arg, e)) == ST_OK)
+        st = newfile_commit(&file, e);
+    newfile_close(&file);
     return st;
 }
 

@@ -2,8 +2,8 @@
  * readable by their owner alone, for they tell of people. */
 #ifndef DB_SURFACECTL_DIR_H
 #define DB_SURFACECTL_DIR_H
-#include <stdio.h>
 #include "errinfo.h"
+#include "newfile.h"
 
 struct mesh; /* mesh.h */
 
@@ -14,9 +14,7 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
 /* ctl_dir_write(dir, name, write, arg, e): a file with what write(to, arg, e) writes;
  * one of that name is replaced.  write need not look at write errors; when it fails, or not
  * everything could be written, nothing has changed. */
-enum status ctl_dir_write(int dir, const char *name,
-                          enum status (*write)(FILE *to, const void *arg,
-                                               struct errinfo *e),
+enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
                           const void *arg, struct errinfo *e);
 
 /* ctl_dir_mesh(path, m, e): the mesh in a file, PLY in millimetres; its folder is made

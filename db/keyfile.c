@@ -19,12 +19,8 @@ static enum status create(const char *path, const char *line, size_t n, struct e
     struct newfile file = NEWFILE_NONE;
     enum status st;
 
-    if ((st = newfile_open(path, &file, e)) != ST_OK)
-        return st;
-    errno = ENOSPC; /* what a write that was cut short does not say */
-    if (write(file.fd, line, n) != (ssize_t)n)
-        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
-    else
+    if ((st = newfile_open(path, &file, e)) == ST_OK &&
+        (st = newfile_put(&file, line, n, e)) == ST_OK)
         st = newfile_keep(&file, e);
     newfile_close(&file);
     return st;

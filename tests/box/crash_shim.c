@@ -151,6 +151,16 @@ int open64(const char *path, int flags, ...)
     return open_at(path, flags, mode);
 }
 
+int openat(int from, const char *path, int flags, ...)
+{
+    mode_t mode;
+
+    if (from != AT_FDCWD && dir != NULL)
+        abort(); /* nobody does so far */
+    MODE(flags, mode);
+    return open_at(path, flags, mode);
+}
+
 int __open_2(const char *path, int flags)
 {
     return open_at(path, flags, 0);
@@ -283,5 +293,12 @@ int link(const char *path, const char *to)
 
 int unlink(const char *path)
 {
+    return change_name(CRASH_UNLINK, 0, path, NULL);
+}
+
+int unlinkat(int from, const char *path, int flags)
+{
+    if (from != AT_FDCWD || flags != 0)
+        abort(); /* nobody does so far */
     return change_name(CRASH_UNLINK, 0, path, NULL);
 }

@@ -45,7 +45,7 @@ ok "figures" jq -e '(.before, .after) | .eer >= 0 and .eer <= 1' "$T/out" >/dev/
 engine=$(jq -r .engine "$T/out")
 threshold=$(jq .threshold_mm "$T/out")
 says "$T/two.model" "its name" '^name made up$'
-ok "nothing beside it" [ ! -e "$T/two.model.tmp" ]
+ok "nothing beside it" [ ! -e "$T/two.model.part" ]
 expect 0 "once more" "$ctl" train "$T/scans" --label 'made up' --threads 1 --out "$T/one.model"
 ok "the same on one thread" cmp "$T/one.model" "$T/two.model"
 says "$T/out" "text" '^after .*EER'

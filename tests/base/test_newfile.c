@@ -1,0 +1,230 @@
+/* link: -Wl,--wrap=malloc -Wl,--wrap=strdup -Wl,--wrap=fsync */
+/* Files that are there whole or not at all. */
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "errinfo.h"
+#include "newfile.h"
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+char *__real_strdup(const char *s);
+char *__wrap_strdup(const char *s);
+int __real_fsync(int fd);
+int __wrap_fsync(int fd);
+
+static int asked, failing; /* the allocation that fails; 0: none */
+static int synced;
+static bool full; /* the disk, as fsync() tells it */
+
+void *__wrap_malloc(size_t size)
+{
+    return ++asked == failing ? NULL : __real_malloc(size);
+}
+
+char *__wrap_strdup(const char *s)
+{
+    return ++asked == failing ? NULL : __real_strdup(s);
+}
+
+int __wrap_fsync(int fd)
+{
+    synced++;
+    errno = ENOSPC;
+    return full ? -1 : __real_fsync(fd);
+}
+
+static char folder[64];
+static struct newfile n = NEWFILE_NONE;
+static struct errinfo e;
+
+static const char *in_folder(const char *name)
+{
+    static char path[128];
+
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static int begin(void **state)
+{
+    (void)state;
+    strcpy(folder, "/tmp/newfile.XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    full = false;
+    synced = 0;
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    (void)unlink(in_folder("x"));
+    assert_int_equal(rmdir(folder), 0); /* nothing was left beside it */
+    return 0;
+}
+
+static void holds(const char *want)
+{
+    char text[64] = "";
+    FILE *in = fopen(in_folder("x"), "r");
+
+    assert_non_null(in);
+    assert_int_equal(fread(text, 1, sizeof text - 1, in), strlen(want));
+    (void)fclose(in);
+    assert_string_equal(text, want);
+}
+
+static bool is_there(const char *name)
+{
+    return access(in_folder(name), F_OK) == 0;
+}
+
+static void test_commit(void **state)
+{
+    struct stat sb;
+
+    (void)state;
+    (void)umask(0);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
+    assert_false(is_there("x"));
+    assert_true(is_there("x.part"));
+    assert_int_equal(newfile_commit(&n, &e), ST_OK);
+    newfile_close(&n);
+    newfile_close(&n);
+    holds("one");
+    assert_int_equal(synced, 2); /* the file and its name */
+    assert_int_equal(stat(in_folder("x"), &sb), 0);
+    assert_int_equal(sb.st_mode & 0777, 0600);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_put(&n, "two", 3, &e), ST_OK);
+    holds("one");
+    assert_int_equal(newfile_commit(&n, &e), ST_OK);
+    newfile_close(&n);
+    holds("two");
+}
+
+static void test_keep(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+        assert_int_equal(newfile_put(&n, i == 0 ? "old" : "new", 3, &e), ST_OK);
+        assert_int_equal(newfile_keep(&n, &e), i == 0 ? ST_OK : ST_EEXISTS);
+        newfile_close(&n);
+        holds("old");
+    }
+}
+
+/* Without a commit, or without room for it, what was there stays. */
+static void test_given_up(void **state)
+{
+    (void)state;
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
+    newfile_close(&n);
+    assert_false(is_there("x"));
+    full = true;
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_commit(&n, &e), ST_EIO);
+    assert_non_null(strstr(e.msg, strerror(ENOSPC)));
+    assert_int_equal(newfile_keep(&n, &e), ST_EIO);
+    newfile_close(&n);
+    assert_false(is_there("x"));
+}
+
+/* What a killed process has left is overwritten; what another writes is not. */
+static void test_part(void **state)
+{
+    struct newfile other = NEWFILE_NONE;
+    FILE *out = fopen(in_folder("x.part"), "w");
+
+    (void)state;
+    assert_non_null(out);
+    (void)fputs("much that was left", out);
+    (void)fclose(out);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_open(in_folder("x"), &other, &e), ST_EBUSY);
+    assert_int_equal(newfile_put(&n, "new", 3, &e), ST_OK);
+    assert_int_equal(newfile_commit(&n, &e), ST_OK);
+    newfile_close(&n);
+    holds("new");
+    assert_int_equal(newfile_open(in_folder("none/x"), &n, &e), ST_EIO);
+}
+
+static enum status print(FILE *to, const void *arg, struct errinfo *why)
+{
+    (void)fputs(arg, to);
+    return ((const char *)arg)[0] == 'b' ? errinfo_set(why, ST_ECORRUPT, "bad") : ST_OK;
+}
+
+static void test_fill(void **state)
+{
+    const int dir = open(folder, O_RDONLY | O_DIRECTORY);
+    int pipes[2], fd;
+
+    (void)state;
+    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    assert_int_equal(newfile_fill(&n, print, "bad", &e), ST_ECORRUPT);
+    newfile_close(&n);
+    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    assert_int_equal(newfile_fill(&n, print, "good", &e), ST_OK);
+    assert_int_equal(newfile_commit(&n, &e), ST_OK);
+    newfile_close(&n);
+    holds("good");
+    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    fd = n.fd; /* as if the disk were full: what was printed cannot be written */
+    assert_int_equal(pipe(pipes), 0);
+    n.fd = pipes[0];
+    assert_int_equal(newfile_fill(&n, print, "good", &e), ST_EIO);
+    assert_int_equal(newfile_put(&n, "good", 4, &e), ST_EIO);
+    n.fd = fd;
+    newfile_close(&n);
+    (void)close(pipes[0]);
+    (void)close(pipes[1]);
+    (void)close(dir);
+    holds("good");
+}
+
+static void test_memory(void **state)
+{
+    enum status st;
+
+    (void)state;
+    for (failing = 1;; failing++) {
+        asked = 0;
+        if ((st = newfile_open(in_folder("x"), &n, &e)) == ST_OK)
+            break;
+        assert_int_equal(st, ST_ENOMEM);
+        assert_false(is_there("x.part"));
+    }
+    assert_int_equal(failing, 3);
+    failing = 0;
+    newfile_close(&n);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_commit, begin, end),
+        cmocka_unit_test_setup_teardown(test_keep, begin, end),
+        cmocka_unit_test_setup_teardown(test_given_up, begin, end),
+        cmocka_unit_test_setup_teardown(test_part, begin, end),
+        cmocka_unit_test_setup_teardown(test_fill, begin, end),
+        cmocka_unit_test_setup_teardown(test_memory, begin, end),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
