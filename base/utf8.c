@@ -1,8 +1,10 @@
 #include "utf8.h"
 
-/* The bytes of the character at s, of which len are there; 0: it is none. */
-static size_t character(const unsigned char *s, size_t len)
+#include <string.h>
+
+size_t utf8_character(const char *text, size_t len)
 {
+    const unsigned char *s = (const unsigned char *)text;
     const unsigned c = s[0];
     /* What the second byte may be: less than 0x80-0xbf after the four first bytes that could
      * begin an overlong form, a surrogate or what lies above U+10FFFF. */
@@ -22,12 +24,28 @@ static size_t character(const unsigned char *s, size_t len)
     return n;
 }
 
+bool utf8_is_control(const char *s)
+{
+    const unsigned char c = (unsigned char)s[0];
+
+    return c < 0x20 || c == 0x7f || (c == 0xc2 && (unsigned char)s[1] < 0xa0);
+}
+
 size_t utf8_valid(const char *s, size_t len)
 {
-    const unsigned char *bytes = (const unsigned char *)s;
     size_t i = 0, n;
 
-    while (i < len && (n = character(bytes + i, len - i)) > 0)
+    while (i < len && (n = utf8_character(s + i, len - i)) > 0)
         i += n;
     return i;
+}
+
+bool utf8_is_text(const char *s, size_t max)
+{
+    const size_t len = strnlen(s, max + 1);
+    size_t i = 0, n;
+
+    while (i < len && (n = utf8_character(s + i, len - i)) > 0 && !utf8_is_control(s + i))
+        i += n;
+    return i == len && len <= max;
 }

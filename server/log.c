@@ -7,6 +7,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "utc.h"
+#include "utf8.h"
+
 #define CLOSING 32 /* bytes kept for what log_end() adds */
 
 static enum log_format format = LOG_LOGFMT;
@@ -26,46 +29,21 @@ static void put(struct log_entry *l, const char *s, size_t n)
     l->len += n;
 }
 
-/* The length of the UTF-8 character at s, shortest form and no surrogate; 0: it is none, or
- * a control character of Latin-1, which terminals obey. */
-static size_t utf8_length(const unsigned char *s, size_t left)
-{
-    static const uint32_t least[] = {0, 0, 0xa0, 0x800, 0x10000};
-    size_t n = *s < 0x80   ? 1
-               : *s < 0xc2 ? 0
-               : *s < 0xe0 ? 2
-               : *s < 0xf0 ? 3
-               : *s < 0xf5 ? 4
-                           : 0;
-    uint32_t c;
-
-    if (n <= 1 || n > left)
-        return n <= left ? n : 0;
-    c = *s & (0x7fu >> n);
-    for (size_t i = 1; i < n; i++) {
-        if ((s[i] & 0xc0) != 0x80)
-            return 0;
-        c = c << 6 | (s[i] & 0x3f);
-    }
-    return c < least[n] || c > 0x10ffff || (c >= 0xd800 && c < 0xe000) ? 0 : n;
-}
-
 /* In double quotes, escaped as in JSON, which readers of logfmt understand too. */
 static void put_quoted(struct log_entry *l, const char *s, size_t len)
 {
-    const unsigned char *p = (const unsigned char *)s;
     char code[8];
 
     put(l, "\"", 1);
     for (size_t i = 0, n; i < len; i += n) {
-        n = utf8_length(p + i, len - i);
-        if (n == 0) {
+        n = utf8_character(s + i, len - i);
+        if (n == 0 || (n == 2 && utf8_is_control(s + i))) {
             put(l, "\\ufffd", 6);
             n = 1;
-        } else if (p[i] == '"' || p[i] == '\\') {
-            put(l, p[i] == '"' ? "\\\"" : "\\\\", 2);
-        } else if (p[i] < ' ' || p[i] == 0x7f) {
-            (void)snprintf(code, sizeof code, "\\u%04x", (unsigned)p[i]);
+        } else if (s[i] == '"' || s[i] == '\\') {
+            put(l, s[i] == '"' ? "\\\"" : "\\\\", 2);
+        } else if (utf8_is_control(s + i)) {
+            (void)snprintf(code, sizeof code, "\\u%04x", (unsigned)s[i]);
             put(l, code, 6);
         } else {
             put(l, s + i, n);
@@ -138,15 +116,11 @@ void log_real(struct log_entry *l, const char *key, double value, int decimals)
 
 void log_begin(struct log_entry *l, const char *level, const char *msg)
 {
-    char ts[48];
-    struct timespec now;
-    struct tm tm;
-    size_t len;
+    char ts[UTC_TEXT];
+    int64_t now;
 
-    (void)clock_gettime(CLOCK_REALTIME, &now);
-    (void)gmtime_r(&now.tv_sec, &tm);
-    len = strftime(ts, sizeof ts, "%Y-%m-%dT%H:%M:%S", &tm);
-    (void)snprintf(ts + len, sizeof ts - len, ".%03ldZ", now.tv_nsec / 1000000);
+    (void)utc_now(&now); /* else it is 1970, which tells */
+    utc_print(now, ts);
     l->len = 0;
     l->full = l->cut = false;
     put(l, "{", format == LOG_JSON);

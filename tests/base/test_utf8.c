@@ -96,12 +96,38 @@ static void test_where(void **state)
     assert_int_equal(utf8_valid("x\xf4\x90\x80\x80", 5), 1); /* above U+10FFFF */
 }
 
+static void test_text(void **state)
+{
+    char s[8] = "";
+    unsigned controls = 0;
+
+    (void)state;
+    for (uint32_t c = 1; c <= 0x10ffff; c++) {
+        const size_t n = encode(c, s);
+
+        s[n] = '\0';
+        if (n == 0)
+            continue;
+        assert_true(utf8_is_text(s, 4) != utf8_is_control(s));
+        assert_false(utf8_is_text(s, n - 1));
+        controls += utf8_is_control(s);
+    }
+    assert_int_equal(controls, 0x1f + 1 + 0x20);
+    assert_true(utf8_is_control(""));
+    assert_true(utf8_is_text("", 0));
+    assert_true(utf8_is_text("a\xc3\xa4", 3));
+    assert_false(utf8_is_text("a\xc3\xa4", 2));
+    assert_false(utf8_is_text("a\xc3", 9));
+    assert_false(utf8_is_text("a\tb", 9));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_characters),
         cmocka_unit_test(test_sequences),
         cmocka_unit_test(test_where),
+        cmocka_unit_test(test_text),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
