@@ -13,7 +13,7 @@ alone() {
     for header in "$folder"/*.h; do
         [ -f "$header" ] || continue
         # shellcheck disable=SC2086 # several -I
-        printf '#include "%s"\n#include "%s"\n' "$header" "$header" |
+        printf '#include "%s"\n#include "%s"\ntypedef int unit;\n' "$header" "$header" |
             $cc -std=c11 -Wall -Wextra -Wpedantic -Werror -D_POSIX_C_SOURCE=200809L -I. $dirs \
                 -fsyntax-only -x c - || { echo "check_headers: $header"; bad=1; }
     done
