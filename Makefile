@@ -12,6 +12,8 @@ ifeq ($(origin CC),default)
 CC           := gcc
 endif
 HOSTCC       ?= $(CC)
+NM           ?= nm
+OBJCOPY      ?= objcopy
 BUILD        ?= build
 PREFIX       ?= /usr/local
 LIBDIR       ?= $(PREFIX)/lib
@@ -83,7 +85,7 @@ PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(TOOL_BIN)
 
 ## all: the library, both programs and the face generator
 .PHONY: all
-all: $(call arch,core) $(PROGRAMS)
+all: $(BUILD)/libsurface.a $(PROGRAMS)
 
 define room
 $(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1))
@@ -146,6 +148,16 @@ $(BUILD)/lib%.a:
 	@rm -f $@
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
+
+# The library as it is installed: core as one object that exports what core/libsurface.h
+# declares, and nothing else.
+$(BUILD)/libsurface.a: $(call arch,core)
+	$(call say,AR)
+	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $< -Wl,--no-whole-archive
+	$(Q)$(NM) -g --defined-only $(BUILD)/core/libsurface.o | sed 's/.* //' > $(@:.a=.names)
+	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
+	@rm -f $@
+	$(Q)$(AR) rcs $@ $(@:.a=.o)
 
 $(BUILD)/surfaced: $(BUILD)/server/main.o $(call archs,server)
 	$(call say,LD)
@@ -287,16 +299,16 @@ format:
 
 # ---- install
 
-## install: programs, library, headers, man pages, systemd units (PREFIX, DESTDIR)
+## install: programs, library and its header, man pages, systemd units (PREFIX, DESTDIR)
 .PHONY: install
 install: all
 	install -d "$(DESTDIR)$(PREFIX)/bin" "$(DESTDIR)$(PREFIX)/sbin" \
-	    "$(DESTDIR)$(PREFIX)/include/surface" "$(DESTDIR)$(LIBDIR)/pkgconfig" \
+	    "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" \
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d" "$(DESTDIR)$(UNITDIR)" "$(DESTDIR)/etc"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
-	install -m 644 core/*.h "$(DESTDIR)$(PREFIX)/include/surface/"
-	install -m 644 $(call arch,core) "$(DESTDIR)$(LIBDIR)/libsurface.a"
+	install -m 644 core/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
+	install -m 644 $(BUILD)/libsurface.a "$(DESTDIR)$(LIBDIR)/"
 	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|' \
 	    packaging/surface.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/surface.pc"
 	sed 's|=/usr/sbin/|=$(PREFIX)/sbin/|' packaging/surfaced.service \

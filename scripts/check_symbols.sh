@@ -23,6 +23,8 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
     function allowed(source, folder, module, names) {
         if (source == "core/predicates")
             return "incircle_.*" # named as in the literature
+        if (source == "core/libsurface")
+            return "surface_.*" # named after the header as it is installed
         if (source == "core/mem")
             return "(mem|scratch)_.*"
         if (source ~ /^server\/main$|^(tools|tests|studies)\/.*_main$/)
