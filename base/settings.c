@@ -488,32 +488,44 @@ void settings_fill(const struct settings *s, void *out)
     }
 }
 
-void settings_print(const struct settings *s, FILE *out)
+const char *settings_value(const struct settings *s, size_t row, char *from, size_t size)
 {
+    const struct value *v = &s->value[row];
     char name[NAME_MAX_BYTES];
 
-    for (size_t i = 0; i < s->n; i++) {
-        const struct value *v = &s->value[i];
+    switch (v->source) {
+    case UNSET:
+        (void)snprintf(from, size, "not set");
+        break;
+    case DEFAULT:
+        (void)snprintf(from, size, "default");
+        break;
+    case ENVIRONMENT:
+        env_name(&s->table[row], name);
+        (void)snprintf(from, size, "%s", name);
+        break;
+    case FLAG:
+        (void)snprintf(from, size, "--%s", s->table[row].name);
+        break;
+    case IN_FILE:
+        (void)snprintf(from, size, "%s:%u", s->file, v->line);
+        break;
+    }
+    return v->text;
+}
 
-        switch (v->source) {
-        case UNSET:
-            (void)fprintf(out, "# not set\n#%s =\n", s->table[i].name);
-            continue;
-        case DEFAULT:
-            (void)fputs("# default\n", out);
-            break;
-        case ENVIRONMENT:
-            env_name(&s->table[i], name);
-            (void)fprintf(out, "# %s\n", name);
-            break;
-        case FLAG:
-            (void)fprintf(out, "# --%s\n", s->table[i].name);
-            break;
-        case IN_FILE:
-            (void)fprintf(out, "# %s:%u\n", s->file, v->line);
-            break;
-        }
-        (void)fprintf(out, "%s = %s\n", s->table[i].name, v->text);
+void settings_print(const struct settings *s, FILE *out)
+{
+    char from[REPORT_MAX];
+
+    for (size_t i = 0; i < s->n; i++) {
+        const char *name = s->table[i].name;
+        const char *text = settings_value(s, i, from, sizeof from);
+
+        if (text == NULL)
+            (void)fprintf(out, "# %s\n#%s =\n", from, name);
+        else
+            (void)fprintf(out, "# %s\n%s = %s\n", from, name, text);
     }
 }
 

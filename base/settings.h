@@ -2,8 +2,8 @@
  * the command line say the values, the later of these winning.  Knows no setting itself.
  * Every value is checked when it is read, also one that another then wins over; each
  * problem is one line on a stream, which says where the value came from. */
-#ifndef SERVER_SETTINGS_H
-#define SERVER_SETTINGS_H
+#ifndef BASE_SETTINGS_H
+#define BASE_SETTINGS_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -76,6 +76,11 @@ unsigned settings_problems(const struct settings *s);
 /* settings_fill(s, out): the members of the structure by the values.  The strings live as
  * long as s.  Precondition: no problem was reported by the reading. */
 void settings_fill(const struct settings *s, void *out);
+
+/* settings_value(s, row, from, size): the value of a row as it was given, NULL where it is
+ * unset.  from[size]: where it came from: "default", "SURFACED_QUEUE", "--queue", "FILE:3", or
+ * "not set". */
+const char *settings_value(const struct settings *s, size_t row, char *from, size_t size);
 
 /* settings_print(s, out): as a file that settings_file() reads, with where each value came
  * from; what is unset stands in a comment. */

@@ -188,7 +188,7 @@ int main(int argc, char **argv)
         code = st == ST_OK ? l.cmd->run(&l.c) : ctl_fail(&l.c, st);
     }
     free(model);
-    free(l.c.settings);
+    ctl_config_free(&l.c);
     keyfile_free(l.c.asked);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);

@@ -48,6 +48,7 @@
 
 struct keyfile; /* keyfile.h */
 struct model;   /* model.h */
+struct options; /* options.h */
 
 #define CTL_ACTOR "surfacectl" /* in the events table */
 
@@ -76,8 +77,7 @@ struct ctl_expires { /* --expires */
 struct ctl { /* what the command line said */
     const char *db;
     const char *config;         /* the daemon's file; NULL: where it looks for one */
-    char *settings;             /* that the daemon told; to be freed */
-    char credential[PATH_MAX];  /* the key's file, where they name it as a credential */
+    struct options *settings;   /* of the daemon, once read; by ctl_config_free() */
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *new_key;        /* --new-key, or NULL */
@@ -207,6 +207,7 @@ enum status ctl_open(struct ctl *c, enum store_mode mode, struct store **s);
  * not set, or --config is given, by the daemon's configuration, as c->key and, if model,
  * c->model_path then too.  ST_EINVAL: nobody names one, and why. */
 enum status ctl_config_database(struct ctl *c, bool model);
+void ctl_config_free(struct ctl *c); /* the settings, to which the paths belong */
 
 /* ctl_key_archive(c, make, out): what an archive is sealed with; asked for twice for
  * one that is made.  Released by keyfile_free(). */

@@ -345,8 +345,7 @@ const struct ctl_command ctl_commands[] = {
      .summary = "the daemon's settings, and where each comes from",
      .help =
          "As they would be in force if surfaced was started now: its file, --config,\n"
-         "SURFACED_CONFIG or /etc/surfaced.conf, and what the environment says.  The surfaced\n"
-         "beside this program is asked.",
+         "SURFACED_CONFIG or /etc/surfaced.conf, and what the environment says.",
      .example = "surfacectl config show --json"},
     {.name = "config check",
      .args = "",
@@ -355,7 +354,7 @@ const struct ctl_command ctl_commands[] = {
      .summary = "what is wrong with the daemon's settings",
      .help =
          "Every problem is told with its place.  Nothing is written, and a running daemon goes\n"
-         "on with what it has.  Exit: 0 it would start, 1 it would not.",
+         "on with what it has.  What certificates hold: surfaced --check-config.  Exit: 0 it would start, 1 it would not.",
      .example = "surfacectl config check --config new.conf"},
     {.name = "check",
      .args = "",

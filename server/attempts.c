@@ -9,6 +9,7 @@
 #include "log.h"
 #include "metrics.h"
 #include "request.h"
+#include "options.h"
 #include "store.h"
 
 struct attempts {
@@ -45,10 +46,10 @@ int64_t attempts_wait_ms(const struct attempts *a, uint32_t failures, int64_t ag
 
     if (a->limit == 0 || failures < a->limit)
         return 0;
-    for (uint32_t i = a->limit; i < failures && wait_s < ATTEMPTS_WAIT_MAX; i++)
+    for (uint32_t i = a->limit; i < failures && wait_s < OPTIONS_WAIT_MAX; i++)
         wait_s *= 2;
-    if (wait_s > ATTEMPTS_WAIT_MAX)
-        wait_s = ATTEMPTS_WAIT_MAX;
+    if (wait_s > OPTIONS_WAIT_MAX)
+        wait_s = OPTIONS_WAIT_MAX;
     return age_ms < wait_s * 1000 ? wait_s * 1000 - age_ms : 0;
 }
 

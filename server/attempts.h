@@ -10,10 +10,9 @@ struct attempts;
 struct request;
 struct store;
 
-#define ATTEMPTS_WAIT_MAX 86400 /* s: it doubles no further */
-
 /* attempts_new(s, limit, wait_s): after limit failures in a row a wait of wait_s seconds,
- * 1 <= wait_s <= ATTEMPTS_WAIT_MAX, that doubles with each further one.  limit 0: never.
+ * 1 <= wait_s <= OPTIONS_WAIT_MAX (options.h), that doubles with each further one up to
+ * that.  limit 0: never.
  * s is borrowed.  NULL: out of memory. */
 struct attempts *attempts_new(struct store *s, unsigned limit, unsigned wait_s);
 void attempts_free(struct attempts *a); /* NULL is allowed */

@@ -12,6 +12,7 @@
 #include "calibration.h"
 #include "errinfo.h"
 #include "face.h"
+#include "flags.h"
 #include "http.h"
 #include "idempotency.h"
 #include "log.h"
@@ -161,17 +162,13 @@ static bool healthy(void *arg)
     return now - d->progress_ms < STALLED_MS;
 }
 
-/* --check-config: what the files hold. */
+/* --check-config: what the files of TLS hold. */
 static bool check_files(const struct options *o)
 {
     const struct tls_names names = {o->tls_cert, o->tls_key, o->tls_client_ca};
     struct tls *tls = NULL;
     struct errinfo e = {0};
-    struct model *m = NULL;
 
-    if (o->model != NULL && modelfile_read(o->model, &m, &e) != ST_OK)
-        settings_wrong_value(o->settings, "model", e.msg);
-    free(m);
     if (o->tls_cert != NULL && tls_open(&names, &tls, &e) != ST_OK)
         settings_wrong_value(o->settings, "tls-cert", e.msg);
     tls_close(tls);
@@ -191,17 +188,17 @@ int main(int argc, char **argv)
     struct daemon d = {.app = &app};
     int sig, status = 1;
 
-    switch (options_read(argc, argv, stderr, &o)) {
-    case OPTIONS_CHECK:
+    switch (flags_read(argc, argv, stderr, &o)) {
+    case FLAGS_CHECK:
         status = check_files(&o) ? 0 : 2;
         goto out;
-    case OPTIONS_DONE:
+    case FLAGS_DONE:
         status = 0;
         goto out;
-    case OPTIONS_BAD:
+    case FLAGS_BAD:
         status = 2;
         goto out;
-    case OPTIONS_RUN:
+    case FLAGS_RUN:
         break;
     }
     if (sodium_init() < 0) {

@@ -74,17 +74,14 @@ ok "with its place" matches "$(said '.problems[0]')" "^$T/conf:2: queue = many"
 "$BUILD/surfacectl" config check >"$T/text"
 is "as text" "$? $(grep -c conf: "$T/text")" '1 2'
 
-# ---- as it is installed, and without a daemon
-mkdir -p "$T/usr/bin" "$T/usr/sbin"
-cp "$BUILD/surfacectl" "$T/usr/bin"
-cp "$BUILD/surfaced" "$T/usr/sbin"
+conf "db = $DB" "model = $T/conf"
+try 1 config check
+ok "what is no model" matches "$(said '.problems[0]')" "^$T/conf:2: model = .*line 1: not a model"
+
+# ---- without a daemon
+mkdir "$T/bin"
+cp "$BUILD/surfacectl" "$T/bin"
 conf "db = $DB" "key = $T/the.key"
-"$T/usr/bin/surfacectl" --json subject show alice >"$T/ctl" 2>"$T/ctl.err"
-is "the daemon in ../sbin" "$? $(said .subject)" '0 alice'
-rm "$T/usr/sbin/surfaced"
-"$T/usr/bin/surfacectl" subject list >"$T/text" 2>"$T/ctl.err"
-is "none" "$?" 64
-says "none" 'no surfaced beside'
-"$T/usr/bin/surfacectl" --db "$DB" --key "$T/the.key" subject list >"$T/text" 2>"$T/ctl.err"
-is "it is not needed" "$?" 0
+"$T/bin/surfacectl" --json subject show alice >"$T/ctl" 2>"$T/ctl.err"
+is "it is not asked" "$? $(said .subject)" '0 alice'
 finish

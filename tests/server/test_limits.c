@@ -14,6 +14,7 @@
 #include <sodium.h>
 
 #include "attempts.h"
+#include "options.h"
 #include "throttle.h"
 
 #define S 1000.0 /* ms */
@@ -184,7 +185,7 @@ static void test_attempts(void **state)
         {0, 0, 0},      {1, 0, 0},           {2, 0, 0},
         {3, 0, 30},     {3, 29, 1},          {3, 30, 0},
         {3, 1000, 0},   {4, 0, 60},          {5, 20, 100},
-        {6, 0, 240},    {14, 0, 61440},      {15, 0, ATTEMPTS_WAIT_MAX},
+        {6, 0, 240},    {14, 0, 61440},      {15, 0, OPTIONS_WAIT_MAX},
         {16, 0, 86400}, {1000000, 0, 86400}, {1000000, 86400, 0},
     };
     struct attempts *a = attempts_new(NULL, 3, 30);

@@ -1,21 +1,19 @@
 #include "options.h"
 
 #include <assert.h>
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "address.h"
-#include "attempts.h"
-#include "face.h"
-#include "settings.h"
+#include "errinfo.h"
+#include "model.h"
+#include "modelfile.h"
 
-#define CONFIG_FILE "/etc/surfaced.conf"
 #define MAX_WORKERS 256
 
 /* One row a setting; man/surfaced.conf.5 and packaging/surfaced.conf tell each of them. */
-static const struct setting table[] = {
+const struct setting options_table[] = {
     {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
      "the database; made if it is missing"},
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
@@ -44,7 +42,7 @@ static const struct setting table[] = {
      "verifications of a subject that may fail in a row before it has to\n"
      "wait: 429; 0: no limit"},
     {"attempt-wait", SETTING_NUMBER, "30", offsetof(struct options, attempt_wait), 1,
-     ATTEMPTS_WAIT_MAX, "SECONDS", "how long; twice as long after each further failure"},
+     OPTIONS_WAIT_MAX, "SECONDS", "how long; twice as long after each further failure"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",
@@ -66,62 +64,17 @@ static const struct setting table[] = {
      "logfmt|json", "how the log's lines are written"},
 };
 
-enum { ROWS = sizeof table / sizeof table[0] };
-enum { HELP = ROWS, VERSION, CONFIG, CHECK, PRINT, FLAGS };
-
-static const char *const command[FLAGS - ROWS] = {"help", "version", "config",
-                                                  "check-config", "print-config"};
-
-static void usage(void)
+bool options_new(FILE *errors, struct options *out)
 {
-    (void)fputs("Usage: surfaced --db PATH [OPTION]...\n"
-                "Verify faces by the shape of their surface, over HTTP.\n"
-                "\n",
-                stdout);
-    settings_help(table, ROWS, stdout);
-    (void)fputs(
-        "  --config FILE       read the settings from there (" CONFIG_FILE ")\n"
-        "  --check-config      say what is wrong with the settings, and exit\n"
-        "  --print-config      print the settings as a file, and exit\n"
-        "  --help, --version   print this, or the version, and exit\n"
-        "\n"
-        "The same in the file as NAME = VALUE, and as environment: SURFACED_DB,\n"
-        "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1, and so on.  An option wins over the\n"
-        "environment, and that over the file.  SIGTERM and SIGINT finish the running\n"
-        "requests.  Exit status: 0 after a clean stop, 1 when it could not start or go on,\n"
-        "2 for a bad option.\n",
-        stdout);
+    assert(options_table[OPTIONS_ROWS - 1].name != NULL); /* no row is missing */
+    *out = (struct options){.max_connections_per_address = OPTIONS_UNSET};
+    return settings_new(options_table, OPTIONS_ROWS, errors, &out->settings);
 }
 
-/* The command line: value[i] of each flag that is there. */
-static void read_flags(int argc, char **argv, struct settings *s,
-                       const char *value[FLAGS])
+void options_free(struct options *o)
 {
-    struct option longopts[FLAGS + 1] = {{0}};
-    int flag;
-
-    for (int i = 0; i < FLAGS; i++) {
-        const bool wants = i < ROWS ? table[i].arg != NULL : i == CONFIG;
-
-        longopts[i] = (struct option){i < ROWS ? table[i].name : command[i - ROWS],
-                                      wants ? required_argument : no_argument, NULL, i};
-    }
-    opterr = 0;
-    optind = 1;
-    while ((flag = getopt_long(argc, argv, ":", longopts, NULL)) != -1) {
-        if (flag == '?')
-            settings_wrong(s, "%s: no such option; see --help", argv[optind - 1]);
-        else if (flag == ':')
-            settings_wrong(s, "%s: its value is missing", argv[optind - 1]);
-        else if (value[flag] != NULL)
-            settings_wrong(s, "--%s is given twice", longopts[flag].name);
-        else
-            value[flag] = optarg != NULL ? optarg : "1";
-    }
-    for (; optind < argc; optind++)
-        settings_wrong(s, "%s: not an option; see --help", argv[optind]);
-    if (value[CHECK] != NULL && value[PRINT] != NULL)
-        settings_wrong(s, "--check-config and --print-config: one at a time");
+    settings_free(o->settings);
+    o->settings = NULL;
 }
 
 /* What a table cannot say: what must be there, and what does not go together. */
@@ -166,65 +119,38 @@ static void one_worker_per_core(struct settings *s)
     settings_default(s, "workers", text);
 }
 
-static void read_all(struct settings *s, const char *const value[FLAGS])
+void options_load(struct options *o, const char *config,
+                  const char *const flag[OPTIONS_ROWS])
 {
     const char *env = getenv("SURFACED_CONFIG");
+    struct settings *s = o->settings;
 
     one_worker_per_core(s);
-    if (value[CONFIG] != NULL)
-        settings_file(s, value[CONFIG], false);
+    if (config != NULL)
+        settings_file(s, config, false);
     else if (env != NULL && *env != '\0')
         settings_file(s, env, false);
     else
-        settings_file(s, CONFIG_FILE, true);
+        settings_file(s, OPTIONS_FILE, true);
     settings_environment(s);
-    for (size_t i = 0; i < ROWS; i++)
-        if (value[i] != NULL)
-            settings_flag(s, i, value[i]);
+    for (size_t i = 0; flag != NULL && i < OPTIONS_ROWS; i++)
+        if (flag[i] != NULL)
+            settings_flag(s, i, flag[i]);
+    if (settings_problems(s) > 0)
+        return;
+    settings_fill(s, o);
+    check_together(o);
 }
 
-enum options_outcome options_read(int argc, char **argv, FILE *errors,
-                                  struct options *out)
+void options_check_files(struct options *o)
 {
-    const char *value[FLAGS] = {NULL};
-    struct settings *s;
+    struct settings *s = o->settings;
+    struct model *m = NULL;
+    struct errinfo e;
 
-    if (!settings_new(table, ROWS, errors, &out->settings)) {
-        (void)fputs("surfaced: out of memory\n", errors);
-        return OPTIONS_BAD;
-    }
-    s = out->settings;
-    read_flags(argc, argv, s, value);
-    if (settings_problems(s) > 0)
-        return OPTIONS_BAD;
-    if (value[HELP] != NULL) {
-        usage();
-        return OPTIONS_DONE;
-    }
-    if (value[VERSION] != NULL) {
-        (void)puts(FACE_ENGINE);
-        return OPTIONS_DONE;
-    }
-    read_all(s, value);
-    if (settings_problems(s) == 0) {
-        out->max_connections_per_address = OPTIONS_UNSET;
-        settings_fill(s, out);
-        check_together(out);
-    }
-    if (value[CHECK] != NULL)
-        settings_check_files(s);
-    if (settings_problems(s) > 0)
-        return OPTIONS_BAD;
-    if (value[CHECK] != NULL)
-        return OPTIONS_CHECK;
-    if (value[PRINT] == NULL)
-        return OPTIONS_RUN;
-    settings_print(s, stdout);
-    return OPTIONS_DONE;
-}
-
-void options_free(struct options *o)
-{
-    settings_free(o->settings);
-    o->settings = NULL;
+    settings_check_files(s);
+    if (settings_problems(s) == 0 && o->model != NULL &&
+        modelfile_read(o->model, &m, &e) != ST_OK)
+        settings_wrong_value(s, "model", e.msg);
+    free(m);
 }

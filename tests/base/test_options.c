@@ -1,0 +1,175 @@
+/* link: -Wl,--wrap=calloc -Wl,--wrap=strdup */
+/* The daemon's settings: the table, what is there by default, what does not go together, and
+ * memory that runs out. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "options.h"
+
+void *__real_calloc(size_t n, size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+char *__real_strdup(const char *s);
+char *__wrap_strdup(const char *s);
+
+static unsigned asked, failing; /* the allocation that fails; 0: none */
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return ++asked == failing ? NULL : __real_calloc(n, size);
+}
+
+char *__wrap_strdup(const char *s)
+{
+    return ++asked == failing ? NULL : __real_strdup(s);
+}
+
+static struct options o;
+static char path[] = "/tmp/options.XXXXXX", *said;
+
+/* The settings that a file of this text gives; the problems are in said. */
+static bool load(const char *text, bool files)
+{
+    FILE *out = fopen(path, "w"), *errors;
+    size_t len;
+
+    assert_non_null(out);
+    (void)fputs(text, out);
+    (void)fclose(out);
+    free(said);
+    said = NULL;
+    errors = open_memstream(&said, &len);
+    assert_non_null(errors);
+    options_free(&o);
+    if (options_new(errors, &o)) {
+        options_load(&o, path, NULL);
+        if (files)
+            options_check_files(&o);
+    }
+    (void)fclose(errors);
+    return o.settings != NULL && settings_problems(o.settings) == 0;
+}
+
+static void refused(const char *text, const char *why)
+{
+    assert_false(load(text, false));
+    if (strstr(said, why) == NULL)
+        fail_msg("%s, not: %s", said, why);
+}
+
+static int begin(void **state)
+{
+    const int fd = mkstemp(path);
+
+    (void)state;
+    for (size_t i = 0; i < OPTIONS_ROWS; i++) {
+        char name[64] = "SURFACED_";
+
+        for (const char *c = options_table[i].name; *c != '\0'; c++)
+            (void)snprintf(name + strlen(name), 2, "%c",
+                           *c == '-' ? '_' : *c - 'a' + 'A');
+        (void)unsetenv(name);
+    }
+    return fd < 0 ? -1 : close(fd);
+}
+
+static int end(void **state)
+{
+    (void)state;
+    options_free(&o);
+    free(said);
+    return unlink(path);
+}
+
+static void test_table(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < OPTIONS_ROWS; i++) {
+        assert_non_null(options_table[i].name);
+        assert_non_null(options_table[i].help);
+        assert_true(options_table[i].offset < offsetof(struct options, listen));
+        for (size_t k = 0; k < i; k++) {
+            assert_string_not_equal(options_table[i].name, options_table[k].name);
+            assert_true(options_table[i].offset != options_table[k].offset);
+        }
+    }
+}
+
+static void test_defaults(void **state)
+{
+    (void)state;
+    assert_true(load("db = /x/faces.db\nqueue = 9\n", false));
+    assert_string_equal(o.db, "/x/faces.db");
+    assert_null(o.key);
+    assert_null(o.model);
+    assert_string_equal(o.listen_text, "127.0.0.1:8787");
+    assert_true(o.listen_len > 0);
+    assert_int_equal(o.queue, 9);
+    assert_in_range(o.workers, 1, 256);
+    assert_true(o.max_body == 64U << 20);
+    assert_int_equal(o.max_connections_per_address, OPTIONS_UNSET);
+    assert_false(o.no_auth || o.plaintext);
+}
+
+static void test_together(void **state)
+{
+    (void)state;
+    refused("queue = 9\n", "no database: give --db PATH");
+    refused("db = x\ntls-cert = c\n", "--tls-cert and --tls-key go together");
+    refused("db = x\ntls-client-ca = c\n", "--tls-client-ca is of no use");
+    refused("db = x\nplaintext = 1\ntls-cert = c\ntls-key = k\n",
+            "--plaintext contradicts");
+    refused("db = x\nlisten = 0.0.0.0:1\n", "listen = 0.0.0.0:1: not a loopback address");
+    refused("db = x\nlisten = 0.0.0.0:1\nplaintext = 1\nno-auth = 1\n",
+            "--no-auth is for loopback only");
+    assert_true(load("db = x\nlisten = 0.0.0.0:1\nplaintext = 1\n", false));
+    assert_true(load("db = x\nno-auth = 1\n", false));
+}
+
+static void test_files(void **state)
+{
+    char text[200];
+
+    (void)state;
+    (void)snprintf(text, sizeof text, "db = /tmp/none.db\nmodel = %s\n", path);
+    assert_true(load(text, false));
+    assert_false(load(text, true)); /* the file of the settings is no model */
+    assert_non_null(strstr(said, "line 1: not a model"));
+    assert_true(load("db = /tmp/none.db\nmodel = core/default.model\n", true));
+    assert_false(load("db = /nowhere/none.db\n", true));
+}
+
+static void test_memory(void **state)
+{
+    bool good;
+
+    (void)state;
+    for (failing = 1;; failing++) {
+        asked = 0;
+        good = load("db = x\n", false);
+        if (asked < failing)
+            break;
+        assert_false(good);
+        assert_true(o.settings == NULL || strstr(said, "out of memory") != NULL);
+    }
+    assert_true(good && failing > OPTIONS_ROWS / 2);
+    failing = 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_table),    cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_together), cmocka_unit_test(test_files),
+        cmocka_unit_test(test_memory),
+    };
+
+    return cmocka_run_group_tests(tests, begin, end);
+}
