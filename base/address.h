@@ -1,20 +1,21 @@
-/* address.h -- the address to listen on, as text: IPv4 or IPv6 and a port, or a Unix socket. */
-#ifndef SERVER_ADDRESS_H
-#define SERVER_ADDRESS_H
+/* address.h -- the address to listen on, as text: IPv4 or IPv6 and a port, or a Unix
+ * socket. */
+#ifndef BASE_ADDRESS_H
+#define BASE_ADDRESS_H
 #include <stdbool.h>
 #include <sys/socket.h>
 
 #define ADDRESS_URL_MAX 160
 
 /* address_read(text, out, len): "127.0.0.1:8787", "localhost:8787", "[::1]:8787",
- * "unix:/run/surfaced/socket"; no name is looked up.  False: it is none of these; *out and
- * *len are then undefined. */
+ * "unix:/run/surfaced/socket"; no name is looked up.  False: it is none of these; *out
+ * and *len are then undefined. */
 bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len);
 
-/* address_is_local(ss): who reaches it is on this machine.  ss as address_read() made. */
+/* address_is_local(ss): only this machine can reach it.  ss is from address_read(). */
 bool address_is_local(const struct sockaddr_storage *ss);
 
-/* address_path(ss): of a Unix socket, borrowed; NULL for the others. */
+/* address_path(ss): the path of a Unix socket, borrowed; NULL for other addresses. */
 const char *address_path(const struct sockaddr_storage *ss);
 
 /* address_url(ss, tls, url): http://ADDR:PORT, https://ADDR:PORT or unix:PATH. */

@@ -1,8 +1,8 @@
 /* bytes.h -- numbers and texts as bytes, the same on every machine and at any address:
- * numbers little-endian, doubles as their 64 bits, a text as its length in two bytes and
- * itself. */
-#ifndef DB_BYTES_H
-#define DB_BYTES_H
+ * numbers are little-endian, doubles their 64 bits, a text is its length in two bytes and
+ * its bytes. */
+#ifndef BASE_BYTES_H
+#define BASE_BYTES_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -12,14 +12,15 @@ void bytes_set(unsigned char *to, uint64_t v, size_t n);
 uint64_t bytes_number(const unsigned char *from, size_t n);
 double bytes_real(const unsigned char from[8]);
 
-/* ---- one after the other: *to goes past what is put; there must be room for it */
+/* ---- writing in sequence: *to moves past what was put; the caller has room for it */
 
 void bytes_put(unsigned char **to, const void *from, size_t n);
 void bytes_put_number(unsigned char **to, uint64_t v, size_t n);
 void bytes_put_real(unsigned char **to, double v);
 void bytes_put_text(unsigned char **to, const char *text); /* shorter than 64 KB */
 
-/* ---- and read back: false when they end before, or it cannot be */
+/* ---- reading in sequence: false where the bytes end before, or the value is not
+ * valid */
 
 struct bytes {
     const unsigned char *at, *end;
@@ -31,7 +32,8 @@ bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out);
 /* bytes_get_real(b, max, out): 0 to max. */
 bool bytes_get_real(struct bytes *b, double max, double *out);
 
-/* bytes_get_text(b, to, size): of less than size bytes, none of them 0; "" on failure. */
+/* bytes_get_text(b, to, size): a text of less than size bytes without NUL; "" on
+ * failure. */
 bool bytes_get_text(struct bytes *b, char *to, size_t size);
 
 #endif

@@ -1,7 +1,8 @@
-/* errinfo.h -- a status with its text, in the caller's memory: no allocation on the error
- * path.  The message says what was wrong and where; never a coordinate or a token. */
-#ifndef DB_ERRINFO_H
-#define DB_ERRINFO_H
+/* errinfo.h -- a status with a message, in the caller's memory: the error path allocates
+ * nothing.  The message says what was wrong and where, and never has a coordinate or a
+ * token in it. */
+#ifndef BASE_ERRINFO_H
+#define BASE_ERRINFO_H
 #include "status.h"
 
 struct errinfo {

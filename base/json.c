@@ -10,7 +10,7 @@
 #include "errinfo.h"
 #include "utf8.h"
 
-/* The library says "not valid" of what it had no memory for: this tells them apart. */
+/* The library reports a lack of memory as malformed text: this tells them apart. */
 static _Thread_local bool starved;
 
 static void *take_memory(size_t size)
@@ -138,8 +138,8 @@ void json_flag(struct json *j, const char *key, bool value)
         add(j, key, cJSON_CreateBool(value));
 }
 
-/* The double nearest to value in steps of 1 / per_unit.  The library prints the shortest text
- * that reads as it, and null for what is not finite. */
+/* The double nearest to value in steps of 1 / per_unit.  The library prints the shortest
+ * text that reads as it, and null for what is not finite. */
 static void add_rounded(struct json *j, const char *key, double value, double per_unit)
 {
     const double scaled = round(value * per_unit);
@@ -227,7 +227,7 @@ static const struct json_value *value_of(const cJSON *item)
     return (const struct json_value *)item;
 }
 
-/* What the library does not refuse, or not before it took memory for it. */
+/* Refuses what the library accepts, or refuses only after it took memory for it. */
 static enum status look_over(const char *text, size_t len, size_t max_values,
                              struct errinfo *e)
 {
@@ -260,7 +260,7 @@ static enum status look_over(const char *text, size_t len, size_t max_values,
     return ST_OK;
 }
 
-/* Where a value stands: chained from it to the outermost. */
+/* Where a value is: chained from it to the outermost one. */
 struct place {
     const struct place *in;
     const cJSON *item;
@@ -302,7 +302,7 @@ static enum status check_object(const struct place *p, struct errinfo *e)
     return ST_OK;
 }
 
-/* The objects below p; as deep as look_over() allowed. */
+/* Checks the objects of p and below, which are as deep as look_over() allowed. */
 static enum status check_objects(const struct place *p, struct errinfo *e)
 {
     struct place below = {.in = p, .item = p->item->child};

@@ -1,20 +1,20 @@
 /* json.h -- JSON written and read; the one place that knows the JSON library.
  *
- * Writing: members and elements go to the object or array that was begun last, in the order
- * of the calls; key is NULL for the elements of an array.
+ * Writing: each call adds a member or element to the object or array begun last, in the
+ * order of the calls; key is NULL for the elements of an array.
  *     struct json *j = json_new();
  *     json_text(j, "subject", id);
  *     json_array(j, "regions");
  *     json_number(j, NULL, mm);
  *     json_close(j);
  *     char *text = json_compact(j);
- * Nothing has to be checked on the way: once memory ran out, or where j is NULL, the calls do
- * nothing and the end returns NULL.
- * Numbers: each kind of quantity has one function, so that the same value is the same digits
- * whoever writes it.  What is not finite becomes null.
+ * The calls need no checks: once memory ran out, or where j is NULL, they do nothing, and
+ * the last returns NULL.
+ * Numbers: each kind of quantity has one function, so that the same value has the same
+ * digits in the daemon and in the command.  What is not finite becomes null.
  *
- * Reading: json_read() takes a whole document or says what is wrong with it and where; the
- * json_get_*() then read its values.  They take NULL for a value that is not there. */
+ * Reading: json_read() takes a whole document or says what is wrong with it and where;
+ * json_get_*() then read its values.  They take NULL for a value that is missing. */
 #ifndef BASE_JSON_H
 #define BASE_JSON_H
 #include <stdbool.h>
@@ -40,23 +40,23 @@ void json_close(struct json *j); /* the object or array begun last; not the oute
 void json_text(struct json *j, const char *key, const char *value);
 void json_flag(struct json *j, const char *key, bool value);
 
-/* A count (exact up to 10^15), a length or score in mm, an angle in degrees, a time in ms, a share
- * of 1: at most 4 decimals. */
+/* A count (exact up to 10^15), a length or score in mm, an angle in degrees, a time in
+ * ms, a share of 1: at most 4 decimals. */
 void json_number(struct json *j, const char *key, double value);
 void json_extent(struct json *j, const char *key, double value); /* mm2, mm3: 1 decimal */
 void json_rate(struct json *j, const char *key, double value); /* error rate: 3 digits */
 
-/* A vector without a unit, of length 1: 7 decimals each, which move a point 300 mm away by
- * less than 0.0001 mm. */
+/* A vector without a unit, of length 1: 7 decimals each, which move a point 300 mm away
+ * by less than 0.0001 mm. */
 void json_direction(struct json *j, const char *key, const double value[3]);
 
 /* An array of 16, row by row: the 3 x 3 in front has the decimals of a direction, what it
  * moves by, in mm, those of a length. */
 void json_transform(struct json *j, const char *key, const double value[16]);
 
-/* The text, on one line or indented, without a newline at its end; heap, for free().  NULL: out
- * of memory on the way, or deeper than JSON_DEPTH.  Objects still open are closed.  j is
- * released. */
+/* The text, on one line or indented, without a newline at its end; heap, for free().
+ * NULL: out of memory on the way, or deeper than JSON_DEPTH.  Objects still open are
+ * closed.  j is released. */
 char *json_compact(struct json *j);
 char *json_pretty(struct json *j);
 
@@ -67,10 +67,10 @@ void json_discard(struct json *j); /* release it without a text; NULL is allowed
 struct json_value; /* a value of a document that was read */
 
 /* json_read(text, len, max_values, out, e): one document and nothing behind it.
- * text[len] must be 0.  Refused, besides what is not JSON: bytes that are not UTF-8, \u0000, a
- * control character in a text, an object with two members of one name or more than
- * JSON_MEMBERS, and arrays and objects deeper than JSON_DEPTH; and, before memory is taken
- * for them, more than max_values values.
+ * text[len] must be 0.  Refused, besides what is not JSON: bytes that are not UTF-8,
+ * \u0000, a control character in a text, an object with two members of one name or more
+ * than JSON_MEMBERS, and arrays and objects deeper than JSON_DEPTH; and, before memory is
+ * taken for them, more than max_values values.
  * Returns ST_OK, *out released by json_free(); ST_EINVAL malformed; ST_ELIMIT more than
  * max_values; ST_ENOMEM.  On failure *out is NULL.
  * Memory: some 80 bytes a value.  O(len). */
@@ -86,13 +86,13 @@ bool json_is_null(const struct json_value *v);
 const struct json_value *json_member(const struct json_value *object, const char *key);
 
 /* json_expect(v, where, known, e): v must be an object without other members than known,
- * which ends with NULL: one that is misspelt must not be ignored.  where: what to call it,
- * "the body".  Returns ST_OK, ST_EINVAL. */
+ * which ends with NULL: one that is misspelt must not be ignored.  where: what to call
+ * it, "the body".  Returns ST_OK, ST_EINVAL. */
 enum status json_expect(const struct json_value *v, const char *where,
                         const char *const known[], struct errinfo *e);
 
-/* json_first(v), json_next(v): the values of an array or object in their order; NULL after
- * the last.  json_key(v): the name of a member; valid as long as the document. */
+/* json_first(v), json_next(v): the values of an array or object in their order; NULL
+ * after the last.  json_key(v): the name of a member; valid as long as the document. */
 const struct json_value *json_first(const struct json_value *v);
 const struct json_value *json_next(const struct json_value *v);
 const char *json_key(const struct json_value *v);
@@ -101,8 +101,8 @@ const char *json_key(const struct json_value *v);
  * json_get_text(v): valid as long as the document.
  * json_copy_text(v, out, size): false too where it has more than size - 1 bytes.
  * json_get_count(v, out): a whole number, 0 to 2^53.
- * json_get_numbers(v, n, out): an array of exactly n numbers.  Returns ST_OK; ST_EINVAL it is
- * something else; ST_ENOTFINITE a number too large for a double. */
+ * json_get_numbers(v, n, out): an array of exactly n numbers.  Returns ST_OK; ST_EINVAL
+ * it is something else; ST_ENOTFINITE a number too large for a double. */
 const char *json_get_text(const struct json_value *v);
 bool json_copy_text(const struct json_value *v, char *out, size_t size);
 bool json_get_flag(const struct json_value *v, bool *out);

@@ -13,7 +13,7 @@
 #include "model.h"
 #include "newfile.h"
 
-/* All of an open file, to be released by free(). */
+/* The content of an open file, released by free(). */
 static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
                          struct errinfo *e)
 {
@@ -36,7 +36,7 @@ static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
 
 enum status modelfile_read(const char *path, struct model **out, struct errinfo *e)
 {
-    /* Without O_NONBLOCK a pipe that nobody writes to would be waited for. */
+    /* Without O_NONBLOCK, open() waits on a pipe until another process writes to it. */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     FILE *in = fd >= 0 ? fdopen(fd, "r") : NULL;
     char *text = NULL;
@@ -75,7 +75,7 @@ out:
     return st;
 }
 
-/* The daemon that is to read it is another user: as the umask says, not as newfile does. */
+/* The daemon, another user, reads models: the umask decides, not newfile's 0600. */
 static void make_readable(int fd)
 {
     const mode_t mask = umask(077);

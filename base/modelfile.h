@@ -1,4 +1,4 @@
-/* modelfile.h -- a model (core/model.h) from a file and into one. */
+/* modelfile.h -- reads a model (core/model.h) from a file and writes one. */
 #ifndef BASE_MODELFILE_H
 #define BASE_MODELFILE_H
 #include <stddef.h>
@@ -15,8 +15,8 @@ struct model; /* model.h */
  * ST_ECORRUPT damaged; ST_EVERSION of another version; ST_ENOMEM. */
 enum status modelfile_read(const char *path, struct model **out, struct errinfo *e);
 
-/* modelfile_write(path, m, e): whole, or not at all: a file that was there stays until the
- * new one is complete.  As readable as the umask says; not from two threads at once.
+/* modelfile_write(path, m, e): whole, or not at all: a file that was there stays until
+ * the new one is complete.  As readable as the umask says; not from two threads at once.
  * Returns ST_OK; ST_EDENIED, ST_EIO; ST_EBUSY another process writes it; ST_ENOMEM. */
 enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e);
 

@@ -151,7 +151,7 @@ enum status newfile_fill(struct newfile *n, newfile_writer *write_to, const void
     return st == ST_OK && !whole ? fail(n, "write", e) : st;
 }
 
-/* The part has got its name, or another one: it is no part any more. */
+/* The part was renamed: it is no part any more. */
 static enum status named(struct newfile *n, struct errinfo *e)
 {
     (void)close(n->fd);
@@ -166,7 +166,8 @@ enum status newfile_commit(struct newfile *n, struct errinfo *e)
     return named(n, e);
 }
 
-/* In one step, where the file system can: else a process that is killed leaves two names. */
+/* In one step where the file system supports it; else a process that is killed between
+ * the two leaves both names. */
 static int rename_new(const struct newfile *n)
 {
     if (renameat2(n->dir, n->part, n->dir, n->path, RENAME_NOREPLACE) == 0)

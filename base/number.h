@@ -1,6 +1,6 @@
 /* number.h -- decimal text to double: correctly rounded, alike in every locale. */
-#ifndef CORE_NUMBER_H
-#define CORE_NUMBER_H
+#ifndef BASE_NUMBER_H
+#define BASE_NUMBER_H
 
 /* number_read(p, end, out): read the longest number at p that ends before `end`:
  * [+-] digits [. digits] [e [+-] digits], at least one digit before or after the point.

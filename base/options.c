@@ -12,7 +12,8 @@
 
 #define MAX_WORKERS 256
 
-/* One row a setting; man/surfaced.conf.5 and packaging/surfaced.conf tell each of them. */
+/* A row for each setting; man/surfaced.conf.5 and packaging/surfaced.conf describe them
+ * too. */
 const struct setting options_table[] = {
     {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
      "the database; made if it is missing"},
@@ -77,13 +78,13 @@ void options_free(struct options *o)
     o->settings = NULL;
 }
 
-/* What a table cannot say: what must be there, and what does not go together. */
+/* What a row cannot say: which settings are required, and which contradict each other. */
 static void check_together(struct options *o)
 {
     struct settings *s = o->settings;
     const bool read = address_read(o->listen_text, &o->listen, &o->listen_len);
 
-    assert(read); /* it was, when the value was taken */
+    assert(read); /* it was checked when the value was taken */
     (void)read;
     if (o->db == NULL)
         settings_wrong(s,

@@ -1,6 +1,6 @@
-/* options.h -- the settings of the daemon: what there is (a table), and the values that its
- * configuration file, the environment and its command line give, each stronger than the one
- * before.  surfacectl reads them too: which database there is, and `config`. */
+/* options.h -- the settings of the daemon: a table of them, and their values by the
+ * configuration file, the environment and the command line, of which each wins over the
+ * one before.  surfacectl reads them too: which database there is, and `config`. */
 #ifndef BASE_OPTIONS_H
 #define BASE_OPTIONS_H
 #include <limits.h>
@@ -44,20 +44,20 @@ struct options {
     struct settings *settings; /* what the strings above belong to */
 };
 
-/* options_new(errors, out): no values yet; errors is borrowed, and gets a line for each problem.
- * False: no memory.  Release with options_free() whatever it returns. */
+/* options_new(errors, out): no values yet; errors is borrowed, and gets a line for each
+ * problem.  False: no memory.  Release with options_free() whatever it returns. */
 bool options_new(FILE *errors, struct options *out);
 void options_free(struct options *o);
 
-/* options_load(o, config, flag): all settings, checked one by one and together; the members are
- * filled where settings_problems(o->settings) is 0 then.
+/* options_load(o, config, flag): all settings, checked one by one and together; the
+ * members are filled where settings_problems(o->settings) is 0 then.
  * config  the file; NULL: SURFACED_CONFIG, or OPTIONS_FILE where there is one
- * flag    the value of each row on the command line, NULL where it is not there; may be NULL */
+ * flag    the value of each row on the command line, NULL where it is missing; or NULL */
 void options_load(struct options *o, const char *config,
                   const char *const flag[OPTIONS_ROWS]);
 
-/* options_check_files(o): report the files that cannot be read or made, and a model that is
- * none.  What a certificate holds is for who speaks TLS to look at.  Writes nothing. */
+/* options_check_files(o): report the files that cannot be read or made, and a model that
+ * is none.  What a certificate holds is checked by the daemon (tls.h).  Writes nothing. */
 void options_check_files(struct options *o);
 
 #endif

@@ -20,7 +20,7 @@ struct pool {
 
     pthread_mutex_t lock;
     size_t next, done;
-    unsigned percent; /* shown last */
+    unsigned percent; /* that was shown last */
     enum status st;
     struct errinfo e;
 };
@@ -79,12 +79,12 @@ enum status pool_run(const char *what, uint32_t threads, const struct model *m, 
     struct pool p = {.what = what, .model = m, .item = item, .arg = arg, .n = n};
     const uint32_t wanted = pool_threads(threads);
     pthread_t thread[THREADS];
-    uint32_t started = 1; /* the caller works too */
+    uint32_t started = 1; /* the caller is one of them */
 
     p.terminal = isatty(STDERR_FILENO) == 1;
     (void)pthread_mutex_init(&p.lock, NULL);
     while (started < wanted && pthread_create(&thread[started], NULL, work, &p) == 0)
-        started++; /* fewer do too */
+        started++; /* if a thread cannot be made, fewer work */
     (void)work(&p);
     for (uint32_t i = 1; i < started; i++)
         (void)pthread_join(thread[i], NULL);

@@ -1,7 +1,7 @@
-/* pool.h -- many pieces of work, on all cores, with progress on standard error
- * where that is a terminal. */
-#ifndef DB_POOL_H
-#define DB_POOL_H
+/* pool.h -- items of work on all cores, with the progress on standard error where that
+ * is a terminal. */
+#ifndef BASE_POOL_H
+#define BASE_POOL_H
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"
@@ -10,19 +10,19 @@ struct errinfo;
 struct face_work;
 struct model; /* model.h */
 
-/* One piece; on any thread, w is that thread's own.  Fills *e on failure. */
+/* Works on item i; on any thread, w is that thread's own.  Fills *e on failure. */
 typedef enum status pool_item(void *arg, size_t i, struct face_work *w,
                               struct errinfo *e);
 
-/* pool_run(what, threads, m, n, item, arg, e): items 0..n-1, in about that order,
- * on so many threads (0: one a core).
+/* pool_run(what, threads, m, n, item, arg, e): work on items 0..n-1, in about that
+ * order, on so many threads (0: one a core).
  * what  for the progress
  * m     that the threads' face_work is made for; NULL: model_default
- * The first failure ends it, and is returned. */
+ * Stops at the first failure, and returns it. */
 enum status pool_run(const char *what, uint32_t threads, const struct model *m, size_t n,
                      pool_item *item, void *arg, struct errinfo *e);
 
-/* pool_threads(wanted): how many threads that are, at most. */
+/* pool_threads(wanted): the most threads that pool_run() uses. */
 uint32_t pool_threads(uint32_t wanted);
 
 #endif

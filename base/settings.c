@@ -49,8 +49,8 @@ static void env_name(const struct setting *row, char out[NAME_MAX_BYTES])
         *out = *out == '-' ? '_' : (char)toupper((unsigned char)*out);
 }
 
-/* One line on the stream.  It goes to a terminal, and has words in it that were read:
- * control characters become '?'. */
+/* One line on the stream.  It goes to a terminal and contains text from outside: control
+ * characters become '?'. */
 __attribute__((format(printf, 3, 0))) static void
 report(struct settings *s, const char *where, const char *fmt, va_list ap)
 {
@@ -66,7 +66,8 @@ report(struct settings *s, const char *where, const char *fmt, va_list ap)
     s->problems++;
 }
 
-/* A problem with a value: "--queue 0: ", "SURFACED_QUEUE=0: " or "FILE:3: queue = 0: ". */
+/* A problem with a value: "--queue 0: ", "SURFACED_QUEUE=0: " or "FILE:3: queue = 0:
+ * ". */
 __attribute__((format(printf, 4, 5))) static void bad_value(struct settings *s,
                                                             const struct setting *row,
                                                             const struct value *v,
@@ -329,8 +330,9 @@ struct reading {
     bool broken;   /* it cannot be read on; the reason was reported */
 };
 
-/* As fgets() for inih, but a line that is no line of text ends the reading.  inih asks for
- * the next line only after it has called back for the one before: r->line is that one's. */
+/* As fgets() for inih, but a line that is no line of text ends the reading.  inih asks
+ * for the next line only after it has called back for the one before: r->line is that
+ * one's. */
 static char *read_line(char *buf, int size, void *stream)
 {
     struct reading *r = stream;

@@ -1,6 +1,6 @@
-/* settings.h -- settings by name: a table says what there is, a file, the environment and
- * the command line say the values, the later of these winning.  Knows no setting itself.
- * Every value is checked when it is read, also one that another then wins over; each
+/* settings.h -- settings by name: a table lists them; a file, the environment and the
+ * command line give the values, and each wins over the one before.  Knows no setting
+ * itself. Every value is checked when it is read, even if another wins over it; each
  * problem is one line on a stream, which says where the value came from. */
 #ifndef BASE_SETTINGS_H
 #define BASE_SETTINGS_H
@@ -40,13 +40,15 @@ bool settings_new(const struct setting *table, size_t n, FILE *errors,
                   struct settings **out);
 void settings_free(struct settings *s); /* NULL is allowed */
 
-/* settings_default(s, name, text): a fallback that the table cannot know.  Before reading. */
+/* settings_default(s, name, text): a fallback that the table cannot know.  Before
+ * reading. */
 void settings_default(struct settings *s, const char *name, const char *text);
 
 /* settings_read(s, in, name): an INI file: "name = value", comments from # or ; at the
- * start of a line, no section or [surfaced]; a line has at most 4,000 bytes.  Wrong are: a
- * stream that cannot be read, a malformed line, an unknown name or section, a setting given
- * twice, a bad value.  name: of the file, for the reports.  Not from two threads at once. */
+ * start of a line, no section or [surfaced]; a line has at most 4,000 bytes.  Wrong are:
+ * a stream that cannot be read, a malformed line, an unknown name or section, a setting
+ * given twice, a bad value.  name: of the file, for the reports.  Not from two threads at
+ * once. */
 void settings_read(struct settings *s, FILE *in, const char *name);
 
 /* settings_file(s, path, may_miss): the same by its path; true: it need not be there. */
@@ -66,8 +68,8 @@ __attribute__((format(printf, 2, 3))) void settings_wrong(struct settings *s,
  * from is said before it. */
 void settings_wrong_value(struct settings *s, const char *name, const char *why);
 
-/* settings_check_files(s): report each FILE that cannot be read, and each PATH that neither
- * can be written nor made.  Opens nothing. */
+/* settings_check_files(s): report each FILE that cannot be read, and each PATH that
+ * neither can be written nor made.  Opens nothing. */
 void settings_check_files(struct settings *s);
 
 /* settings_problems(s): how many were reported; 0: all is well. */
@@ -77,13 +79,13 @@ unsigned settings_problems(const struct settings *s);
  * long as s.  Precondition: no problem was reported by the reading. */
 void settings_fill(const struct settings *s, void *out);
 
-/* settings_value(s, row, from, size): the value of a row as it was given, NULL where it is
- * unset.  from[size]: where it came from: "default", "SURFACED_QUEUE", "--queue", "FILE:3", or
- * "not set". */
+/* settings_value(s, row, from, size): the value of a row as it was given, NULL where it
+ * is unset.  from[size]: where it came from: "default", "SURFACED_QUEUE", "--queue",
+ * "FILE:3", or "not set". */
 const char *settings_value(const struct settings *s, size_t row, char *from, size_t size);
 
-/* settings_print(s, out): as a file that settings_file() reads, with where each value came
- * from; what is unset stands in a comment. */
+/* settings_print(s, out): as a file that settings_file() reads, with where each value
+ * came from; what is unset stands in a comment. */
 void settings_print(const struct settings *s, FILE *out);
 
 /* settings_help(table, n, out): a line or more for each row, as in --help. */

@@ -7,11 +7,11 @@
 #include "options.h"
 #include "ctl.h"
 
-/* Where systemd keeps what LoadCredential= gives to the service: for who is not it. */
+/* Where systemd keeps the credentials of the service, for processes outside of it. */
 #define CREDENTIALS       "CREDENTIALS_DIRECTORY"
 #define CREDENTIALS_USUAL "/run/credentials/surfaced.service"
 
-/* The settings, in c->settings, with the problems as lines, to be freed. */
+/* Reads the settings into c->settings; *problems, to be freed, has a line for each. */
 static enum status load(struct ctl *c, bool files, char **problems)
 {
     size_t len;

@@ -151,8 +151,8 @@ static enum status read_object(const char *text, size_t len, const char *const k
     return st == ST_OK ? json_expect(*out, "the body", known, e) : st;
 }
 
-/* The text of a member, of up to size - 1 bytes, "" for null; NULL: there is no such member, or
- * *st says what is wrong. */
+/* The text of a member, of up to size - 1 bytes, "" for null; NULL: there is no such
+ * member, or *st says what is wrong. */
 static const char *take_text(const struct json_value *object, const char *key, char *out,
                              size_t size, enum status *st, struct errinfo *e)
 {

@@ -41,8 +41,8 @@ struct render_asymmetry {
 
 char *render_asymmetry(const struct render_asymmetry *v);
 
-/* render_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it is
- * not at hand. */
+/* render_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it
+ * is not at hand. */
 char *render_template(const struct store_template *t, const struct frame *frame);
 char *render_subject(const struct store_subject *s, const struct store_template *t,
                      size_t n);

@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=calloc -Wl,--wrap=strdup */
-/* The daemon's settings: the table, what is there by default, what does not go together, and
- * memory that runs out. */
+/* The daemon's settings: the table, what is there by default, what does not go together,
+ * and memory that runs out. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>

@@ -1,4 +1,5 @@
-/* Settings by name: what fills which member, who wins, and what is refused in which words. */
+/* Settings by name: what fills which member, who wins, and what is refused in which
+ * words. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
