@@ -241,14 +241,7 @@ enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolme
 
 int ctl_face_exit(enum face_decision d);
 
-/* What every JSON answer to a comparison has. */
-void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_result *r,
-                      const struct face *probe);
-/* frame: NULL where it is not known (quality_reasons()). */
-void ctl_face_quality(struct ctl_out *o, const char *key, const struct quality *q,
-                      const struct frame *frame);
-
-/* Parts of it as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */
+/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */
 void ctl_face_regions(FILE *to, const struct face_result *r);
 void ctl_face_alignment(FILE *to, const struct align_result *a);
 void ctl_face_reasons(FILE *to, const struct face *f);

@@ -1,6 +1,7 @@
 #include <stdio.h>
 #include <sys/stat.h>
 
+#include "describe.h"
 #include "ctl.h"
 #include "ctl_crowd.h"
 
@@ -45,7 +46,7 @@ static enum status enroll_file(struct ctl *c, struct store *s, const char *subje
         ctl_out_number(o, "points", t.points);
         ctl_out_number(o, "triangles", t.triangles);
         ctl_out_text(o, "digest", t.digest);
-        ctl_face_quality(o, "quality", &t.quality, &f->frame);
+        describe_quality(ctl_out_document(o), "quality", &t.quality, &f->frame);
         if (!c->json) {
             (void)printf("%s  %s  %u points, quality %.2f%s", t.id, path, t.points,
                          t.quality.score, created ? "" : " (was there already)");

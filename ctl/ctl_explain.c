@@ -27,6 +27,7 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
         x->result = best.nearest.result;
         st = store_template_load(s, best.tmpl.id, t, w, &x->tmpl, &c->e);
     }
+    x->subject = t->subject;
     x->template_id = t->id;
     if (st == ST_OK)
         st = store_event(s, "explain", CTL_ACTOR, t->subject, t->id,
@@ -109,7 +110,8 @@ static enum status write_all(struct ctl *c, const struct explanation *x, const c
 int ctl_explain(struct ctl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "explanation";
-    struct explanation x = {.a = c->args[0], .b = c->args[1], .engine = c->engine};
+    struct explanation x = {
+        .a = c->args[0], .b = c->args[1], .engine = c->engine, .compared = 1};
     struct face_work *w = face_work_new(c->model);
     struct store_template t = {0};
     bool pictures = false;

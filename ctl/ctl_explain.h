@@ -32,10 +32,10 @@ struct explain_gap {
 };
 
 struct explanation {
-    const char *a, *b;       /* as the command line names them */
-    const char *engine;      /* face_engine() */
-    const char *template_id; /* NULL: a is a scan */
-    unsigned compared;       /* templates of a; that one was the nearest */
+    const char *a, *b;                 /* as the command line names them */
+    const char *engine;                /* face_engine() */
+    const char *subject, *template_id; /* NULL: a is a scan */
+    unsigned compared; /* templates of a, of which that one was the nearest; 1: a scan */
     struct face tmpl, probe;
     struct face_result result;
     struct dvec3 *pts; /* [n] the probe's points moved onto the template, mm, as sent */

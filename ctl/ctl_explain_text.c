@@ -1,5 +1,6 @@
 #include <math.h>
 
+#include "describe.h"
 #include "verdict.h"
 #include "ctl.h"
 #include "ctl_explain.h"
@@ -98,11 +99,17 @@ void ctl_explain_out(struct ctl_out *o, const struct explanation *x)
     const struct explain_gap *s = &x->sum;
 
     ctl_out_text(o, "template", x->a);
-    if (x->template_id != NULL)
-        ctl_out_text(o, "template_id", x->template_id);
     ctl_out_text(o, "probe", x->b);
-    ctl_face_verdict(o, x->engine, &x->result, &x->probe);
-    ctl_face_quality(o, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
+    describe_comparison(ctl_out_document(o),
+                        &(struct describe_comparison){.result = &x->result,
+                                                      .probe = &x->probe,
+                                                      .engine = x->engine,
+                                                      .subject = x->subject,
+                                                      .template_id = x->template_id,
+                                                      .templates_compared = x->compared,
+                                                      .measure = true});
+    describe_quality(ctl_out_document(o), "template_quality", &x->tmpl.quality,
+                     &x->tmpl.frame);
     ctl_out_text(o, "reason", reason(&x->result));
     ctl_out_object(o, "region_weight");
     for (int i = 0; i < GRID_REGIONS; i++)

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "describe.h"
 #include "frame.h"
 #include "grid.h"
 #include "quality.h"
@@ -56,6 +57,7 @@ static struct nearest_context context(struct shelf *shelf, struct store *s,
     *shelf = (struct shelf){.store = s};
     return (struct nearest_context){.store = s,
                                     .work = w,
+                                    .clock_ms = clock_ms,
                                     .hold = hold,
                                     .release = release,
                                     .pass_over = pass_over,
@@ -117,64 +119,6 @@ enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolme
     return st;
 }
 
-void ctl_face_quality(struct ctl_out *o, const char *key, const struct quality *q,
-                      const struct frame *frame)
-{
-    const unsigned reasons = quality_reasons(q, frame);
-
-    ctl_out_object(o, key);
-    ctl_out_number(o, "score", q->score);
-    ctl_out_number(o, "coverage", q->coverage);
-    ctl_out_number(o, "density_mm", q->density_mm);
-    ctl_out_number(o, "noise_mm", q->noise_mm);
-    ctl_out_array(o, "reasons");
-    for (int i = 0; i < QUALITY_REASONS; i++)
-        if (reasons & (1U << i))
-            ctl_out_text(o, NULL, quality_reason_name((enum quality_reason)i));
-    ctl_out_close(o);
-    ctl_out_close(o);
-}
-
-static void out_alignment(struct ctl_out *o, const struct align_result *a)
-{
-    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
-                                       [ALIGN_STEPS] = "steps",
-                                       [ALIGN_APART] = "apart"};
-
-    ctl_out_object(o, "alignment");
-    ctl_out_number(o, "starts", a->starts);
-    ctl_out_number(o, "evaluations", a->evaluations);
-    ctl_out_text(o, "stop", stop[a->stop]);
-    ctl_out_number(o, "turn_deg", a->turn_deg); /* null where infinite */
-    ctl_out_number(o, "shift_mm", a->shift_mm);
-    ctl_out_number(o, "cost_mm", a->cost_mm);
-    ctl_out_number(o, "rival_mm", a->rival_mm);
-    ctl_out_close(o);
-}
-
-void ctl_face_verdict(struct ctl_out *o, const char *engine, const struct face_result *r,
-                      const struct face *probe)
-{
-    ctl_out_text(o, "decision", verdict_decision(r->decision));
-    ctl_out_number(o, "disparity_mm", r->score_mm);
-    ctl_out_number(o, "threshold_mm", r->threshold_mm);
-    ctl_out_rate(o, "fmr_at_score", r->fmr_at_score);
-    ctl_out_number(o, "plain_mm", r->disparity.plain_mm);
-    ctl_out_extent(o, "volume_mm3", r->disparity.volume_mm3);
-    ctl_out_extent(o, "overlap_mm2", r->disparity.area_mm2);
-    ctl_out_number(o, "overlap", r->disparity.overlap);
-    ctl_out_transform(o, "transform", r->align.transform);
-    out_alignment(o, &r->align);
-    ctl_out_number(o, "weight_overlap", r->weight_overlap);
-    ctl_out_number(o, "change_mm", r->change_mm);
-    ctl_out_object(o, "regions");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        ctl_out_number(o, grid_region_name((enum grid_region)i), r->region_mm[i]);
-    ctl_out_close(o);
-    ctl_face_quality(o, "quality", &probe->quality, &probe->frame);
-    ctl_out_text(o, "engine", engine);
-}
-
 void ctl_face_regions(FILE *to, const struct face_result *r)
 {
     (void)fprintf(to, "regions      disparity  of the weight\n");
@@ -216,12 +160,11 @@ void ctl_face_reasons(FILE *to, const struct face *f)
     (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");
 }
 
-/* Everything about a comparison but the templates. */
-static void print_result(struct ctl *c, const struct face_result *r,
-                         const struct face *probe, double ms)
+static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
-    ctl_face_verdict(c->out, c->engine, r, probe);
-    ctl_out_number(c->out, "total_ms", ms);
+    const struct face_result *r = x->result;
+
+    describe_comparison(ctl_out_document(c->out), x);
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
@@ -236,10 +179,10 @@ static void print_result(struct ctl *c, const struct face_result *r,
     ctl_face_regions(stdout, r);
     (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->disparity.plain_mm,
                  r->disparity.volume_mm3, r->disparity.area_mm2);
-    (void)printf("scan         %u points, quality %.2f", probe->surface.mesh.nv,
-                 probe->quality.score);
-    ctl_face_reasons(stdout, probe);
-    (void)printf("time         %.1f ms\n", ms);
+    (void)printf("scan         %u points, quality %.2f", x->probe->surface.mesh.nv,
+                 x->probe->quality.score);
+    ctl_face_reasons(stdout, x->probe);
+    (void)printf("time         %.1f ms\n", x->times->total);
 }
 
 int ctl_face_verify(struct ctl *c)
@@ -266,10 +209,17 @@ int ctl_face_verify(struct ctl *c)
                          verdict_decision(best.nearest.result.decision), &c->e);
     if (st == ST_OK) {
         store_subject_seen(s, &best.subject);
-        ctl_out_text(c->out, "subject", subject);
-        ctl_out_text(c->out, "template_id", best.tmpl.id);
-        ctl_out_number(c->out, "templates_compared", best.nearest.compared);
-        print_result(c, &best.nearest.result, &probe, clock_ms() - start);
+        print_result(c, &(struct describe_comparison){
+                            .result = &best.nearest.result,
+                            .probe = &probe,
+                            .engine = c->engine,
+                            .subject = subject,
+                            .template_id = best.tmpl.id,
+                            .templates_compared = best.nearest.compared,
+                            .measure = true,
+                            .times = &(struct describe_times){
+                                NAN, NAN, best.nearest.align_ms, best.nearest.measure_ms,
+                                clock_ms() - start}});
         if (!c->json)
             (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
                          best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
@@ -292,10 +242,17 @@ int ctl_face_compare(struct ctl *c)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     else if ((st = ctl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
              (st = ctl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
-             (st = face_compare(&a, &b, 0.0, NULL, w, &r)) != ST_OK)
+             (st = face_compare(&a, &b, 0.0, clock_ms, w, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
-        print_result(c, &r, &b, clock_ms() - start);
+        print_result(c, &(struct describe_comparison){
+                            .result = &r,
+                            .probe = &b,
+                            .engine = c->engine,
+                            .templates_compared = 1,
+                            .measure = true,
+                            .times = &(struct describe_times){
+                                NAN, NAN, r.align_ms, r.measure_ms, clock_ms() - start}});
     face_free(&a);
     face_free(&b);
     face_work_free(w);

@@ -24,6 +24,11 @@ bool ctl_out_json(const struct ctl_out *o)
     return o->json != NULL;
 }
 
+struct json *ctl_out_document(struct ctl_out *o)
+{
+    return o->json;
+}
+
 void ctl_out_object(struct ctl_out *o, const char *key)
 {
     json_object(o->json, key);

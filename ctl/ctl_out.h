@@ -7,9 +7,12 @@
 #include <stdio.h>
 
 struct ctl_out;
+struct json; /* json.h */
 
 struct ctl_out *ctl_out_new(bool json); /* NULL: out of memory */
 bool ctl_out_json(const struct ctl_out *o);
+/* ctl_out_document(o): for who writes members of it (verify/describe.h); NULL: no JSON. */
+struct json *ctl_out_document(struct ctl_out *o);
 void ctl_out_object(struct ctl_out *o, const char *key);
 void ctl_out_array(struct ctl_out *o, const char *key);
 void ctl_out_close(struct ctl_out *o);

@@ -5,35 +5,12 @@
 #include <unistd.h>
 
 #include "asymmetry.h"
+#include "describe.h"
 #include "lattice.h"
 #include "mem.h"
 #include "simplify.h"
 #include "ctl.h"
 #include "ctl_dir.h"
-
-static void out_asymmetry(struct ctl_out *o, const struct asymmetry *a)
-{
-    static const char *const stop[] = {[ALIGN_CONVERGED] = "converged",
-                                       [ALIGN_STEPS] = "steps",
-                                       [ALIGN_APART] = "apart"};
-
-    ctl_out_flag(o, "conclusive", asymmetry_conclusive(a));
-    ctl_out_number(o, "disparity_mm", a->final.plain_mm);
-    ctl_out_number(o, "first_mm", a->initial.plain_mm);
-    ctl_out_extent(o, "volume_mm3", a->final.volume_mm3);
-    ctl_out_extent(o, "overlap_mm2", a->final.area_mm2);
-    ctl_out_number(o, "overlap", a->final.overlap);
-    ctl_out_object(o, "plane");
-    ctl_out_direction(o, "normal", a->normal);
-    ctl_out_number(o, "offset_mm", a->offset_mm);
-    ctl_out_number(o, "moved_deg", a->moved_deg);
-    ctl_out_number(o, "moved_mm", a->moved_mm);
-    ctl_out_number(o, "evaluations", a->evaluations);
-    ctl_out_text(o, "stop", stop[a->stop]);
-    ctl_out_number(o, "turn_deg", a->turn_deg); /* null where infinite */
-    ctl_out_number(o, "shift_mm", a->shift_mm);
-    ctl_out_close(o);
-}
 
 static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 {
@@ -71,9 +48,7 @@ int ctl_shape_asymmetry(struct ctl *c)
              (st = face_asymmetry(&f, w, &a)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK) {
-        out_asymmetry(c->out, &a);
-        ctl_face_quality(c->out, "quality", &f.quality, &f.frame);
-        ctl_out_text(c->out, "engine", c->engine);
+        describe_asymmetry(ctl_out_document(c->out), &a, &f, c->engine, NULL);
         if (!c->json)
             print_asymmetry(&a, &f);
     }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "store_rules.h"
+#include "describe.h"
 #include "ctl.h"
 
 #define PAGE 1000 /* subjects read at a time */
@@ -13,23 +14,6 @@ static const char *state_of(const struct store_subject *one)
 {
     return one->hold ? (one->disabled ? "hold, disabled" : "hold")
                      : (one->disabled ? "disabled" : "");
-}
-
-/* As fields of the JSON; what is not set is left out. */
-static void out_subject(struct ctl_out *o, const struct store_subject *one)
-{
-    ctl_out_text(o, "subject", one->id);
-    ctl_out_text(o, "created", one->created);
-    if (one->reference[0] != '\0')
-        ctl_out_text(o, "reference", one->reference);
-    if (one->purpose[0] != '\0')
-        ctl_out_text(o, "purpose", one->purpose);
-    if (one->expires[0] != '\0')
-        ctl_out_text(o, "expires", one->expires);
-    if (one->seen[0] != '\0')
-        ctl_out_text(o, "last_seen", one->seen);
-    ctl_out_flag(o, "hold", one->hold);
-    ctl_out_flag(o, "disabled", one->disabled);
 }
 
 int ctl_subject_list(struct ctl *c)
@@ -50,7 +34,7 @@ int ctl_subject_list(struct ctl *c)
                          "STATE");
         for (size_t i = 0; i < n; i++) {
             ctl_out_object(c->out, NULL);
-            out_subject(c->out, &page[i]);
+            describe_subject(ctl_out_document(c->out), &page[i]);
             ctl_out_number(c->out, "templates", page[i].templates);
             ctl_out_close(c->out);
             if (!c->json)
@@ -97,7 +81,7 @@ enum status ctl_subject_tell(struct ctl *c, struct store *s,
 
     if (st != ST_OK)
         return st;
-    out_subject(c->out, one);
+    describe_subject(ctl_out_document(c->out), one);
     ctl_out_array(c->out, "templates");
     if (!c->json)
         print_subject(one, n);
@@ -133,7 +117,7 @@ static enum status tell(struct ctl *c, struct store *s, const char *id, const ch
 
     if (st != ST_OK)
         return st;
-    out_subject(c->out, &one);
+    describe_subject(ctl_out_document(c->out), &one);
     if (!c->json)
         (void)printf("%s: %s\n", one.id, done);
     return ST_OK;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "describe.h"
 #include "ctl.h"
 #include "ctl_dir.h"
 
@@ -12,20 +13,7 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
     const bool stale = !face_same_engine(t->engine, c->engine);
 
-    ctl_out_text(c->out, "template_id", t->id);
-    ctl_out_text(c->out, "subject", t->subject);
-    ctl_out_text(c->out, "label", t->label);
-    ctl_out_text(c->out, "created", t->created);
-    ctl_out_number(c->out, "points", t->points);
-    ctl_out_number(c->out, "triangles", t->triangles);
-    ctl_out_text(c->out, "digest", t->digest);
-    ctl_out_object(c->out, "quality");
-    ctl_out_number(c->out, "score", t->quality.score);
-    ctl_out_number(c->out, "coverage", t->quality.coverage);
-    ctl_out_number(c->out, "density_mm", t->quality.density_mm);
-    ctl_out_number(c->out, "noise_mm", t->quality.noise_mm);
-    ctl_out_close(c->out);
-    ctl_out_text(c->out, "engine", t->engine);
+    describe_template(ctl_out_document(c->out), t, NULL);
     ctl_out_flag(c->out, "stale", stale);
     if (c->json)
         return;

@@ -2,6 +2,7 @@
 
 #include "app.h"
 #include "cloud.h"
+#include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
@@ -51,21 +52,22 @@ void compare_handle(struct request *r, struct worker *w)
     request_stage(r, REQUEST_ALIGN, result.align_ms);
     request_stage(r, REQUEST_MEASURE, result.measure_ms);
     verify_event(r, "compare", "", "", result.decision);
-    request_answer(r, 200,
-                   render_verdict(&(struct render_verdict){
-                       .result = &result,
-                       .probe = &w->probe,
-                       .engine = store_made_by(r->app->store),
-                       .templates_compared = 1,
-                       .parse_ms = parsed - start,
-                       .prepare_ms = prepared - parsed,
-                       .align_ms = result.align_ms,
-                       .measure_ms = result.measure_ms,
-                       .total_ms = log_clock_ms() - r->start_ms,
-                       .measure = detail != PARAMS_BRIEF,
-                       .gap_mm = gap,
-                       .n = b.n,
-                   }));
+    request_answer(
+        r, 200,
+        render_comparison(&(struct describe_comparison){
+            .result = &result,
+            .probe = &w->probe,
+            .engine = store_made_by(r->app->store),
+            .templates_compared = 1,
+            .times = &(struct describe_times){.parse = parsed - start,
+                                              .prepare = prepared - parsed,
+                                              .align = result.align_ms,
+                                              .measure = result.measure_ms,
+                                              .total = log_clock_ms() - r->start_ms},
+            .measure = detail != PARAMS_BRIEF,
+            .gap_mm = gap,
+            .n = b.n,
+        }));
 out:
     mem_free(gap);
     cloud_free(&a);

@@ -1,134 +1,28 @@
 #include "render.h"
 
-#include <math.h>
 #include <stdio.h>
 
-#include "asymmetry.h"
+#include "decision.h"
+#include "describe.h"
 #include "errmap.h"
 #include "face.h"
-#include "frame.h"
 #include "json.h"
-#include "quality.h"
 #include "verdict.h"
 
-/* null for "" */
-static void text_or_null(struct json *j, const char *key, const char *value)
+char *render_comparison(const struct describe_comparison *c)
 {
-    json_text(j, key, value[0] != '\0' ? value : NULL);
-}
-
-static void quality(struct json *j, const struct quality *q, const struct frame *frame)
-{
-    const unsigned reasons = quality_reasons(q, frame);
-
-    json_object(j, "quality");
-    json_number(j, "score", q->score);
-    json_number(j, "coverage", q->coverage);
-    json_number(j, "density_mm", q->density_mm);
-    json_number(j, "noise_mm", q->noise_mm);
-    json_array(j, "reasons");
-    for (int i = 0; i < QUALITY_REASONS; i++)
-        if (reasons & (1U << i))
-            json_text(j, NULL, quality_reason_name((enum quality_reason)i));
-    json_close(j);
-    json_close(j);
-}
-
-static const char *const stop[] = {
-    [ALIGN_CONVERGED] = "converged", [ALIGN_STEPS] = "steps", [ALIGN_APART] = "apart"};
-
-static void alignment(struct json *j, const struct align_result *a)
-{
-    json_object(j, "alignment");
-    json_transform(j, "transform", a->transform);
-    json_number(j, "starts", a->starts);
-    json_number(j, "evaluations", a->evaluations);
-    json_text(j, "stop", stop[a->stop]);
-    json_number(j, "turn_deg", a->turn_deg);
-    json_number(j, "shift_mm", a->shift_mm);
-    json_number(j, "cost_mm", a->cost_mm);
-    json_number(j, "rival_mm", a->rival_mm);
-    json_close(j);
-}
-
-/* What tells more of the template than whether it is the same face. */
-static void measure(struct json *j, const struct face_result *r)
-{
-    json_object(j, "plain");
-    json_extent(j, "volume_mm3", r->disparity.volume_mm3);
-    json_extent(j, "overlap_mm2", r->disparity.area_mm2);
-    json_extent(j, "bridged_mm2", r->disparity.bridged_mm2);
-    json_close(j);
-    alignment(j, &r->align);
-    json_number(j, "weight_overlap", r->weight_overlap);
-    json_number(j, "change_mm", r->change_mm);
-    json_object(j, "regions");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        json_number(j, grid_region_name((enum grid_region)i), r->region_mm[i]);
-    json_close(j);
-}
-
-char *render_verdict(const struct render_verdict *v)
-{
-    const struct face_result *r = v->result;
     struct json *j = json_new();
 
-    json_text(j, "decision", verdict_decision(r->decision));
-    json_number(j, "disparity_mm", r->score_mm);
-    json_number(j, "threshold_mm", r->threshold_mm);
-    json_rate(j, "fmr_at_score", r->fmr_at_score);
-    json_number(j, "plain_mm", r->disparity.plain_mm);
-    json_number(j, "overlap", r->disparity.overlap);
-    json_text(j, "subject", v->subject);
-    json_text(j, "template_id", v->template_id);
-    json_number(j, "templates_compared", v->templates_compared);
-    quality(j, &v->probe->quality, &v->probe->frame);
-    json_text(j, "engine", v->engine);
-    if (v->measure)
-        measure(j, r);
-    if (v->gap_mm != NULL) {
-        json_array(j, "heatmap");
-        for (size_t i = 0; i < v->n; i++)
-            json_number(j, NULL, v->gap_mm[i]);
-        json_close(j);
-    }
-    json_object(j, "timing_ms");
-    json_number(j, "parse", v->parse_ms);
-    json_number(j, "prepare", v->prepare_ms);
-    json_number(j, "align", v->align_ms);
-    json_number(j, "measure", v->measure_ms);
-    json_number(j, "total", v->total_ms);
+    describe_comparison(j, c);
     return json_compact(j);
 }
 
-char *render_asymmetry(const struct render_asymmetry *v)
+char *render_asymmetry(const struct asymmetry *a, const struct face *f,
+                       const char *engine, const struct describe_times *times)
 {
-    const struct asymmetry *a = v->result;
     struct json *j = json_new();
 
-    json_flag(j, "conclusive", asymmetry_conclusive(a));
-    json_number(j, "disparity_mm", a->final.plain_mm);
-    json_number(j, "first_mm", a->initial.plain_mm);
-    json_extent(j, "volume_mm3", a->final.volume_mm3);
-    json_extent(j, "overlap_mm2", a->final.area_mm2);
-    json_number(j, "overlap", a->final.overlap);
-    json_object(j, "plane");
-    json_direction(j, "normal", a->normal);
-    json_number(j, "offset_mm", a->offset_mm);
-    json_number(j, "moved_deg", a->moved_deg);
-    json_number(j, "moved_mm", a->moved_mm);
-    json_number(j, "evaluations", a->evaluations);
-    json_text(j, "stop", stop[a->stop]);
-    json_number(j, "turn_deg", a->turn_deg);
-    json_number(j, "shift_mm", a->shift_mm);
-    json_close(j);
-    quality(j, &v->face->quality, &v->face->frame);
-    json_text(j, "engine", v->engine);
-    json_object(j, "timing_ms");
-    json_number(j, "parse", v->parse_ms);
-    json_number(j, "prepare", v->prepare_ms);
-    json_number(j, "measure", v->measure_ms);
-    json_number(j, "total", v->total_ms);
+    describe_asymmetry(j, a, f, engine, times);
     return json_compact(j);
 }
 
@@ -153,25 +47,11 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
     return json_compact(j);
 }
 
-static void members_of_template(struct json *j, const struct store_template *t,
-                                const struct frame *frame)
-{
-    json_text(j, "template_id", t->id);
-    json_text(j, "subject", t->subject);
-    json_text(j, "label", t->label);
-    json_text(j, "created", t->created);
-    json_number(j, "points", t->points);
-    json_number(j, "triangles", t->triangles);
-    json_text(j, "digest", t->digest);
-    quality(j, &t->quality, frame);
-    json_text(j, "engine", t->engine);
-}
-
 char *render_template(const struct store_template *t, const struct frame *frame)
 {
     struct json *j = json_new();
 
-    members_of_template(j, t, frame);
+    describe_template(j, t, frame);
     return json_compact(j);
 }
 
@@ -180,18 +60,11 @@ char *render_subject(const struct store_subject *s, const struct store_template 
 {
     struct json *j = json_new();
 
-    json_text(j, "subject", s->id);
-    json_text(j, "created", s->created);
-    text_or_null(j, "consent", s->reference);
-    text_or_null(j, "purpose", s->purpose);
-    text_or_null(j, "expires_at", s->expires);
-    text_or_null(j, "last_seen", s->seen);
-    json_flag(j, "hold", s->hold);
-    json_flag(j, "disabled", s->disabled);
+    describe_subject(j, s);
     json_array(j, "templates");
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
-        members_of_template(j, &t[i], NULL);
+        describe_template(j, &t[i], NULL);
         json_close(j);
     }
     return json_compact(j);
@@ -213,7 +86,7 @@ char *render_subjects(const struct store_subject *s, size_t n, bool more)
     json_close(j);
     if (more && n > 0)
         (void)snprintf(cursor, sizeof cursor, "%lld", (long long)s[n - 1].key);
-    text_or_null(j, "next_cursor", cursor);
+    json_text(j, "next_cursor", cursor[0] != '\0' ? cursor : NULL);
     return json_compact(j);
 }
 

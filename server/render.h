@@ -8,6 +8,8 @@
 #include "store.h"
 
 struct asymmetry;
+struct describe_comparison;
+struct describe_times;
 struct errmap;
 struct face;
 struct face_result;
@@ -18,28 +20,10 @@ struct frame;
 char *render_problem(const struct errmap *m, const char *detail, const char *request_id,
                      const struct face_result *mismatch);
 
-struct render_verdict {
-    const struct face_result *result;
-    const struct face *probe;
-    const char *engine;                /* face_engine() */
-    const char *subject, *template_id; /* NULL: null */
-    uint32_t templates_compared;
-    double parse_ms, prepare_ms, align_ms, measure_ms, total_ms;
-    bool measure;         /* with the measure, the alignment and the regions */
-    const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
-    size_t n;
-};
-
-char *render_verdict(const struct render_verdict *v);
-
-struct render_asymmetry {
-    const struct asymmetry *result;
-    const struct face *face;
-    const char *engine; /* face_engine() */
-    double parse_ms, prepare_ms, measure_ms, total_ms;
-};
-
-char *render_asymmetry(const struct render_asymmetry *v);
+/* As describe.h. */
+char *render_comparison(const struct describe_comparison *c);
+char *render_asymmetry(const struct asymmetry *a, const struct face *f,
+                       const char *engine, const struct describe_times *times);
 
 /* render_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it
  * is not at hand. */

@@ -1,8 +1,11 @@
 #include "symmetry.h"
 
+#include <math.h>
+
 #include "app.h"
 #include "asymmetry.h"
 #include "cloud.h"
+#include "describe.h"
 #include "render.h"
 #include "log.h"
 #include "request.h"
@@ -31,16 +34,14 @@ void symmetry_handle(struct request *r, struct worker *w)
     }
     measured = log_clock_ms();
     request_stage(r, REQUEST_MEASURE, measured - prepared);
-    request_answer(r, 200,
-                   render_asymmetry(&(struct render_asymmetry){
-                       .result = &result,
-                       .face = &w->probe,
-                       .engine = store_made_by(r->app->store),
-                       .parse_ms = parsed - start,
-                       .prepare_ms = prepared - parsed,
-                       .measure_ms = measured - prepared,
-                       .total_ms = measured - r->start_ms,
-                   }));
+    request_answer(
+        r, 200,
+        render_asymmetry(&result, &w->probe, store_made_by(r->app->store),
+                         &(struct describe_times){.parse = parsed - start,
+                                                  .prepare = prepared - parsed,
+                                                  .align = NAN,
+                                                  .measure = measured - prepared,
+                                                  .total = measured - r->start_ms}));
 out:
     cloud_free(&c);
 }

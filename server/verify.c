@@ -7,6 +7,7 @@
 #include "attempts.h"
 #include "cache.h"
 #include "cloud.h"
+#include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
@@ -117,23 +118,24 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);
     store_subject_seen(r->app->store, &one);
-    request_answer(r, 200,
-                   render_verdict(&(struct render_verdict){
-                       .result = &best.result,
-                       .probe = &w->probe,
-                       .engine = store_made_by(r->app->store),
-                       .subject = t[best.index].subject,
-                       .template_id = t[best.index].id,
-                       .templates_compared = best.compared,
-                       .parse_ms = parsed - start,
-                       .prepare_ms = prepared - parsed,
-                       .align_ms = best.align_ms,
-                       .measure_ms = best.measure_ms,
-                       .total_ms = log_clock_ms() - r->start_ms,
-                       .measure = detail != PARAMS_BRIEF,
-                       .gap_mm = gap,
-                       .n = c.n,
-                   }));
+    request_answer(
+        r, 200,
+        render_comparison(&(struct describe_comparison){
+            .result = &best.result,
+            .probe = &w->probe,
+            .engine = store_made_by(r->app->store),
+            .subject = t[best.index].subject,
+            .template_id = t[best.index].id,
+            .templates_compared = best.compared,
+            .times = &(struct describe_times){.parse = parsed - start,
+                                              .prepare = prepared - parsed,
+                                              .align = best.align_ms,
+                                              .measure = best.measure_ms,
+                                              .total = log_clock_ms() - r->start_ms},
+            .measure = detail != PARAMS_BRIEF,
+            .gap_mm = gap,
+            .n = c.n,
+        }));
 out:
     mem_free(gap);
     cloud_free(&c);

@@ -25,7 +25,7 @@ ok "the key is where the file says" test -s "$T/the.key" -a ! -e "$DB.key"
 export SURFACED_CONFIG="$T/conf"
 try 0 subject set alice --reference C-1
 try 0 subject show alice
-is "found by the file" "$(said .reference)" C-1
+is "found by the file" "$(said .consent)" C-1
 try 77 --key "$T/conf" subject list
 try 0 --db "$T/other.db" init
 ok "another database has its own key" test -s "$T/other.db.key"

@@ -85,19 +85,19 @@ is "it says where, and if there are pictures" "$(jq -c '[.directory, .pictures]'
     "[\"json\",$drawn]"
 that "its members" jq -e '.decision == "match" and .disparity_mm <= .threshold_mm and
     .fmr_at_score < 0.01 and .plain_mm > 0 and .overlap > 0.8 and .weight_overlap > 0.8 and
-    .quality.score > 0.5 and .template_quality.score > 0.5 and (.transform | length) == 16 and
+    .quality.score > 0.5 and .template_quality.score > 0.5 and (.alignment.transform | length) == 16 and
     .gap.points == 3000 and .gap.compared > 2500 and (.gap.median_mm | fabs) < 0.5 and
     .gap.share_beyond_1_mm < 0.2 and
     (.gap.size_quantiles | map(.mm) | . == sort and length == 6)' out >/dev/null
 "$ctl" compare --json a0.ply a1.ply >compared
 is "the verdict of compare" \
-    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .transform]' compared)" \
-    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .transform]' out)"
+    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' compared)" \
+    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' out)"
 compared=$(jq .gap.compared out)
 is "gap.ply: every point; no gap, no colour" "$(vertices json/gap.ply)" \
     "3000 $((3000 - compared)) $((3000 - compared)) 0"
 expect 0 "gap.ply is a scan, where the template is" "$ctl" compare --json a0.ply json/gap.ply
-that "it need not be moved" jq -e '[.transform, [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]] |
+that "it need not be moved" jq -e '[.alignment.transform, [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]] |
     transpose | all(.[0] - .[1] | fabs < 0.05)' out >/dev/null
 expect 0 "a face and itself" "$ctl" explain --json a0.xyz a0.ply --out same
 that "no gap" jq -e '.gap.size_quantiles[2].mm < 0.01' out >/dev/null

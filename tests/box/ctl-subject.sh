@@ -16,24 +16,24 @@ AUTH=$(said .token)
 
 # ---- the consent
 ctl_exits 0 subject set alice --reference C-17 --purpose 'the front door' --expires 2031-02-28
-is "it is noted" "$(said '[.reference, .purpose, .expires] | join("|")')" \
+is "it is noted" "$(said '[.consent, .purpose, .expires_at] | join("|")')" \
     'C-17|the front door|2031-02-28T00:00:00.000Z'
 ctl_exits 0 subject set alice --purpose ''
 ctl_exits 0 subject show alice
-is "it is shown" "$(said '[.subject, .reference, .purpose, .expires, .hold, .templates[0].label]
+is "it is shown" "$(said '[.subject, .consent, .purpose, .expires_at, .hold, .templates[0].label]
     | map(tostring) | join("|")')" 'alice|C-17|null|2031-02-28T00:00:00.000Z|false|first'
 ok "seen when it was enrolled" test "$(said .last_seen)" = "$(said .templates[0].created)"
 ctl_exits 0 subject set carol --reference C-18 --expires never
 ctl_exits 0 subject show carol
-is "somebody without a scan" "$(said '[.reference, (.templates | length)] | join("|")')" 'C-18|0'
+is "somebody without a scan" "$(said '[.consent, (.templates | length)] | join("|")')" 'C-18|0'
 ctl_exits 64 subject set alice
 for day in 2031-02-29 2031-13-01 2031-00-10 31-01-01 2031-1-1 2031-01-00 2031/01/01; do
     ctl_exits 64 subject set alice --expires "$day"
 done
 ctl_exits 0 subject set alice --expires 2032-02-29
-is "a leap day" "$(said .expires)" 2032-02-29T00:00:00.000Z
+is "a leap day" "$(said .expires_at)" 2032-02-29T00:00:00.000Z
 ctl_exits 0 subject set alice --expires 2100-03-01
-is "no leap year" "$(said .expires)" 2100-03-01T00:00:00.000Z
+is "no leap year" "$(said .expires_at)" 2100-03-01T00:00:00.000Z
 ctl_exits 65 subject set alice --reference "$(printf 'a\nb')"
 ctl_exits 65 subject set 'a b' --reference x
 "$BUILD/surfacectl" --db "$DB" subject list >"$T/text"
@@ -65,7 +65,7 @@ ctl_exits 0 subject set alice --expires 2020-01-01
 ctl_exits 77 verify alice "$T/a2.ply"
 ok "surfacectl says since when" grep -q 'alice expired at 2020-01-01T' "$T/ctl.err"
 ctl_exits 0 subject set alice --expires 2031-01-01T12:00:00+01:00
-is "a time" "$(said .expires)" 2031-01-01T11:00:00.000Z
+is "a time" "$(said .expires_at)" 2031-01-01T11:00:00.000Z
 
 # ---- seen
 sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"

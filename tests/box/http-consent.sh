@@ -49,7 +49,7 @@ change alice '{"consent": "C-17 \u00e4", "purpose": "front door", "expires_at": 
 is "changed" "$STATUS $(get .subject)" '200 alice'
 is "the answer is the subject" "$(get '.consent + " " + (.templates | length | tostring)')" 'C-17 ä 1'
 noted '["C-17 ä","front door","2031-01-31T11:00:00.000Z",false,false]'
-is "as surfacectl has it" "$(admin subject show alice | jq -r '[.reference, .purpose, .expires] | join("|")')" \
+is "as surfacectl has it" "$(admin subject show alice | jq -r '[.consent, .purpose, .expires_at] | join("|")')" \
     'C-17 ä|front door|2031-01-31T11:00:00.000Z'
 is "an event of it" "$(events set_subject)" "1 $id alice"
 change alice '{"purpose": null, "hold": false}'

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Goal: the same bytes in give the same digits out: on another run, with 1 or 4 workers,
-# alone or in a crowd; apart from times and the ids of templates.
+# alone or in a crowd, over HTTP or by surfacectl; apart from times and the ids of templates.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -39,6 +39,31 @@ stop_daemon
 start_daemon --no-auth --attempts 0 --workers 4
 answers "$T/again"
 ok "another run, from the database" diff -r "$T/one" "$T/again"
+
+# What surfacectl says in JSON is what the daemon says, names and digits.
+ctl() { "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/said" 2>"$T/err"; }
+same() { is "$1" "$(jq -cS 'del(.timing_ms, .stale)' "$T/said")" "$(jq -cS 'del(.timing_ms)' "$T/body")"; }
+send POST "/v1/subjects/s1/verify?detail=measure" "$PLY" "$T/p1.ply"
+ctl verify s1 "$T/p1.ply"
+same "verify"
+id=$(get .template_id)
+req GET "/v1/templates/$id"
+ctl template show "$id"
+same "a template"
+ctl subject set s1 --reference C-17
+req GET /v1/subjects/s1
+ctl subject show s1
+jq '.templates[] |= del(.stale)' "$T/said" >"$T/bare" && mv "$T/bare" "$T/said"
+same "a subject"
+scan 1 0 "$T/a.xyz"
+scan 1 0 "$T/a.json"
+jq '{a: ., b: .}' "$T/a.json" >"$T/ab.json"
+send POST '/v1/compare?detail=measure' "$JSON" "$T/ab.json"
+ctl compare "$T/a.xyz" "$T/a.xyz"
+same "compare"
+send POST /v1/asymmetry 'Content-Type: text/plain' "$T/a.xyz"
+ctl asymmetry "$T/a.xyz"
+same "asymmetry"
 
 # All at once, several times over.
 mkdir "$T/crowd"

@@ -1,0 +1,165 @@
+#include "describe.h"
+
+#include <math.h>
+
+#include "asymmetry.h"
+#include "face.h"
+#include "frame.h"
+#include "json.h"
+#include "quality.h"
+#include "store.h"
+#include "verdict.h"
+
+/* null for "" */
+static void text_or_null(struct json *j, const char *key, const char *value)
+{
+    json_text(j, key, value[0] != '\0' ? value : NULL);
+}
+
+void describe_quality(struct json *j, const char *key, const struct quality *q,
+                      const struct frame *frame)
+{
+    const unsigned reasons = quality_reasons(q, frame);
+
+    json_object(j, key);
+    json_number(j, "score", q->score);
+    json_number(j, "coverage", q->coverage);
+    json_number(j, "density_mm", q->density_mm);
+    json_number(j, "noise_mm", q->noise_mm);
+    json_array(j, "reasons");
+    for (int i = 0; i < QUALITY_REASONS; i++)
+        if (reasons & (1U << i))
+            json_text(j, NULL, quality_reason_name((enum quality_reason)i));
+    json_close(j);
+    json_close(j);
+}
+
+void describe_subject(struct json *j, const struct store_subject *s)
+{
+    json_text(j, "subject", s->id);
+    json_text(j, "created", s->created);
+    text_or_null(j, "consent", s->reference);
+    text_or_null(j, "purpose", s->purpose);
+    text_or_null(j, "expires_at", s->expires);
+    text_or_null(j, "last_seen", s->seen);
+    json_flag(j, "hold", s->hold);
+    json_flag(j, "disabled", s->disabled);
+}
+
+void describe_template(struct json *j, const struct store_template *t,
+                       const struct frame *frame)
+{
+    json_text(j, "template_id", t->id);
+    json_text(j, "subject", t->subject);
+    json_text(j, "label", t->label);
+    json_text(j, "created", t->created);
+    json_number(j, "points", t->points);
+    json_number(j, "triangles", t->triangles);
+    json_text(j, "digest", t->digest);
+    describe_quality(j, "quality", &t->quality, frame);
+    json_text(j, "engine", t->engine);
+}
+
+static const char *const stop[] = {
+    [ALIGN_CONVERGED] = "converged", [ALIGN_STEPS] = "steps", [ALIGN_APART] = "apart"};
+
+static void alignment(struct json *j, const struct align_result *a)
+{
+    json_object(j, "alignment");
+    json_transform(j, "transform", a->transform);
+    json_number(j, "starts", a->starts);
+    json_number(j, "evaluations", a->evaluations);
+    json_text(j, "stop", stop[a->stop]);
+    json_number(j, "turn_deg", a->turn_deg);
+    json_number(j, "shift_mm", a->shift_mm);
+    json_number(j, "cost_mm", a->cost_mm);
+    json_number(j, "rival_mm", a->rival_mm);
+    json_close(j);
+}
+
+/* What tells more of the template than whether it is the same face. */
+static void measure(struct json *j, const struct face_result *r)
+{
+    json_object(j, "plain");
+    json_extent(j, "volume_mm3", r->disparity.volume_mm3);
+    json_extent(j, "overlap_mm2", r->disparity.area_mm2);
+    json_extent(j, "bridged_mm2", r->disparity.bridged_mm2);
+    json_close(j);
+    alignment(j, &r->align);
+    json_number(j, "weight_overlap", r->weight_overlap);
+    json_number(j, "change_mm", r->change_mm);
+    json_object(j, "regions");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        json_number(j, grid_region_name((enum grid_region)i), r->region_mm[i]);
+    json_close(j);
+}
+
+static void times(struct json *j, const struct describe_times *t)
+{
+    if (t == NULL)
+        return;
+    const struct {
+        const char *key;
+        double ms;
+    } each[] = {{"parse", t->parse},
+                {"prepare", t->prepare},
+                {"align", t->align},
+                {"measure", t->measure},
+                {"total", t->total}};
+
+    json_object(j, "timing_ms");
+    for (size_t i = 0; i < sizeof each / sizeof *each; i++)
+        if (!isnan(each[i].ms))
+            json_number(j, each[i].key, each[i].ms);
+    json_close(j);
+}
+
+void describe_comparison(struct json *j, const struct describe_comparison *c)
+{
+    const struct face_result *r = c->result;
+
+    json_text(j, "decision", verdict_decision(r->decision));
+    json_number(j, "disparity_mm", r->score_mm);
+    json_number(j, "threshold_mm", r->threshold_mm);
+    json_rate(j, "fmr_at_score", r->fmr_at_score);
+    json_number(j, "plain_mm", r->disparity.plain_mm);
+    json_number(j, "overlap", r->disparity.overlap);
+    json_text(j, "subject", c->subject);
+    json_text(j, "template_id", c->template_id);
+    json_number(j, "templates_compared", c->templates_compared);
+    describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
+    json_text(j, "engine", c->engine);
+    if (c->measure)
+        measure(j, r);
+    if (c->gap_mm != NULL) {
+        json_array(j, "heatmap");
+        for (size_t i = 0; i < c->n; i++)
+            json_number(j, NULL, c->gap_mm[i]);
+        json_close(j);
+    }
+    times(j, c->times);
+}
+
+void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
+                        const char *engine, const struct describe_times *t)
+{
+    json_flag(j, "conclusive", asymmetry_conclusive(a));
+    json_number(j, "disparity_mm", a->final.plain_mm);
+    json_number(j, "first_mm", a->initial.plain_mm);
+    json_extent(j, "volume_mm3", a->final.volume_mm3);
+    json_extent(j, "overlap_mm2", a->final.area_mm2);
+    json_number(j, "overlap", a->final.overlap);
+    json_object(j, "plane");
+    json_direction(j, "normal", a->normal);
+    json_number(j, "offset_mm", a->offset_mm);
+    json_number(j, "moved_deg", a->moved_deg);
+    json_number(j, "moved_mm", a->moved_mm);
+    json_number(j, "evaluations", a->evaluations);
+    json_text(j, "stop", stop[a->stop]);
+    json_number(j, "turn_deg", a->turn_deg);
+    json_number(j, "shift_mm", a->shift_mm);
+    json_close(j);
+    describe_quality(j, "quality", &f->quality, &f->frame);
+    json_text(j, "engine", engine);
+    times(j, t);
+}

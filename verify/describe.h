@@ -1,0 +1,53 @@
+/* describe.h -- subjects, templates and comparisons as JSON, the same from daemon and
+ * command.  Each writes members into the object that is open in j (base/json.h; NULL: nothing
+ * is done).  What is not known or was not given is null. */
+#ifndef VERIFY_DESCRIBE_H
+#define VERIFY_DESCRIBE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct asymmetry;      /* asymmetry.h */
+struct face;           /* face.h */
+struct face_result;    /* face.h */
+struct frame;          /* frame.h */
+struct json;           /* json.h */
+struct quality;        /* quality.h */
+struct store_subject;  /* store.h */
+struct store_template; /* store.h */
+
+/* describe_quality(j, key, q, frame): an object; frame: of the scan, for the reasons; NULL: it
+ * is not at hand. */
+void describe_quality(struct json *j, const char *key, const struct quality *q,
+                      const struct frame *frame);
+
+/* describe_subject(j, s): everything but its templates. */
+void describe_subject(struct json *j, const struct store_subject *s);
+
+/* describe_template(j, t, frame): frame as above. */
+void describe_template(struct json *j, const struct store_template *t,
+                       const struct frame *frame);
+
+struct describe_times { /* ms; what is NAN was not measured, and is left out */
+    double parse, prepare, align, measure, total;
+};
+
+struct describe_comparison {
+    const struct face_result *result;
+    const struct face *probe;
+    const char *engine;                /* face_engine() */
+    const char *subject, *template_id; /* NULL: null */
+    uint32_t templates_compared;
+    bool measure;         /* with the measure, the alignment and the regions */
+    const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
+    size_t n;
+    const struct describe_times *times; /* NULL: left out */
+};
+
+void describe_comparison(struct json *j, const struct describe_comparison *c);
+
+/* describe_asymmetry(j, a, f, engine, times): of face f; times may be NULL. */
+void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
+                        const char *engine, const struct describe_times *times);
+
+#endif
