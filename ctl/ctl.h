@@ -7,7 +7,7 @@
  *   ctl_enroll.c enroll: files of a subject; ctl_crowd.h whole collections
  *   ctl_face.c   verify, compare
  *   ctl_shape.c  asymmetry, simplify: one scan by itself
- *   ctl_explain.c  explain; its parts are in ctl_explain.h
+ *   ctl_explain.c  explain; explain.h has its figures, explain_*.h its files
  *   ctl_evaluate.c  evaluate: the rates; ctl_trials.h the comparisons,
  *                       ctl_report.h what is written
  *   ctl_train.c  train

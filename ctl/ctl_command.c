@@ -76,9 +76,9 @@ const struct ctl_command ctl_commands[] = {
      .summary = "compare two scans and show where they differ",
      .help =
          "B is moved onto A.  With --db, A is a subject or a template; else a scan.  Writes\n"
-         "into a directory: explain.txt and explain.json, gap.ply (the points of B, coloured\n"
-         "by the signed gap), and by gnuplot gap.png and histogram.png.  They are biometric\n"
-         "data: readable by their owner alone.  Exit: 0 match, 1 no match, 2 inconclusive.",
+         "into a directory: explain.txt and explain.json, explain.ply (the points of B), and by\n"
+         "gnuplot explain.png: the gap as measured beside what decided.  They are biometric\n"
+         "data: readable by their owner alone.  Exit: 0 match, 1 non-match, 2 inconclusive.",
      .example = "surfacectl explain monday.ply tuesday.ply --out why"},
     {.name = "asymmetry",
      .args = "FILE",

@@ -1,15 +1,15 @@
-#include <stdlib.h>
-#include <string.h>
+/* surfacectl explain: why a comparison was decided as it was. */
 #include <unistd.h>
 
-#include "ctl_explain.h"
-
-#include "mem.h"
-#include "verdict.h"
 #include "ctl.h"
 #include "ctl_dir.h"
+#include "explain.h"
+#include "explain_cloud.h"
+#include "explain_plot.h"
+#include "explain_text.h"
+#include "verdict.h"
 
-/* A from the database: of a subject the template that decides, or else the template. */
+/* A from the database: the template of a subject that decides, or the template named. */
 static enum status template_stored(struct ctl *c, struct face_work *w,
                                    struct explanation *x, struct store_template *t)
 {
@@ -51,52 +51,36 @@ static enum status compare(struct ctl *c, struct face_work *w, struct explanatio
             st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
     }
     if (st == ST_OK)
-        st = ctl_explain_gap(x);
+        st = explain_fields(x, w);
     if (st != ST_OK && c->e.msg[0] == '\0')
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     return st;
 }
 
-/* One file of an explanation, for ctl_dir_write(). */
-struct part {
-    explain_writer *write;
-    const struct explanation *x;
-};
-
-static enum status write_part(FILE *to, const void *arg, struct errinfo *e)
-{
-    const struct part *p = arg;
-
-    return p->write(to, p->x, e);
-}
-
-/* Every file, or as many as there can be: of the pictures none without gnuplot, which is
- * no failure.  *pictures: are they there? */
+/* Every file, or as many as there can be: without gnuplot no picture, which is no failure.
+ * *picture: is it there? */
 static enum status write_all(struct ctl *c, const struct explanation *x, const char *path,
-                             bool *pictures)
+                             bool *picture)
 {
     static const struct {
         const char *name;
-        explain_writer *write;
+        enum status (*write)(FILE *to, const void *x, struct errinfo *e);
         bool picture;
-    } file[] = {{"explain.txt", ctl_explain_text, false},
-                {"explain.json", ctl_explain_json, false},
-                {"gap.ply", ctl_explain_cloud, false},
-                {"gap.png", ctl_explain_picture, true},
-                {"histogram.png", ctl_explain_histogram, true}};
+    } file[] = {{"explain.txt", explain_text, false},
+                {"explain.json", explain_text_json, false},
+                {"explain.ply", explain_cloud, false},
+                {"explain.png", explain_plot, true}};
     int dir;
     enum status st = ctl_dir_open(path, &dir, &c->e);
 
     /* What an earlier comparison left must not stand beside this one's. */
     for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++)
         st = ctl_dir_remove(dir, file[i].name, &c->e);
-    *pictures = true;
+    *picture = true;
     for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++) {
-        const struct part p = {file[i].write, x};
-
-        st = ctl_dir_write(dir, file[i].name, write_part, &p, &c->e);
+        st = ctl_dir_write(dir, file[i].name, file[i].write, x, &c->e);
         if (st == ST_ENOTFOUND && file[i].picture) {
-            *pictures = false;
+            *picture = false;
             st = ST_OK;
         } else if (st == ST_EINVAL) {
             st = ST_EINTERNAL; /* the script that gnuplot refused is this program's */
@@ -114,7 +98,7 @@ int ctl_explain(struct ctl *c)
         .a = c->args[0], .b = c->args[1], .engine = c->engine, .compared = 1};
     struct face_work *w = face_work_new(c->model);
     struct store_template t = {0};
-    bool pictures = false;
+    bool picture = false;
     enum status st;
 
     if (w == NULL)
@@ -122,22 +106,19 @@ int ctl_explain(struct ctl *c)
     else
         st = compare(c, w, &x, &t);
     if (st == ST_OK)
-        st = write_all(c, &x, path, &pictures);
+        st = write_all(c, &x, path, &picture);
     if (st == ST_OK) {
-        ctl_explain_out(c->out, &x);
+        explain_text_out(c->out, &x);
         ctl_out_text(c->out, "directory", path);
-        ctl_out_flag(c->out, "pictures", pictures);
+        ctl_out_flag(c->out, "picture", picture);
         if (!c->json) {
-            (void)ctl_explain_text(stdout, &x, NULL);
+            (void)explain_text(stdout, &x, NULL);
             (void)printf("written to   %s\n", path);
         }
-        if (!pictures)
-            (void)fprintf(stderr, "surfacectl: no pictures: %s\n", c->e.msg);
+        if (!picture)
+            (void)fprintf(stderr, "surfacectl: no picture: %s\n", c->e.msg);
     }
-    mem_free(x.gap);
-    mem_free(x.pts);
-    face_free(&x.tmpl);
-    face_free(&x.probe);
+    explain_free(&x);
     face_work_free(w);
     return st == ST_OK ? ctl_face_exit(x.result.decision) : ctl_fail(c, st);
 }

@@ -121,7 +121,7 @@ enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolme
 
 void ctl_face_regions(FILE *to, const struct face_result *r)
 {
-    (void)fprintf(to, "regions      disparity  of the weight\n");
+    (void)fprintf(to, "regions          score  of the weight\n");
     for (int i = 0; i < GRID_REGIONS; i++) {
         (void)fprintf(to, "  %-10s ", grid_region_name((enum grid_region)i));
         if (isnan(r->region_mm[i]))

@@ -42,13 +42,16 @@ is() { that "$1: got '$2', wanted '$3'" [ "$2" = "$3" ]; }
 has() { that "$what: no '$2' in $1: $(head -n 20 "$1")" grep -q -e "$2" "$1"; }
 files() { find "$1" -mindepth 1 -printf '%f\n' | LC_ALL=C sort | paste -sd ' '; }
 
-# vertices FILE: of a cloud that explain wrote: all, without a gap, in grey, contradictions
+# vertices FILE: of a cloud that explain wrote: all; without a gap; without a rest; in grey;
+# contradictions (grey is what has no rest, and a rest is where a gap is)
 vertices() {
     header=$(grep -abo -m 1 end_header "$1" | cut -d: -f1)
-    od -An -v -tu1 -w19 -j $((header + 11)) "$1" | awk '{ grey = $13 $14 $15 == 150150150
-            nan = $16 == 0 && $17 == 0 && $18 == 192 && $19 == 127
-            nans += nan; greys += grey; bad += NF != 19 || nan != grey }
-        END { print NR, nans, greys, bad }'
+    od -An -v -tu1 -w27 -j $((header + 11)) "$1" | awk '
+        function nan(at) { return $at == 0 && $(at + 1) == 0 && $(at + 2) == 192 && $(at + 3) == 127 }
+        { grey = $13 $14 $15 == 150150150; gap = nan(16); rest = nan(20)
+            gaps += gap; rests += rest; greys += grey
+            bad += NF != 27 || rest != grey || rest != nan(24) || (gap && !rest) }
+        END { print NR, gaps, rests, greys, bad }'
 }
 
 scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4"; }
@@ -56,9 +59,9 @@ scan 1 0 0 a0.ply || exit 1
 scan 1 1 5 a1.ply || exit 1
 scan 2 0 0 b0.ply || exit 1
 scan 1 0 0 a0.xyz || exit 1
-all='explain.json explain.txt gap.ply'
+all='explain.json explain.ply explain.txt'
 if command -v gnuplot >/dev/null 2>&1; then
-    pictures="$all gap.png histogram.png" drawn=true
+    pictures='explain.json explain.ply explain.png explain.txt' drawn=true
 else
     echo "SKIP pictures: gnuplot is not installed"
     pictures=$all drawn=false
@@ -66,7 +69,7 @@ fi
 
 # ---- the same person
 expect 0 "one person" "$ctl" explain a0.ply a1.ply
-has out '^decision *match: the disparity is not above the threshold'
+has out '^decision *match: the score is not above the threshold'
 has out '^common .* weight'
 has out '^template *3000 points, quality'
 is "the files" "$(files explanation)" "$pictures"
@@ -80,42 +83,82 @@ for picture in $pictures; do
 done
 expect 0 "as JSON" "$ctl" explain --json a0.ply a1.ply --out json
 is "explain.json is what is printed" "$(jq -cS . json/explain.json)" \
-    "$(jq -cS 'del(.directory, .pictures)' out)"
-is "it says where, and if there are pictures" "$(jq -c '[.directory, .pictures]' out)" \
+    "$(jq -cS 'del(.directory, .picture)' out)"
+is "it says where, and if there are pictures" "$(jq -c '[.directory, .picture]' out)" \
     "[\"json\",$drawn]"
 that "its members" jq -e '.decision == "match" and .disparity_mm <= .threshold_mm and
     .fmr_at_score < 0.01 and .plain_mm > 0 and .overlap > 0.8 and .weight_overlap > 0.8 and
     .quality.score > 0.5 and .template_quality.score > 0.5 and (.alignment.transform | length) == 16 and
     .gap.points == 3000 and .gap.compared > 2500 and (.gap.median_mm | fabs) < 0.5 and
-    .gap.share_beyond_1_mm < 0.2 and
-    (.gap.size_quantiles | map(.mm) | . == sort and length == 6)' out >/dev/null
+    .gap.share_beyond < 0.2 and .gap.limit_mm == 1 and
+    (.gap.amount_quantiles | map(.mm) | . == sort and length == 6)' out >/dev/null
 "$ctl" compare --json a0.ply a1.ply >compared
 is "the verdict of compare" \
     "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' compared)" \
     "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' out)"
+# What decided is told apart from the gap: a match whose gap is many times the threshold.
+that "the gap is told, not decided by" jq -e '.gap.mean_amount_mm > 2 * .threshold_mm' out >/dev/null
+that "what is left is within the threshold" jq -e '.rest.cells > 500 and
+    .rest.limit_mm == .threshold_mm and .rest.mean_amount_mm < 1.5 * .threshold_mm and
+    .rest.share_beyond < 0.5' out >/dev/null
+has json/explain.txt '^gap .*it does not decide'
+has json/explain.txt '^rest .*learned change'
+threshold=$(jq .threshold_mm out | xargs printf %.3f)
+that "a scale each, and the colours' is the rest's" grep -aq \
+    "colours: rest_mm, pale within $threshold mm of 0 (the threshold)" json/explain.ply
 compared=$(jq .gap.compared out)
-is "gap.ply: every point; no gap, no colour" "$(vertices json/gap.ply)" \
-    "3000 $((3000 - compared)) $((3000 - compared)) 0"
-expect 0 "gap.ply is a scan, where the template is" "$ctl" compare --json a0.ply json/gap.ply
+set -- $(vertices json/explain.ply)
+is "explain.ply: every point; no gap, no colour; no contradiction" "$1 $2 $5" \
+    "3000 $((3000 - compared)) 0"
+that "no weight, no colour either" [ "$3" -ge "$2" ]
+that "but most have one" [ "$3" -lt 600 ]
+expect 0 "explain.ply is a scan, where the template is" "$ctl" compare --json a0.ply json/explain.ply
 that "it need not be moved" jq -e '[.alignment.transform, [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]] |
     transpose | all(.[0] - .[1] | fabs < 0.05)' out >/dev/null
 expect 0 "a face and itself" "$ctl" explain --json a0.xyz a0.ply --out same
-that "no gap" jq -e '.gap.size_quantiles[2].mm < 0.01' out >/dev/null
+that "no gap" jq -e '.gap.amount_quantiles[2].mm < 0.01 and .rest.amount_quantiles[2].mm < 0.01' out >/dev/null
 
 # ---- another person, into the same directory
-rm explanation/gap.ply
+rm explanation/explain.ply
 echo mine >kept
-ln -s ../kept explanation/gap.ply
+ln -s ../kept explanation/explain.ply
 expect 1 "two people" "$ctl" explain a0.ply b0.ply
-has out '^decision *no_match: the disparity is above the threshold'
+has out '^decision *no_match: the score is above the threshold'
 is "the files again" "$(files explanation)" "$pictures"
+that "a rest beyond the threshold" jq -e '.rest.share_beyond > 0.5 and
+    .rest.mean_amount_mm > 2 * .threshold_mm' explanation/explain.json >/dev/null
 is "what a link pointed to" "$(cat kept)" mine
-is "gap.ply is a file now" "$(stat -c '%F %a' explanation/gap.ply)" 'regular file 600'
+is "explain.ply is a file now" "$(stat -c '%F %a' explanation/explain.ply)" 'regular file 600'
 expect 64 "by a threshold of one's own" "$ctl" explain --threshold-mm 50 a0.ply b0.ply --out 50
 awk '$1 < -22' a0.xyz >part.xyz
 expect 2 "a part of the face" "$ctl" explain a0.ply part.xyz --out part
 has out '^decision *inconclusive: '
 expect 0 "from a pipe" sh -c "'$ctl' explain a0.ply - --out pipe <a1.ply"
+
+# ---- what is drawn: the three fields, each with its own scale, centred where it must be
+if [ $drawn = true ]; then
+    mkdir script
+    printf '#!/bin/sh\ntee "%s/script/in" | exec %s --default-settings\n' "$dir" \
+        "$(command -v gnuplot)" >script/gnuplot
+    chmod +x script/gnuplot
+    what="the picture's script"
+    expect 0 "a match drawn" env PATH="$dir/script:$PATH" "$ctl" explain a0.ply a1.ply --out drawn
+    what="the picture's script"
+    has script/in '^set title "{/:Bold The gap as measured}'
+    has script/in '^set title "{/:Bold What is left without learned change}'
+    has script/in '^set title "{/:Bold What each place adds to the score}'
+    is "scales: the gap's in mm, the rest's about 0 in thresholds, the part's in thresholds" \
+        "$(grep -a '^set cbrange' script/in | tr ':[]' '   ' |
+            awk -v t="$(jq .threshold_mm drawn/explain.json)" '
+                NR == 2 { print -$3 == $4 && ($4 - 4 * t) ^ 2 < 1e-6; next } { print $3, $4 }' |
+            paste -sd ' ')" '-3 3 1 0 4'
+    has script/in "^set cbtics .*'-$threshold' .*'$threshold' "
+    # the tallest bar is below the upper end of the axis, and the bars are all of it
+    grep -a '^set yrange\|^[-0-9.]* [0-9.]* [0-9]*$' script/in | awk '
+        /yrange/ { gsub(/[^0-9.:]/, ""); split($0, end, ":"); top = end[2]; next }
+        { n++; cut += $2 >= top } END { print (n > 120), cut + 0 }' >cut
+    is "no bar is cut off" "$(cat cut)" "1 0"
+fi
 
 # ---- from the database
 "$ctl" --db faces.db init >/dev/null
@@ -136,7 +179,7 @@ that "nothing is written then" [ ! -e bob ]
 # ---- what can go wrong
 mkdir bin
 expect 0 "no gnuplot" env PATH="$dir/bin" "$ctl" explain a0.ply a1.ply
-has err 'no pictures: gnuplot is not installed'
+has err 'no picture: gnuplot is not installed'
 is "the rest, and no older pictures" "$(files explanation)" "$all"
 printf '#!/bin/sh\necho half a picture\necho it broke >&2\nexit 1\n' >bin/gnuplot
 chmod +x bin/gnuplot
@@ -144,7 +187,7 @@ expect 70 "a gnuplot that fails" env PATH="$dir/bin:$PATH" "$ctl" explain a0.ply
 has err 'it broke'
 is "no half a picture" "$(files explanation)" "$all"
 expect 74 "a disk that is full" sh -c "trap '' XFSZ; ulimit -f 40; exec '$ctl' explain a0.ply a1.ply"
-has err 'gap.ply: File too large'
+has err 'explain.ply: File too large'
 is "no half a cloud" "$(files explanation)" 'explain.json explain.txt'
 expect 74 "a file in the place of the directory" "$ctl" explain a0.ply a1.ply --out kept
 is "it is as it was" "$(cat kept)" mine

@@ -1,25 +1,27 @@
+#include "explain_map.h"
+
 #include <math.h>
 #include <string.h>
 
+#include "explain_color.h"
 #include "lattice.h"
-#include "heatmap.h"
 #include "mem.h"
-#include "ctl_explain.h"
 
 #define PIXEL_MM    0.25
 #define SIDE_PIXELS 2000 /* at most; larger surfaces get larger pixels */
 
 struct corner {
-    double x, y, z, gap; /* on the template; x and y in pixels, z and gap in mm */
-    double light;        /* 0..1 */
+    double x, y, z; /* on the template; x and y in pixels, z in mm */
+    double light;   /* 0..1 */
+    double value[EXPLAIN_KINDS];
 };
 
 struct canvas {
     const struct explanation *x;
-    struct dvec3 *at;     /* [nv] the probe's vertices on the template, mm */
-    struct dvec3 *normal; /* [nv] of the surface there, of any length */
-    double *gap;          /* [nv] */
-    float *depth;         /* [h * w] height of what was painted last */
+    struct dvec3 *at;             /* [nv] the probe's vertices on the template, mm */
+    struct dvec3 *normal;         /* [nv] of the surface there, of any length */
+    double *value[EXPLAIN_KINDS]; /* [nv] */
+    float *depth;                 /* [h * w] height of what was painted last */
     struct explain_map *map;
 };
 
@@ -33,20 +35,13 @@ static void place(struct canvas *c)
 {
     const struct face *f = &c->x->probe;
     const struct mesh *m = &f->surface.mesh;
-    const double *t = c->x->result.align.transform;
 
     for (uint32_t v = 0; v < m->nv; v++)
         c->at[v] = (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
                                   m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM};
-    heatmap_gaps(&c->x->tmpl.surface, c->at, m->nv, t, c->gap);
-    for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 p = c->at[v];
-
-        c->at[v] = (struct dvec3){t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
-                                  t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
-                                  t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
+    explain_at(c->x, c->at, m->nv, c->value);
+    for (uint32_t v = 0; v < m->nv; v++)
         c->normal[v] = (struct dvec3){0, 0, 0};
-    }
     for (uint32_t k = 0; k < m->nt; k++) {
         struct dvec3 p, q, r, n;
 
@@ -84,11 +79,13 @@ static enum status prepare(struct canvas *c)
     map->x_mm = lo.x;
     map->y_mm = lo.y;
     n = (size_t)map->w * map->h;
-    map->rgba = mem_array(n, sizeof *map->rgba);
-    c->depth = mem_array(n, sizeof *c->depth);
-    if (map->rgba == NULL || c->depth == NULL)
+    if ((c->depth = mem_array(n, sizeof *c->depth)) == NULL)
         return ST_ENOMEM;
-    memset(map->rgba, 0, n * sizeof *map->rgba);
+    for (int k = 0; k < EXPLAIN_KINDS; k++) {
+        if ((map->rgba[k] = mem_array(n, sizeof *map->rgba[k])) == NULL)
+            return ST_ENOMEM;
+        memset(map->rgba[k], 0, n * sizeof *map->rgba[k]);
+    }
     for (size_t i = 0; i < n; i++)
         c->depth[i] = -INFINITY;
     return ST_OK;
@@ -100,22 +97,36 @@ static struct corner corner_at(const struct canvas *c, uint32_t v)
     const double length = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     const double light = n.x * sun.x + n.y * sun.y + n.z * sun.z;
 
-    return (struct corner){(p.x - c->map->x_mm) / c->map->pixel_mm,
-                           (p.y - c->map->y_mm) / c->map->pixel_mm, p.z, c->gap[v],
-                           length > 0 ? fmax(0, light / length) : 1};
+    struct corner to = {.x = (p.x - c->map->x_mm) / c->map->pixel_mm,
+                        .y = (p.y - c->map->y_mm) / c->map->pixel_mm,
+                        .z = p.z,
+                        .light = length > 0 ? fmax(0, light / length) : 1};
+
+    for (int k = 0; k < EXPLAIN_KINDS; k++)
+        to.value[k] = c->value[k][v];
+    return to;
 }
 
-static void paint(const struct canvas *c, size_t i, double z, double gap, double light)
+/* The pixel i, at the shares a, b, d of a triangle's corners. */
+static void paint(const struct canvas *c, size_t i, const struct corner *p, double a,
+                  const struct corner *q, double b, const struct corner *r, double d)
 {
-    uint8_t *rgba = c->map->rgba[i];
+    const double z = a * p->z + b * q->z + d * r->z;
+    const double light = a * p->light + b * q->light + d * r->light;
 
-    if (z <= c->depth[i])
+    if (z <= (double)c->depth[i])
         return;
     c->depth[i] = (float)z;
-    ctl_explain_color(gap, rgba);
-    for (int k = 0; k < 3; k++) /* little enough that the scale can still be read */
-        rgba[k] = (uint8_t)lround(rgba[k] * fmin(1, 0.74 + 0.32 * light));
-    rgba[3] = 255;
+    for (int k = 0; k < EXPLAIN_KINDS; k++) {
+        uint8_t *rgba = c->map->rgba[k][i];
+
+        explain_color((enum explain_kind)k,
+                      a * p->value[k] + b * q->value[k] + d * r->value[k],
+                      explain_end(c->x, (enum explain_kind)k), rgba);
+        for (int l = 0; l < 3; l++) /* little enough that the scale can still be read */
+            rgba[l] = (uint8_t)lround(rgba[l] * fmin(1, 0.74 + 0.32 * light));
+        rgba[3] = 255;
+    }
 }
 
 /* Every pixel whose middle lies in the triangle. */
@@ -135,23 +146,26 @@ static void fill(const struct canvas *c, const struct corner p, const struct cor
             const double d = 1 - a - b;
 
             if (a >= 0 && b >= 0 && d >= 0)
-                paint(c, (size_t)y * c->map->w + (size_t)x, a * p.z + b * q.z + d * r.z,
-                      a * p.gap + b * q.gap + d * r.gap,
-                      a * p.light + b * q.light + d * r.light);
+                paint(c, (size_t)y * c->map->w + (size_t)x, &p, a, &q, b, &r, d);
         }
 }
 
-enum status ctl_explain_map(const struct explanation *x, struct explain_map *out)
+enum status explain_map(const struct explanation *x, struct explain_map *out)
 {
     const struct mesh *m = &x->probe.surface.mesh;
     struct canvas c = {.x = x, .map = out};
+    bool room;
     enum status st = ST_ENOMEM;
 
     memset(out, 0, sizeof *out);
     c.at = mem_array(m->nv, sizeof *c.at);
     c.normal = mem_array(m->nv, sizeof *c.normal);
-    c.gap = mem_array(m->nv, sizeof *c.gap);
-    if (c.at != NULL && c.normal != NULL && c.gap != NULL) {
+    room = c.at != NULL && c.normal != NULL;
+    for (int k = 0; k < EXPLAIN_KINDS; k++) {
+        c.value[k] = mem_array(m->nv, sizeof *c.value[k]);
+        room = room && c.value[k] != NULL;
+    }
+    if (room) {
         place(&c);
         st = prepare(&c);
     }
@@ -159,13 +173,19 @@ enum status ctl_explain_map(const struct explanation *x, struct explain_map *out
         if (drawn(&x->probe, t))
             fill(&c, corner_at(&c, m->org[3 * t]), corner_at(&c, m->org[3 * t + 1]),
                  corner_at(&c, m->org[3 * t + 2]));
-    if (st != ST_OK) {
-        mem_free(out->rgba);
-        memset(out, 0, sizeof *out);
-    }
+    if (st != ST_OK)
+        explain_map_free(out);
+    for (int k = 0; k < EXPLAIN_KINDS; k++)
+        mem_free(c.value[k]);
     mem_free(c.depth);
-    mem_free(c.gap);
     mem_free(c.normal);
     mem_free(c.at);
     return st;
+}
+
+void explain_map_free(struct explain_map *map)
+{
+    for (int k = 0; k < EXPLAIN_KINDS; k++)
+        mem_free(map->rgba[k]);
+    memset(map, 0, sizeof *map);
 }

@@ -1,18 +1,19 @@
+#include "explain_text.h"
+
 #include <math.h>
 
 #include "describe.h"
-#include "verdict.h"
 #include "ctl.h"
-#include "ctl_explain.h"
 #include "tuning.h"
+#include "verdict.h"
 
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct face_result *r)
 {
     if (r->decision == FACE_MATCH)
-        return "the disparity is not above the threshold";
+        return "the score is not above the threshold";
     if (r->decision == FACE_NO_MATCH)
-        return "the disparity is above the threshold";
+        return "the score is above the threshold";
     if (r->align.stop == ALIGN_APART)
         return "no pose was found in which the surfaces have enough in common";
     if (r->disparity.overlap < DECISION_MIN_OVERLAP)
@@ -24,22 +25,25 @@ static const char *reason(const struct face_result *r)
 static void print_result(FILE *to, const struct face_result *r)
 {
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
-    (void)fprintf(to, "disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
+    (void)fprintf(to, "score        %.3f mm (threshold %.3f mm)\n", r->score_mm,
                   r->threshold_mm);
-    (void)fprintf(to, "impostors    a share of %.2g would score this low or lower\n",
+    (void)fprintf(to,
+                  "false match  a share of %.2g of other people would score this low or "
+                  "lower\n",
                   r->fmr_at_score);
-    (void)fprintf(to, "plain        %.3f mm (%.1f mm3 over %.1f mm2)\n",
-                  r->disparity.plain_mm, r->disparity.volume_mm3, r->disparity.area_mm2);
+    (void)fprintf(to, "volume       %.1f mm3 over %.1f mm2 in common: %.3f mm\n",
+                  r->disparity.volume_mm3, r->disparity.area_mm2, r->disparity.plain_mm);
     (void)fprintf(
         to,
         "common       %.1f %% of the template's area, %.1f %% of a face's weight "
         "(at least %.0f and %.0f %% are needed)\n",
         100 * r->disparity.overlap, 100 * r->weight_overlap, 100 * DECISION_MIN_OVERLAP,
         100 * DECISION_MIN_WEIGHT);
-    (void)fprintf(to,
-                  "change       %.3f mm (root mean square) taken out as change of one "
-                  "face\n",
-                  r->change_mm);
+    (void)fprintf(
+        to,
+        "change       %.3f mm (root mean square) taken out as learned change of "
+        "one face\n",
+        r->change_mm);
     ctl_face_alignment(to, &r->align);
     ctl_face_regions(to, r);
 }
@@ -54,38 +58,47 @@ static void print_quality(FILE *to, const char *who, const struct face *f)
     ctl_face_reasons(to, f);
 }
 
-static void print_gap(FILE *to, const struct explanation *x)
+static void print_spread(FILE *to, const struct explain_spread *s)
 {
-    const struct explain_gap *s = &x->sum;
-
-    (void)fprintf(to, "gap          at %zu of %zu points of the probe\n", s->compared,
-                  x->n);
-    if (s->compared == 0)
+    if (s->n == 0)
         return;
     (void)fprintf(to, "  median     %+.3f mm (probe minus template)\n", s->median_mm);
-    (void)fprintf(to, "  beyond     %.1f %% of them by more than %g mm\n",
-                  100 * s->beyond, EXPLAIN_BEYOND_MM);
-    (void)fprintf(to, "  size      ");
+    (void)fprintf(to, "  mean       %.3f mm (amount)\n", s->mean_mm);
+    (void)fprintf(to, "  beyond     %.1f %% by more than %.3g mm\n", 100 * s->beyond,
+                  s->limit_mm);
+    (void)fprintf(to, "  amount    ");
     for (int k = 0; k < EXPLAIN_QUANTILES; k++)
-        (void)fprintf(to, " %.0f %%: %.3f%s", 100 * ctl_explain_levels[k],
-                      s->quantile_mm[k],
+        (void)fprintf(to, " %.0f %%: %.3f%s", 100 * explain_levels[k], s->quantile_mm[k],
                       k + 1 < EXPLAIN_QUANTILES ? "," : " mm or less\n");
 }
 
-enum status ctl_explain_text(FILE *to, const struct explanation *x, struct errinfo *e)
+enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
 {
+    const struct explanation *x = arg;
     const struct face_result *r = &x->result;
 
     (void)e;
     (void)fprintf(to, "template     %s\n", x->a);
     if (x->template_id != NULL)
-        (void)fprintf(to, "             %s, the nearest of %u\n", x->template_id,
-                      x->compared);
+        (void)fprintf(to, "             %s, with the smallest score of %u\n",
+                      x->template_id, x->compared);
     (void)fprintf(to, "probe        %s\n", x->b);
     print_result(to, r);
     print_quality(to, "template", &x->tmpl);
     print_quality(to, "probe", &x->probe);
-    print_gap(to, x);
+    (void)fprintf(to,
+                  "gap          as measured at %zu of %zu points of the probe; it does "
+                  "not decide\n",
+                  x->gap.n, x->n);
+    print_spread(to, &x->gap);
+    (void)fprintf(
+        to,
+        "rest         what learned change leaves of the gap, in %zu cells of %g "
+        "mm, by weight;\n"
+        "             without the roughness from cell to cell its mean is the "
+        "score\n",
+        x->rest.n, GRID_MM);
+    print_spread(to, &x->rest);
     (void)fprintf(to, "transform    of the probe onto the template, mm\n");
     for (int i = 0; i < 16; i += 4)
         (void)fprintf(to, "  %12.6f %12.6f %12.6f %12.4f\n", r->align.transform[i],
@@ -94,10 +107,24 @@ enum status ctl_explain_text(FILE *to, const struct explanation *x, struct errin
     return ST_OK;
 }
 
-void ctl_explain_out(struct ctl_out *o, const struct explanation *x)
+static void out_spread(struct ctl_out *o, const struct explain_spread *s)
 {
-    const struct explain_gap *s = &x->sum;
+    ctl_out_number(o, "median_mm", s->median_mm);
+    ctl_out_number(o, "mean_amount_mm", s->mean_mm);
+    ctl_out_number(o, "limit_mm", s->limit_mm);
+    ctl_out_number(o, "share_beyond", s->beyond);
+    ctl_out_array(o, "amount_quantiles");
+    for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
+        ctl_out_object(o, NULL);
+        ctl_out_number(o, "share", explain_levels[k]);
+        ctl_out_number(o, "mm", s->quantile_mm[k]);
+        ctl_out_close(o);
+    }
+    ctl_out_close(o);
+}
 
+void explain_text_out(struct ctl_out *o, const struct explanation *x)
+{
     ctl_out_text(o, "template", x->a);
     ctl_out_text(o, "probe", x->b);
     describe_comparison(ctl_out_document(o),
@@ -118,26 +145,21 @@ void ctl_explain_out(struct ctl_out *o, const struct explanation *x)
     ctl_out_close(o);
     ctl_out_object(o, "gap");
     ctl_out_number(o, "points", (double)x->n);
-    ctl_out_number(o, "compared", (double)s->compared);
-    ctl_out_number(o, "median_mm", s->median_mm);
-    ctl_out_number(o, "share_beyond_1_mm", s->beyond);
-    ctl_out_array(o, "size_quantiles");
-    for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
-        ctl_out_object(o, NULL);
-        ctl_out_number(o, "share", ctl_explain_levels[k]);
-        ctl_out_number(o, "mm", s->quantile_mm[k]);
-        ctl_out_close(o);
-    }
+    ctl_out_number(o, "compared", (double)x->gap.n);
+    out_spread(o, &x->gap);
     ctl_out_close(o);
+    ctl_out_object(o, "rest");
+    ctl_out_number(o, "cells", (double)x->rest.n);
+    out_spread(o, &x->rest);
     ctl_out_close(o);
 }
 
-enum status ctl_explain_json(FILE *to, const struct explanation *x, struct errinfo *e)
+enum status explain_text_json(FILE *to, const void *x, struct errinfo *e)
 {
     struct ctl_out *o = ctl_out_new(true);
 
     if (o == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    ctl_explain_out(o, x);
+    explain_text_out(o, x);
     return ctl_out_end(o, to) ? ST_OK : errinfo_set(e, ST_EIO, "it cannot be written");
 }
