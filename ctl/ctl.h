@@ -8,8 +8,8 @@
  *   ctl_face.c   verify, compare
  *   ctl_shape.c  asymmetry, simplify: one scan by itself
  *   ctl_explain.c  explain; explain.h has its figures, explain_*.h its files
- *   ctl_evaluate.c  evaluate: the rates; ctl_trials.h the comparisons,
- *                       ctl_report.h what is written
+ *   ctl_evaluate.c  evaluate; ctl_trials.h the comparisons, report.h the rates,
+ *                       report_*.h what is written
  *   ctl_train.c  train
  *   ctl_model.c  --model, and the database opened for it
  *   ctl_dir.c    files that are there whole or not at all

@@ -116,9 +116,9 @@ const struct ctl_command ctl_commands[] = {
          "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table,\n"
          "with columns file and subject.  Of each subject the scan of kind `enroll`, or else\n"
          "the first, is enrolled in memory and compared with the others and with other\n"
-         "subjects'.  Writes into a directory: report.md, report.json, scores.csv (every\n"
-         "comparison), rates.csv, and by gnuplot det and scores as .svg and .png.  With --db\n"
-         "its calibration decides.  surfacectl(1) says more.",
+         "subjects'.  Writes into a directory: report.html (with its pictures), report.md,\n"
+         "report.json, scores.csv (every comparison), rates.csv, and by gnuplot det and scores\n"
+         "as .svg and .png.  With --db its calibration decides.  surfacectl(1) says more.",
      .example = "surfacectl evaluate scans --out evaluation"},
     {.name = "train",
      .args = "DIR|MANIFEST",

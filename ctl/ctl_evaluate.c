@@ -1,278 +1,86 @@
-/* surfacectl evaluate: how well the scans of a folder are told apart. */
-#include <math.h>
-#include <stdlib.h>
+/* surfacectl evaluate: how well the scans of a collection are told apart. */
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "calibration.h"
-#include "ctl_report.h"
+#include "ctl.h"
+#include "ctl_dir.h"
+#include "report.h"
+#include "report_csv.h"
+#include "report_html.h"
+#include "report_json.h"
+#include "report_plot.h"
+#include "report_text.h"
 
-#define SEED UINT64_C(1) /* of the bootstrap */
+/* ---- the files */
 
-/* ---- counting */
+typedef enum status writer(FILE *to, const void *arg, struct errinfo *e);
 
-static void count(struct ctl_report_count *c, enum face_decision d)
+/* The pictures of this run, and none of a former one. */
+static enum status write_pictures(struct report *r, int dir, struct errinfo *e)
 {
-    c->n++;
-    c->match += d == FACE_MATCH;
-    c->no_match += d == FACE_NO_MATCH;
-    c->inconclusive += d == FACE_INCONCLUSIVE;
-}
+    static const struct {
+        const char *file, *format;
+        writer *write;
+    } picture[] = {{"det.svg", "svg", report_plot_det},
+                   {"det.png", "pngcairo", report_plot_det},
+                   {"scores.svg", "svg", report_plot_scores},
+                   {"scores.png", "pngcairo", report_plot_scores}};
+    struct errinfo why;
+    enum status st = ST_OK;
 
-static uint32_t kind_of(const struct ctl_report *r, const struct ctl_trial *x)
-{
-    return r->t->corpus->scan[x->probe].kind;
-}
+    for (size_t i = 0; i < sizeof picture / sizeof *picture && st == ST_OK; i++) {
+        const struct report_plot p = {r, picture[i].format};
 
-static bool within(const struct ctl_report *r, const struct ctl_report_group *g,
-                   const struct ctl_trial *x)
-{
-    return g->kind == CORPUS_NONE || kind_of(r, x) == g->kind;
-}
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
-/* The value that a share of v[0..n-1] is at or below; v is sorted. */
-static double quantile(double *v, size_t n, double share)
-{
-    qsort(v, n, sizeof *v, by_value);
-    return n > 0 ? v[(size_t)ceil(share * (double)n) - (share > 0)] : (double)NAN;
-}
-
-/* Own template first: how often, of the probes that were compared with others too. */
-static void count_ranks(struct ctl_report *r, struct ctl_report_group *g)
-{
-    const struct ctl_trials *t = r->t;
-
-    for (size_t i = 0, end; i < t->n; i = end) {
-        double own = (double)INFINITY, others = (double)INFINITY;
-        size_t n = 0;
-
-        for (end = i; end < t->n && t->trial[end].probe == t->trial[i].probe; end++) {
-            const struct ctl_trial *x = &t->trial[end];
-
-            if (!x->done || x->type == CORPUS_RELATIVE)
-                continue;
-            n += x->type == CORPUS_IMPOSTOR;
-            if (x->decision == FACE_INCONCLUSIVE)
-                continue;
-            if (x->type == CORPUS_GENUINE)
-                own = x->disparity_mm;
-            else
-                others = fmin(others, x->disparity_mm);
-        }
-        if (within(r, g, &t->trial[i]) && t->trial[i].done && n > 0) {
-            g->ranked++;
-            g->first += own < others;
-        }
+        if (r->non_mated.n == 0)
+            (void)snprintf(r->plots, sizeof r->plots,
+                           "there are no non-mated comparisons");
+        else if (r->plots[0] == '\0' &&
+                 ctl_dir_write(dir, picture[i].file, picture[i].write, &p, &why) != ST_OK)
+            (void)snprintf(r->plots, sizeof r->plots, "%s", why.msg);
     }
-}
-
-static enum status measure_pose(struct ctl_report *r, struct ctl_report_group *g)
-{
-    double *v = malloc((r->t->n + 1) * sizeof *v);
-
-    if (v == NULL)
-        return ST_ENOMEM;
-    for (size_t i = 0; i < r->t->n; i++) {
-        const struct ctl_trial *x = &r->t->trial[i];
-
-        if (x->done && within(r, g, x) && !isnan(x->rotation_deg)) {
-            g->beyond += x->rotation_deg > 3;
-            v[g->posed++] = x->rotation_deg;
-        }
-    }
-    g->median_deg = quantile(v, g->posed, 0.5);
-    g->most_deg = quantile(v, g->posed, 0.9);
-    g->worst_deg = quantile(v, g->posed, 1);
-    free(v);
-    return ST_OK;
-}
-
-static enum status measure_time(struct ctl_report *r)
-{
-    double *v = malloc((2 * r->t->n + 1) * sizeof *v);
-    size_t n = 0;
-
-    if (v == NULL)
-        return ST_ENOMEM;
-    for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done) {
-            v[n] = r->t->trial[i].align_ms;
-            v[r->t->n + n++] = r->t->trial[i].measure_ms;
-        }
-    r->align_ms = quantile(v, n, 0.5);
-    r->measure_ms = quantile(v + r->t->n, n, 0.5);
-    free(v);
-    return ST_OK;
-}
-
-/* ---- rates */
-
-/* What a comparison counts as; below 0: not at all. */
-typedef double score_of(const struct ctl_trial *x);
-
-static double disparity(const struct ctl_trial *x)
-{
-    if (x->type == CORPUS_RELATIVE)
-        return -1;
-    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->disparity_mm;
-}
-
-/* The decision itself as a score: 0 is accepted at threshold 0. */
-static double impostor_match(const struct ctl_trial *x)
-{
-    if (x->type != CORPUS_IMPOSTOR)
-        return -1;
-    return x->decision == FACE_MATCH ? 0 : (double)INFINITY;
-}
-
-static double genuine_match(const struct ctl_trial *x)
-{
-    if (x->type != CORPUS_GENUINE)
-        return -1;
-    return x->decision == FACE_MATCH ? 0 : (double)INFINITY;
-}
-
-static double genuine_no_match(const struct ctl_trial *x)
-{
-    if (x->type != CORPUS_GENUINE)
-        return -1;
-    return x->decision != FACE_NO_MATCH ? 0 : (double)INFINITY;
-}
-
-/* The rates of a group's genuine comparisons and of all impostors. */
-static enum status collect(const struct ctl_report *r, const struct ctl_report_group *g,
-                           score_of *score, struct rates **out)
-{
-    const struct corpus *c = r->t->corpus;
-    struct rates_score *s = malloc((r->t->n + 1) * sizeof *s);
-    size_t n = 0;
-    enum status st;
-
-    *out = NULL;
-    if (s == NULL)
-        return ST_ENOMEM;
-    for (size_t i = 0; i < r->t->n; i++) {
-        const struct ctl_trial *x = &r->t->trial[i];
-        const double mm = x->done ? score(x) : -1;
-
-        if (mm < 0 || (x->type == CORPUS_GENUINE && !within(r, g, x)))
-            continue;
-        s[n++] = (struct rates_score){mm, c->scan[x->template].subject,
-                                      c->scan[x->probe].subject};
-    }
-    st = rates_new(s, n, c->nsubject, out);
-    free(s);
+    for (size_t i = 0; i < sizeof picture / sizeof *picture && r->plots[0] != '\0'; i++)
+        if (st == ST_OK)
+            st = ctl_dir_remove(dir, picture[i].file, e);
     return st;
 }
 
-/* The share of wrong decisions, with its interval. */
-static enum status decided(const struct ctl_report *r, const struct ctl_report_group *g,
-                           score_of *score, bool genuine, struct ctl_report_rate *out)
+static enum status write_all(struct report *r, const char *path, struct errinfo *e)
 {
-    struct rates_figures f, low, high;
-    struct rates *rates;
-    enum status st = collect(r, g, score, &rates);
+    static const struct {
+        const char *file;
+        writer *write;
+    } table[] = {{"scores.csv", report_csv_scores},
+                 {"rates.csv", report_csv_rates},
+                 {"report.json", report_json},
+                 {"report.md", report_text}};
+    int dir;
+    enum status st = ctl_dir_open(path, &dir, e);
 
-    if (st == ST_OK &&
-        (st = rates_bootstrap(rates, 0, RATES_REPLICATES, SEED, &low, &high)) == ST_OK) {
-        rates_figures(rates, 0, &f);
-        out->n = genuine ? rates_ngenuine(rates) : rates_nimpostor(rates);
-        out->value = genuine ? f.fnmr : f.fmr;
-        out->low = genuine ? low.fnmr : low.fmr;
-        out->high = genuine ? high.fnmr : high.fmr;
+    if (st == ST_OK)
+        st = write_pictures(r, dir, e); /* first: the report says whether there are any */
+    for (size_t i = 0; i < sizeof table / sizeof *table && st == ST_OK; i++)
+        st = ctl_dir_write(dir, table[i].file, table[i].write, r, e);
+    if (st == ST_OK) {
+        const struct report_html page = {r, dir};
+
+        st = ctl_dir_write(dir, "report.html", report_html, &page, e);
     }
-    rates_free(rates);
+    if (dir >= 0)
+        (void)close(dir);
     return st;
-}
-
-static enum status measure_group(struct ctl_report *r, struct ctl_report_group *g)
-{
-    const struct corpus *c = r->t->corpus;
-    enum status st;
-
-    for (uint32_t i = 0; i < c->nscan; i++)
-        if (!c->scan[i].enrolled &&
-            (g->kind == CORPUS_NONE || c->scan[i].kind == g->kind)) {
-            g->probe++;
-            g->refused += r->t->refused[i] != NULL;
-        }
-    for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done && r->t->trial[i].type == CORPUS_GENUINE &&
-            within(r, g, &r->t->trial[i]))
-            count(&g->genuine, r->t->trial[i].decision);
-    count_ranks(r, g);
-    if ((st = measure_pose(r, g)) == ST_OK &&
-        (st = collect(r, g, disparity, &g->rates)) == ST_OK &&
-        (st = decided(r, g, genuine_no_match, true, &g->no_match)) == ST_OK &&
-        (st = decided(r, g, genuine_match, true, &g->unmatched)) == ST_OK) {
-        rates_figures(g->rates, r->threshold_mm, &g->f);
-        st = rates_bootstrap(g->rates, r->threshold_mm, RATES_REPLICATES, SEED, &g->low,
-                             &g->high);
-    }
-    return st;
-}
-
-static enum status measure_all(struct ctl_report *r)
-{
-    const struct ctl_trials *t = r->t;
-    const struct corpus *c = t->corpus;
-    bool *probed = calloc(c->nkind, sizeof *probed);
-    enum status st = probed == NULL ? ST_ENOMEM : measure_time(r);
-
-    if (st != ST_OK ||
-        (r->group = calloc(c->nkind + (size_t)1, sizeof *r->group)) == NULL) {
-        free(probed);
-        return ST_ENOMEM;
-    }
-    for (uint32_t i = 0; i < c->nsubject; i++)
-        r->unenrolled += t->refused[c->subject[i].enrolled] != NULL;
-    for (size_t i = 0; i < t->n; i++) {
-        r->undone += !t->trial[i].done;
-        probed[kind_of(r, &t->trial[i])] = true;
-        if (t->trial[i].done && t->trial[i].type != CORPUS_GENUINE)
-            count(t->trial[i].type == CORPUS_IMPOSTOR ? &r->impostor : &r->relative,
-                  t->trial[i].decision);
-        if (t->trial[i].done)
-            r->threshold_mm = t->trial[i].threshold_mm;
-    }
-    r->group[r->ngroup++] = (struct ctl_report_group){.name = "all", .kind = CORPUS_NONE};
-    for (uint32_t k = 0; k < c->nkind; k++)
-        if (probed[k])
-            r->group[r->ngroup++] = (struct ctl_report_group){
-                .name = c->kind[k][0] != '\0' ? c->kind[k] : "-", .kind = k};
-    free(probed);
-    st = decided(r, &r->group[0], impostor_match, false, &r->match);
-    for (uint32_t i = 0; i < r->ngroup && st == ST_OK; i++)
-        st = measure_group(r, &r->group[i]);
-    return st;
-}
-
-static void report_free(struct ctl_report *r)
-{
-    for (uint32_t i = 0; i < r->ngroup; i++)
-        rates_free(r->group[i].rates);
-    free(r->group);
 }
 
 /* ---- the command */
 
 static enum status evaluate(struct ctl *c, const struct corpus *corpus,
-                            const struct ctl_trials_options *o, const char *judge)
+                            const struct ctl_trials_options *o, const char *calibration)
 {
     const time_t now = time(NULL);
     const char *dir = c->dir != NULL ? c->dir : "evaluation";
-    struct ctl_report r = {.source = c->args[0],
-                           .judge = judge,
-                           .engine = c->engine,
-                           .replicates = RATES_REPLICATES,
-                           .seed = SEED};
+    struct report r = {
+        .source = c->args[0], .calibration = calibration, .engine = c->engine};
     struct ctl_trials *t;
     struct tm utc;
     char made[32] = "";
@@ -280,22 +88,21 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
 
     if (st != ST_OK)
         return st;
-    r.t = t;
     if (gmtime_r(&now, &utc) != NULL)
         (void)strftime(made, sizeof made, "%Y-%m-%dT%H:%M:%SZ", &utc);
     r.made = made;
-    if ((st = measure_all(&r)) != ST_OK)
+    if ((st = report_measure(&r, t)) != ST_OK)
         (void)errinfo_set(&c->e, st, "the rates: %s", status_message(st));
     else if (t->n == r.undone)
         st = errinfo_set(
             &c->e, ST_EINVAL, "%.100s: nothing could be compared: %.100s", c->args[0],
             t->n == 0 ? "no subject has a second scan" : "scans were refused");
     else
-        st = ctl_report_write(&r, dir, &c->e);
+        st = write_all(&r, dir, &c->e);
     if (st == ST_OK) {
-        ctl_report_json(&r, c->out);
+        report_json_out(c->out, &r);
         if (!c->json) {
-            ctl_report_text(&r, stdout);
+            (void)report_text(stdout, &r, NULL);
             (void)printf("\nThe report is in %s/\n", dir);
         }
         if (r.plots[0] != '\0')
@@ -309,23 +116,23 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
 int ctl_evaluate(struct ctl *c)
 {
     struct ctl_trials_options o = {
-        .model = c->model, .impostors = c->impostors, .threads = c->threads};
+        .model = c->model, .non_mated = c->impostors, .threads = c->threads};
     struct store_calibration k;
     struct corpus *corpus = NULL;
     struct store *s = NULL;
-    const char *judge = "as shipped";
+    const char *calibration = "as shipped";
     enum status st = ST_OK;
 
     if (c->db != NULL && (st = ctl_model_store(c, STORE_READ, &s)) == ST_OK &&
         (st = calibration_in_force(s, &k, &c->e)) == ST_OK) {
         o.decision = &k.decision;
-        judge = k.shipped ? judge : "of the database";
+        calibration = k.shipped ? calibration : "of the database";
     }
     store_close(s);
     if (st == ST_OK)
         st = corpus_read(c->args[0], &corpus, &c->e);
     if (st == ST_OK)
-        st = evaluate(c, corpus, &o, judge);
+        st = evaluate(c, corpus, &o, calibration);
     corpus_free(corpus);
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }

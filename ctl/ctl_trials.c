@@ -58,7 +58,7 @@ static uint32_t draw(uint32_t *list, uint32_t m, uint32_t n, uint64_t seed)
 
 /* The comparisons of one probe: its own template, close relatives', others'. */
 static bool plan_probe(struct plan *p, const struct corpus *c, uint32_t probe,
-                       uint32_t impostors, uint32_t *list)
+                       uint32_t non_mated, uint32_t *list)
 {
     const uint32_t subject = c->scan[probe].subject;
     uint64_t seed = SEED + ((uint64_t)probe << 32);
@@ -73,13 +73,13 @@ static bool plan_probe(struct plan *p, const struct corpus *c, uint32_t probe,
         else if (type == CORPUS_IMPOSTOR)
             list[m++] = c->subject[s].enrolled;
     }
-    m = draw(list, m, impostors < m ? impostors : m, rates_random(&seed));
+    m = draw(list, m, non_mated < m ? non_mated : m, rates_random(&seed));
     for (uint32_t i = 0; i < m && ok; i++)
         ok = plan_add(p, list[i], probe, CORPUS_IMPOSTOR);
     return ok;
 }
 
-/* How many impostors of each probe keep the sum below the limit; UINT32_MAX: all of them. */
+/* How many non-mated comparisons of each probe keep the sum below the limit; UINT32_MAX: all of them. */
 static uint32_t share(const struct corpus *c)
 {
     uint32_t *size = calloc(c->npopulation, sizeof *size);
@@ -106,11 +106,11 @@ static enum status plan_all(struct ctl_trials *t)
     const struct corpus *c = t->corpus;
     uint32_t *list = malloc(c->nsubject * sizeof *list);
     struct plan p = {0};
-    bool ok = list != NULL && t->impostors > 0;
+    bool ok = list != NULL && t->non_mated > 0;
 
     for (uint32_t i = 0; i < c->nscan && ok; i++)
         if (!c->scan[i].enrolled)
-            ok = plan_probe(&p, c, i, t->impostors, list);
+            ok = plan_probe(&p, c, i, t->non_mated, list);
     free(list);
     t->trial = p.trial;
     t->n = p.n;
@@ -276,7 +276,7 @@ enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
         t->corpus = corpus;
         t->seed = SEED;
         t->nthread = pool_threads(o->threads);
-        t->impostors = o->impostors > 0 ? o->impostors : share(corpus);
+        t->non_mated = o->non_mated > 0 ? o->non_mated : share(corpus);
         t->refused = calloc(corpus->nscan, sizeof *t->refused);
         r.template = calloc(corpus->nsubject, sizeof *r.template);
     }

@@ -10,12 +10,12 @@
 struct decision; /* decision.h */
 struct model;    /* model.h */
 
-/* Without --impostors so many comparisons of different people are made, at most. */
+/* Without --impostors so many non-mated comparisons are made, at most. */
 #define CTL_TRIALS_IMPOSTORS 200000
 
 struct ctl_trial {
     uint32_t template, probe; /* of corpus.scan */
-    enum corpus_pair type;    /* genuine, impostor or relative */
+    enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum face_decision decision;
     double disparity_mm, threshold_mm, fmr_at_score;
@@ -30,7 +30,7 @@ struct ctl_trials {
     size_t n;
     char **refused;     /* [corpus->nscan] why no model could be made of it, or NULL */
     uint64_t seed;      /* of the sampling */
-    uint32_t impostors; /* of each probe, at most; UINT32_MAX: all */
+    uint32_t non_mated; /* of each probe, at most; UINT32_MAX: all */
     uint32_t nthread;
     double build_s,
         compare_s; /* by the clock on the wall: enrolment; all of the probes */
@@ -39,7 +39,7 @@ struct ctl_trials {
 struct ctl_trials_options {
     const struct model *model;
     const struct decision *decision; /* NULL: the model's */
-    uint32_t impostors; /* of each probe; 0: all, but CTL_TRIALS_IMPOSTORS in all */
+    uint32_t non_mated; /* of each probe; 0: all, but CTL_TRIALS_IMPOSTORS in all */
     uint32_t threads;   /* 0: one a core */
 };
 

@@ -54,9 +54,9 @@ for s in 1 2 3 4 5; do
 done
 scan 6 0 0 scans/p6_a.ply # none is marked: the first one is enrolled
 scan 6 1 6 scans/p6_b.ply
-tables='rates.csv report.json report.md scores.csv'
+tables='rates.csv report.html report.json report.md scores.csv'
 if command -v gnuplot >/dev/null 2>&1; then
-    all='det.png det.svg rates.csv report.json report.md scores.csv scores.png scores.svg'
+    all='det.png det.svg rates.csv report.html report.json report.md scores.csv scores.png scores.svg'
 else
     echo "SKIP the pictures: gnuplot is not installed"
     all=$tables
@@ -65,31 +65,31 @@ fi
 expect 0 "a folder" "$ctl" evaluate scans
 has out 'The report is in evaluation/'
 has out 'own template nearest'
-has out 'FMR 0.1 %: not supported by 55 impostor comparisons; it takes 3000'
-has out '| the same person, Third\\_time | 5 | 5 | 0 | 0 | FNMR below 60.0 % (0 of 5) |'
+has out 'FMR 0.1 %: not supported by 55 non-mated comparisons; it takes 3000'
+has out '| mated, Third\\_time | 5 | 5 | 0 | 0 | FNMR below 60.0 % (0 of 5) |'
 is "the files" "$(files evaluation)" "$all"
 is "the folder is its owner's alone" "$(stat -c %a evaluation)" 700
-is "genuine" "$(get evaluation '.genuine[0].comparisons')" 11
-is "impostors" "$(get evaluation .impostor.comparisons)" 55
-is "of kind b" "$(get evaluation '.genuine[] | select(.probes == "b") | .comparisons')" 1
-is "all are accepted" "$(get evaluation '.genuine[0].match')" 11
-is "nobody else is" "$(get evaluation .impostor.match)" 0
-is "no rate is claimed" "$(get evaluation '[.impostor.fmr, .genuine[].eer, .genuine[].fnmr, .genuine[].tar[]]
+is "mated" "$(get evaluation '.mated[0].comparisons')" 11
+is "non-mated" "$(get evaluation .non_mated.comparisons)" 55
+is "of kind b" "$(get evaluation '.mated[] | select(.probes == "b") | .comparisons')" 1
+is "all are accepted" "$(get evaluation '.mated[0].match')" 11
+is "nobody else is" "$(get evaluation .non_mated.match)" 0
+is "no rate is claimed" "$(get evaluation '[.non_mated.fmr, .mated[].eer, .mated[].fnmr, .mated[].tar[]]
     | map(.value) | unique')" "$(printf '[\n  null\n]')"
-is "but a bound is" "$(get evaluation '.impostor.fmr.below * 55 | round')" 3
-for type in genuine impostor relative; do
+is "but a bound is" "$(get evaluation '.non_mated.fmr.below * 55 | round')" 3
+for type in mated non-mated relative; do
     for d in match no_match inconclusive; do
-        path=$([ $type != genuine ] && echo .$type.$d || echo ".genuine[0].$d")
+        path=$([ $type != mated ] && echo ".$type.$d" | tr - _ || echo ".mated[0].$d")
         is "$type $d" "$(lines evaluation "^$type" "^$d")" "$(get evaluation "$path")"
     done
 done
-is "p6_a is enrolled" "$(grep -c '^p6_a.ply,p6_b.ply,p6,p6,b,genuine,match' evaluation/scores.csv)" 1
-is "no rank is lost" "$(get evaluation '.genuine[0].own_template_nearest')" 11
+is "p6_a is enrolled" "$(grep -c '^p6_a.ply,p6_b.ply,p6,p6,b,mated,match' evaluation/scores.csv)" 1
+is "no rank is lost" "$(get evaluation '.mated[0].own_template_nearest')" 11
 # What rates.csv says at a threshold is what scores.csv says.
 is "rates and scores" "$(awk -F, 'FNR == 1 { next }
     NR == FNR { type[NR] = $6; mm[NR] = $8; next }
     FNR % 50 == 0 { g = i = ga = ia = 0
-        for (k in mm) if (type[k] == "genuine") { g++; ga += (mm[k] <= $1) } else { i++; ia += (mm[k] <= $1) }
+        for (k in mm) if (type[k] == "mated") { g++; ga += (mm[k] <= $1) } else { i++; ia += (mm[k] <= $1) }
         a = $2 - ia / i; b = $3 - 1 + ga / g
         bad += (a * a + b * b > 1e-12); n++ }
     END { print (n > 9), bad + 0 }' evaluation/scores.csv evaluation/rates.csv)" "1 0"
@@ -97,9 +97,61 @@ case $all in
 *png*)
     is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
     that "an SVG" grep -q '</svg>' evaluation/scores.svg
-    that "the axis has its unit" grep -q 'disparity, mm' evaluation/scores.svg
+    that "the axis has its unit" grep -q 'comparison score, mm' evaluation/scores.svg
     ;;
 esac
+
+# One page: the same words as the Markdown, and the pictures in it.
+page=evaluation/report.html
+what="the page"
+has $page '<h2>Rates</h2>'
+has $page '<tr><td>mated, Third_time</td><td>5</td><td>5</td><td>0</td><td>0</td><td>FNMR below 60.0 % (0 of 5)</td></tr>'
+is "no Markdown is left" "$(grep -c '^[|#!]\|\\\\' $page)" 0
+is "every row" "$(grep -c '^<tr>' $page)" \
+    "$(grep '^|' evaluation/report.md | grep -vc '^|---\|^| | |$')"
+if command -v xmllint >/dev/null 2>&1; then
+    expect 0 "well-formed" xmllint --html --noout $page
+    is "without a complaint" "$(cat err)" ''
+fi
+that "it loads nothing" sh -c "! grep -q 'src=\"[^d]\|href\|<script' $page"
+if [ "$all" != "$tables" ]; then
+    for n in det scores; do
+        that "$n is in it" grep -q "src=\"data:image/svg+xml;base64,$(base64 -w 0 evaluation/$n.svg)\"" $page
+    done
+    # What gnuplot is told: without errors, the bounds, a sentence, and no empty plot.
+    mkdir bin
+    printf '#!/bin/sh\ncat >"%s/script.$$"\nexec %s --default-settings <"%s/script.$$"\n' \
+        "$dir" "$(command -v gnuplot)" "$dir" >bin/gnuplot
+    chmod +x bin/gnuplot
+    expect 0 "drawn" env PATH="$dir/bin:$PATH" "$ctl" evaluate scans --out drawing
+    cat "$dir"/script.* >script
+    what="the DET curve"
+    has script 'at the threshold: FMR below 5.5 % (0 of 55), FNMR below 27.3 % (0 of 11)'
+    has script 'No error at some thresholds: the rates are below the dashed bound'
+    has script "label 1 'FMR below 3 / 55: too few"
+    has script "label 2 'FNMR below 3 / 11: too few"
+    is "the threshold's point is the bounds" "$(grep -A 1 '^\$point0 ' script | sed -n 2p)" \
+        '0.054545455 0.27272727'
+    # inside the axes, and in a line: down at the one bound, then along the other
+    is "the bound is drawn" "$(awk '/^\$bound0 / { on = 1; next } /^EOD/ { on = 0 }
+        on && NF == 2 { n++; down += $1 == 0.054545455; along += $2 == 0.27272727
+            low += $1 < 0.054545 || $2 < 0.272727 }
+        END { print (n / 2 > 5), (down > 4), (along > 4), low + 0 }' script)" "1 1 1 0"
+    what="the histogram"
+    is "no bar is cut off" "$(awk '/^\$(mated|non_mated|relative) / { on = 1; next } /^EOD/ { on = 0 }
+        on { n++; if ($2 > most) most = $2 }
+        sub(/.*set yrange \[0:/, "") { top = $1 + 0 }
+        END { print (n > 40), (top >= 1.05 * most && top < 1.2 * most) }' script)" "1 1"
+    # With errors: one scan under another's name.
+    mkdir wrong
+    cp scans/*.ply wrong
+    cp scans/p2_again.ply wrong/p1_again.ply
+    rm -f "$dir"/script.*
+    expect 0 "with errors" env PATH="$dir/bin:$PATH" "$ctl" evaluate wrong --out drawing
+    cat "$dir"/script.* >script
+    is "the curve is drawn" "$(awk '/^\$curve0 / { on = 1; next } /^EOD/ { on = 0 }
+        on && NF == 2 { n++; bad += $1 <= 0 || $2 <= 0 } END { print (n > 4), bad + 0 }' script)" "1 0"
+fi
 
 for n in 1 3; do
     expect 0 "$n threads" "$ctl" evaluate scans --threads $n --out "by-$n"
@@ -108,17 +160,18 @@ for n in 1 3; do
 done
 expect 0 "JSON" "$ctl" evaluate scans --json --impostors 2 --out drawn
 that "what is printed is report.json" cmp out drawn/report.json
-is "two impostors a probe" "$(lines drawn impostor .)" 22
-is "it says so" "$(get drawn .impostor.of_each_probe)" 2
+is "two non-mated comparisons a probe" "$(lines drawn non-mated .)" 22
+is "it says so" "$(get drawn .non_mated.of_each_probe)" 2
 expect 0 "drawn again" "$ctl" evaluate scans --impostors 2 --threads 1 --out again
 that "the same are drawn" cmp drawn/scores.csv again/scores.csv
 expect 0 "another threshold" "$ctl" evaluate scans --threshold-mm 5 --out wide
-is "all are accepted there" "$(get wide '.impostor | .match == .comparisons and .fmr.value == 1')" true
+is "all are accepted there" "$(get wide '.non_mated | .match == .comparisons and .fmr.value == 1')" true
 
 # Without gnuplot: everything else, and no picture of a former run.
 expect 0 "no gnuplot" env PATH=/nowhere "$ctl" evaluate scans
 has err 'no pictures: gnuplot is not installed'
 has evaluation/report.md 'There are no pictures'
+has evaluation/report.html 'There are no pictures'
 is "the other files" "$(files evaluation)" "$tables"
 
 # A manifest: populations, relatives, poses, and scans that cannot be used.
@@ -137,21 +190,21 @@ scan 9 1 0 scans/p9_again.ply
 } >list.csv
 printf 'id,population,relative_of\np1,a,\np2,a,p1\np3,a,\np4,b,\np5,b,\np9,a,\n' >subjects.csv
 expect 0 "a manifest" "$ctl" evaluate list.csv --out listed
-is "failures to enroll" "$(get listed .failures_to_enroll)" 1
-is "failures to acquire" "$(get listed '.genuine[0].failures_to_acquire')" 1
+is "failures to enrol" "$(get listed .failures_to_enrol)" 1
+is "failures to acquire" "$(get listed '.mated[0].failures_to_acquire')" 1
 is "why" "$(get listed '[.refused[] | .file + .reason[0:0]] | sort | join(" ")')" \
     'scans/p1_broken.ply scans/p9_enroll.xyz'
 has listed/report.md 'scans/p1\\_broken.ply .*a probe.*line'
 has listed/report.md 'false reject rate 25.0 %'
-is "genuine ones that were possible" "$(get listed '.genuine[0].comparisons')" 2
+is "mated ones that were possible" "$(get listed '.mated[0].comparisons')" 2
 is "impossible ones are listed" "$(grep -c ',refused,' listed/scores.csv)" 7
 # p1 and p2 are relatives; p3 and p9 are of their population, p4 and p5 are not
 is "relatives" "$(get listed .relative.comparisons)" 2
-is "impostors" "$(grep -c ',impostor,[mn]' listed/scores.csv)" 5
+is "non-mated" "$(grep -c ',non-mated,[mn]' listed/scores.csv)" 5
 is "none across populations" "$(grep -c 'p[45]_' listed/scores.csv)" 0
-is "a kind with a comma" "$(get listed '[.genuine[].probes] | contains(["straight, neutral"])')" true
-is "a quoted field" "$(grep -c '"straight, neutral",genuine,match' listed/scores.csv)" 1
-is "the pose was found" "$(get listed '.genuine[] | select(.probes == "straight, neutral")
+is "a kind with a comma" "$(get listed '[.mated[].probes] | contains(["straight, neutral"])')" true
+is "a quoted field" "$(grep -c '"straight, neutral",mated,match' listed/scores.csv)" 1
+is "the pose was found" "$(get listed '.mated[] | select(.probes == "straight, neutral")
     | .rotation_error_deg.largest < 1')" true
 
 printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/nothing.ply,p1\n' >bad.csv

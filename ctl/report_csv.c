@@ -1,8 +1,10 @@
+#include "report_csv.h"
+
 #include <math.h>
 #include <string.h>
 
+#include "report.h"
 #include "verdict.h"
-#include "ctl_report.h"
 
 #define THRESHOLDS 2000
 
@@ -22,8 +24,8 @@ static void text(FILE *to, const char *s)
 
 static const char *type_name(enum corpus_pair type)
 {
-    return type == CORPUS_GENUINE    ? "genuine"
-           : type == CORPUS_IMPOSTOR ? "impostor"
+    return type == CORPUS_GENUINE    ? "mated"
+           : type == CORPUS_IMPOSTOR ? "non-mated"
                                      : "relative";
 }
 
@@ -52,9 +54,9 @@ static void write_trial(FILE *to, const struct corpus *c, const struct ctl_trial
     (void)fputc('\n', to);
 }
 
-enum status ctl_report_scores(FILE *to, const void *arg, struct errinfo *e)
+enum status report_csv_scores(FILE *to, const void *arg, struct errinfo *e)
 {
-    const struct ctl_report *r = arg;
+    const struct report *r = arg;
 
     (void)e;
     (void)fprintf(to, "enrolled_file,probe_file,enrolled_subject,probe_subject,kind,type,"
@@ -65,25 +67,11 @@ enum status ctl_report_scores(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-double ctl_report_step(const struct ctl_report *r, size_t most, size_t *n)
+enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
 {
-    static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */
-    double largest = r->threshold_mm, step = 1e-4;
-
-    for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done && r->t->trial[i].decision != FACE_INCONCLUSIVE)
-            largest = fmax(largest, r->t->trial[i].disparity_mm);
-    for (int i = 0; largest / step + 1 > (double)most; i++)
-        step *= factor[i % 3];
-    *n = (size_t)ceil(largest / step);
-    return step;
-}
-
-enum status ctl_report_rates(FILE *to, const void *arg, struct errinfo *e)
-{
-    const struct ctl_report *r = arg;
+    const struct report *r = arg;
     size_t n;
-    const double step = ctl_report_step(r, THRESHOLDS, &n);
+    const double step = report_step(r, THRESHOLDS, &n);
 
     (void)e;
     (void)fprintf(to, "threshold_mm,fmr,fnmr");
@@ -99,11 +87,11 @@ enum status ctl_report_rates(FILE *to, const void *arg, struct errinfo *e)
         const double mm = (double)i * step;
 
         (void)fprintf(to, "%.4f,", mm);
-        if (r->impostor.n > 0) /* else the rate is not known: an empty field */
+        if (r->non_mated.n > 0) /* else the rate is not known: an empty field */
             (void)fprintf(to, "%.8g", rates_fmr(r->group[0].rates, mm));
         for (uint32_t k = 0; k < r->ngroup; k++) {
             (void)fputc(',', to);
-            if (r->group[k].genuine.n > 0)
+            if (r->group[k].mated.n > 0)
                 (void)fprintf(to, "%.8g", rates_fnmr(r->group[k].rates, mm));
         }
         (void)fputc('\n', to);

@@ -1,6 +1,9 @@
+#include "report_json.h"
+
 #include <math.h>
 
-#include "ctl_report.h"
+#include "ctl_out.h"
+#include "report.h"
 
 /* null where the number of comparisons does not support it. */
 static double if_stated(double rate, size_t n)
@@ -25,7 +28,7 @@ static void rate(struct ctl_out *o, const char *key, double value, double low,
     ctl_out_close(o);
 }
 
-static void count(struct ctl_out *o, const struct ctl_report_count *c)
+static void count(struct ctl_out *o, const struct report_count *c)
 {
     ctl_out_number(o, "comparisons", (double)c->n);
     ctl_out_number(o, "match", (double)c->match);
@@ -33,27 +36,27 @@ static void count(struct ctl_out *o, const struct ctl_report_count *c)
     ctl_out_number(o, "inconclusive", (double)c->inconclusive);
 }
 
-static void targets(const struct ctl_report *r, const struct ctl_report_group *g,
+static void targets(const struct report *r, const struct report_group *g,
                     struct ctl_out *o)
 {
     ctl_out_array(o, "tar");
     for (int k = 0; k < RATES_TARGETS; k++) {
-        const bool known = rates_supported(rates_target[k], r->impostor.n);
-        const double least = fmin(1, rates_least(g->genuine.n));
+        const bool known = rates_supported(rates_target[k], r->non_mated.n);
+        const double least = fmin(1, rates_least(g->mated.n));
         const bool supported = known && 1 - g->f.tar[k] >= least;
 
         ctl_out_object(o, NULL);
         ctl_out_rate(o, "fmr", rates_target[k]);
         ctl_out_flag(o, "supported", supported);
         if (!known)
-            ctl_out_number(o, "impostors_needed", (double)rates_needed(rates_target[k]));
-        if (known && !supported && g->genuine.n > 0)
-            ctl_out_number(o, "above", 1 - least);
-        ctl_out_number(o, "value", supported ? g->f.tar[k] : (double)NAN);
+            ctl_out_number(o, "non_mated_needed", (double)rates_needed(rates_target[k]));
+        if (known && !supported && g->mated.n > 0)
+            ctl_out_rate(o, "above", 1 - least);
+        ctl_out_rate(o, "value", supported ? g->f.tar[k] : (double)NAN);
         if (known) {
-            ctl_out_number(o, "low",
-                           supported ? g->low.tar[k] : fmin(g->low.tar[k], 1 - least));
-            ctl_out_number(o, "high", g->high.tar[k]);
+            ctl_out_rate(o, "low",
+                         supported ? g->low.tar[k] : fmin(g->low.tar[k], 1 - least));
+            ctl_out_rate(o, "high", g->high.tar[k]);
             ctl_out_number(o, "threshold_mm", g->f.tar_mm[k]);
         }
         ctl_out_close(o);
@@ -61,16 +64,15 @@ static void targets(const struct ctl_report *r, const struct ctl_report_group *g
     ctl_out_close(o);
 }
 
-static void group(const struct ctl_report *r, const struct ctl_report_group *g,
-                  struct ctl_out *o)
+static void group(const struct report *r, const struct report_group *g, struct ctl_out *o)
 {
-    const size_t fewer = g->genuine.n < r->impostor.n ? g->genuine.n : r->impostor.n;
+    const size_t fewer = g->mated.n < r->non_mated.n ? g->mated.n : r->non_mated.n;
 
     ctl_out_object(o, NULL);
     ctl_out_text(o, "probes", g->name);
     ctl_out_number(o, "number", g->probe);
     ctl_out_number(o, "failures_to_acquire", g->refused);
-    count(o, &g->genuine);
+    count(o, &g->mated);
     rate(o, "eer", g->f.eer, g->low.eer, g->high.eer, fewer);
     targets(r, g, o);
     rate(o, "fnmr", g->no_match.value, g->no_match.low, g->no_match.high, g->no_match.n);
@@ -90,7 +92,7 @@ static void group(const struct ctl_report *r, const struct ctl_report_group *g,
     ctl_out_close(o);
 }
 
-static void refused(const struct ctl_report *r, struct ctl_out *o)
+static void refused(const struct report *r, struct ctl_out *o)
 {
     const struct corpus *c = r->t->corpus;
 
@@ -107,30 +109,30 @@ static void refused(const struct ctl_report *r, struct ctl_out *o)
     ctl_out_close(o);
 }
 
-void ctl_report_json(const struct ctl_report *r, struct ctl_out *o)
+void report_json_out(struct ctl_out *o, const struct report *r)
 {
     const struct ctl_trials *t = r->t;
 
     ctl_out_text(o, "scans", r->source);
     ctl_out_text(o, "made", r->made);
     ctl_out_text(o, "engine", r->engine);
-    ctl_out_text(o, "calibration", r->judge);
+    ctl_out_text(o, "calibration", r->calibration);
     ctl_out_number(o, "threshold_mm", r->threshold_mm);
     ctl_out_number(o, "subjects", t->corpus->nsubject);
     ctl_out_number(o, "populations", t->corpus->npopulation);
-    ctl_out_number(o, "failures_to_enroll", r->unenrolled);
+    ctl_out_number(o, "failures_to_enrol", r->unenrolled);
     refused(r, o);
-    ctl_out_object(o, "impostor");
-    count(o, &r->impostor);
+    ctl_out_object(o, "non_mated");
+    count(o, &r->non_mated);
     rate(o, "fmr", r->match.value, r->match.low, r->match.high, r->match.n);
     ctl_out_number(o, "of_each_probe",
-                   t->impostors == UINT32_MAX ? (double)NAN : t->impostors);
+                   t->non_mated == UINT32_MAX ? (double)NAN : t->non_mated);
     ctl_out_number(o, "seed", (double)t->seed);
     ctl_out_close(o);
     ctl_out_object(o, "relative");
     count(o, &r->relative);
     ctl_out_close(o);
-    ctl_out_array(o, "genuine");
+    ctl_out_array(o, "mated");
     for (uint32_t i = 0; i < r->ngroup; i++)
         group(r, &r->group[i], o);
     ctl_out_close(o);
@@ -148,4 +150,15 @@ void ctl_report_json(const struct ctl_report *r, struct ctl_out *o)
     ctl_out_close(o);
     if (r->plots[0] != '\0')
         ctl_out_text(o, "no_pictures", r->plots);
+}
+
+enum status report_json(FILE *to, const void *r, struct errinfo *e)
+{
+    struct ctl_out *o = ctl_out_new(true);
+
+    if (o == NULL)
+        return errinfo_set(e, ST_ENOMEM, "report.json: out of memory");
+    report_json_out(o, r);
+    return ctl_out_end(o, to) ? ST_OK
+                              : errinfo_set(e, ST_EIO, "report.json: cannot be written");
 }

@@ -1,15 +1,10 @@
-#include "ctl_report.h"
+#include "report_text.h"
 
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "ctl_dir.h"
+#include "report.h"
 
-/* A piece of text in a table. */
-struct cell {
-    char s[120];
-};
 struct number {
     char s[24];
 };
@@ -36,9 +31,9 @@ static bool stated(double rate, size_t n)
 }
 
 /* An error rate with its interval; without enough comparisons, what it is below. */
-static struct cell error_cell(double rate, double low, double high, size_t n)
+static struct report_text_cell error_cell(double rate, double low, double high, size_t n)
 {
-    struct cell c;
+    struct report_text_cell c;
 
     if (isnan(rate) || n == 0)
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
@@ -53,21 +48,22 @@ static struct cell error_cell(double rate, double low, double high, size_t n)
     return c;
 }
 
-static struct cell rate_cell(const struct ctl_report_rate *x)
+struct report_text_cell report_text_rate(const struct report_rate *x)
 {
     return error_cell(x->value, x->low, x->high, x->n);
 }
 
-static size_t least_of(const struct ctl_report *r, const struct ctl_report_group *g)
+static size_t least_of(const struct report *r, const struct report_group *g)
 {
-    return g->genuine.n < r->impostor.n ? g->genuine.n : r->impostor.n;
+    return g->mated.n < r->non_mated.n ? g->mated.n : r->non_mated.n;
 }
 
 /* Both errors are in an EER: the fewer comparisons say how small it may be. */
-static struct cell eer_cell(const struct ctl_report *r, const struct ctl_report_group *g)
+static struct report_text_cell eer_cell(const struct report *r,
+                                        const struct report_group *g)
 {
     const size_t n = least_of(r, g);
-    struct cell c;
+    struct report_text_cell c;
 
     if (isnan(g->f.eer) || stated(g->f.eer, n) || rates_least(n) >= 1)
         return error_cell(g->f.eer, g->low.eer, g->high.eer, n);
@@ -75,18 +71,18 @@ static struct cell eer_cell(const struct ctl_report *r, const struct ctl_report_
     return c;
 }
 
-static struct cell tar_cell(const struct ctl_report *r, const struct ctl_report_group *g,
-                            int k)
+static struct report_text_cell tar_cell(const struct report *r,
+                                        const struct report_group *g, int k)
 {
-    const size_t n = g->genuine.n;
+    const size_t n = g->mated.n;
     const double tar = g->f.tar[k];
-    struct cell c;
+    struct report_text_cell c;
 
     if (isnan(tar))
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
-    else if (!stated(rates_target[k], r->impostor.n))
+    else if (!stated(rates_target[k], r->non_mated.n))
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons",
-                       r->impostor.n);
+                       r->non_mated.n);
     else if (!stated(1 - tar, n) && rates_least(n) >= 1)
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
     else if (!stated(1 - tar, n))
@@ -107,33 +103,33 @@ static void name(FILE *to, const char *s)
 
 /* ---- text */
 
-static void text_head(const struct ctl_report *r, FILE *to)
+static void text_head(const struct report *r, FILE *to)
 {
     const struct ctl_trials *t = r->t;
     const struct corpus *c = t->corpus;
-    const struct ctl_report_group *all = &r->group[0];
+    const struct report_group *all = &r->group[0];
 
     (void)fprintf(to, "# Evaluation of face comparison\n\n| | |\n|---|---|\n| scans | ");
     name(to, r->source);
     (void)fprintf(to, " |\n| made | %s by %s, calibration %s |\n", r->made, r->engine,
-                  r->judge);
+                  r->calibration);
     (void)fprintf(to,
                   "| subjects | %u in %u population%s; %u scans, %u of them probes |\n",
                   c->nsubject, c->npopulation, c->npopulation == 1 ? "" : "s", c->nscan,
                   all->probe);
-    (void)fprintf(to, "| failures to enroll | %u of %u |\n", r->unenrolled, c->nsubject);
+    (void)fprintf(to, "| failures to enrol | %u of %u |\n", r->unenrolled, c->nsubject);
     (void)fprintf(to, "| failures to acquire | %u of %u |\n", all->refused, all->probe);
-    (void)fprintf(to, "| comparisons | %zu genuine, %zu impostor, %zu of close relatives",
-                  all->genuine.n, r->impostor.n, r->relative.n);
+    (void)fprintf(to, "| comparisons | %zu mated, %zu non-mated, %zu of close relatives",
+                  all->mated.n, r->non_mated.n, r->relative.n);
     if (r->undone > 0)
         (void)fprintf(to, "; %zu impossible, a scan was refused", r->undone);
-    (void)fprintf(to, " |\n| impostors | ");
-    if (t->impostors == UINT32_MAX)
+    (void)fprintf(to, " |\n| non-mated pairs | ");
+    if (t->non_mated == UINT32_MAX)
         (void)fprintf(to, "all of the same population |\n");
     else
         (void)fprintf(to,
                       "of each probe %u of the same population, drawn with seed %llu |\n",
-                      t->impostors, (unsigned long long)t->seed);
+                      t->non_mated, (unsigned long long)t->seed);
     (void)fprintf(to,
                   "| intervals | 95 %%, %u bootstrap replicates over subjects, seed "
                   "%llu |\n",
@@ -146,32 +142,32 @@ static void text_head(const struct ctl_report *r, FILE *to)
         r->align_ms, r->measure_ms);
 }
 
-static void text_rates(const struct ctl_report *r, FILE *to)
+static void text_rates(const struct report *r, FILE *to)
 {
-    const struct ctl_report_group *all = &r->group[0];
+    const struct report_group *all = &r->group[0];
 
-    (void)fprintf(to, "\n## Rates\n\nOf each kind of probe, against the impostors of all "
-                      "kinds.\n\n| probes | genuine | EER |");
+    (void)fprintf(to, "\n## Rates\n\nOf each kind of probe, against all non-mated "
+                      "comparisons.\n\n| probes | mated | EER |");
     for (int k = 0; k < RATES_TARGETS; k++)
         (void)fprintf(to, " TAR at FMR %g %% |", 100 * rates_target[k]);
     (void)fprintf(to, " own template nearest |\n|---|---|---|---|---|---|---|\n");
     for (uint32_t i = 0; i < r->ngroup; i++) {
-        const struct ctl_report_group *g = &r->group[i];
+        const struct report_group *g = &r->group[i];
 
         (void)fprintf(to, "| ");
         name(to, g->name);
-        (void)fprintf(to, " | %zu | %s |", g->genuine.n, eer_cell(r, g).s);
+        (void)fprintf(to, " | %zu | %s |", g->mated.n, eer_cell(r, g).s);
         for (int k = 0; k < RATES_TARGETS; k++)
             (void)fprintf(to, " %s |", tar_cell(r, g, k).s);
         (void)fprintf(to, " %u of %u |\n", g->first, g->ranked);
     }
     (void)fprintf(to, "\n");
     for (int k = 0; k < RATES_TARGETS; k++)
-        if (!stated(rates_target[k], r->impostor.n))
+        if (!stated(rates_target[k], r->non_mated.n))
             (void)fprintf(to,
-                          "- FMR %g %%: not supported by %zu impostor comparisons; it "
+                          "- FMR %g %%: not supported by %zu non-mated comparisons; it "
                           "takes %zu\n",
-                          100 * rates_target[k], r->impostor.n,
+                          100 * rates_target[k], r->non_mated.n,
                           rates_needed(rates_target[k]));
         else if (all->f.tar_mm[k] < 0)
             (void)fprintf(to, "- FMR %g %%: no threshold keeps it\n",
@@ -182,50 +178,50 @@ static void text_rates(const struct ctl_report *r, FILE *to)
                           fmax(0, all->low.tar_mm[k]), fmax(0, all->high.tar_mm[k]));
 }
 
-static void text_count(FILE *to, const struct ctl_report_count *c)
+static void text_count(FILE *to, const struct report_count *c)
 {
     (void)fprintf(to, " | %zu | %zu | %zu | %zu |", c->n, c->match, c->no_match,
                   c->inconclusive);
 }
 
-static void text_decision(const struct ctl_report *r, FILE *to)
+static void text_decision(const struct report *r, FILE *to)
 {
-    const struct ctl_report_group *all = &r->group[0];
+    const struct report_group *all = &r->group[0];
     const double fta = (double)all->refused / (double)all->probe;
 
     (void)fprintf(to,
                   "\n## The program's own decision, at %.4g mm\n\n"
-                  "| comparisons | number | match | no match | inconclusive | rate |\n"
+                  "| comparisons | number | match | non-match | inconclusive | rate |\n"
                   "|---|---|---|---|---|---|\n",
                   r->threshold_mm);
-    (void)fprintf(to, "| different people");
-    text_count(to, &r->impostor);
-    (void)fprintf(to, " FMR %s |\n| close relatives", rate_cell(&r->match).s);
+    (void)fprintf(to, "| non-mated");
+    text_count(to, &r->non_mated);
+    (void)fprintf(to, " FMR %s |\n| close relatives", report_text_rate(&r->match).s);
     text_count(to, &r->relative);
     if (r->relative.n > 0)
-        (void)fprintf(to, " accepted: %zu of %zu |\n", r->relative.match, r->relative.n);
+        (void)fprintf(to, " matches: %zu of %zu |\n", r->relative.match, r->relative.n);
     else
         (void)fprintf(to, " none |\n");
     for (uint32_t i = 0; i < r->ngroup; i++) {
-        const struct ctl_report_group *g = &r->group[i];
+        const struct report_group *g = &r->group[i];
 
-        (void)fprintf(to, "| the same person, ");
+        (void)fprintf(to, "| mated, ");
         name(to, g->name);
-        text_count(to, &g->genuine);
-        (void)fprintf(to, " FNMR %s", rate_cell(&g->no_match).s);
-        if (g->genuine.inconclusive > 0)
+        text_count(to, &g->mated);
+        (void)fprintf(to, " FNMR %s", report_text_rate(&g->no_match).s);
+        if (g->mated.inconclusive > 0)
             (void)fprintf(to, "; with the inconclusive ones %s",
-                          rate_cell(&g->unmatched).s);
+                          report_text_rate(&g->unmatched).s);
         (void)fprintf(to, " |\n");
     }
-    if (all->refused > 0 && all->genuine.n > 0)
+    if (all->refused > 0 && all->mated.n > 0)
         (void)fprintf(to,
                       "\nWith the %u probes counted that were refused as scans: false "
                       "reject rate %s %%.\n",
                       all->refused, percent(fta + (1 - fta) * all->unmatched.value).s);
 }
 
-static void text_pose(const struct ctl_report *r, FILE *to)
+static void text_pose(const struct report *r, FILE *to)
 {
     if (!r->t->corpus->posed)
         return;
@@ -234,7 +230,7 @@ static void text_pose(const struct ctl_report *r, FILE *to)
                   "degrees.\n\n| probes | number | median | 90 %% below | largest | "
                   "beyond 3 |\n|---|---|---|---|---|---|\n");
     for (uint32_t i = 0; i < r->ngroup; i++) {
-        const struct ctl_report_group *g = &r->group[i];
+        const struct report_group *g = &r->group[i];
 
         if (g->posed == 0)
             continue;
@@ -245,7 +241,7 @@ static void text_pose(const struct ctl_report *r, FILE *to)
     }
 }
 
-static void text_refused(const struct ctl_report *r, FILE *to)
+static void text_refused(const struct report *r, FILE *to)
 {
     const struct corpus *c = r->t->corpus;
 
@@ -266,26 +262,30 @@ static void text_refused(const struct ctl_report *r, FILE *to)
 
 static const char reading[] =
     "\n## How to read this\n\n"
-    "Terms are those of ISO/IEC 19795-1; it is an evaluation of stored scans, with people\n"
-    "who do not try to be taken for others. FMR: the share of comparisons of different\n"
-    "people that are accepted. FNMR: the share of comparisons of the same person that are\n"
-    "not. TAR: 1 - FNMR, at the largest score that keeps the FMR. EER: where FMR and FNMR\n"
-    "are equal. An inconclusive comparison (too little surface in common) is accepted at no\n"
-    "threshold; the program's own decision counts it apart. Refused scans take part in no\n"
-    "rate. Close relatives are left out of the impostors. \"Own template nearest\" counts\n"
+    "Terms are those of ISO/IEC 19795-1 and 2382-37; this is an evaluation of stored scans,\n"
+    "without presentation attacks. A mated comparison is of two scans of one person, a\n"
+    "non-mated one of two people. FMR: the share of non-mated comparisons that match. FNMR:\n"
+    "the share of mated ones that do not. TAR: 1 - FNMR, at the largest score that keeps the\n"
+    "FMR. EER: where FMR and FNMR are equal. An inconclusive comparison (too little surface\n"
+    "in common) matches at no threshold; the program's own decision counts it apart. Refused\n"
+    "scans take part in no rate. Close relatives count as neither. \"Own template nearest\" counts\n"
     "against the other templates that the probe was compared with.\n\n"
     "Intervals are over subjects, because one person's scans err together. No rate is given\n"
     "that is smaller than 3 / N for N comparisons, nor a threshold for one: with no error\n"
     "seen in N independent comparisons the rate is below 3 / N with 95 % confidence, and\n"
-    "less cannot be said (\"rule of 3\"). For an FMR of 0.01 % that takes 30,000 impostor\n"
+    "less cannot be said (\"rule of 3\"). For an FMR of 0.01 % that takes 30,000 non-mated\n"
     "comparisons. Comparisons of the same few people are not independent: then even this is\n"
     "flattering.\n\n"
     "The figures hold for people, scanners and times between scans like these. Thresholds\n"
     "chosen on these scans look better on them than they are.\n\n"
-    "scores.csv has every comparison, rates.csv FMR and FNMR by threshold.\n";
+    "scores.csv has every comparison, rates.csv FMR and FNMR by threshold; report.html is this\n"
+    "report with its pictures in one file.\n";
 
-void ctl_report_text(const struct ctl_report *r, FILE *to)
+enum status report_text(FILE *to, const void *arg, struct errinfo *e)
 {
+    const struct report *r = arg;
+
+    (void)e;
     text_head(r, to);
     text_rates(r, to);
     text_decision(r, to);
@@ -296,75 +296,5 @@ void ctl_report_text(const struct ctl_report *r, FILE *to)
         (void)fprintf(to, "\n![DET curve](det.svg)\n\n![Scores](scores.svg)\n");
     else
         (void)fprintf(to, "\nThere are no pictures: %s.\n", r->plots);
-}
-
-/* ---- files */
-
-static enum status write_text(FILE *to, const void *r, struct errinfo *e)
-{
-    (void)e;
-    ctl_report_text(r, to);
     return ST_OK;
-}
-
-static enum status write_json(FILE *to, const void *r, struct errinfo *e)
-{
-    struct ctl_out *o = ctl_out_new(true);
-
-    if (o == NULL)
-        return errinfo_set(e, ST_ENOMEM, "report.json: out of memory");
-    ctl_report_json(r, o);
-    return ctl_out_end(o, to) ? ST_OK
-                              : errinfo_set(e, ST_EIO, "report.json: cannot be written");
-}
-
-typedef enum status writer(FILE *to, const void *arg, struct errinfo *e);
-
-/* The pictures of this run, and none of a former one. */
-static enum status write_pictures(struct ctl_report *r, int dir, struct errinfo *e)
-{
-    static const struct {
-        const char *file, *format;
-        writer *write;
-    } picture[] = {{"det.svg", "svg", ctl_report_det},
-                   {"det.png", "pngcairo", ctl_report_det},
-                   {"scores.svg", "svg", ctl_report_histogram},
-                   {"scores.png", "pngcairo", ctl_report_histogram}};
-    struct errinfo why;
-    enum status st = ST_OK;
-
-    for (size_t i = 0; i < sizeof picture / sizeof *picture && st == ST_OK; i++) {
-        const struct ctl_report_picture p = {r, picture[i].format};
-
-        if (r->impostor.n == 0)
-            (void)snprintf(r->plots, sizeof r->plots, "there are no impostors");
-        else if (r->plots[0] == '\0' &&
-                 ctl_dir_write(dir, picture[i].file, picture[i].write, &p, &why) != ST_OK)
-            (void)snprintf(r->plots, sizeof r->plots, "%s", why.msg);
-    }
-    for (size_t i = 0; i < sizeof picture / sizeof *picture && r->plots[0] != '\0'; i++)
-        if (st == ST_OK)
-            st = ctl_dir_remove(dir, picture[i].file, e);
-    return st;
-}
-
-enum status ctl_report_write(struct ctl_report *r, const char *path, struct errinfo *e)
-{
-    static const struct {
-        const char *file;
-        writer *write;
-    } table[] = {{"scores.csv", ctl_report_scores},
-                 {"rates.csv", ctl_report_rates},
-                 {"report.json", write_json},
-                 {"report.md", write_text}};
-    int dir;
-    enum status st = ctl_dir_open(path, &dir, e);
-
-    if (st == ST_OK)
-        st = write_pictures(r, dir, e); /* first: the report says whether there are any */
-    for (size_t i = 0; i < sizeof table / sizeof *table && st == ST_OK; i++)
-        st = ctl_dir_write(dir, table[i].file, table[i].write, r, e);
-    if (dir >= 0)
-        (void)close(dir);
-    return st;
 }
