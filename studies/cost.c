@@ -303,11 +303,12 @@ static void growth(const struct lab *lab, const struct ivec3 *const all[2], size
             large++;
         e = lab_fit(n, y, sizes);
         l = lab_fit(n + large, y + large, sizes - large);
-        fprintf(fit, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.0f\n",
+        fprintf(fit, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f",
                 s < STAGES ? stage_name[s] : "triangles of the general triangulation",
                 s < STAGES ? claim[s] : "1", e.slope, e.slope - e.half, e.slope + e.half,
-                l.slope, l.slope - l.half, l.slope + l.half,
-                s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : NAN);
+                l.slope, l.slope - l.half, l.slope + l.half);
+        lab_field(fit, 0, s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : (double)NAN);
+        fprintf(fit, "\n");
     }
     lab_close(f);
     lab_close(fit);

@@ -206,33 +206,38 @@ static void report(const struct lab *lab, const char *name, const struct outcome
 
     (void)snprintf(file, sizeof file, "%s.csv", name);
     f = lab_open(lab, file);
-    fprintf(f,
-            "removed %%,probes,refused as scans,same person: match %%,no match %%,"
-            "inconclusive %%,strangers compared,match %%,no match %%,inconclusive %%\n");
+    fprintf(f, "removed %%,probes,failures to acquire,mated: match %%,non-match %%,"
+               "inconclusive %%,non-mated,match %%,non-match %%,inconclusive %%\n");
     for (int k = 0; k < SHARES; k++) {
         const struct tally *g = &o->share[k][0], *i = &o->share[k][1];
 
-        fprintf(f, "%.0f,%d,%d,%.1f,%.1f,%.1f,%d,%.2f,%.2f,%.2f\n", 100 * share[k],
-                o->probes[k], o->refused[k], percent(g->match, g->n),
-                percent(g->no_match, g->n), percent(g->inconclusive, g->n), i->n,
-                percent(i->match, i->n), percent(i->no_match, i->n),
-                percent(i->inconclusive, i->n));
+        fprintf(f, "%.0f,%d,%d", 100 * share[k], o->probes[k], o->refused[k]);
+        lab_field(f, 1, percent(g->match, g->n));
+        lab_field(f, 1, percent(g->no_match, g->n));
+        lab_field(f, 1, percent(g->inconclusive, g->n));
+        fprintf(f, ",%d", i->n);
+        lab_field(f, 2, percent(i->match, i->n));
+        lab_field(f, 2, percent(i->no_match, i->n));
+        lab_field(f, 2, percent(i->inconclusive, i->n));
+        fprintf(f, "\n");
     }
     lab_close(f);
     (void)snprintf(file, sizeof file, "%s-weight.csv", name);
     f = lab_open(lab, file);
-    fprintf(f,
-            "weight covered from,to,same person,accepted by the threshold alone %%,"
-            "mean disparity mm,strangers,accepted by the threshold alone %%,"
-            "mean disparity mm,strangers with 30 %% of the area and 20 %% of the weight,"
-            "of these a match\n");
+    fprintf(f, "weight covered from,to,mated,match by the threshold alone %%,"
+               "mean score mm,non-mated,match by the threshold alone %%,"
+               "mean score mm,non-mated with 30 %% of the area and 20 %% of the weight,"
+               "of these a match\n");
     for (int b = 0; b < BINS; b++) {
         const struct tally *g = &o->bin[b][0], *i = &o->bin[b][1];
 
-        fprintf(f, "%.2f,%.2f,%d,%.1f,%.4f,%d,%.2f,%.4f,%d,%d\n", bin_from[b],
-                fmin(bin_from[b + 1], 1), g->n, percent(g->below, g->n),
-                g->n > 0 ? g->mm / g->n : (double)NAN, i->n, percent(i->below, i->n),
-                i->n > 0 ? i->mm / i->n : (double)NAN, i->match + i->no_match, i->match);
+        fprintf(f, "%.2f,%.2f,%d", bin_from[b], fmin(bin_from[b + 1], 1), g->n);
+        lab_field(f, 1, percent(g->below, g->n));
+        lab_field(f, 4, g->n > 0 ? g->mm / g->n : (double)NAN);
+        fprintf(f, ",%d", i->n);
+        lab_field(f, 2, percent(i->below, i->n));
+        lab_field(f, 4, i->n > 0 ? i->mm / i->n : (double)NAN);
+        fprintf(f, ",%d,%d\n", i->match + i->no_match, i->match);
     }
     lab_close(f);
 }

@@ -19,34 +19,39 @@ set xrange [-4:98]
 set yrange [-3:128]
 set ytics 0,20,100
 set key top left
-set title 'the same person'
+set title 'mated comparisons'
 plot dir . '/madeup.csv' using 1:4 with linespoints ls 3 title 'match', \
-     dir . '/madeup.csv' using 1:5 with linespoints ls 2 title 'no match', \
+     dir . '/madeup.csv' using 1:5 with linespoints ls 2 title 'non-match', \
      dir . '/madeup.csv' using 1:6 with linespoints ls 6 title 'inconclusive'
-set title 'strangers'
+set title 'non-mated comparisons'
 plot dir . '/madeup.csv' using 1:8 with linespoints ls 3 title 'match', \
-     dir . '/madeup.csv' using 1:9 with linespoints ls 2 title 'no match', \
+     dir . '/madeup.csv' using 1:9 with linespoints ls 2 title 'non-match', \
      dir . '/madeup.csv' using 1:10 with linespoints ls 6 title 'inconclusive'
 unset multiplot
 
 name = 'weight'; wide = 960; high = 440
 load begin
+# The made-up faces, and the scans where --faces gave some.
+sources = system(sprintf("cd '%s' && ls madeup-weight.csv scans-weight.csv 2>/dev/null", dir))
+titles = '"made-up faces" scans'
+most = 0
+do for [k = 1:words(sources)] {
+    stats dir . '/' . word(sources, k) using 7 nooutput
+    most = STATS_max > most ? STATS_max : most
+}
 set multiplot layout 1,2 title 'By the threshold alone, against the share of a face''s weight that was covered'
 set xlabel 'share of the weight covered (middle of the bin)'
 set arrow from 0.2, graph 0 to 0.2, graph 1 nohead lc rgb '#666666' dt 2
 set xrange [0:1]
 set key bottom right
-set ylabel 'accepted, %'
+set ylabel 'match, %'
 set yrange [0:105]
-set title 'the same person (dashed: below, inconclusive)'
-scans = system(sprintf("test -f '%s/scans-weight.csv' && echo 1 || echo 0", dir)) + 0
-plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 1 title 'made-up faces', \
-     for [i = 1:scans] dir . '/scans-weight.csv' using (($1 + $2) / 2):4 with linespoints ls 4 \
-         title 'scans'
-set title 'strangers'
+set title 'mated comparisons (dashed: below, inconclusive)'
+plot for [k = 1:words(sources)] dir . '/' . word(sources, k) using (($1 + $2) / 2):4 \
+         with linespoints ls 3 * k - 2 title word(titles, k)
+set title 'non-mated comparisons'
 set key top right
-set yrange [0:*]
-plot dir . '/madeup-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 2 title 'made-up faces', \
-     for [i = 1:scans] dir . '/scans-weight.csv' using (($1 + $2) / 2):7 with linespoints ls 5 \
-         title 'scans'
+set yrange [0:most > 0 ? 1.1 * most : 1]
+plot for [k = 1:words(sources)] dir . '/' . word(sources, k) using (($1 + $2) / 2):7 \
+         with linespoints ls 3 * k - 1 title word(titles, k)
 unset multiplot

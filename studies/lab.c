@@ -48,6 +48,14 @@ void lab_close(FILE *f)
         lab_must(ST_EIO);
 }
 
+void lab_field(FILE *f, int places, double x)
+{
+    if (isnan(x))
+        (void)fputc(',', f);
+    else
+        (void)fprintf(f, ",%.*f", places, x);
+}
+
 static int by_value(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;

@@ -29,6 +29,10 @@ void *lab_alloc(size_t n, size_t size); /* zeroed; free() */
 FILE *lab_open(const struct lab *lab, const char *name);
 void lab_close(FILE *f);
 
+/* lab_field(f, places, x): a comma and x with so many digits behind the point; NAN, where
+ * nothing was there to be measured, is an empty field. */
+void lab_field(FILE *f, int places, double x);
+
 /* ---- numbers */
 
 struct lab_spread {

@@ -218,7 +218,10 @@ static double reached(const struct draws *d, unsigned f, int share, double total
 
 static void write_spread(FILE *f, struct lab_spread s)
 {
-    fprintf(f, ",%.4f,%.4f,%.4f,%.4f", s.mean, s.median, s.low, s.high);
+    lab_field(f, 4, s.mean);
+    lab_field(f, 4, s.median);
+    lab_field(f, 4, s.low);
+    lab_field(f, 4, s.high);
 }
 
 static void tables(const struct lab *lab, const struct draws *d)

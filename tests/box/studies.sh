@@ -115,7 +115,7 @@ that "with bridges, farther from the truth the more is missing" \
     awk -F, 'NR > 1 && $2 <= was { exit 1 } NR > 1 { was = $2 }' "$dir/cover/truth.csv"
 that "without bridges nearer" awk -F, 'NR > 1 && $6 > $2 { exit 1 }' "$dir/cover/truth.csv"
 is "a whole face is matched" "$(value cover/madeup.csv 0 4)" 100.0
-is "strangers are not" "$(value cover/madeup.csv 0 8)" 0.00
+is "other people do not match" "$(value cover/madeup.csv 0 8)" 0.00
 
 # ---- simplified surfaces
 study fewer
@@ -143,6 +143,9 @@ if command -v gnuplot >/dev/null 2>&1; then
     done
     is "every figure on the page" "$(grep -c '<img ' "$dir/page/report.html")" \
         "$(cat studies/*.html | grep -c '^@figure ')"
+    is "no warning" "$(grep -i warning "$dir/log")" ''
+    is "no number that is none" "$(grep -il '\(^\|[^a-z]\)nan\($\|[^a-z]\)' "$dir"/page/*/*.csv)" ''
+    is "nor on the page" "$(grep -c '<td>-\{0,1\}nan' "$dir/page/report.html")" 0
     is "every table on it" "$(grep -c '<table>' "$dir/page/report.html")" \
         "$(cat studies/*.html | grep -c '^@table ')"
     that "nothing left to fill in" sh -c "! grep -q '^@' '$dir/page/report.html'"
