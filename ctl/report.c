@@ -260,6 +260,15 @@ void report_free(struct report *r)
     free(r->group);
 }
 
+double report_bound(double rate, size_t n)
+{
+    /* Upper limits of a Poisson mean where 0, 1, ... were counted. */
+    static const double most[] = {3, 4.74, 6.30, 7.75};
+    const double errors = ceil(rate * (double)n - 1e-9);
+
+    return most[errors > 0 ? (int)fmin(errors, 3) : 0] / (double)n;
+}
+
 double report_step(const struct report *r, size_t most, size_t *n)
 {
     static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */

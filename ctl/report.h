@@ -58,6 +58,10 @@ struct report {
 enum status report_measure(struct report *r, const struct ctl_trials *t);
 void report_free(struct report *r);
 
+/* report_bound(rate, n): n independent comparisons of which this share, fewer than 3, went
+ * wrong: what the true rate is below with 95 % confidence; 3 / n without any. */
+double report_bound(double rate, size_t n);
+
 /* report_step(r, most, n): the step of thresholds, a round number of mm, that leads from 0
  * to the largest score in *n <= most steps. */
 double report_step(const struct report *r, size_t most, size_t *n);

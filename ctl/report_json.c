@@ -21,9 +21,10 @@ static void rate(struct ctl_out *o, const char *key, double value, double low,
     ctl_out_rate(o, "value", if_stated(value, n));
     ctl_out_flag(o, "supported", supported);
     if (!supported && n > 0)
-        ctl_out_rate(o, "below", fmin(1, rates_least(n)));
+        ctl_out_rate(o, "below", fmin(1, report_bound(value, n)));
     ctl_out_rate(o, "low", low);
-    ctl_out_rate(o, "high", supported ? high : fmax(high, fmin(1, rates_least(n))));
+    ctl_out_rate(o, "high",
+                 supported ? high : fmax(high, fmin(1, report_bound(value, n))));
     ctl_out_number(o, "comparisons", (double)n);
     ctl_out_close(o);
 }
@@ -42,8 +43,8 @@ static void targets(const struct report *r, const struct report_group *g,
     ctl_out_array(o, "tar");
     for (int k = 0; k < RATES_TARGETS; k++) {
         const bool known = rates_supported(rates_target[k], r->non_mated.n);
-        const double least = fmin(1, rates_least(g->mated.n));
-        const bool supported = known && 1 - g->f.tar[k] >= least;
+        const bool supported = known && rates_supported(1 - g->f.tar[k], g->mated.n);
+        const double above = 1 - fmin(1, report_bound(1 - g->f.tar[k], g->mated.n));
 
         ctl_out_object(o, NULL);
         ctl_out_rate(o, "fmr", rates_target[k]);
@@ -51,11 +52,11 @@ static void targets(const struct report *r, const struct report_group *g,
         if (!known)
             ctl_out_number(o, "non_mated_needed", (double)rates_needed(rates_target[k]));
         if (known && !supported && g->mated.n > 0)
-            ctl_out_rate(o, "above", 1 - least);
+            ctl_out_rate(o, "above", above);
         ctl_out_rate(o, "value", supported ? g->f.tar[k] : (double)NAN);
         if (known) {
             ctl_out_rate(o, "low",
-                         supported ? g->low.tar[k] : fmin(g->low.tar[k], 1 - least));
+                         supported ? g->low.tar[k] : fmin(g->low.tar[k], above));
             ctl_out_rate(o, "high", g->high.tar[k]);
             ctl_out_number(o, "threshold_mm", g->f.tar_mm[k]);
         }

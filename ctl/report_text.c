@@ -37,11 +37,11 @@ static struct report_text_cell error_cell(double rate, double low, double high, 
 
     if (isnan(rate) || n == 0)
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
-    else if (!stated(rate, n) && rates_least(n) >= 1)
+    else if (!stated(rate, n) && report_bound(rate, n) >= 1)
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
     else if (!stated(rate, n))
         (void)snprintf(c.s, sizeof c.s, "below %s %% (%.0f of %zu)",
-                       percent(rates_least(n)).s, rate * (double)n, n);
+                       percent(report_bound(rate, n)).s, rate * (double)n, n);
     else
         (void)snprintf(c.s, sizeof c.s, "%s %% [%s–%s]", percent(rate).s, percent(low).s,
                        percent(high).s);
@@ -65,9 +65,9 @@ static struct report_text_cell eer_cell(const struct report *r,
     const size_t n = least_of(r, g);
     struct report_text_cell c;
 
-    if (isnan(g->f.eer) || stated(g->f.eer, n) || rates_least(n) >= 1)
+    if (isnan(g->f.eer) || stated(g->f.eer, n) || report_bound(g->f.eer, n) >= 1)
         return error_cell(g->f.eer, g->low.eer, g->high.eer, n);
-    (void)snprintf(c.s, sizeof c.s, "below %s %%", percent(rates_least(n)).s);
+    (void)snprintf(c.s, sizeof c.s, "below %s %%", percent(report_bound(g->f.eer, n)).s);
     return c;
 }
 
@@ -83,11 +83,11 @@ static struct report_text_cell tar_cell(const struct report *r,
     else if (!stated(rates_target[k], r->non_mated.n))
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons",
                        r->non_mated.n);
-    else if (!stated(1 - tar, n) && rates_least(n) >= 1)
+    else if (!stated(1 - tar, n) && report_bound(1 - tar, n) >= 1)
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
     else if (!stated(1 - tar, n))
         (void)snprintf(c.s, sizeof c.s, "above %s %% (%.0f of %zu)",
-                       percent(1 - rates_least(n)).s, tar * (double)n, n);
+                       percent(1 - report_bound(1 - tar, n)).s, tar * (double)n, n);
     else
         (void)snprintf(c.s, sizeof c.s, "%s %% [%s–%s]", percent(tar).s,
                        percent(g->low.tar[k]).s, percent(g->high.tar[k]).s);
@@ -273,7 +273,8 @@ static const char reading[] =
     "Intervals are over subjects, because one person's scans err together. No rate is given\n"
     "that is smaller than 3 / N for N comparisons, nor a threshold for one: with no error\n"
     "seen in N independent comparisons the rate is below 3 / N with 95 % confidence, and\n"
-    "less cannot be said (\"rule of 3\"). For an FMR of 0.01 % that takes 30,000 non-mated\n"
+    "less cannot be said (\"rule of 3\"); with one error it is below 4.74 / N, with two below\n"
+    "6.30 / N. For an FMR of 0.01 % that takes 30,000 non-mated\n"
     "comparisons. Comparisons of the same few people are not independent: then even this is\n"
     "flattering.\n\n"
     "The figures hold for people, scanners and times between scans like these. Thresholds\n"
