@@ -88,7 +88,7 @@ set ytics 0.5
 set ztics 1
 set xlabel 'x'
 set ylabel 'y'
-set zlabel 'gap' offset 0,4
+set zlabel 'gap' offset 5,5
 set pm3d depthorder interpolate 32,32
 set style fill transparent solid 0.8
 unset key

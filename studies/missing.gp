@@ -36,9 +36,9 @@ do for [f = 1:6] {
     set ztics top[f] / 2
     set xlabel 'x'
     set ylabel 'y'
-    set zlabel 'z' offset 3,5
+    set zlabel 'z' offset 4,5
     set xyplane at 0
-    set view 58, 320, 1.08, 1
+    set view 58, 320, 1, 1
     set pm3d depthorder border lc rgb '#202020' lw 0.5
     set style fill solid
     unset colorbox
@@ -77,9 +77,10 @@ set multiplot layout 2,3 title 'Total absolute error: printed in table 2, recomp
 set xlabel 'points removed, %'
 set ylabel 'total absolute error (units of z)'
 set xrange [0:80]
-set yrange [1e-3:1e4]
+set yrange [1e-6:3e4] # room for the legend below
 set logscale y
 set format y '10^{%T}'
+set ytics 100
 set key bottom right samplen 1
 do for [f in '"F1 exponential" "F2 cliff" "F3 saddle" "F4 gentle" "F5 steep" "F6 sphere"'] {
     set title f
