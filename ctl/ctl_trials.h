@@ -46,8 +46,8 @@ struct ctl_trials_options {
 /* ctl_trials_run(c, corpus, o, out): c->units and c->threshold_mm are used; progress
  * goes to standard error, when that is a terminal.
  * out  new object, released by ctl_trials_free(); NULL on error; borrows corpus
- * A scan that is malformed or no face is refused and listed, no error.  Impostor pairs are
- * drawn without replacement, for each probe on its own.
+ * A scan that is malformed or no face is refused and listed, no error.  Non-mated pairs
+ * are drawn without replacement, for each probe on its own.
  * Memory: a model of each enrolled scan, and one of a probe for each thread.
  * Returns ST_OK; ST_ENOMEM, ST_EIO, ST_ENOTFOUND with c->e filled. */
 enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,

@@ -13,7 +13,7 @@ enum explain_kind { EXPLAIN_GAP, EXPLAIN_REST, EXPLAIN_PART, EXPLAIN_KINDS };
 
 #define EXPLAIN_GAP_MM    3.0 /* where the gap's colours and bars end, on either side of 0 */
 #define EXPLAIN_TIMES     4.0 /* where the rest's and the part's end, in thresholds */
-#define EXPLAIN_BEYOND_MM 1.0 /* the share of the gap beyond this is told */
+#define EXPLAIN_BEYOND_MM 1.0 /* the share of the gap beyond this is in the numbers */
 #define EXPLAIN_BINS      60 /* over the scale; what lies beyond is in the first and last */
 #define EXPLAIN_QUANTILES 6
 

@@ -40,7 +40,8 @@ static double quantile(double *v, size_t n, double share)
     return n > 0 ? v[(size_t)ceil(share * (double)n) - (share > 0)] : (double)NAN;
 }
 
-/* Own template first: how often, of the probes that were compared with others too. */
+/* How often the own template had the smallest score, of the probes that were compared with
+ * others too. */
 static void count_ranks(struct report *r, struct report_group *g)
 {
     const struct ctl_trials *t = r->t;
@@ -120,7 +121,7 @@ static double disparity(const struct ctl_trial *x)
     return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->disparity_mm;
 }
 
-/* The decision itself as a score: 0 is accepted at threshold 0. */
+/* The decision itself as a score: 0 is a match at threshold 0. */
 static double non_mated_match(const struct ctl_trial *x)
 {
     if (x->type != CORPUS_IMPOSTOR)

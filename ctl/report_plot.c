@@ -111,7 +111,7 @@ static void det_data(FILE *to, const struct report *r)
     }
 }
 
-/* All black, the kinds in colours that are told apart by the colour-blind too. */
+/* All in black, the kinds in colours that the colour-blind can tell apart too. */
 static const char *color(uint32_t group)
 {
     static const char *const name[] = {"rgb '#000000'", "rgb '#0072b2'", "rgb '#d55e00'",

@@ -18,7 +18,7 @@
 
 enum stage { TRIANGULATE, TREE, LOAD, LOCATE, INTERPOLATE, MERGE, MEASURE, STAGES };
 
-/* LOAD: a stored template's triangulation and tree, from its arrays: all of it proven. */
+/* LOAD: a stored template's triangulation and tree, from its arrays, all of it checked. */
 static const char *const stage_name[STAGES] = {
     "triangulation", "spanning tree", "stored template: load",
     "location",      "interpolation", "general triangulation",

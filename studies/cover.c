@@ -1,7 +1,7 @@
 /* cover.c -- faces with parts missing: up to 85 % of a probe's points cut out in blobs.
  * How far the surface that is left lies from the true one, with and without the triangles
- * that bridge a hole, and how verification fares: the evidence for the share below which an
- * answer is inconclusive.
+ * that bridge a hole, and how verification decides: the evidence for the share below which a
+ * comparison is inconclusive.
  * People: made up (tools/facegen.h), and besides the scans of a folder, if one is given:
  * SUBJECT_enroll.ply with SUBJECT_p1.ply. */
 #include <math.h>
@@ -21,7 +21,7 @@
 #define SHARES 8
 static const double share[SHARES] = {0, 0.15, 0.30, 0.45, 0.60, 0.75, 0.85, 0.92};
 
-#define STRANGERS 8 /* templates of others that each probe is tried against */
+#define OTHERS 8 /* other people's templates that each probe is compared with */
 
 /* cut(pts, n, goal, r): cut blobs 12 to 30 mm wide out until no more than goal points are
  * left; returns how many. */
@@ -141,7 +141,7 @@ static void truths(const struct lab *lab)
 static const double bin_from[BINS + 1] = {0,   0.05, 0.1, 0.15, 0.2, 0.3,
                                           0.4, 0.5,  0.7, 0.9,  1.01};
 
-/* What was answered: by the daemon's rule, and by the threshold alone. */
+/* Decisions: by the daemon's rule, and by the threshold alone. */
 struct tally {
     int n, match, no_match, inconclusive, below;
     double mm;
@@ -158,7 +158,7 @@ static void count(struct tally *t, const struct face_result *r)
 }
 
 struct outcome {
-    struct tally share[SHARES][2], bin[BINS][2]; /* [1]: strangers */
+    struct tally share[SHARES][2], bin[BINS][2]; /* [1]: non-mated */
     int probes[SHARES], refused[SHARES];
 };
 
@@ -178,8 +178,8 @@ static void one_probe(const struct lab *lab, struct person *p, size_t people, si
         free(pts);
         return;
     }
-    for (size_t i = 0; i <= STRANGERS && i < people; i++) {
-        const size_t other = (who + i * (people / (STRANGERS + 1) + 1)) % people;
+    for (size_t i = 0; i <= OTHERS && i < people; i++) {
+        const size_t other = (who + i * (people / (OTHERS + 1) + 1)) % people;
         struct face_result res;
         int bin = 0;
 

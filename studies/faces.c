@@ -201,7 +201,7 @@ static double left(const void *arg, double x, double y)
     return x < 0 ? 1 : 0;
 }
 
-/* ratio(a, b): how much farther strangers are than oneself. */
+/* The mean weighted gap of mated comparisons, neutral and smiling, and of non-mated ones. */
 static void weights(const struct lab *lab, struct face_work *w)
 {
     static const struct {
@@ -227,7 +227,7 @@ static void weights(const struct lab *lab, struct face_work *w)
             mm[i][k] = lab_alloc(people, sizeof(double));
     for (size_t s = 0; s < people; s++) {
         scan(s, 0, 0, false, w, &a);
-        for (int k = 0; k < KINDS; k++) { /* neutral, smiling, somebody else */
+        for (int k = 0; k < KINDS; k++) { /* neutral, smiling, non-mated */
             struct face_result found;
 
             scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
@@ -242,9 +242,9 @@ static void weights(const struct lab *lab, struct face_work *w)
             }
         }
     }
-    fprintf(f, "weight,same person: mean mm,with a smile: mean mm,95 %% of these below,"
-               "somebody else: mean mm,95 %% of these above,"
-               "smile mean / somebody else mean\n");
+    fprintf(f, "weight,mated: mean mm,mated with a smile: mean mm,95 %% of these below,"
+               "non-mated: mean mm,95 %% of these above,"
+               "smile mean / non-mated mean\n");
     for (int i = 0; i < U; i++) {
         const struct lab_spread n = lab_spread(mm[i][0], people);
         const struct lab_spread s = lab_spread(mm[i][1], people);

@@ -91,7 +91,7 @@ static void curve(const struct lab *lab, const char *name, int function, int dra
 
 /* ---- templates of fewer points */
 
-/* A template of the given share of its points; without any where that is no face any more. */
+/* A template of the given share of its points; empty where that fails to enrol. */
 static void shrink(const struct face *whole, double percent, struct face_work *w,
                    struct face *out)
 {
@@ -116,11 +116,11 @@ struct tally {
     double match, mm, n;
 };
 
-/* One line of the table: every probe against its own template and some of others'. */
+/* One line of the table: every probe against its own template and some other people's. */
 static void line(const struct face *few, const struct face *probe, size_t people,
                  double percent, struct face_work *w, FILE *f)
 {
-    struct tally t[2] = {{0}}; /* [1]: strangers */
+    struct tally t[2] = {{0}}; /* [1]: non-mated */
     double unclear = 0, points = 0, made = 0, n;
     clock_t start = clock();
 
@@ -157,8 +157,8 @@ static void templates(const struct lab *lab, const char *name, const struct pers
 
     for (size_t i = 0; i < people; i++)
         lab_must(face_build(p[i].probe, p[i].n, w, &probe[i], NULL));
-    fprintf(f, "points kept %%,points,refused as templates,the same person: match %%,"
-               "mean disparity mm,strangers: match %%,mean disparity mm,inconclusive %%,"
+    fprintf(f, "points kept %%,points,failures to enrol,mated: match %%,"
+               "mean score mm,non-mated: match %%,mean score mm,inconclusive %%,"
                "a comparison ms\n");
     for (int k = 0; k < TEMPLATES; k++) {
         for (size_t i = 0; i < people; i++)

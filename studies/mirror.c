@@ -129,7 +129,7 @@ void mirror_run(const struct lab *lab)
     if (w == NULL)
         lab_must(ST_ENOMEM);
     fprintf(f,
-            "subject,asymmetry times,planted mm,first mm,final mm,plane off degrees\n");
+            "subject,asymmetry times,planted mm,first mm,final mm,plane error degrees\n");
     for (int i = 0; i < subjects * LEVELS; i++) {
         double plane[3], truth, low = INFINITY, high = 0;
         struct facegen_scan s;
@@ -160,8 +160,9 @@ void mirror_run(const struct lab *lab)
     fprintf(sum, "correlation of the first estimate with what was planted,,%.4f\n",
             correlation(x, first, n));
     fprintf(sum, "of the final one,0.98 at least,%.4f\n", correlation(x, y, n));
-    fprintf(sum, "plane off: median degrees,,%.3f\n", lab_spread(off, n).median);
-    fprintf(sum, "plane off: most degrees,0.5,%.3f\n", off[n - 1]); /* (sorted now) */
+    fprintf(sum, "plane: median error degrees,,%.3f\n", lab_spread(off, n).median);
+    fprintf(sum, "plane: largest error degrees,0.5,%.3f\n",
+            off[n - 1]); /* (sorted now) */
     fprintf(sum, "%d scans of one face differ by: median mm,,%.3f\n", scans,
             lab_spread(spread, faces).median);
     fprintf(sum, "by: most mm,,%.3f\n", spread[faces - 1]);

@@ -1,5 +1,5 @@
-/* people.h -- who the studies verify: somebody's template, and the points of a further scan
- * of them, turned and moved. */
+/* people.h -- the people whom the studies verify: a template of each, and the points of a
+ * further scan, turned and moved. */
 #ifndef STUDIES_PEOPLE_H
 #define STUDIES_PEOPLE_H
 #include <stddef.h>

@@ -100,7 +100,7 @@ is "a constant weight changes no mean" "$(sed -n 3p "$dir/faces/weights.csv" | c
 # ---- asymmetry
 study mirror
 between "asymmetry follows what was planted" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1
-between "the plane, degrees" "$(value mirror/summary.csv 'plane off: most degrees' 3)" 0 0.8
+between "the plane, degrees" "$(value mirror/summary.csv 'plane: largest error degrees' 3)" 0 0.8
 
 # ---- which removals hurt
 study removal
