@@ -231,9 +231,9 @@ static void test_refused(void **state)
         "member 2 of a.b[1] has the name of an earlier one");
     memset(deep, '[', JSON_DEPTH + 1);
     bad(deep, "deeper than 16 at byte 16");
-    for (int i = 0; i <= JSON_MEMBERS; i++)
-        (void)snprintf(many + strlen(many), 16, "%s\"k%d\":0", i > 0 ? "," : "", i);
-    strcat(many, "}");
+    for (size_t i = 0, n = 1; i <= JSON_MEMBERS; i++)
+        n += (size_t)snprintf(many + n, sizeof many - n, "\"k%zu\":0%s", i,
+                              i < JSON_MEMBERS ? "," : "}");
     bad(many, "more than 32 members in the document");
     /* Within texts nothing of that counts. */
     assert_int_equal(read_text("[\"\\\\u0000 [[[[[[[[[[[[[[[[[[,,,, \\\" \"]", 2), ST_OK);
