@@ -125,7 +125,8 @@ $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-$(BUILD)/gen/model: tools/model_main.c core/model.c core/decision.c core/model.h Makefile
+MODEL_H := $(addprefix core/,model.h decision.h grid.h status.h)
+$(BUILD)/gen/model: tools/model_main.c core/model.c core/decision.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
 	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off -Icore -o $@ $(filter %.c,$^) -lm
@@ -134,7 +135,7 @@ $(BUILD)/gen/default_model.c: core/default.model $(BUILD)/gen/model
 	$(call say,GEN)
 	$(Q)$(BUILD)/gen/model < $< > $@.tmp && mv $@.tmp $@
 
-$(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c core/model.h Makefile
+$(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c $(MODEL_H) Makefile
 	$(call say,CC)
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -Icore -c -o $@ $<
 
