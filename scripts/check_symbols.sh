@@ -27,6 +27,8 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "surface_.*" # named after the header as it is installed
         if (source == "core/mem")
             return "(mem|scratch)_.*"
+        if (source == "server/peer")
+            return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source ~ /^server\/main$|^(tools|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)

@@ -8,6 +8,9 @@
 enum errmap_kind {
     ERRMAP_ROUTE = ST_COUNT, /* no such path */
     ERRMAP_METHOD,           /* the path has no such method */
+    ERRMAP_TARGET,           /* the path and query are too long */
+    ERRMAP_HEADERS,          /* the headers are */
+    ERRMAP_VERSION,          /* not HTTP/1.0 or 1.1 */
     ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
     ERRMAP_BODY_SIZE,  /* the body is over the limit */
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */

@@ -88,60 +88,15 @@ struct http {
 
 /* ---- answers */
 
-static struct MHD_Response *make_response(struct exchange *x)
+static bool closing(const struct exchange *x)
 {
-    struct request_answer *a = &x->r.answer;
-    char number[16], challenge[AUTH_CHALLENGE_MAX];
-    struct MHD_Response *resp = MHD_create_response_from_buffer(
-        a->len, a->body,
-        a->body == NULL ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_FREE);
-
-    if (resp == NULL)
-        return NULL;
-    a->body = NULL; /* resp's now */
-    if (a->len > 0)
-        (void)MHD_add_response_header(resp, "Content-Type", a->type);
-    (void)MHD_add_response_header(resp, "X-Request-Id", x->r.id);
-    (void)MHD_add_response_header(resp, "Cache-Control", "no-store");
-    (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
-    if (a->location[0] != '\0')
-        (void)MHD_add_response_header(resp, "Location", a->location);
-    if (a->allow[0] != '\0')
-        (void)MHD_add_response_header(resp, "Allow", a->allow);
-    if (a->policy != NULL)
-        (void)MHD_add_response_header(resp, "Content-Security-Policy", a->policy);
-    if (a->challenge) {
-        auth_challenge(a, challenge);
-        (void)MHD_add_response_header(resp, "WWW-Authenticate", challenge);
-    }
-    if (a->codings)
-        (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
-    if (a->minimal)
-        (void)MHD_add_response_header(resp, "Preference-Applied", "return=minimal");
-    if (a->replayed)
-        (void)MHD_add_response_header(resp, "Idempotent-Replayed", "true");
-    if (a->retry_after > 0) {
-        (void)snprintf(number, sizeof number, "%u", a->retry_after);
-        (void)MHD_add_response_header(resp, "Retry-After", number);
-    }
-    if (x->ambiguous || atomic_load(&x->http->app->stopping))
-        (void)MHD_add_response_header(resp, "Connection", "close");
-    return resp;
+    return x->ambiguous || atomic_load(&x->http->app->stopping);
 }
 
 static enum MHD_Result send_answer(struct exchange *x)
 {
-    const size_t len = x->r.answer.len;
-    struct MHD_Response *resp = make_response(x);
-    enum MHD_Result sent;
-
-    if (resp == NULL)
-        return MHD_NO;
     x->state = ANSWERED;
-    peer_begin(x->peer, GUARD_ANSWER, len);
-    sent = MHD_queue_response(x->conn, (unsigned)x->r.answer.http, resp);
-    MHD_destroy_response(resp);
-    return sent;
+    return peer_respond(x->peer, &x->r.answer, x->r.id, closing(x)) ? MHD_YES : MHD_NO;
 }
 
 /* A header of the request; NULL: not there. */
@@ -172,29 +127,76 @@ static enum MHD_Result send_early(struct exchange *x)
     return send_answer(x);
 }
 
-/* libmicrohttpd takes an answer before or after the body, not amid it.  So that a body of
- * unknown length can be refused as soon as it is over the limit, this one answer is written
- * by hand.  The socket's buffer is empty, so that it fits in or the client is not there. */
+/* Respond amid the body, so that one of unknown length is refused as soon as it is over the
+ * limit.  The connection is closed. */
 static enum MHD_Result send_amid(struct exchange *x)
 {
-    struct request_answer *a = &x->r.answer;
-    char head[512], retry[32] = "";
-    int n;
-
-    if (a->retry_after > 0)
-        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", a->retry_after);
-    n = snprintf(head, sizeof head,
-                 "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
-                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s"
-                 "Connection: close\r\nContent-Length: %zu\r\n\r\n",
-                 a->http, MHD_get_reason_phrase_for((unsigned)a->http), a->type, x->r.id,
-                 retry, a->len);
-    if (n > 0 && (size_t)n < sizeof head && peer_send(x->peer, head, (size_t)n) &&
-        peer_send(x->peer, a->body, a->len)) {
+    if (peer_respond_amid(x->peer, &x->r.answer, x->r.id)) {
         x->drain_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
         x->state = ANSWERED;
     }
-    return MHD_NO; /* close */
+    return MHD_NO;
+}
+
+/* The request is over. */
+static void finish(struct exchange *x)
+{
+    struct http *h = x->http;
+    const double ms = log_clock_ms() - x->r.start_ms;
+    const int http = x->state == ANSWERED ? x->r.answer.http : 0;
+
+    metrics_request(h->app->metrics, &x->r, http, ms);
+    access_log(&x->r, http, ms);
+    if (x->drain_fd >= 0)
+        drain_adopt(h->drain, x->drain_fd);
+    peer_begin(x->peer, GUARD_IDLE, 0);
+    h->buffered -= x->cap;
+    request_free(&x->r);
+}
+
+/* ---- what libmicrohttpd refuses by itself */
+
+static void explain(struct request *r, unsigned status)
+{
+    switch (status) {
+    case MHD_HTTP_URI_TOO_LONG:
+        request_problem(r, ERRMAP_TARGET, "the path and query have at most some 11 KB");
+        break;
+    case MHD_HTTP_REQUEST_HEADER_FIELDS_TOO_LARGE:
+        request_problem(r, ERRMAP_HEADERS, "the headers have at most some 11 KB in all");
+        break;
+    case MHD_HTTP_HTTP_VERSION_NOT_SUPPORTED:
+        request_problem(r, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0");
+        break;
+    case MHD_HTTP_CONTENT_TOO_LARGE:
+        body_refuse_size(r);
+        break;
+    case MHD_HTTP_BAD_REQUEST:
+        request_problem(r, ST_EINVAL,
+                        "a header, Content-Length or a chunk is not as HTTP has it");
+        break;
+    default:
+        request_problem(r, ST_EINTERNAL, "libmicrohttpd gave up with %u", status);
+    }
+}
+
+/* See peer_host. */
+static void on_refusal(void *arg, struct peer *p, void *current, unsigned status)
+{
+    struct http *h = arg;
+    struct exchange none = {.http = h, .peer = p, .drain_fd = -1};
+    struct exchange *x = current != NULL ? current : &none;
+
+    if (x == &none) { /* not even a request line was read */
+        none.r.app = h->app;
+        none.r.start_ms = log_clock_ms();
+    }
+    if (x->r.id[0] == '\0')
+        request_set_id(&x->r, NULL, ++h->serial);
+    explain(&x->r, status);
+    (void)send_amid(x);
+    if (x == &none)
+        finish(x);
 }
 
 /* ---- workers */
@@ -415,6 +417,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
         free(x);
         return NULL;
     }
+    peer_set_current(p, x);
     peer_begin(x->peer, GUARD_HEADERS, 0);
     (void)atomic_fetch_add(&h->exchanges, 1);
     return x;
@@ -425,23 +428,14 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
 {
     struct http *h = cls;
     struct exchange *x = *con_cls;
-    double ms;
-    int http;
 
     (void)conn;
     (void)how;
     if (x == NULL)
         return;
     *con_cls = NULL;
-    ms = log_clock_ms() - x->r.start_ms;
-    http = x->state == ANSWERED ? x->r.answer.http : 0;
-    metrics_request(h->app->metrics, &x->r, http, ms);
-    access_log(&x->r, http, ms);
-    if (x->drain_fd >= 0)
-        drain_adopt(h->drain, x->drain_fd);
-    peer_begin(x->peer, GUARD_IDLE, 0);
-    h->buffered -= x->cap;
-    request_free(&x->r);
+    peer_set_current(x->peer, NULL);
+    finish(x);
     free(x);
     (void)atomic_fetch_sub(&h->exchanges, 1);
 }
@@ -549,6 +543,10 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
 {
     h->app = app;
     app->guard = h->host.guard;
+    h->host.refuse = on_refusal;
+    h->host.arg = h;
+    if (peer_init(e) != ST_OK)
+        return e->code;
     h->drain = drain_start();
     if (h->drain == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");

@@ -1,14 +1,23 @@
+#define _GNU_SOURCE /* RTLD_NEXT */
 #include "peer.h"
 
+#include <dlfcn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/socket.h>
 #include <microhttpd.h>
 
+#include "auth.h"
+#include "errinfo.h"
+#include "inflate.h"
+#include "request.h"
 #include "tls.h"
 
 struct peer {
     const struct peer_host *host;
     struct guard_peer *place;
+    struct MHD_Connection *conn;
+    void *current;
     int fd;
     gnutls_session_t session; /* NULL: no TLS */
     struct tls_files *files;
@@ -30,6 +39,7 @@ struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn
         return NULL;
     }
     p->host = host;
+    p->conn = conn;
     p->fd = fd;
     if (host->tls != NULL) {
         p->session = MHD_get_connection_info(conn, MHD_CONNECTION_INFO_GNUTLS_SESSION)
@@ -64,9 +74,120 @@ int peer_socket(const struct peer *p)
     return p->fd;
 }
 
-bool peer_send(const struct peer *p, const void *data, size_t len)
+void peer_set_current(struct peer *p, void *current)
+{
+    p->current = current;
+}
+
+/* ---- responses */
+
+/* What cannot be read as HTTP, libmicrohttpd (0.9.75) refuses before it calls anything here, in
+ * HTML, without a media type, sometimes with its head sent twice, and has no option for any of
+ * it.  But it queues that response by a call of its own public function, which goes through
+ * the dynamic linker: this one, which the program exports, is called, and only then.  Where a
+ * build of the library binds its calls to itself, the response is HTML again. */
+static enum MHD_Result (*queue_response)(struct MHD_Connection *conn, unsigned status,
+                                         struct MHD_Response *resp);
+
+enum status peer_init(struct errinfo *e)
+{
+    *(void **)&queue_response = dlsym(RTLD_NEXT, "MHD_queue_response");
+    return queue_response != NULL
+               ? ST_OK
+               : errinfo_set(e, ST_EINTERNAL,
+                             "libmicrohttpd has no MHD_queue_response()");
+}
+
+enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
+                                   struct MHD_Response *resp)
+{
+    struct peer *p =
+        MHD_get_connection_info(conn, MHD_CONNECTION_INFO_SOCKET_CONTEXT)->socket_context;
+
+    (void)resp; /* the caller's still */
+    if (p != NULL)
+        p->host->refuse(p->host->arg, p, p->current, status);
+    return MHD_NO; /* so that the connection is closed */
+}
+
+static struct MHD_Response *make_response(struct request_answer *a, const char *id,
+                                          bool close)
+{
+    char number[16], challenge[AUTH_CHALLENGE_MAX];
+    struct MHD_Response *resp = MHD_create_response_from_buffer(
+        a->len, a->body,
+        a->body == NULL ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_FREE);
+
+    if (resp == NULL)
+        return NULL;
+    a->body = NULL; /* resp's now */
+    if (a->len > 0)
+        (void)MHD_add_response_header(resp, "Content-Type", a->type);
+    (void)MHD_add_response_header(resp, "X-Request-Id", id);
+    (void)MHD_add_response_header(resp, "Cache-Control", "no-store");
+    (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
+    if (a->location[0] != '\0')
+        (void)MHD_add_response_header(resp, "Location", a->location);
+    if (a->allow[0] != '\0')
+        (void)MHD_add_response_header(resp, "Allow", a->allow);
+    if (a->policy != NULL)
+        (void)MHD_add_response_header(resp, "Content-Security-Policy", a->policy);
+    if (a->challenge) {
+        auth_challenge(a, challenge);
+        (void)MHD_add_response_header(resp, "WWW-Authenticate", challenge);
+    }
+    if (a->codings)
+        (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
+    if (a->minimal)
+        (void)MHD_add_response_header(resp, "Preference-Applied", "return=minimal");
+    if (a->replayed)
+        (void)MHD_add_response_header(resp, "Idempotent-Replayed", "true");
+    if (a->retry_after > 0) {
+        (void)snprintf(number, sizeof number, "%u", a->retry_after);
+        (void)MHD_add_response_header(resp, "Retry-After", number);
+    }
+    if (close)
+        (void)MHD_add_response_header(resp, "Connection", "close");
+    return resp;
+}
+
+bool peer_respond(struct peer *p, struct request_answer *a, const char *id, bool close)
+{
+    const size_t len = a->len;
+    struct MHD_Response *resp = make_response(a, id, close);
+    enum MHD_Result sent;
+
+    if (resp == NULL)
+        return false;
+    peer_begin(p, GUARD_ANSWER, len);
+    sent = queue_response(p->conn, (unsigned)a->http, resp);
+    MHD_destroy_response(resp);
+    return sent == MHD_YES;
+}
+
+static bool peer_send(const struct peer *p, const void *data, size_t len)
 {
     if (p->session != NULL)
         return tls_send(p->session, data, len) == (ssize_t)len;
     return send(p->fd, data, len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)len;
+}
+
+/* libmicrohttpd takes an answer before or after the body, not amid it.  So that a body of
+ * unknown length can be refused as soon as it is over the limit, this one answer is written
+ * by hand.  The socket's buffer is empty, so that it fits in or the client is not there. */
+bool peer_respond_amid(struct peer *p, const struct request_answer *a, const char *id)
+{
+    char head[512], retry[32] = "";
+    int n;
+
+    if (a->retry_after > 0)
+        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", a->retry_after);
+    n = snprintf(head, sizeof head,
+                 "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
+                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s"
+                 "Connection: close\r\nContent-Length: %zu\r\n\r\n",
+                 a->http, MHD_get_reason_phrase_for((unsigned)a->http), a->type, id,
+                 retry, a->len);
+    return n > 0 && (size_t)n < sizeof head && peer_send(p, head, (size_t)n) &&
+           peer_send(p, a->body, a->len);
 }

@@ -1,19 +1,26 @@
 /* peer.h -- what is known of a connection beside its requests: its place in the limits
- * (guard.h) and its TLS session.  On the I/O thread only. */
+ * (guard.h), its TLS session, and sending on it.  On the I/O thread only. */
 #ifndef SERVER_PEER_H
 #define SERVER_PEER_H
 #include <stdbool.h>
 #include <stddef.h>
 #include "guard.h"
+#include "status.h"
 
 struct MHD_Connection;
+struct errinfo;
 struct peer;
+struct request_answer;
 struct tls;
 
 /* What all connections share; borrowed until the last one is closed. */
 struct peer_host {
     struct guard *guard;
     struct tls *tls; /* NULL: plain HTTP */
+    /* refuse(arg, p, current, status): libmicrohttpd refuses by itself what p has sent; to be
+     * responded to by peer_respond_amid().  current: of peer_set_current(). */
+    void (*refuse)(void *arg, struct peer *p, void *current, unsigned status);
+    void *arg;
 };
 
 /* peer_open(host, conn): conn has just begun; with TLS its session gets the certificate in
@@ -31,8 +38,19 @@ void peer_more(struct peer *p, size_t bytes);
 
 int peer_socket(const struct peer *p);
 
-/* peer_send(p, data, len): past libmicrohttpd; true when all of it went into the socket's
- * buffer. */
-bool peer_send(const struct peer *p, const void *data, size_t len);
+/* peer_set_current(p, current): what host->refuse() gets; NULL: nothing. */
+void peer_set_current(struct peer *p, void *current);
+
+/* peer_init(e): before the first peer_respond().  ST_OK, ST_EINTERNAL. */
+enum status peer_init(struct errinfo *e);
+
+/* peer_respond(p, a, id, close): queue the response, whose body is taken; id: X-Request-Id;
+ * close: the connection ends with it.  False: no memory, or the connection is not ready for
+ * one. */
+bool peer_respond(struct peer *p, struct request_answer *a, const char *id, bool close);
+
+/* peer_respond_amid(p, a, id): the same at any time, past libmicrohttpd, whose connection is
+ * to be closed then.  True: all of it went into the socket's buffer. */
+bool peer_respond_amid(struct peer *p, const struct request_answer *a, const char *id);
 
 #endif

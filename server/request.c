@@ -183,7 +183,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
     va_start(ap, fmt);
     (void)vsnprintf(detail, sizeof detail, fmt, ap);
     va_end(ap);
-    if (m->http >= 500) {
+    if (m->http == 500 || m->http == 503) {
         (void)snprintf(r->fault, sizeof r->fault, "%s", detail);
         if (kind != ERRMAP_OVERLOAD && kind != ERRMAP_NOT_READY)
             told = m->http == 500 ? "The log has an entry with this request_id."

@@ -16,10 +16,20 @@ statuses() {
     tr -d '\r' <"$T/answer" | sed -n 's/.*HTTP\/1\.[01] \([0-9]*\) .*/\1/p' | tr '\n' ' '
 }
 
-# refused TITLE STATUS BYTES: one answer, and the rest of the connection is not read.
+# is_problem TITLE STATUS: one response, which is a problem document, its id in the log.
+is_problem() {
+    is "$1" "$(statuses)" "$2 "
+    tr -d '\r' <"$T/answer" | sed '1,/^$/d' >"$T/body"
+    ok "$1: as a problem document" jq -e --arg status "$2" '(.status | tostring) == $status
+        and (.code | type) == "string" and .type == "urn:surfaced:problem:" + .code' "$T/body"
+    ok "$1: of that media type" grep -aq '^Content-Type: application/problem+json' "$T/answer"
+    ok "$1: in the log" grep -q "request_id=$(jq -r .request_id "$T/body") .* status=$2 " "$LOG"
+}
+
+# refused TITLE STATUS BYTES: that, and the rest of the connection is not read.
 refused() {
     raw "$3$next"
-    is "$1" "$(tr -d '\r' <"$T/answer" | grep -a -o 'HTTP/1\.1 [0-9]*' | cut -d ' ' -f 2 | sort -u)" "$2"
+    if [ -n "$2" ]; then is_problem "$1" "$2"; else is "$1" "$(statuses)" ''; fi
     ok "$1: what came behind is not served" sh -c "! grep -aq '\"status\":\"ok\"' '$T/answer'"
 }
 next='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
@@ -69,6 +79,12 @@ for bytes in '\001\002\003\r\n\r\n' '\026\003\001\002\000\001\000\001' '\000\000
     alive "junk"
 done
 raw "GET /healthz HTTP/1.1\r\nHost: x\r\nA: $(printf '%030000d' 1)\r\n\r\n"
-is "too many headers" "$(statuses)" '431 '
+is_problem "too many headers" 431
+raw "GET /$(printf '%030000d' 1) HTTP/1.1\r\nHost: x\r\n\r\n"
+is_problem "a path that is too long" 414
+raw "GET /healthz HTTP/1.1\r\nHost x\r\n\r\n"
+is_problem "a header without a colon" 400
+raw "GET /healthz HTTP/3.0\r\nHost: x\r\n\r\n"
+is_problem "another HTTP" 505
 stop_daemon
 finish
