@@ -53,7 +53,7 @@ int64_t attempts_wait_ms(const struct attempts *a, uint32_t failures, int64_t ag
     return age_ms < wait_s * 1000 ? wait_s * 1000 - age_ms : 0;
 }
 
-/* How many have failed; false: r->answer is set, because it cannot be known or the subject
+/* How many have failed; false: r->response is set, because it cannot be known or the subject
  * has to wait. */
 static bool look(struct attempts *a, struct request *r, const char *subject,
                  uint32_t *failures)
@@ -73,7 +73,7 @@ static bool look(struct attempts *a, struct request *r, const char *subject,
     request_problem(r, ERRMAP_ATTEMPTS,
                     "the subject's last %u verifications failed; it has to wait",
                     s.failures);
-    r->answer.retry_after = (unsigned)((wait_ms + 999) / 1000);
+    r->response.retry_after = (unsigned)((wait_ms + 999) / 1000);
     return false;
 }
 

@@ -21,12 +21,12 @@ void attempts_free(struct attempts *a); /* NULL is allowed */
  * last did age_ms ago; 0: not at all. */
 int64_t attempts_wait_ms(const struct attempts *a, uint32_t failures, int64_t age_ms);
 
-/* attempts_admit(a, r, subject): true: the subject need not wait.  False: r->answer is set,
+/* attempts_admit(a, r, subject): true: the subject need not wait.  False: r->response is set,
  * 429 with the time to wait. */
 bool attempts_admit(struct attempts *a, struct request *r, const char *subject);
 
 /* attempts_settle(a, r, subject, passed): a verification was decided; count it, before it is
- * told.  False: r->answer is set and must not tell: others that were under way have failed
+ * told.  False: r->response is set and must not tell: others that were under way have failed
  * meanwhile and the subject has to wait (429, not counted: many at once are no way round the
  * limit), or a failure could not be counted. */
 bool attempts_settle(struct attempts *a, struct request *r, const char *subject,

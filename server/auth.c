@@ -27,7 +27,7 @@ void auth_take(struct request *r, const char *header)
     len = strlen(header);
     if (len == 0 || len > REQUEST_TOKEN_MAX) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");
-        r->answer.bad_token = true;
+        r->response.bad_token = true;
         return;
     }
     memcpy(r->token, header, len + 1);
@@ -42,7 +42,7 @@ bool auth_admit(struct request *r)
         return true;
     sodium_memzero(r->token, sizeof r->token);
     request_problem(r, ERRMAP_TOKENS, "too many wrong tokens came from this address");
-    r->answer.retry_after = wait_s;
+    r->response.retry_after = wait_s;
     return false;
 }
 
@@ -56,8 +56,8 @@ bool auth_may(struct request *r, unsigned scopes)
     store_scopes_write(scopes, lacks);
     request_problem(r, ERRMAP_SCOPE, "this takes a token with the scope %s; it has %s",
                     lacks, has);
-    r->answer.lacks = scopes;
-    r->answer.challenge = true;
+    r->response.lacks = scopes;
+    r->response.challenge = true;
     return false;
 }
 
@@ -77,13 +77,13 @@ void auth_check(struct request *r)
         (void)auth_may(r, r->route->scope);
     } else if (st == ST_EDENIED) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");
-        r->answer.bad_token = true;
+        r->response.bad_token = true;
     } else {
         request_fail(r, &e);
     }
 }
 
-void auth_challenge(const struct request_answer *a, char out[AUTH_CHALLENGE_MAX])
+void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX])
 {
     char scope[STORE_SCOPES_MAX];
 

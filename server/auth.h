@@ -5,27 +5,27 @@
 #include <stdbool.h>
 
 struct request;
-struct request_answer;
+struct response;
 
 /* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
- * r->token.  Without a usable one r->answer is set.  Does not look at the store. */
+ * r->token.  Without a usable one r->response is set.  Does not look at the store. */
 void auth_take(struct request *r, const char *header);
 
 /* auth_admit(r): true: the token may be looked at.  False: too many wrong ones came from
- * r->address, and r->answer is set.  Does not look at the store. */
+ * r->address, and r->response is set.  Does not look at the store. */
 bool auth_admit(struct request *r);
 
 /* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
- * is its id, else r->answer is set.  The token is wiped.  On a worker. */
+ * is its id, else r->response is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
 /* auth_may(r, scopes): has r's token one of these scopes, or is no token asked for?  False:
- * r->answer is a 403 that names them.  After auth_check(). */
+ * r->response is a 403 that names them.  After auth_check(). */
 bool auth_may(struct request *r, unsigned scopes);
 
 #define AUTH_CHALLENGE_MAX 160
 
 /* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */
-void auth_challenge(const struct request_answer *a, char out[AUTH_CHALLENGE_MAX]);
+void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX]);
 
 #endif

@@ -35,7 +35,7 @@ static void refuse_coding(struct request *r)
 {
     request_problem(r, ERRMAP_CODING,
                     "Content-Encoding may be gzip or zstd, one of them and once");
-    r->answer.codings = true;
+    r->response.codings = true;
 }
 
 void body_refuse_size(struct request *r)

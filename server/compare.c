@@ -52,7 +52,7 @@ void compare_handle(struct request *r, struct worker *w)
     request_stage(r, REQUEST_ALIGN, result.align_ms);
     request_stage(r, REQUEST_MEASURE, result.measure_ms);
     verify_event(r, "compare", "", "", result.decision);
-    request_answer(
+    request_respond(
         r, 200,
         render_comparison(&(struct describe_comparison){
             .result = &result,

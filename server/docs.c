@@ -17,7 +17,7 @@
 static void send_file(struct request *r, const char *type, const char *text)
 {
     request_text(r, type, strdup(text));
-    r->answer.policy = POLICY;
+    r->response.policy = POLICY;
 }
 
 void docs_page(struct request *r, struct worker *w)
@@ -41,5 +41,5 @@ void docs_script(struct request *r, struct worker *w)
 void docs_openapi(struct request *r, struct worker *w)
 {
     (void)w;
-    request_answer(r, 200, strdup(openapi_json));
+    request_respond(r, 200, strdup(openapi_json));
 }

@@ -48,8 +48,8 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
     metrics_enrollment(r->app->metrics, out.created ? METRICS_ENROLLED : METRICS_KNOWN);
     request_written(r, out.created ? 201 : 200,
                     render_template(&out.tmpl, &w->probe.frame));
-    if (r->answer.http < 300)
-        (void)snprintf(r->answer.location, sizeof r->answer.location, LOCATION "%s",
+    if (r->response.http < 300)
+        (void)snprintf(r->response.location, sizeof r->response.location, LOCATION "%s",
                        out.tmpl.id);
 }
 
@@ -85,12 +85,13 @@ static void check_replayed(struct request *r)
     struct errinfo e = {0};
     enum status st;
 
-    if (r->answer.http >= 300)
+    if (r->response.http >= 300)
         return;
-    st = store_template_get(r->app->store, r->answer.location + strlen(LOCATION), &t, &e);
+    st = store_template_get(r->app->store, r->response.location + strlen(LOCATION), &t,
+                            &e);
     if (st == ST_OK)
         return;
-    r->answer.replayed = r->answer.minimal = false;
+    r->response.replayed = r->response.minimal = false;
     if (st == ST_ENOTFOUND)
         request_problem(r, st,
                         "what this Idempotency-Key enrolled has been deleted since");
@@ -106,7 +107,7 @@ void enroll_handle(struct request *r, struct worker *w)
     if (idempotency_begin(m, r, log_clock_ms(), &ticket)) {
         read_and_enroll(r, w);
         idempotency_end(m, r, ticket);
-    } else if (r->answer.replayed) {
+    } else if (r->response.replayed) {
         check_replayed(r);
     }
 }

@@ -33,7 +33,7 @@ enum guard_step {
     GUARD_HEADERS, /* of a further request */
     GUARD_BODY,
     GUARD_WORK, /* ours: takes what it takes */
-    GUARD_ANSWER,
+    GUARD_RESPONSE,
     GUARD_NSTEPS
 };
 

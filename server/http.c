@@ -54,8 +54,8 @@ enum state {
     ARRIVED,  /* the headers are there, nothing has been decided */
     ADMITTED, /* suspended: a worker checks the token */
     COLLECTING,
-    WORKING, /* suspended: a worker makes the answer; or it is there already */
-    ANSWERED /* the answer is on its way out */
+    WORKING,  /* suspended: a worker makes the answer; or it is there already */
+    RESPONDED /* the answer is on its way out */
 };
 
 /* A request and its connection. */
@@ -93,10 +93,10 @@ static bool closing(const struct exchange *x)
     return x->ambiguous || atomic_load(&x->http->app->stopping);
 }
 
-static enum MHD_Result send_answer(struct exchange *x)
+static enum MHD_Result send_response(struct exchange *x)
 {
-    x->state = ANSWERED;
-    return peer_respond(x->peer, &x->r.answer, x->r.id, closing(x)) ? MHD_YES : MHD_NO;
+    x->state = RESPONDED;
+    return peer_respond(x->peer, &x->r.response, x->r.id, closing(x)) ? MHD_YES : MHD_NO;
 }
 
 /* A header of the request; NULL: not there. */
@@ -124,16 +124,16 @@ static enum MHD_Result send_early(struct exchange *x)
         return MHD_YES;
     }
     x->drain_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
-    return send_answer(x);
+    return send_response(x);
 }
 
 /* Respond amid the body, so that one of unknown length is refused as soon as it is over the
  * limit.  The connection is closed. */
 static enum MHD_Result send_amid(struct exchange *x)
 {
-    if (peer_respond_amid(x->peer, &x->r.answer, x->r.id)) {
+    if (peer_respond_amid(x->peer, &x->r.response, x->r.id)) {
         x->drain_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
-        x->state = ANSWERED;
+        x->state = RESPONDED;
     }
     return MHD_NO;
 }
@@ -143,7 +143,7 @@ static void finish(struct exchange *x)
 {
     struct http *h = x->http;
     const double ms = log_clock_ms() - x->r.start_ms;
-    const int http = x->state == ANSWERED ? x->r.answer.http : 0;
+    const int http = x->state == RESPONDED ? x->r.response.http : 0;
 
     metrics_request(h->app->metrics, &x->r, http, ms);
     access_log(&x->r, http, ms);
@@ -295,11 +295,11 @@ static enum MHD_Result body_complete(struct exchange *x)
 {
     if (x->r.route->body != ROUTE_NO_BODY && x->r.len == 0) {
         request_problem(&x->r, ST_EINVAL, "the body is empty");
-        return send_answer(x);
+        return send_response(x);
     }
     if (x->r.route->quick) {
         x->r.route->handle(&x->r, NULL);
-        return send_answer(x);
+        return send_response(x);
     }
     to_worker(x, WORKING);
     return MHD_YES;
@@ -311,11 +311,11 @@ static enum MHD_Result body_complete(struct exchange *x)
 static enum MHD_Result admit(struct exchange *x)
 {
     route_read_id(&x->r);
-    if (x->r.answer.http == 0)
+    if (x->r.response.http == 0)
         route_check_query(&x->r);
-    if (x->r.answer.http == 0)
+    if (x->r.response.http == 0)
         body_check(&x->r, x->has_length, x->length);
-    if (x->r.answer.http != 0)
+    if (x->r.response.http != 0)
         return send_early(x);
     x->state = COLLECTING;
     peer_begin(x->peer, GUARD_BODY, 0);
@@ -355,13 +355,13 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
         return send_early(x);
     }
     route_find(r->app->routes, r->app->nroutes, r);
-    if (r->answer.http != 0)
+    if (r->response.http != 0)
         return send_early(x);
     if (r->route->scope == 0 || x->http->app->no_auth)
         return admit(x);
     throttle_address(client_address(x), r->address);
     auth_take(r, header(x, "Authorization"));
-    if (r->answer.http != 0 || !auth_admit(r))
+    if (r->response.http != 0 || !auth_admit(r))
         return send_early(x);
     to_worker(x, ADMITTED);
     return MHD_YES;
@@ -385,12 +385,12 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const 
     case ARRIVED:
         return arrive(x, method);
     case ADMITTED:
-        return x->r.answer.http != 0 ? send_early(x) : admit(x);
+        return x->r.response.http != 0 ? send_early(x) : admit(x);
     case COLLECTING:
         return *size > 0 ? collect(x, data, size) : body_complete(x);
     case WORKING:
-        return send_answer(x);
-    case ANSWERED:
+        return send_response(x);
+    case RESPONDED:
         break;
     }
     return MHD_NO;

@@ -20,8 +20,8 @@ struct entry {
     unsigned char request[DIGEST]; /* of what was asked */
     char subject[STORE_SUBJECT_MAX + 1];
     double since_ms;
-    uint32_t next;                /* in its bucket */
-    struct request_answer answer; /* DONE: body is the entry's own */
+    uint32_t next;            /* in its bucket */
+    struct response response; /* DONE: body is the entry's own */
 };
 
 struct idempotency {
@@ -56,7 +56,7 @@ void idempotency_free(struct idempotency *m)
     if (m == NULL)
         return;
     for (uint32_t i = 0; i < m->room; i++)
-        free(m->entry[i].answer.body);
+        free(m->entry[i].response.body);
     (void)pthread_mutex_destroy(&m->lock);
     free(m->bucket);
     free(m);
@@ -81,7 +81,7 @@ static struct entry *find(struct idempotency *m, const unsigned char key[DIGEST]
     return i == NONE ? NULL : &m->entry[i];
 }
 
-static void wipe(struct request_answer *a)
+static void wipe(struct response *a)
 {
     if (a->body != NULL)
         sodium_memzero(a->body, a->len);
@@ -98,7 +98,7 @@ static void forget(struct idempotency *m, struct entry *x)
     while (*at != i)
         at = &m->entry[*at].next;
     *at = x->next;
-    wipe(&x->answer);
+    wipe(&x->response);
     *x = (struct entry){.state = FREE};
 }
 
@@ -167,7 +167,7 @@ static void digest_request(const struct idempotency *m, const struct request *r,
 }
 
 /* A copy with a body of its own; false: no memory for it. */
-static bool copy_answer(const struct request_answer *from, struct request_answer *to)
+static bool copy_response(const struct response *from, struct response *to)
 {
     char *body = NULL;
 
@@ -183,7 +183,7 @@ static bool copy_answer(const struct request_answer *from, struct request_answer
 }
 
 /* The answer to a key that is known. */
-static void answer_again(struct request *r, const struct entry *x, bool same)
+static void respond_again(struct request *r, const struct entry *x, bool same)
 {
     if (!same) {
         request_problem(r, ERRMAP_KEY_REUSED,
@@ -191,9 +191,9 @@ static void answer_again(struct request *r, const struct entry *x, bool same)
     } else if (x->state == RUNNING) {
         request_problem(r, ERRMAP_KEY_BUSY,
                         "the first request of this Idempotency-Key is not answered yet");
-        r->answer.retry_after = 1;
-    } else if (copy_answer(&x->answer, &r->answer)) {
-        r->answer.replayed = true;
+        r->response.retry_after = 1;
+    } else if (copy_response(&x->response, &r->response)) {
+        r->response.replayed = true;
     } else {
         request_problem(r, ST_ENOMEM, "no memory for the answer");
     }
@@ -223,14 +223,14 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
         x = NULL;
     }
     if (x != NULL) {
-        answer_again(r, x, memcmp(x->request, request, DIGEST) == 0);
+        respond_again(r, x, memcmp(x->request, request, DIGEST) == 0);
     } else if ((x = add(m, key, now_ms)) != NULL) { /* else it is done without */
         memcpy(x->request, request, DIGEST);
         memcpy(x->subject, r->subject, sizeof x->subject);
         *ticket = (uint32_t)(x - m->entry);
     }
     (void)pthread_mutex_unlock(&m->lock);
-    return r->answer.http == 0;
+    return r->response.http == 0;
 }
 
 void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket)
@@ -241,7 +241,7 @@ void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ti
         return;
     (void)pthread_mutex_lock(&m->lock);
     x = &m->entry[ticket];
-    if (r->answer.http < 500 && copy_answer(&r->answer, &x->answer))
+    if (r->response.http < 500 && copy_response(&r->response, &x->response))
         x->state = DONE;
     else
         forget(m, x);
@@ -257,8 +257,8 @@ void idempotency_erase(struct idempotency *m, const char *subject)
         if (x->state != DONE || strcmp(x->subject, subject) != 0)
             continue;
         sodium_memzero(x->subject, sizeof x->subject);
-        if (x->answer.http < 300)
-            wipe(&x->answer);
+        if (x->response.http < 300)
+            wipe(&x->response);
         else
             forget(m, x);
     }

@@ -20,13 +20,13 @@ struct idempotency *idempotency_new(uint32_t room);
 void idempotency_free(struct idempotency *m); /* NULL is allowed */
 
 /* idempotency_begin(m, r, now_ms, ticket): true: do r, then call idempotency_end() with the
- * ticket.  False: r->answer is set: what it was the first time; 409, the first is being
+ * ticket.  False: r->response is set: what it was the first time; 409, the first is being
  * done; 422, the key was used for another request; 400, the key is malformed.
  * The same request: method, path with its query, media type, and body (unpacked). */
 bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
                        uint32_t *ticket);
 
-/* idempotency_end(m, r, ticket): r->answer is there.  A 5xx is not kept: to be tried again. */
+/* idempotency_end(m, r, ticket): r->response is there.  A 5xx is not kept: to be tried again. */
 void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket);
 
 /* idempotency_erase(m, subject): keep nothing of the subject but that the key was used: an

@@ -91,7 +91,7 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
             observe(&m->stage[i], r->stage_ms[i]);
     if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
         observe(&m->stage[REQUEST_STAGES], ms);
-    if (r->answer.bad_token)
+    if (r->response.bad_token)
         count(&m->wrong_tokens, 1);
     metrics_database_error(m, r->failed);
 }
@@ -269,7 +269,7 @@ static void print_connections(FILE *f, const struct app *app)
         {"idle", g.late[GUARD_IDLE]},
         {"slow_headers", g.late[GUARD_REQUEST] + g.late[GUARD_HEADERS]},
         {"slow_body", g.late[GUARD_BODY]},
-        {"slow_reader", g.late[GUARD_ANSWER]},
+        {"slow_reader", g.late[GUARD_RESPONSE]},
     };
 
     print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");

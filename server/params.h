@@ -1,5 +1,5 @@
 /* params.h -- the query parameters.  Each returns false when the parameter is malformed, or
- * not for this token: then r->answer says so.  One that is absent leaves *out as it was. */
+ * not for this token: then r->response says so.  One that is absent leaves *out as it was. */
 #ifndef SERVER_PARAMS_H
 #define SERVER_PARAMS_H
 #include <stdbool.h>

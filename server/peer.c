@@ -110,8 +110,7 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
     return MHD_NO; /* so that the connection is closed */
 }
 
-static struct MHD_Response *make_response(struct request_answer *a, const char *id,
-                                          bool close)
+static struct MHD_Response *make_response(struct response *a, const char *id, bool close)
 {
     char number[16], challenge[AUTH_CHALLENGE_MAX];
     struct MHD_Response *resp = MHD_create_response_from_buffer(
@@ -151,7 +150,7 @@ static struct MHD_Response *make_response(struct request_answer *a, const char *
     return resp;
 }
 
-bool peer_respond(struct peer *p, struct request_answer *a, const char *id, bool close)
+bool peer_respond(struct peer *p, struct response *a, const char *id, bool close)
 {
     const size_t len = a->len;
     struct MHD_Response *resp = make_response(a, id, close);
@@ -159,7 +158,7 @@ bool peer_respond(struct peer *p, struct request_answer *a, const char *id, bool
 
     if (resp == NULL)
         return false;
-    peer_begin(p, GUARD_ANSWER, len);
+    peer_begin(p, GUARD_RESPONSE, len);
     sent = queue_response(p->conn, (unsigned)a->http, resp);
     MHD_destroy_response(resp);
     return sent == MHD_YES;
@@ -175,7 +174,7 @@ static bool peer_send(const struct peer *p, const void *data, size_t len)
 /* libmicrohttpd takes an answer before or after the body, not amid it.  So that a body of
  * unknown length can be refused as soon as it is over the limit, this one answer is written
  * by hand.  The socket's buffer is empty, so that it fits in or the client is not there. */
-bool peer_respond_amid(struct peer *p, const struct request_answer *a, const char *id)
+bool peer_respond_amid(struct peer *p, const struct response *a, const char *id)
 {
     char head[512], retry[32] = "";
     int n;

@@ -10,7 +10,7 @@
 struct MHD_Connection;
 struct errinfo;
 struct peer;
-struct request_answer;
+struct response;
 struct tls;
 
 /* What all connections share; borrowed until the last one is closed. */
@@ -47,10 +47,10 @@ enum status peer_init(struct errinfo *e);
 /* peer_respond(p, a, id, close): queue the response, whose body is taken; id: X-Request-Id;
  * close: the connection ends with it.  False: no memory, or the connection is not ready for
  * one. */
-bool peer_respond(struct peer *p, struct request_answer *a, const char *id, bool close);
+bool peer_respond(struct peer *p, struct response *a, const char *id, bool close);
 
 /* peer_respond_amid(p, a, id): the same at any time, past libmicrohttpd, whose connection is
  * to be closed then.  True: all of it went into the socket's buffer. */
-bool peer_respond_amid(struct peer *p, const struct request_answer *a, const char *id);
+bool peer_respond_amid(struct peer *p, const struct response *a, const char *id);
 
 #endif

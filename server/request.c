@@ -139,11 +139,11 @@ const char *request_stage_name(enum request_stage stage)
 
 static void set_body(struct request *r, int http, const char *type, char *body)
 {
-    free(r->answer.body);
-    r->answer.http = http;
-    r->answer.type = type;
-    r->answer.body = body;
-    r->answer.len = body == NULL ? 0 : strlen(body);
+    free(r->response.body);
+    r->response.http = http;
+    r->response.type = type;
+    r->response.body = body;
+    r->response.len = body == NULL ? 0 : strlen(body);
 }
 
 void request_text(struct request *r, const char *type, char *text)
@@ -154,7 +154,7 @@ void request_text(struct request *r, const char *type, char *text)
         set_body(r, 200, type, text);
 }
 
-void request_answer(struct request *r, int http, char *json)
+void request_respond(struct request *r, int http, char *json)
 {
     if (json == NULL)
         request_problem(r, ST_ENOMEM, "no memory for the answer");
@@ -165,12 +165,12 @@ void request_answer(struct request *r, int http, char *json)
 void request_written(struct request *r, int http, char *json)
 {
     if (!r->minimal) {
-        request_answer(r, http, json);
+        request_respond(r, http, json);
         return;
     }
     free(json);
     set_body(r, http == 200 ? 204 : http, NULL, NULL);
-    r->answer.minimal = true;
+    r->response.minimal = true;
 }
 
 void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
@@ -194,10 +194,10 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
         if (*p < ' ' || *p > '~')
             *p = '?';
     if (m->http == 503)
-        r->answer.retry_after = 1;
+        r->response.retry_after = 1;
     if (m->http == 401)
-        r->answer.challenge = true;
-    r->answer.location[0] = '\0';
+        r->response.challenge = true;
+    r->response.location[0] = '\0';
     /* Without memory for the document its status code has to do. */
     set_body(r, m->http, "application/problem+json",
              render_problem(m, told, r->id, NULL));
@@ -222,6 +222,6 @@ void request_free(struct request *r)
 {
     free(r->target);
     free(r->body);
-    free(r->answer.body);
+    free(r->response.body);
     sodium_memzero(r->token, sizeof r->token);
 }

@@ -47,7 +47,7 @@ enum request_stage {                  /* what the time of a request is spent on 
                      REQUEST_STAGES
 };
 
-struct request_answer {
+struct response {
     int http;   /* 0: none yet */
     char *body; /* heap, or NULL with len 0 */
     size_t len;
@@ -86,7 +86,7 @@ struct request {
     double start_ms; /* log_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
-    struct request_answer answer;
+    struct response response;
     enum status failed; /* what request_fail() was told; ST_OK: nothing */
     char fault[512];    /* for the log: what is behind a 5xx; "" for nothing */
 };
@@ -116,13 +116,13 @@ void request_stage(struct request *r, enum request_stage stage, double ms);
 /* request_stage_name(stage): "queue", "parse", ... */
 const char *request_stage_name(enum request_stage stage);
 
-/* The kinds of answer; each sets r->answer, replacing one that was there. */
+/* The kinds of answer; each sets r->response, replacing one that was there. */
 
-/* request_answer(r, http, json): json: heap text, taken; NULL: out of memory, which
+/* request_respond(r, http, json): json: heap text, taken; NULL: out of memory, which
  * becomes the answer. */
-void request_answer(struct request *r, int http, char *json);
+void request_respond(struct request *r, int http, char *json);
 
-/* request_written(r, http, json): as request_answer(), for a request that changes something:
+/* request_written(r, http, json): as request_respond(), for a request that changes something:
  * where the client prefers so, without the body, 204 in the place of 200. */
 void request_written(struct request *r, int http, char *json);
 

@@ -69,9 +69,9 @@ void route_find(const struct route *table, size_t n, struct request *r)
         }
     }
     if (methods != 0) {
-        write_allow(methods, r->answer.allow, sizeof r->answer.allow);
+        write_allow(methods, r->response.allow, sizeof r->response.allow);
         request_problem(r, ERRMAP_METHOD, "this path has the methods %s",
-                        r->answer.allow);
+                        r->response.allow);
     } else {
         request_problem(r, ERRMAP_ROUTE, "there is no such path");
     }

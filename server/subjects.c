@@ -52,11 +52,11 @@ void subjects_list(struct request *r, struct worker *w)
     if (store_subject_list(r->app->store, after, limit + 1, &s, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, render_subjects(s, n > limit ? limit : n, n > limit));
+        request_respond(r, 200, render_subjects(s, n > limit ? limit : n, n > limit));
     free(s);
 }
 
-/* 200 with the subject as it is now; answer: request_answer() or request_written(). */
+/* 200 with the subject as it is now; answer: request_respond() or request_written(). */
 static void show(struct request *r, void (*answer)(struct request *, int, char *))
 {
     struct store_subject s;
@@ -75,7 +75,7 @@ static void show(struct request *r, void (*answer)(struct request *, int, char *
 void subjects_show(struct request *r, struct worker *w)
 {
     (void)w;
-    show(r, request_answer);
+    show(r, request_respond);
 }
 
 void subjects_add(struct request *r, struct worker *w)
@@ -90,9 +90,9 @@ void subjects_add(struct request *r, struct worker *w)
         return;
     }
     request_written(r, 201, render_subject(&s, NULL, 0));
-    if (r->answer.http == 201)
-        (void)snprintf(r->answer.location, sizeof r->answer.location, "/v1/subjects/%s",
-                       s.id);
+    if (r->response.http == 201)
+        (void)snprintf(r->response.location, sizeof r->response.location,
+                       "/v1/subjects/%s", s.id);
 }
 
 void subjects_change(struct request *r, struct worker *w)
@@ -135,7 +135,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_answer(r, 200, render_template(&t, NULL));
+        request_respond(r, 200, render_template(&t, NULL));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)
@@ -148,6 +148,6 @@ void subjects_template_delete(struct request *r, struct worker *w)
         return;
     }
     cache_forget(r->app->cache, r->template_id);
-    r->answer.http = 204;
-    r->answer.minimal = r->minimal;
+    r->response.http = 204;
+    r->response.minimal = r->minimal;
 }

@@ -34,7 +34,7 @@ void symmetry_handle(struct request *r, struct worker *w)
     }
     measured = log_clock_ms();
     request_stage(r, REQUEST_MEASURE, measured - prepared);
-    request_answer(
+    request_respond(
         r, 200,
         render_asymmetry(&result, &w->probe, store_made_by(r->app->store),
                          &(struct describe_times){.parse = parsed - start,

@@ -118,7 +118,7 @@ static void verify(struct request *r, struct worker *w, const struct store_templ
     verify_event(r, "verify", t[best.index].subject, t[best.index].id,
                  best.result.decision);
     store_subject_seen(r->app->store, &one);
-    request_answer(
+    request_respond(
         r, 200,
         render_comparison(&(struct describe_comparison){
             .result = &best.result,

@@ -12,7 +12,7 @@ struct worker;
 void verify_subject(struct request *r, struct worker *w);
 void verify_template(struct request *r, struct worker *w);
 
-/* verify_admitted(r, admit, e): as admit_subject() said; false: r->answer tells why not. */
+/* verify_admitted(r, admit, e): as admit_subject() said; false: r->response tells why not. */
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e);
 
 /* verify_event(r, kind, subject, template_id, decision): count the decision, and append

@@ -15,5 +15,5 @@ void version_handle(struct request *r, struct worker *w)
 
     (void)w;
     memcpy(version, from, strcspn(from, " "));
-    request_answer(r, 200, render_version(version, engine, __VERSION__));
+    request_respond(r, 200, render_version(version, engine, __VERSION__));
 }

@@ -130,7 +130,7 @@ static bool has_ended(int fd)
 static void test_late(void **state)
 {
     static const enum guard_step steps[] = {GUARD_REQUEST, GUARD_HEADERS, GUARD_BODY,
-                                            GUARD_ANSWER, GUARD_IDLE};
+                                            GUARD_RESPONSE, GUARD_IDLE};
     struct guard_state s;
     struct guard_peer *late, *work, *patient;
     int a[2], b[2], c[2];

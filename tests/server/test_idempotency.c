@@ -125,9 +125,9 @@ static enum outcome outcome(const struct request *r, bool begun)
 {
     if (begun)
         return DONE;
-    if (r->answer.replayed)
+    if (r->response.replayed)
         return AGAIN;
-    return r->answer.http == 422 ? REUSED : r->answer.http == 409 ? BUSY : BAD;
+    return r->response.http == 422 ? REUSED : r->response.http == 409 ? BUSY : BAD;
 }
 
 /* Ask; where it is to be done, answer with http and the text. */
@@ -141,12 +141,12 @@ static enum outcome ask(struct idempotency *m, const struct ask *a, int http,
     make(&r, a);
     got = outcome(&r, idempotency_begin(m, &r, a->now_ms, &ticket));
     if (got == DONE) {
-        request_answer(&r, http, strdup(text));
-        r.answer.http = http;
+        request_respond(&r, http, strdup(text));
+        r.response.http = http;
         idempotency_end(m, &r, ticket);
     } else if (got == AGAIN) {
-        assert_int_equal(r.answer.http, http);
-        assert_string_equal(r.answer.body != NULL ? r.answer.body : "", text);
+        assert_int_equal(r.response.http, http);
+        assert_string_equal(r.response.body != NULL ? r.response.body : "", text);
     }
     request_free(&r);
     return got;
@@ -241,7 +241,7 @@ static void test_running(void **state)
         assert_int_equal(
             ask(m, &(struct ask){.key = key, .now_ms = i * DAY_MS}, 201, "x"), DONE);
     }
-    request_answer(&r, 201, strdup("slowly"));
+    request_respond(&r, 201, strdup("slowly"));
     idempotency_end(m, &r, ticket);
     assert_int_equal(ask(m, &(struct ask){.key = "slow"}, 201, "slowly"), AGAIN);
     for (int i = 0; i < 20; i++) {
@@ -279,7 +279,7 @@ static void test_bad(void **state)
     make(&r, &(struct ask){.key = "k"});
     r.bad_key = true;
     assert_false(idempotency_begin(m, &r, 0, &ticket));
-    assert_int_equal(r.answer.http, 400);
+    assert_int_equal(r.response.http, 400);
     request_free(&r);
     idempotency_free(m);
     idempotency_free(NULL);

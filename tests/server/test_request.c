@@ -103,14 +103,14 @@ static void check_route(enum request_method m, const char *target, const char *p
     route_find(table, n, &r);
     if (r.route != NULL)
         route_read_id(&r);
-    assert_int_equal(r.answer.http, http);
+    assert_int_equal(r.response.http, http);
     if (pattern != NULL) {
         assert_non_null(r.route);
         assert_string_equal(r.route->pattern, pattern);
     } else {
         assert_null(r.route);
     }
-    request_free(&(struct request){.answer.body = r.answer.body});
+    request_free(&(struct request){.response.body = r.response.body});
 }
 
 static void test_routes(void **state)
