@@ -107,6 +107,7 @@ threshold=$(jq .threshold_mm out | xargs printf %.3f)
 that "a scale each, and the colours' is the rest's" grep -aq \
     "colours: rest_mm, pale within $threshold mm of 0 (the threshold)" json/explain.ply
 compared=$(jq .gap.compared out)
+# shellcheck disable=SC2046 # five numbers
 set -- $(vertices json/explain.ply)
 is "explain.ply: every point; no gap, no colour; no contradiction" "$1 $2 $5" \
     "3000 $((3000 - compared)) 0"
@@ -156,8 +157,8 @@ if [ $drawn = true ]; then
     # the tallest bar is below the upper end of the axis, and the bars are all of it
     grep -a '^set yrange\|^[-0-9.]* [0-9.]* [0-9]*$' script/in | awk '
         /yrange/ { gsub(/[^0-9.:]/, ""); split($0, end, ":"); top = end[2]; next }
-        { n++; cut += $2 >= top } END { print (n > 120), cut + 0 }' >cut
-    is "no bar is cut off" "$(cat cut)" "1 0"
+        { n++; cut += $2 >= top } END { print (n > 120), cut + 0 }' >bars
+    is "no bar is cut off" "$(cat bars)" "1 0"
 fi
 
 # ---- from the database
