@@ -34,7 +34,7 @@ that() {
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
-        echo "FAIL $title"
+        echo "FAIL $title" >&2
     fi
 }
 
@@ -126,8 +126,9 @@ ln -s ../kept explanation/explain.ply
 expect 1 "two people" "$ctl" explain a0.ply b0.ply
 has out '^decision *no_match: the score is above the threshold'
 is "the files again" "$(files explanation)" "$pictures"
-that "a rest beyond the threshold" jq -e '.rest.share_beyond > 0.5 and
-    .rest.mean_amount_mm > 2 * .threshold_mm' explanation/explain.json >/dev/null
+that "a rest beyond the threshold, and it is not the gap" jq -e '.rest.share_beyond > 0.5 and
+    .rest.mean_amount_mm > 2 * .threshold_mm and
+    .rest.mean_amount_mm < 0.5 * .gap.mean_amount_mm' explanation/explain.json >/dev/null
 is "what a link pointed to" "$(cat kept)" mine
 is "explain.ply is a file now" "$(stat -c '%F %a' explanation/explain.ply)" 'regular file 600'
 expect 64 "by a threshold of one's own" "$ctl" explain --threshold-mm 50 a0.ply b0.ply --out 50
