@@ -1,7 +1,7 @@
 # surfaced -- see README.md.  `make help` lists the targets.
 #
 # A room is a folder of modules.  The Makefile finds the files by their names: the *.c files
-# of a room become an archive, build/libROOM.a; server/main.c and ctl/ctl.c hold the programs'
+# of a room become an archive, build/libROOM.a; server/main.c and ctl/main.c hold the programs'
 # main(); tools/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
 # tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
 # A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
@@ -89,7 +89,7 @@ all: $(BUILD)/libsurface.a $(PROGRAMS)
 
 define room
 $(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1))
-$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/ctl.c,$(wildcard $(1)/*.c)))
+$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c,$(wildcard $(1)/*.c)))
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
@@ -164,7 +164,7 @@ $(BUILD)/surfaced: $(BUILD)/server/main.o $(call archs,server)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,server)
 
-$(BUILD)/surfacectl: $(BUILD)/ctl/ctl.o $(call archs,ctl)
+$(BUILD)/surfacectl: $(BUILD)/ctl/main.o $(call archs,ctl)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,ctl)
 

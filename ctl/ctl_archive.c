@@ -2,9 +2,13 @@
 #include <stdio.h>
 
 #include "keyfile.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_key.h"
+#include "ctl_model.h"
 
-int ctl_archive_export(struct ctl *c)
+static bool all; /* --all */
+
+static int run_export(struct ctl *c)
 {
     char size[32];
     struct store_exported x;
@@ -12,13 +16,10 @@ int ctl_archive_export(struct ctl *c)
     struct store *s = NULL;
     enum status st;
 
-    if (c->dir == NULL || c->all == (c->nargs > 0)) {
-        (void)errinfo_set(&c->e, ST_EINVAL,
-                          c->dir == NULL ? "where to?  -o FILE"
-                                         : "which subjects?  Their ids, or --all");
-        return EXIT_USAGE;
-    }
-    if ((st = ctl_open(c, STORE_WRITE, &s)) == ST_OK &&
+    if (c->dir == NULL || all == (c->nargs > 0))
+        return ctl_usage(c, "export needs %s",
+                         c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
+    if ((st = ctl_key_open(c, STORE_WRITE, &s)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
         st = store_export(s, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x, &c->e);
     keyfile_free(k);
@@ -36,14 +37,14 @@ int ctl_archive_export(struct ctl *c)
     return EXIT_FINE;
 }
 
-int ctl_archive_import(struct ctl *c)
+static int run_import(struct ctl *c)
 {
     struct store_imported m;
     struct keyfile *k = NULL;
     struct store *s = NULL;
     enum status st;
 
-    if ((st = ctl_model_store(c, STORE_WRITE, &s)) == ST_OK &&
+    if ((st = ctl_model_open(c, STORE_WRITE, &s)) == ST_OK &&
         (st = ctl_key_archive(c, false, &k)) == ST_OK)
         st = store_import(s, CTL_ACTOR, c->args[0], k, c->dry_run, &m, &c->e);
     keyfile_free(k);
@@ -64,11 +65,44 @@ int ctl_archive_import(struct ctl *c)
                  c->dry_run ? "would be" : "are", (unsigned long long)m.new_subjects,
                  (unsigned long long)m.new_templates);
     if (m.erased > 0)
-        (void)printf("%llu subjects were erased here: left out\n",
+        (void)printf("%llu subjects were erased here and are left out\n",
                      (unsigned long long)m.erased);
     if (m.stale > 0)
         (void)printf("%llu templates were made by another engine: surfacectl template "
-                     "reprocess\n",
+                     "reencode\n",
                      (unsigned long long)m.stale);
     return EXIT_FINE;
 }
+
+const struct ctl_command ctl_archive_export = {
+    .name = "export",
+    .args = "SUBJECT... | --all",
+    .takes = {0, CTL_MANY},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_OUT | CTL_ARCHIVE_KEY,
+    .options = (const struct ctl_option[]){CTL_OPTION("all", NULL, ctl_option_flag, &all,
+                                                      "every subject"),
+                                           CTL_OPTION_END},
+    .run = run_export,
+    .summary = "write subjects to an archive for another machine",
+    .help =
+        "The new file --out is encrypted with a passphrase that is asked for, or with the line\n"
+        "in the file --archive-key: 64 hexadecimal digits are a key, anything else is a\n"
+        "passphrase.  Tokens, calibrations and events are not in it.  An event records each\n"
+        "subject that was exported.",
+    .example = "surfacectl --db faces.db export alice bob --out moving.archive"};
+
+const struct ctl_command ctl_archive_import = {
+    .name = "import",
+    .args = "FILE",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL | CTL_ARCHIVE_KEY | CTL_DRY_RUN,
+    .run = run_import,
+    .summary = "read subjects from an archive",
+    .help =
+        "All of it or nothing; it is verified first.  Subjects and templates that are here\n"
+        "already stay as they are, so a second import changes nothing.  Subjects that were\n"
+        "erased here, under whatever id, are left out: to have them back, enroll them again.\n"
+        "Templates of another engine are imported as they are (template reencode).",
+    .example = "surfacectl --db faces.db import moving.archive --dry-run"};

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "ctl.h"
+#include "ctl_command.h"
 
 static enum status list(struct ctl *c, struct store *s)
 {
@@ -44,24 +44,25 @@ static enum status reset(struct ctl *c, struct store *s)
     return ST_OK;
 }
 
-static int run(struct ctl *c, enum store_mode mode,
-               enum status (*what)(struct ctl *, struct store *))
-{
-    struct store *s = NULL;
-    enum status st = ctl_open(c, mode, &s);
+const struct ctl_command ctl_attempts_list = {
+    .name = "attempts list",
+    .database = CTL_NEEDS_DATABASE,
+    .work = list,
+    .mode = STORE_READ,
+    .summary = "list the subjects that failed to be verified",
+    .help =
+        "After some failed verifications in a row the daemon locks a subject out for a while.\n"
+        "The list says how many there were, and when the last one was.",
+    .example = "surfacectl --db faces.db attempts list"};
 
-    if (st == ST_OK)
-        st = what(c, s);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
-}
-
-int ctl_attempts_list(struct ctl *c)
-{
-    return run(c, STORE_READ, list);
-}
-
-int ctl_attempts_reset(struct ctl *c)
-{
-    return run(c, STORE_WRITE, reset);
-}
+const struct ctl_command ctl_attempts_reset = {
+    .name = "attempts reset",
+    .args = "SUBJECT",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .work = reset,
+    .mode = STORE_WRITE,
+    .summary = "end a subject's lock-out",
+    .help =
+        "Its failed verifications are forgotten; the daemon accepts the next one at once.",
+    .example = "surfacectl --db faces.db attempts reset alice"};

@@ -9,12 +9,17 @@
 
 #include "json.h"
 #include "store_chain.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_config.h"
 #include "ctl_dir.h"
+#include "ctl_key.h"
 
 #define SHOWN 100  /* entries without --limit */
 #define PAGE  1000 /* read at a time */
 #define LINE  4096 /* bytes of a file's line, at most */
+
+static const char *about, *kind, *since; /* --subject, --kind, --since */
+static uint32_t limit;                   /* --limit */
 
 /* ---- show */
 
@@ -49,24 +54,20 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
                      a->outcome, a->actor);
 }
 
-int ctl_audit_show(struct ctl *c)
+static enum status show(struct ctl *c, struct store *s)
 {
-    const struct store_audit_filter wanted = {.limit = c->limit != 0 ? c->limit : SHOWN,
+    const struct store_audit_filter wanted = {.limit = limit != 0 ? limit : SHOWN,
                                               .newest = true,
                                               .names = true,
-                                              .subject = c->subject,
-                                              .kind = c->kind,
-                                              .since = c->since};
+                                              .subject = about,
+                                              .kind = kind,
+                                              .since = since};
     struct store_audit_entry *a = NULL;
-    struct store *s = NULL;
     size_t n = 0;
-    enum status st = ctl_open(c, STORE_READ, &s);
+    const enum status st = store_audit_list(s, &wanted, &a, &n, &c->e);
 
-    if (st == ST_OK)
-        st = store_audit_list(s, &wanted, &a, &n, &c->e);
-    store_close(s);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     ctl_out_array(c->out, "entries");
     if (!c->json && n > 0)
         (void)printf("%8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "ENTRY",
@@ -77,7 +78,7 @@ int ctl_audit_show(struct ctl *c)
     if (!c->json && n == 0)
         (void)printf("no entries\n");
     free(a);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 /* ---- checkpoint */
@@ -90,25 +91,22 @@ static void out_mark(struct ctl_out *o, const struct store_audit_mark *m)
     ctl_out_text(o, "signature", m->signature);
 }
 
-int ctl_audit_checkpoint(struct ctl *c)
+static enum status checkpoint(struct ctl *c, struct store *s)
 {
     struct store_audit_mark m;
-    struct store *s = NULL;
     char public_key[65];
-    enum status st = ctl_open(c, STORE_WRITE, &s);
+    enum status st = store_audit_public(s, public_key, &c->e);
 
-    if (st == ST_OK && (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
-        st = store_audit_sign(s, CTL_ACTOR, STORE_CHAIN_SIGN, &m, &c->e);
-    store_close(s);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
+    if (st != ST_OK ||
+        (st = store_audit_sign(s, CTL_ACTOR, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
+        return st;
     out_mark(c->out, &m);
     ctl_out_text(c->out, "public_key", public_key);
     if (!c->json)
         (void)printf("entry       %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
                      "public key  %s\n",
                      m.seq, m.at, m.hash, m.signature, public_key);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 /* ---- export */
@@ -215,17 +213,14 @@ static enum status put_file(struct ctl *c, const struct export *x)
     return st;
 }
 
-int ctl_audit_export(struct ctl *c)
+static int run_export(struct ctl *c)
 {
     struct export x = {.nmark = 0};
     enum status st;
 
-    if (c->dir == NULL && c->json) {
-        (void)errinfo_set(&c->e, ST_EINVAL,
-                          "the log is JSON lines by itself: --json takes --out FILE");
-        return EXIT_USAGE;
-    }
-    if ((st = ctl_open(c, STORE_WRITE, &x.store)) == ST_OK &&
+    if (c->dir == NULL && c->json)
+        return ctl_usage(c, "the log is JSON lines already: --json needs --out FILE");
+    if ((st = ctl_key_open(c, STORE_WRITE, &x.store)) == ST_OK &&
         (st = store_audit_public(x.store, x.public_key, &c->e)) == ST_OK &&
         (st = store_audit_sign(x.store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
             ST_OK &&
@@ -407,25 +402,22 @@ static enum status verify_database(struct ctl *c, struct store_audit *out,
     struct store *s = NULL;
     enum status st;
 
-    if ((st = ctl_open(c, STORE_READ, &s)) == ST_OK &&
+    if ((st = ctl_key_open(c, STORE_READ, &s)) == ST_OK &&
         (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
         st = store_audit_verify(s, tell_problem, c, out, &c->e);
     store_close(s);
     return st;
 }
 
-int ctl_audit_verify(struct ctl *c)
+static int run_verify(struct ctl *c)
 {
     struct store_audit found;
     char public_key[65] = "";
     enum status st;
 
-    if ((c->nargs > 0) != (c->public_key != NULL)) {
-        (void)errinfo_set(&c->e, ST_EINVAL,
-                          "a file is verified by --public-key, a database without");
-        return EXIT_USAGE;
-    }
-    if (c->nargs == 0 && ctl_config_database(c, false) != ST_OK)
+    if ((c->nargs > 0) != (c->public_key != NULL))
+        return ctl_usage(c, "a file is verified by --public-key, a database without");
+    if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return EXIT_USAGE;
     ctl_out_array(c->out, "problems");
     st = c->nargs > 0 ? verify_file(c, &found) : verify_database(c, &found, public_key);
@@ -450,13 +442,13 @@ int ctl_audit_verify(struct ctl *c)
 
 /* ---- erased */
 
-int ctl_audit_erased(struct ctl *c)
+static int run_erased(struct ctl *c)
 {
     const char *subject = c->nargs > 0 ? c->args[0] : NULL;
     struct store_erased *list = NULL;
     struct store *s = NULL;
     size_t n = 0;
-    enum status st = ctl_open(c, STORE_READ, &s);
+    enum status st = ctl_key_open(c, STORE_READ, &s);
 
     if (st == ST_OK)
         st = store_audit_erased(s, subject, &list, &n, &c->e);
@@ -478,3 +470,72 @@ int ctl_audit_erased(struct ctl *c)
     free(list);
     return subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
 }
+
+/* ---- the commands */
+
+const struct ctl_command ctl_audit_show = {
+    .name = "audit show",
+    .database = CTL_NEEDS_DATABASE,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("subject", "ID", ctl_option_text, &about,
+                       "only entries about this subject, erased or not"),
+            CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                       "only entries of this kind, like enroll or verify"),
+            CTL_OPTION("since", "TIME", ctl_option_text, &since,
+                       "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
+            CTL_OPTION("limit", "N", ctl_option_whole, &limit, "the newest N (100)"),
+            CTL_OPTION_END},
+    .work = show,
+    .mode = STORE_READ,
+    .summary = "list who did what, and when",
+    .help =
+        "The newest entries of the audit log, oldest first.  The actor is a token's id or a\n"
+        "program.  Erased subjects have no name in the log, but --subject finds their entries.",
+    .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
+
+const struct ctl_command ctl_audit_verify = {
+    .name = "audit verify",
+    .args = "[FILE]",
+    .takes = {0, 1},
+    .database = CTL_TAKES_DATABASE,
+    .shared = CTL_PUBLIC_KEY,
+    .exits = {"the log is as it was written", "it is not: each problem is printed"},
+    .run = run_verify,
+    .summary = "find audit entries that were removed or changed",
+    .help =
+        "In the database; or, with --public-key and without a database, in a FILE that audit\n"
+        "export wrote.",
+    .example = "surfacectl audit verify log.jsonl --public-key "
+               "fc51cd8e6218a1a38da47ed00230f0580816ed13ba3303ac5deb911548908025"};
+
+const struct ctl_command ctl_audit_export = {
+    .name = "audit export",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_OUT,
+    .run = run_export,
+    .summary = "write the audit log as signed JSON lines",
+    .help =
+        "To --out, or standard output.  It has a keyed hash in place of each subject's id.",
+    .example = "surfacectl --db faces.db audit export --out log.jsonl"};
+
+const struct ctl_command ctl_audit_checkpoint = {
+    .name = "audit checkpoint",
+    .database = CTL_NEEDS_DATABASE,
+    .work = checkpoint,
+    .mode = STORE_WRITE,
+    .summary = "sign the audit log as it is now",
+    .help =
+        "Keep the output elsewhere: with it, an older log that was put back can be recognised.",
+    .example = "surfacectl --db faces.db --json audit checkpoint"};
+
+const struct ctl_command ctl_audit_erased = {
+    .name = "audit erased",
+    .args = "[SUBJECT]",
+    .takes = {0, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .exits = {"done", "SUBJECT was not erased, or was enrolled again"},
+    .run = run_erased,
+    .summary = "list when subjects were erased",
+    .help = "All of them, or SUBJECT alone.",
+    .example = "surfacectl --db faces.db audit erased alice"};

@@ -1,7 +1,8 @@
 /* backup and restore: the database as a whole. */
 #include <stdio.h>
 
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_key.h"
 
 /* The key of a copy is that of the database: its usual name goes by the database's. */
 static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
@@ -25,7 +26,7 @@ static void out_copied(struct ctl *c, const struct store_copied *k)
     ctl_out_number(c->out, "bytes", (double)k->bytes);
 }
 
-int ctl_backup(struct ctl *c)
+static int run_backup(struct ctl *c)
 {
     struct store_copied copied;
     struct store_key key;
@@ -65,9 +66,9 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
         print_count(r->lost, "subject");
         (void)printf(" of those are not in the backup\n");
         print_count(r->erased, "subject");
-        (void)printf(" of the backup erased since: erased again\n");
+        (void)printf(" of the backup were erased since and are erased again\n");
         print_count(r->revoked, "token");
-        (void)printf(" revoked since: revoked again");
+        (void)printf(" were revoked since and are revoked again");
     }
     (void)printf("\n");
     if (c->dry_run)
@@ -80,7 +81,7 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
         (void)printf("restored\n");
 }
 
-int ctl_backup_restore(struct ctl *c)
+static int run_restore(struct ctl *c)
 {
     struct store_restored r;
     struct store_key key;
@@ -103,3 +104,30 @@ int ctl_backup_restore(struct ctl *c)
         tell_restored(c, &r);
     return EXIT_FINE;
 }
+
+const struct ctl_command ctl_backup = {
+    .name = "backup",
+    .args = "FILE",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .run = run_backup,
+    .summary = "copy the database, also while the daemon runs",
+    .help =
+        "The copy is of one moment.  Before it gets its name it is verified: every page, every\n"
+        "subject and template decrypted, the audit log.  FILE is complete or not there; an older\n"
+        "backup of that name is replaced.  The key is not in it.",
+    .example = "surfacectl --db faces.db backup faces-monday.db"};
+
+const struct ctl_command ctl_backup_restore = {
+    .name = "restore",
+    .args = "FILE",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_DRY_RUN,
+    .run = run_restore,
+    .summary = "replace the database by a backup",
+    .help =
+        "FILE is verified first.  Subjects that were erased since the backup are erased in it\n"
+        "too, also under an older id; tokens keep their present secrets, and revoked ones stay\n"
+        "revoked.  The present database is kept as PATH.before-restore.  Stop the daemon first.",
+    .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};

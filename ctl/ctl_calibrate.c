@@ -9,8 +9,9 @@
 #include "calibration.h"
 #include "model.h"
 #include "rates.h"
-#include "ctl.h"
-#include "ctl_people.h"
+#include "ctl_command.h"
+#include "ctl_cross.h"
+#include "ctl_model.h"
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
@@ -21,13 +22,16 @@
                                 may be one, or relatives */
 #define SUSPECTS 20 /* shown as text; all as JSON */
 
+static bool wants_list, wants_reset; /* --list, --reset */
+static const char *genuine;          /* --genuine */
+
 struct suspect {
     uint32_t a, b;
     double mm;
 };
 
 struct result {
-    struct ctl_people people;
+    struct ctl_cross cross;
     struct rates *rates;
     struct store_calibration k;
     size_t pairs; /* of people that were compared, at least */
@@ -60,7 +64,7 @@ static int by_mm(const void *x, const void *y)
 /* Pairs of people who are too alike, each once, the most alike first. */
 static enum status find_suspects(const struct ctl *c, struct result *r)
 {
-    const struct ctl_people *p = &r->people;
+    const struct ctl_cross *p = &r->cross;
     size_t n = 0, kept = 0;
 
     if ((r->suspect = malloc((p->nscore + 1) * sizeof *r->suspect)) == NULL)
@@ -108,23 +112,23 @@ static size_t pairs_of(size_t n)
 
 static enum status compare_all(struct ctl *c, struct store *s, struct result *r)
 {
-    struct ctl_people *p = &r->people;
-    enum status st = ctl_people_load(c, s, SEED, p);
+    struct ctl_cross *p = &r->cross;
+    enum status st = ctl_cross_load(c, s, SEED, p);
 
     if (st != ST_OK)
         return st;
-    if (!rates_supported(c->fmr, pairs_of(p->nperson)))
-        return too_few(c, p->nsubject, pairs_of(p->nperson));
-    st = ctl_people_impostors(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
+    if (!rates_supported(c->fmr, pairs_of(p->nsubject)))
+        return too_few(c, p->nenrolled, pairs_of(p->nsubject));
+    st = ctl_cross_impostors(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
     /* Each pair was compared from both sides, or else in so many comparisons. */
     r->pairs =
-        p->nscore / 2 < pairs_of(p->nperson) ? p->nscore / 2 : pairs_of(p->nperson);
+        p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
     if (st == ST_OK && !rates_supported(c->fmr, r->pairs))
-        return too_few(c, p->nsubject, r->pairs);
+        return too_few(c, p->nenrolled, r->pairs);
     if (st == ST_OK)
-        st = ctl_people_genuine(c, p);
-    if (st == ST_OK && c->genuine != NULL)
-        st = ctl_people_manifest(c, p, c->genuine);
+        st = ctl_cross_genuine(c, p);
+    if (st == ST_OK && genuine != NULL)
+        st = ctl_cross_manifest(c, p, genuine);
     return st;
 }
 
@@ -135,7 +139,7 @@ static enum status learn(struct ctl *c, struct result *r)
     struct rates_figures low, high;
     double threshold;
     enum status st =
-        rates_new(r->people.score, r->people.nscore, r->people.nperson, &r->rates);
+        rates_new(r->cross.score, r->cross.nscore, r->cross.nsubject, &r->rates);
 
     if (st == ST_OK)
         st = find_suspects(c, r);
@@ -152,7 +156,7 @@ static enum status learn(struct ctl *c, struct result *r)
     k->low_mm = fmin(fmax(0, k->low_mm), threshold);
     k->high_mm = fmax(k->high_mm, threshold);
     k->fmr = c->fmr;
-    k->subjects = r->people.nperson;
+    k->subjects = r->cross.nsubject;
     k->impostors = rates_nimpostor(r->rates);
     k->genuine = rates_ngenuine(r->rates);
     r->fnmr = rates_fnmr(r->rates, threshold);
@@ -196,11 +200,11 @@ static void out_calibration(struct ctl_out *o, const struct store_calibration *k
 
 static void out_result(struct ctl *c, const struct result *r)
 {
-    const struct ctl_person *who = r->people.person;
+    const struct ctl_cross_subject *who = r->cross.subject;
     struct ctl_out *o = c->out;
 
     out_calibration(o, &r->k);
-    ctl_out_number(o, "templates", r->people.ntemplate);
+    ctl_out_number(o, "templates", r->cross.ntemplate);
     ctl_out_number(o, "pairs", (double)r->pairs);
     ctl_out_number(o, "replicates", RATES_REPLICATES);
     ctl_out_number(o, "seed", (double)SEED);
@@ -215,8 +219,8 @@ static void out_result(struct ctl *c, const struct result *r)
         ctl_out_rate(o, "fnmr_low", r->fnmr_low);
         ctl_out_rate(o, "fnmr_high", r->fnmr_high);
     }
-    ctl_out_number(o, "scans_outside", (double)r->people.outside);
-    ctl_out_number(o, "scans_refused", (double)r->people.refused);
+    ctl_out_number(o, "scans_outside", (double)r->cross.outside);
+    ctl_out_number(o, "scans_refused", (double)r->cross.refused);
     ctl_out_array(o, "suspicious");
     for (size_t i = 0; i < r->nsuspect; i++) {
         ctl_out_object(o, NULL);
@@ -230,7 +234,7 @@ static void out_result(struct ctl *c, const struct result *r)
 
 static void print_suspects(const struct result *r)
 {
-    const struct ctl_person *who = r->people.person;
+    const struct ctl_cross_subject *who = r->cross.subject;
 
     if (r->nsuspect == 0)
         return;
@@ -248,12 +252,12 @@ static void print_suspects(const struct result *r)
 
 static void print_result(const struct ctl *c, const struct result *r)
 {
-    const struct ctl_people *p = &r->people;
+    const struct ctl_cross *p = &r->cross;
     const struct store_calibration *k = &r->k;
     const struct decision *d = &k->decision;
 
-    (void)printf("subjects     %u%s, %u templates\n", p->nperson,
-                 p->nsubject > p->nperson ? " of more, drawn" : "", p->ntemplate);
+    (void)printf("subjects     %u%s, %u templates\n", p->nsubject,
+                 p->nenrolled > p->nsubject ? " of more, drawn" : "", p->ntemplate);
     (void)printf("impostors    %llu comparisons of %zu pairs of people\n",
                  (unsigned long long)k->impostors, r->pairs);
     (void)printf("threshold    %.4f mm for a false match rate of %g %%\n",
@@ -319,7 +323,7 @@ static enum status calibrate(struct ctl *c, struct store *s)
     }
     free(r.suspect);
     rates_free(r.rates);
-    ctl_people_free(&r.people);
+    ctl_cross_free(&r.cross);
     return st;
 }
 
@@ -382,24 +386,46 @@ out:
     return st;
 }
 
-int ctl_calibrate(struct ctl *c)
+static int run(struct ctl *c)
 {
-    const bool learns = !c->list && !c->reset;
+    const bool learns = !wants_list && !wants_reset;
     struct store *s = NULL;
     enum status st;
 
-    if ((c->list && c->reset) || (!learns && (c->genuine != NULL || c->fmr > 0)) ||
-        (c->list && c->dry_run)) {
-        (void)errinfo_set(&c->e, ST_EINVAL,
-                          "--list and --reset go with no other option of calibrate, but "
-                          "--reset with --dry-run");
-        return EXIT_USAGE;
-    }
+    if ((wants_list && wants_reset) || (!learns && (genuine != NULL || c->fmr > 0)) ||
+        (wants_list && c->dry_run))
+        return ctl_usage(c, "--list takes no other option of calibrate, and --reset only "
+                            "--dry-run");
     if (!(c->fmr > 0))
         c->fmr = DEFAULT_FMR;
-    st = ctl_model_store(c, c->list || c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE, &s);
     if (st == ST_OK)
-        st = c->list ? list(c, s) : c->reset ? reset(c, s) : calibrate(c, s);
+        st = wants_list ? list(c, s) : wants_reset ? reset(c, s) : calibrate(c, s);
     store_close(s);
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }
+
+const struct ctl_command ctl_calibrate = {
+    .name = "calibrate",
+    .args = "[--list | --reset]",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_UNITS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION(
+                "genuine", "MANIFEST", ctl_option_text, &genuine,
+                "more scans of the subjects: a folder, or a table with the columns\n"
+                "file and subject"),
+            CTL_OPTION("list", NULL, ctl_option_flag, &wants_list,
+                       "list the calibrations"),
+            CTL_OPTION("reset", NULL, ctl_option_flag, &wants_reset,
+                       "go back to the table that comes with the program"),
+            CTL_OPTION_END},
+    .run = run,
+    .summary = "compute a threshold from the enrolled templates",
+    .help =
+        "The templates of different subjects are compared with each other.  At the threshold the\n"
+        "share --fmr (0.001) of these comparisons would match.  Subjects with several templates,\n"
+        "and the scans of --genuine, tell the false non-match rate.  A running daemon decides by\n"
+        "the new threshold at once.",
+    .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

@@ -1,34 +1,36 @@
-/* ctl_command.h -- the commands of surfacectl: one table, by which they are found, told
- * of in help texts and completed. */
-#ifndef DB_SURFACECTL_COMMAND_H
-#define DB_SURFACECTL_COMMAND_H
-#include <stdbool.h>
+/* ctl_command.h -- what a command of surfacectl says of itself.  To add a command, write a
+ * file with such a row at its end, and its name into the list in ctl_table.c. */
+#ifndef CTL_COMMAND_H
+#define CTL_COMMAND_H
+#include "ctl.h"
+#include "ctl_option.h"
+#include "store.h"
 
-struct ctl; /* ctl.h */
+enum ctl_database {
+    CTL_NO_DATABASE,
+    CTL_NEEDS_DATABASE,
+    CTL_TAKES_DATABASE, /* --db or SURFACED_DB, where there is one: c->db may be NULL */
+};
 
 struct ctl_command {
-    const char *name; /* one word, or a group and a verb: "token create" */
-    const char *was; /* a name it is found by too, of before there were groups; or NULL */
-    const char *args;    /* as told, "" for none */
+    const char *name;    /* one word, or a group and a verb: "token create" */
+    const char *args;    /* as told; NULL: it takes none */
+    int takes[2];        /* arguments: so many at least, at most */
     const char *summary; /* begins with a small letter */
     const char *help;    /* lines of up to 88 characters */
     const char *example;
-    int min, max;        /* arguments */
-    bool db;             /* it works on a database */
-    bool old;            /* not listed: others do the same */
-    const char *options; /* their names (ctl_option.h), but of those for all */
-    int (*run)(struct ctl *c);
+    const char
+        *exits[3]; /* what the exit codes 0 to 2 mean; NULL: 0 is done, others never */
+    enum ctl_database database;
+    unsigned shared; /* options, besides those of a database and of all */
+    const struct ctl_option *options; /* of its own, or NULL */
+
+    /* One of these does it; both fill c->e on failure. */
+    int (*run)(struct ctl *c);                           /* returns an exit code */
+    enum status (*work)(struct ctl *c, struct store *s); /* on the database, opened in */
+    enum store_mode mode;                                /* this mode */
 };
 
 #define CTL_MANY (1 << 30) /* arguments */
-
-extern const struct ctl_command ctl_commands[]; /* ends with a NULL name */
-
-/* ctl_command_find(words, n, used): the command that the words begin with; *used is
- * how many of them name it.  NULL: none. */
-const struct ctl_command *ctl_command_find(char *const *words, int n, int *used);
-
-/* ctl_command_in(cmd, group): is its first of two words this? */
-bool ctl_command_in(const struct ctl_command *cmd, const char *group);
 
 #endif

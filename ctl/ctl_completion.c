@@ -2,9 +2,26 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ctl.h"
 #include "ctl_command.h"
-#include "ctl_option.h"
+#include "ctl_table.h"
+
+/* Every shared option once, and every command's own. */
+typedef void visitor(const struct ctl_option *o);
+
+static void each_option(visitor *visit)
+{
+    const struct ctl_option *o;
+    unsigned seen = 0;
+
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
+        const unsigned shared = ctl_table_options(*k);
+
+        for (size_t i = 0; (o = ctl_option_at(shared & ~seen, (*k)->options, i)) != NULL;
+             i++)
+            visit(o);
+        seen |= shared;
+    }
+}
 
 static bool takes_path(const struct ctl_option *o)
 {
@@ -12,48 +29,46 @@ static bool takes_path(const struct ctl_option *o)
            strcmp(o->arg, "PATH") == 0 || strcmp(o->arg, "MANIFEST") == 0;
 }
 
-/* "|--db|--key": the options whose values are paths, or are not. */
-static void print_valued(bool path)
+static void print_path(const struct ctl_option *o)
 {
-    const char *between = "";
+    if (o->arg != NULL && takes_path(o)) {
+        (void)printf("|--%s", o->name);
+        if (o->letter != 0)
+            (void)printf("|-%c", o->letter);
+    }
+}
 
-    for (const struct ctl_option *o = ctl_options; o->name != NULL; o++)
-        if (o->arg != NULL && takes_path(o) == path) {
-            (void)printf("%s--%s", between, o->name);
-            if (o->also != NULL)
-                (void)printf("|-%s", o->also);
-            between = "|";
-        }
+static void print_word(const struct ctl_option *o)
+{
+    if (o->arg != NULL && !takes_path(o))
+        (void)printf("|--%s", o->name);
 }
 
 /* The values of options that have but a few: "mm|cm|m". */
-static void print_choices(void)
+static void print_choices(const struct ctl_option *o)
 {
-    for (const struct ctl_option *o = ctl_options; o->name != NULL; o++)
-        if (o->arg != NULL && !takes_path(o) && strchr(o->arg, '|') != NULL) {
-            (void)printf("    --%s)\n        words='", o->name);
-            for (const char *p = o->arg; *p != '\0'; p++)
-                (void)putchar(*p == '|' ? ' ' : *p);
-            (void)printf("' ;;\n");
-        }
+    if (o->arg == NULL || takes_path(o) || strchr(o->arg, '|') == NULL)
+        return;
+    (void)printf("    --%s)\n        words='", o->name);
+    for (const char *p = o->arg; *p != '\0'; p++)
+        (void)putchar(*p == '|' ? ' ' : *p);
+    (void)printf("' ;;\n");
 }
 
-/* The verbs of each group, for its name alone. */
+/* The verbs of each group, for its name alone; the group's first command stands for it. */
 static void print_groups(void)
 {
-    const struct ctl_command *k, *j;
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
+        const int n = (int)strcspn((*k)->name, " ");
+        char group[32];
 
-    for (k = ctl_commands; k->name != NULL; k++) {
-        const int n = (int)strcspn(k->name, " ");
-
-        /* a group's first command stands for it */
-        if (k->name[n] == '\0' ||
-            (k > ctl_commands && strncmp(k[-1].name, k->name, (size_t)n + 1) == 0))
+        (void)snprintf(group, sizeof group, "%.*s", n, (*k)->name);
+        if ((*k)->name[n] == '\0' || (k > ctl_table && ctl_table_in(k[-1], group)))
             continue;
-        (void)printf("    '%.*s')\n        words='", n, k->name);
-        for (j = k; j->name != NULL; j++)
-            if (strncmp(j->name, k->name, (size_t)n + 1) == 0)
-                (void)printf("%s%s", j != k ? " " : "", j->name + n + 1);
+        (void)printf("    '%s')\n        words='", group);
+        for (const struct ctl_command *const *j = k; *j != NULL; j++)
+            if (ctl_table_in(*j, group))
+                (void)printf("%s%s", j != k ? " " : "", (*j)->name + n + 1);
         (void)printf("' ;;\n");
     }
 }
@@ -61,24 +76,25 @@ static void print_groups(void)
 /* The first words: each group once. */
 static void print_first(void)
 {
-    const struct ctl_command *k;
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
+        char group[32];
 
-    for (k = ctl_commands; k->name != NULL; k++) {
-        const size_t n = strcspn(k->name, " ");
-
-        if (!k->old && (k == ctl_commands || strncmp(k[-1].name, k->name, n) != 0 ||
-                        k[-1].name[n] != ' ' || k->name[n] == '\0'))
-            (void)printf("%s%.*s", k != ctl_commands ? " " : "", (int)n, k->name);
+        (void)snprintf(group, sizeof group, "%.*s", (int)strcspn((*k)->name, " "),
+                       (*k)->name);
+        if (k == ctl_table || !ctl_table_in(k[-1], group))
+            (void)printf("%s%s", k != ctl_table ? " " : "", group);
     }
 }
 
 static void print_options(void)
 {
-    for (const struct ctl_command *k = ctl_commands; k->name != NULL; k++) {
-        (void)printf("        '%s'*) words='", k->name);
-        for (const struct ctl_option *o = ctl_options; o->name != NULL; o++)
-            if (o->common || ctl_option_in(o, k->options))
-                (void)printf("--%s ", o->name);
+    const struct ctl_option *o;
+
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
+        (void)printf("        '%s'*) words='", (*k)->name);
+        for (size_t i = 0;
+             (o = ctl_option_at(ctl_table_options(*k), (*k)->options, i)) != NULL; i++)
+            (void)printf("--%s ", o->name);
         (void)printf("' ;;\n");
     }
     (void)printf("        *) words='--db --key --json --help --version' ;;\n");
@@ -93,10 +109,9 @@ static void print_function(void)
         "    COMPREPLY=()\n"
         "    while [ \"$i\" -lt \"$COMP_CWORD\" ]; do\n"
         "        case ${COMP_WORDS[i]} in\n"
-        "        ");
-    print_valued(true);
-    (void)printf("|");
-    print_valued(false);
+        "        ''");
+    each_option(print_path);
+    each_option(print_word);
     (void)printf(") i=$((i + 1)) ;;\n"
                  "        -*) ;;\n"
                  "        *) name=\"$name${name:+ }${COMP_WORDS[i]}\" ;;\n"
@@ -104,14 +119,14 @@ static void print_function(void)
                  "        i=$((i + 1))\n"
                  "    done\n"
                  "    case $prev in\n"
-                 "    ");
-    print_valued(true);
+                 "    ''");
+    each_option(print_path);
     (void)printf(")\n"
                  "        COMPREPLY=($(compgen -f -- \"$cur\"))\n"
                  "        return ;;\n");
-    print_choices();
-    (void)printf("    ");
-    print_valued(false);
+    each_option(print_choices);
+    (void)printf("    ''");
+    each_option(print_word);
     (void)printf(") return ;;\n"
                  "    esac\n"
                  "    if [ -z \"$words\" ] && [[ $cur == -* ]]; then\n"
@@ -134,16 +149,27 @@ static void print_function(void)
                  "complete -o filenames -F _surfacectl surfacectl\n");
 }
 
-int ctl_completion(struct ctl *c)
+static int run(struct ctl *c)
 {
     const bool zsh = strcmp(c->args[0], "zsh") == 0;
 
     if (!zsh && strcmp(c->args[0], "bash") != 0)
         return ctl_usage(c, "it is: surfacectl completion bash|zsh");
     if (c->json)
-        return ctl_usage(c, "completion is a shell's program, not JSON");
+        return ctl_usage(c, "completion prints a shell program, not JSON");
     if (zsh)
         (void)printf("autoload -Uz bashcompinit && bashcompinit\n");
     print_function();
     return EXIT_FINE;
 }
+
+const struct ctl_command ctl_completion = {
+    .name = "completion",
+    .args = "bash|zsh",
+    .takes = {1, 1},
+    .run = run,
+    .summary = "print the shell's completion of command lines",
+    .help =
+        "For bash, put `source <(surfacectl completion bash)` into ~/.bashrc.  For zsh, put the\n"
+        "same with zsh into ~/.zshrc, after compinit.",
+    .example = "surfacectl completion bash >/etc/bash_completion.d/surfacectl"};

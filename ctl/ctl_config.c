@@ -5,7 +5,8 @@
 #include <string.h>
 
 #include "options.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_config.h"
 
 /* Where systemd keeps the credentials of the service, for processes outside of it. */
 #define CREDENTIALS       "CREDENTIALS_DIRECTORY"
@@ -103,7 +104,7 @@ static void out_settings(struct ctl *c)
     ctl_out_close(c->out);
 }
 
-int ctl_config_show(struct ctl *c)
+static int run_show(struct ctl *c)
 {
     char *problems, *rest;
     enum status st = load(c, false, &problems);
@@ -121,7 +122,7 @@ int ctl_config_show(struct ctl *c)
     return EXIT_FINE;
 }
 
-int ctl_config_check(struct ctl *c)
+static int run_check(struct ctl *c)
 {
     char *problems, *rest;
     const char *line;
@@ -141,3 +142,24 @@ int ctl_config_check(struct ctl *c)
     free(problems);
     return is_good(c) ? EXIT_FINE : EXIT_NO;
 }
+
+const struct ctl_command ctl_config_show = {
+    .name = "config show",
+    .shared = CTL_CONFIG,
+    .run = run_show,
+    .summary = "print the daemon's settings and their sources",
+    .help =
+        "As they would be in force if surfaced was started now: by the file --config,\n"
+        "SURFACED_CONFIG or /etc/surfaced.conf, by the environment, and by default.",
+    .example = "surfacectl config show --json"};
+
+const struct ctl_command ctl_config_check = {
+    .name = "config check",
+    .shared = CTL_CONFIG,
+    .exits = {"surfaced would start", "it would not: each problem is printed"},
+    .run = run_check,
+    .summary = "find what is wrong with the daemon's settings",
+    .help =
+        "Each problem is printed with its place.  Nothing is written; a running daemon keeps the\n"
+        "settings that it has.  What certificates hold is checked by surfaced --check-config.",
+    .example = "surfacectl config check --config new.conf"};

@@ -10,11 +10,14 @@
 #include "calibration.h"
 #include "decision.h"
 #include "pool.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_model.h"
 
 #define PAGE   1000 /* subjects read at a time */
 #define TRIALS 16   /* comparisons that the time is estimated by */
 #define NOBODY UINT32_MAX
+
+static const char *only; /* --subject */
 
 struct entry { /* a template */
     char id[STORE_ID_LEN + 1];
@@ -82,7 +85,7 @@ static enum status list_one(struct dedup *d, const char *subject)
     if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
         goto out;
     d->entry = larger;
-    if (d->c->subject != NULL && strcmp(subject, d->c->subject) == 0)
+    if (only != NULL && strcmp(subject, only) == 0)
         d->alone = d->nsubject;
     memcpy(d->subject[d->nsubject], t[0].subject, sizeof t[0].subject);
     for (size_t i = 0; i < n; i++, d->n++) {
@@ -116,9 +119,9 @@ static enum status list_all(struct dedup *d)
         if (st != ST_OK)
             break;
     }
-    if (st == ST_OK && d->c->subject != NULL && d->alone == NOBODY)
+    if (st == ST_OK && only != NULL && d->alone == NOBODY)
         st = errinfo_set(&d->c->e, ST_ENOTFOUND,
-                         "there is no subject %.128s with a template", d->c->subject);
+                         "there is no subject %.128s with a template", only);
     return st;
 }
 
@@ -289,7 +292,7 @@ static enum status estimate(struct dedup *d)
 
 /* ---- what is told */
 
-static int by_people(const void *p, const void *q)
+static int by_subjects(const void *p, const void *q)
 {
     const struct pair *v = p, *w = q;
 
@@ -306,7 +309,7 @@ static int by_mm(const void *p, const void *q)
 {
     const struct pair *v = p, *w = q;
 
-    return v->mm != w->mm ? (v->mm > w->mm) - (v->mm < w->mm) : by_people(p, q);
+    return v->mm != w->mm ? (v->mm > w->mm) - (v->mm < w->mm) : by_subjects(p, q);
 }
 
 /* Of each two subjects the nearest templates, the most alike first: the same in whatever
@@ -317,7 +320,7 @@ static void sort_found(struct dedup *d)
 
     if (d->nfound == 0)
         return;
-    qsort(d->found, d->nfound, sizeof *d->found, by_people);
+    qsort(d->found, d->nfound, sizeof *d->found, by_subjects);
     for (size_t i = 0; i < d->nfound; i++)
         if (n == 0 || d->found[n - 1].x != d->found[i].x ||
             d->found[n - 1].y != d->found[i].y)
@@ -386,7 +389,7 @@ static void tell_found(const struct dedup *d)
     (void)printf("\n");
     if ((double)d->compared < d->pairs)
         (void)printf("%.0f were left out: deleted meanwhile, or of another engine "
-                     "(template reprocess)\n",
+                     "(template reencode)\n",
                      d->pairs - (double)d->compared);
 }
 
@@ -420,7 +423,7 @@ static enum status dedup(struct dedup *d)
     return ST_OK;
 }
 
-int ctl_dedup(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct dedup d = {.c = c};
     enum status st;
@@ -429,7 +432,7 @@ int ctl_dedup(struct ctl *c)
     if (c->fmr > 0 && c->threshold_mm > 0)
         return ctl_usage(c, "--fmr or --threshold-mm, not both");
     (void)pthread_mutex_init(&d.lock, NULL);
-    if ((st = ctl_model_store(c, STORE_READ, &d.store)) == ST_OK)
+    if ((st = ctl_model_open(c, STORE_READ, &d.store)) == ST_OK)
         st = dedup(&d);
     code = st != ST_OK ? ctl_fail(c, st) : d.nfound > 0 ? EXIT_NO : EXIT_FINE;
     store_close(d.store);
@@ -439,3 +442,23 @@ int ctl_dedup(struct ctl *c)
     free(d.found);
     return code;
 }
+
+const struct ctl_command ctl_dedup = {
+    .name = "dedup",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL | CTL_THRESHOLD | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
+    .options =
+        (const struct ctl_option[]){CTL_OPTION("subject", "ID", ctl_option_text, &only,
+                                               "compare this subject with the others"),
+                                    CTL_OPTION_END},
+    .exits = {"no duplicates", "duplicates were found"},
+    .run = run,
+    .summary = "find one face enrolled under two subjects",
+    .help =
+        "All templates of each subject are compared with those of every other, as in a\n"
+        "verification.  The pairs at or below the threshold in force, --threshold-mm or that\n"
+        "for --fmr are listed, the most alike first.  They may be one person, relatives, or\n"
+        "alike by chance: about one comparison in a thousand is, at the shipped threshold, so\n"
+        "choose a smaller --fmr for a large database.  The number of comparisons and the time\n"
+        "that they take are printed first, with --dry-run nothing else.  Nothing is changed.",
+    .example = "surfacectl --db faces.db dedup --fmr 1e-5"};

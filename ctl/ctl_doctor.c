@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 #include "keyfile.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "store.h"
 
 #define LEAST_FREE (UINT64_C(64) << 20) /* bytes */
 #define PAGE       1000                 /* subjects read at a time */
@@ -281,14 +282,14 @@ static void look_at_templates(struct doctor *d)
             e.msg);
     else if (others > 0)
         say(d, TROUBLE, "templates",
-            "surfacectl template reprocess, or name their model with --model",
+            "surfacectl template reencode, or name their model with --model",
             "%llu of %llu were made by another engine than %s",
             (unsigned long long)others, (unsigned long long)all, d->c->engine);
     else
         say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)all);
 }
 
-int ctl_doctor(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct doctor d = {.c = c};
 
@@ -312,3 +313,16 @@ int ctl_doctor(struct ctl *c)
     ctl_out_flag(c->out, "ok", d.troubles == 0);
     return d.troubles == 0 ? EXIT_FINE : EXIT_NO;
 }
+
+const struct ctl_command ctl_doctor = {
+    .name = "doctor",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL,
+    .exits = {"no trouble", "there is trouble"},
+    .run = run,
+    .summary = "find what is wrong around a database",
+    .help =
+        "And what to do about it: the permissions of the database, its folder and its key; the\n"
+        "right key, and one that rekey left behind; the schema; the WAL; free space on the disk;\n"
+        "templates of another engine.  Nothing is changed.",
+    .example = "surfacectl --db faces.db doctor"};

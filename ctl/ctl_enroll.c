@@ -1,55 +1,45 @@
+/* enroll: the files of a subject; ctl_enroll_folder.h: many subjects. */
 #include <stdio.h>
 #include <sys/stat.h>
 
 #include "describe.h"
-#include "ctl.h"
-#include "ctl_crowd.h"
+#include "ctl_command.h"
+#include "ctl_enroll_folder.h"
+#include "ctl_face.h"
+#include "ctl_model.h"
+#include "ctl_scan.h"
 
-enum status ctl_enroll_face(struct ctl *c, struct store *s, const char *subject,
-                            const char *label, const char *path, struct face_work *w,
-                            const struct face *f, struct store_template *t, bool *created)
-{
-    const struct enrolment x = {.actor = CTL_ACTOR,
-                                .subject = subject,
-                                .label = label,
-                                .face = f,
-                                .force = c->force};
-    struct enrolment_outcome out;
-    struct errinfo e;
-    const enum status st = ctl_face_enroll(c, s, &x, w, &out);
-
-    if (st == ST_EMISMATCH) {
-        e = c->e;
-        (void)errinfo_set(&c->e, st, "%.100s: %s", path, e.msg);
-    }
-    *t = out.tmpl;
-    *created = out.created;
-    return st;
-}
+static bool force;       /* --force */
+static const char *kind; /* --kind */
 
 static enum status enroll_file(struct ctl *c, struct store *s, const char *subject,
                                const char *path, struct face_work *w, struct face *f)
 {
+    const struct enrolment x = {.actor = CTL_ACTOR,
+                                .subject = subject,
+                                .label = c->label != NULL ? c->label : "",
+                                .face = f,
+                                .force = force};
     struct ctl_out *o = c->out;
-    struct store_template t;
-    bool created;
+    struct enrolment_outcome out;
     enum status st = ctl_scan_read(c, path, w, f);
 
     if (st == ST_OK)
-        st = ctl_enroll_face(c, s, subject, c->label != NULL ? c->label : "", path, w, f,
-                             &t, &created);
+        st = ctl_face_enroll(c, s, &x, path, w, &out);
     ctl_out_object(o, NULL);
     ctl_out_text(o, "file", path);
     if (st == ST_OK) {
-        ctl_out_text(o, "template_id", t.id);
-        ctl_out_flag(o, "created", created);
-        ctl_out_number(o, "points", t.points);
-        ctl_out_number(o, "triangles", t.triangles);
-        ctl_out_text(o, "digest", t.digest);
-        describe_quality(ctl_out_document(o), "quality", &t.quality, &f->frame);
+        const struct store_template *t = &out.tmpl;
+
+        ctl_out_text(o, "template_id", t->id);
+        ctl_out_flag(o, "created", out.created);
+        ctl_out_number(o, "points", t->points);
+        ctl_out_number(o, "triangles", t->triangles);
+        ctl_out_text(o, "digest", t->digest);
+        describe_quality(ctl_out_document(o), "quality", &t->quality, &f->frame);
         if (!c->json) {
-            (void)printf("%s  %s  %u points, quality %.2f%s", t.id, path, t.points,
-                         t.quality.score, created ? "" : " (was there already)");
+            (void)printf("%s  %s  %u points, quality %.2f%s", t->id, path, t->points,
+                         t->quality.score, out.created ? "" : " (was there already)");
             ctl_face_reasons(stdout, f);
         }
     } else {
@@ -76,7 +66,7 @@ static int enroll_files(struct ctl *c)
                          "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
                          subject, STORE_SUBJECT_MAX);
     else
-        st = ctl_model_store(c, STORE_WRITE, &s);
+        st = ctl_model_open(c, STORE_WRITE, &s);
     if (st != ST_OK) {
         code = ctl_fail(c, st);
         goto out;
@@ -100,7 +90,7 @@ out:
     return code;
 }
 
-int ctl_enroll(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct stat sb;
 
@@ -110,9 +100,34 @@ int ctl_enroll(struct ctl *c)
                              "it is: surfacectl enroll SUBJECT FILE..., or "
                              "enroll DIR|MANIFEST, and there is no %.80s",
                              c->args[0]);
-        return ctl_crowd_enroll(c);
+        return ctl_enroll_folder(c, kind, force);
     }
-    if (c->kind != NULL || c->threads != 0)
+    if (kind != NULL || c->threads != 0)
         return ctl_usage(c, "--kind and --threads are for a folder or a table");
     return enroll_files(c);
 }
+
+const struct ctl_command ctl_enroll = {
+    .name = "enroll",
+    .args = "SUBJECT FILE... | DIR | MANIFEST",
+    .takes = {1, CTL_MANY},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_UNITS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("force", NULL, ctl_option_flag, &force,
+                       "enroll scans that do not fit the subject's other samples"),
+            CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                       "of a folder or a table, only the scans of this kind"),
+            CTL_OPTION_END},
+    .run = run,
+    .summary = "enroll scans of a subject, or of many",
+    .help =
+        "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  Enrolling the same\n"
+        "scan again changes nothing.  A scan that matches none of the subject's templates, or has\n"
+        "too little in common with them to tell, is refused unless --force is given.\n"
+        "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
+        "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
+        "and started again, it goes on where it was.\n"
+        "A scan that cannot be enrolled is listed with the reason, and the others are enrolled.",
+    .example = "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply"};

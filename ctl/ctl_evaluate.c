@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include "calibration.h"
-#include "ctl.h"
+#include "ctl_command.h"
 #include "ctl_dir.h"
+#include "ctl_model.h"
 #include "report.h"
 #include "report_csv.h"
 #include "report_html.h"
@@ -74,6 +75,8 @@ static enum status write_all(struct report *r, const char *path, struct errinfo 
 
 /* ---- the command */
 
+static uint32_t impostors; /* --impostors */
+
 static enum status evaluate(struct ctl *c, const struct corpus *corpus,
                             const struct ctl_trials_options *o, const char *calibration)
 {
@@ -113,17 +116,17 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
     return st;
 }
 
-int ctl_evaluate(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct ctl_trials_options o = {
-        .model = c->model, .non_mated = c->impostors, .threads = c->threads};
+        .model = c->model, .non_mated = impostors, .threads = c->threads};
     struct store_calibration k;
     struct corpus *corpus = NULL;
     struct store *s = NULL;
     const char *calibration = "as shipped";
     enum status st = ST_OK;
 
-    if (c->db != NULL && (st = ctl_model_store(c, STORE_READ, &s)) == ST_OK &&
+    if (c->db != NULL && (st = ctl_model_open(c, STORE_READ, &s)) == ST_OK &&
         (st = calibration_in_force(s, &k, &c->e)) == ST_OK) {
         o.decision = &k.decision;
         calibration = k.shipped ? calibration : "of the database";
@@ -136,3 +139,26 @@ int ctl_evaluate(struct ctl *c)
     corpus_free(corpus);
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }
+
+const struct ctl_command ctl_evaluate = {
+    .name = "evaluate",
+    .args = "DIR|MANIFEST",
+    .takes = {1, 1},
+    .database = CTL_TAKES_DATABASE,
+    .shared = CTL_UNITS | CTL_MODEL | CTL_THRESHOLD | CTL_OUT | CTL_THREADS,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("impostors", "N", ctl_option_whole, &impostors,
+                       "compare each probe with N other subjects (all, up to 200,000\n"
+                       "comparisons)"),
+            CTL_OPTION_END},
+    .run = run,
+    .summary = "measure error rates on a collection of scans",
+    .help =
+        "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
+        "the columns file and subject.  Of each subject the scan of kind `enroll`, or else the\n"
+        "first, is enrolled in memory and compared with the subject's other scans and with other\n"
+        "subjects'.  These files are written into the folder --out (./evaluation): report.html\n"
+        "(with its pictures), report.md, report.json, scores.csv (every comparison), rates.csv,\n"
+        "and by gnuplot det and scores as .svg and .png.  With a database its calibration decides.  surfacectl(1) says more.",
+    .example = "surfacectl evaluate scans --out evaluation"};

@@ -1,8 +1,11 @@
 /* surfacectl explain: why a comparison was decided as it was. */
 #include <unistd.h>
 
-#include "ctl.h"
+#include "ctl_command.h"
 #include "ctl_dir.h"
+#include "ctl_face.h"
+#include "ctl_model.h"
+#include "ctl_scan.h"
 #include "explain.h"
 #include "explain_cloud.h"
 #include "explain_plot.h"
@@ -15,7 +18,7 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
 {
     struct ctl_nearest best;
     struct store *s;
-    enum status st = ctl_model_store(c, STORE_WRITE, &s);
+    enum status st = ctl_model_open(c, STORE_WRITE, &s);
 
     if (st != ST_OK)
         return st;
@@ -91,7 +94,7 @@ static enum status write_all(struct ctl *c, const struct explanation *x, const c
     return st;
 }
 
-int ctl_explain(struct ctl *c)
+static int run(struct ctl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "explanation";
     struct explanation x = {
@@ -122,3 +125,19 @@ int ctl_explain(struct ctl *c)
     face_work_free(w);
     return st == ST_OK ? ctl_face_exit(x.result.decision) : ctl_fail(c, st);
 }
+
+const struct ctl_command ctl_explain = {
+    .name = "explain",
+    .args = "A B",
+    .takes = {2, 2},
+    .database = CTL_TAKES_DATABASE,
+    .shared = CTL_UNITS | CTL_MODEL | CTL_OUT,
+    .exits = {"match", "no match", "inconclusive: too little in common"},
+    .run = run,
+    .summary = "compare two scans and show where they differ",
+    .help =
+        "B is moved onto A.  A is a scan, or, with a database, a subject or a template of it.\n"
+        "These files are written into the folder --out (./explanation): explain.txt and\n"
+        "explain.json, explain.ply (the points of B), and by gnuplot explain.png: the gap as\n"
+        "measured beside what decided.  They are biometric data: only their owner can read them.",
+    .example = "surfacectl explain monday.ply tuesday.ply --out why"};

@@ -1,13 +1,14 @@
-/* ctl_help.h -- what surfacectl tells of itself. */
-#ifndef DB_SURFACECTL_HELP_H
-#define DB_SURFACECTL_HELP_H
+/* ctl_help.h -- what surfacectl tells of itself, on standard output. */
+#ifndef CTL_HELP_H
+#define CTL_HELP_H
+#include <stdbool.h>
 
 struct ctl_command; /* ctl_command.h */
 
-/* Of everything, of a group of commands, of one; on standard output. */
-void ctl_help_all(void);
-void ctl_help_group(const char *group);
-void ctl_help_command(const struct ctl_command *cmd);
-void ctl_help_version(void);
+/* ctl_help_print(version, cmd, group): the version, or help: of a command, else of a group of
+ * them, else of everything (both NULL).
+ * ctl_help_is_group(word): do commands begin with it? */
+void ctl_help_print(bool version, const struct ctl_command *cmd, const char *group);
+bool ctl_help_is_group(const char *word);
 
 #endif

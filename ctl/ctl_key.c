@@ -7,6 +7,7 @@
 
 #include "keyfile.h"
 #include "ctl.h"
+#include "ctl_key.h"
 
 /* One line from the terminal, which does not show it. */
 static enum status ask(struct ctl *c, const char *what, const char *option,
@@ -96,7 +97,7 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
     return ST_OK;
 }
 
-enum status ctl_open(struct ctl *c, enum store_mode mode, struct store **s)
+enum status ctl_key_open(struct ctl *c, enum store_mode mode, struct store **s)
 {
     struct store_key key;
     const enum status st = ctl_key(c, c->db, &key);
@@ -117,4 +118,16 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
         return keyfile_read(c->archive_key, out, &c->e);
     return make ? ctl_key_new(c, option, out)
                 : ask(c, "Passphrase of the archive", option, out);
+}
+
+int ctl_key_run(struct ctl *c, enum store_mode mode,
+                enum status (*what)(struct ctl *c, struct store *s))
+{
+    struct store *s = NULL;
+    enum status st = ctl_key_open(c, mode, &s);
+
+    if (st == ST_OK)
+        st = what(c, s);
+    store_close(s);
+    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }

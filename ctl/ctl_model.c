@@ -7,6 +7,8 @@
 #include "model.h"
 #include "modelfile.h"
 #include "ctl.h"
+#include "ctl_key.h"
+#include "ctl_model.h"
 
 enum status ctl_model_read(struct ctl *c, struct model **owned)
 {
@@ -22,10 +24,10 @@ enum status ctl_model_read(struct ctl *c, struct model **owned)
     return st;
 }
 
-enum status ctl_model_store(struct ctl *c, enum store_mode mode, struct store **s)
+enum status ctl_model_open(struct ctl *c, enum store_mode mode, struct store **s)
 {
     struct store_calibration k;
-    enum status st = ctl_open(c, mode, s);
+    enum status st = ctl_key_open(c, mode, s);
 
     if (st != ST_OK)
         return st;

@@ -1,32 +1,78 @@
-/* ctl_option.h -- the options of surfacectl: one table, by which they are read, told
- * of in help texts and completed. */
-#ifndef DB_SURFACECTL_OPTION_H
-#define DB_SURFACECTL_OPTION_H
+/* ctl_option.h -- the options of surfacectl: what a row of them is, what their values are
+ * read by, and those that several commands take. */
+#ifndef CTL_OPTION_H
+#define CTL_OPTION_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct ctl; /* ctl.h */
 
 struct ctl_option {
-    const char *name; /* without the two hyphens */
-    const char *also; /* a letter, or NULL */
+    const char *name; /* without the two hyphens; NULL ends a list */
     const char *arg;  /* what its value is called; NULL: it has none.  "mm|cm|m": one of
                          these; FILE, DIR, PATH: of the file system */
-    size_t field;     /* of struct ctl, what it sets */
-    bool (*set)(void *field, const char *value); /* false: no such value can be */
-    const char *wrong; /* then; the value follows.  NULL: any value can be */
-    const char *help;  /* lines of up to 68 characters */
-    bool common;       /* every command takes it */
+    const char *(*read)(const char *text, void *value); /* sets *value; NULL: done, else
+                                                           what the option takes */
+    void *value;      /* what it sets; NULL: in struct ctl */
+    const char *help; /* lines of up to 66 characters */
+    size_t at;        /* there */
+    char letter;      /* a short form, or 0 */
 };
 
-#define CTL_OPTIONS 64 /* at most */
+/* An option that one command takes, and a list's end. */
+#define CTL_OPTION(name, arg, read, value, help)                                         \
+    {                                                                                    \
+        name, arg, read, value, help, 0, 0                                               \
+    }
+#define CTL_OPTION_END CTL_OPTION(NULL, NULL, NULL, NULL, NULL)
 
-extern const struct ctl_option ctl_options[]; /* ends with a NULL name */
+/* The shared options, a bit each, in the order of help texts. */
+enum ctl_shared {
+    CTL_DB = 1 << 0,
+    CTL_CONFIG = 1 << 1,
+    CTL_KEY = 1 << 2,
+    CTL_UNITS = 1 << 3,
+    CTL_MODEL = 1 << 4,
+    CTL_THRESHOLD = 1 << 5,
+    CTL_FMR = 1 << 6,
+    CTL_LABEL = 1 << 7,
+    CTL_OUT = 1 << 8,
+    CTL_THREADS = 1 << 9,
+    CTL_PASSPHRASE = 1 << 10,
+    CTL_PLAINTEXT = 1 << 11,
+    CTL_ARCHIVE_KEY = 1 << 12,
+    CTL_PUBLIC_KEY = 1 << 13,
+    CTL_EXPIRES = 1 << 14,
+    CTL_DRY_RUN = 1 << 15,
+    CTL_YES = 1 << 16,
+    CTL_JSON = 1 << 17,
+    CTL_HELP = 1 << 18,
+    CTL_VERSION = 1 << 19
+};
 
-/* ctl_option_find(text, n): by "--name" or "-letter", n bytes; NULL: there is none. */
-const struct ctl_option *ctl_option_find(const char *text, size_t n);
+#define CTL_DATABASE (CTL_DB | CTL_CONFIG | CTL_KEY)
+#define CTL_COMMON   (CTL_JSON | CTL_HELP | CTL_VERSION) /* every command takes them */
 
-/* Is the option's name one of the words in the list? */
-bool ctl_option_in(const struct ctl_option *o, const char *list);
+/* ctl_option_at(shared, own, i): option i of those shared ones and of the list own, which
+ * may be NULL; NULL: there are no more.
+ * ctl_option_find(shared, own, name): the one of that name, or NULL. */
+const struct ctl_option *ctl_option_at(unsigned shared, const struct ctl_option *own,
+                                       size_t i);
+const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_option *own,
+                                         const char *name);
+
+/* ctl_option_set(o, c, text): read the value; NULL: done, else what the option takes. */
+const char *ctl_option_set(const struct ctl_option *o, struct ctl *c, const char *text);
+
+/* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: millimetres above 0, a
+ * rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
+const char *ctl_option_flag(const char *text, void *value);
+const char *ctl_option_text(const char *text, void *value);
+const char *ctl_option_whole(const char *text, void *value);
+const char *ctl_option_mm(const char *text, void *value);
+const char *ctl_option_rate(const char *text, void *value);
+const char *ctl_option_duration(const char *text, void *value);
+const char *ctl_option_scopes(const char *text, void *value);
 
 #endif

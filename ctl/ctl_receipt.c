@@ -8,7 +8,9 @@
 
 #include "json.h"
 #include "store_receipt.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_config.h"
+#include "ctl_key.h"
 
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
 #define TEMPLATES_MAX 100000
@@ -159,7 +161,7 @@ static enum status ask_database(struct review *v)
     char public_key[65];
     enum status st;
 
-    if ((st = ctl_open(v->c, STORE_READ, &s)) == ST_OK &&
+    if ((st = ctl_key_open(v->c, STORE_READ, &s)) == ST_OK &&
         (st = store_audit_public(s, public_key, &v->c->e)) == ST_OK) {
         if (strcmp(public_key, v->r.public_key) != 0)
             problem(v, "it is of another database: its public key is another");
@@ -171,12 +173,12 @@ static enum status ask_database(struct review *v)
     return st;
 }
 
-int ctl_receipt(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct review v = {.c = c};
     enum status st;
 
-    if (c->public_key == NULL && ctl_config_database(c, false) != ST_OK)
+    if (c->public_key == NULL && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return EXIT_USAGE;
     st = sodium_init() >= 0 ? read_receipt(&v)
                             : errinfo_set(&c->e, ST_EINTERNAL,
@@ -206,3 +208,19 @@ int ctl_receipt(struct ctl *c)
         return ctl_fail(c, st);
     return v.problems == 0 ? EXIT_FINE : EXIT_NO;
 }
+
+const struct ctl_command ctl_receipt = {
+    .name = "audit receipt",
+    .args = "FILE",
+    .takes = {1, 1},
+    .database = CTL_TAKES_DATABASE,
+    .shared = CTL_PUBLIC_KEY,
+    .exits = {"the receipt is true", "it is not: each problem is printed"},
+    .run = run,
+    .summary = "verify the receipt of an erasure",
+    .help =
+        "FILE is the response to DELETE over HTTP, or the output of subject erase --json; - is\n"
+        "standard input.  With --public-key: did that key sign it?  With a database, the default:\n"
+        "is it signed by its key, is the entry in its audit log, is the subject among the erased,\n"
+        "and is none of the templates there?",
+    .example = "surfacectl --db faces.db audit receipt alice.json"};

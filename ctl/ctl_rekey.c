@@ -4,7 +4,11 @@
 #include <unistd.h>
 
 #include "keyfile.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_key.h"
+
+static const char *new_key; /* --new-key */
+static bool keep_old;       /* --keep-old */
 
 /* What the command line says of the new key; *owned is to be freed. */
 static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfile **owned)
@@ -12,19 +16,19 @@ static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfil
     enum status st = ST_OK;
 
     *owned = NULL;
-    *to = (struct store_rekey){.kind = VAULT_FILE, .keep = c->keep_old};
-    if (c->plaintext && c->new_key != NULL)
+    *to = (struct store_rekey){.kind = VAULT_FILE, .keep = keep_old};
+    if (c->plaintext && new_key != NULL)
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     if (c->plaintext)
         to->kind = VAULT_OPEN;
     else if (c->passphrase)
         to->kind = VAULT_PASSPHRASE;
-    if (c->new_key != NULL)
-        st = keyfile_read(c->new_key, owned, &c->e);
+    if (new_key != NULL)
+        st = keyfile_read(new_key, owned, &c->e);
     else if (c->passphrase)
         st = ctl_key_new(c, "--new-key", owned);
     to->given = *owned;
-    to->in_file = c->new_key != NULL;
+    to->in_file = new_key != NULL;
     return st;
 }
 
@@ -40,11 +44,11 @@ static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
     if (c->json)
         return;
     if (in_file)
-        (void)printf("%s: the key is another one now, in %s: keep a copy of it "
+        (void)printf("%s: the new key is in %s: keep a copy of it "
                      "elsewhere.\n",
                      c->db, path);
     else if (to->kind == VAULT_PASSPHRASE)
-        (void)printf("%s: a passphrase opens it now, and nothing else.\n", c->db);
+        (void)printf("%s: it is encrypted with the passphrase now.\n", c->db);
     else
         (void)printf("%s: whoever has the file can read it now.\n", c->db);
 }
@@ -54,15 +58,14 @@ static bool may_lose_key(struct ctl *c)
 {
     enum vault_kind kind;
 
-    return c->keep_old || store_kind(c->db, &kind, &c->e) != ST_OK ||
-           kind != VAULT_FILE ||
+    return keep_old || store_kind(c->db, &kind, &c->e) != ST_OK || kind != VAULT_FILE ||
            ctl_confirmed(c,
-                         "takes the old key away, without which older backups are "
-                         "worth nothing (--keep-old keeps it)",
+                         "removes the old key, without which older backups cannot "
+                         "be read (--keep-old keeps it)",
                          "rekey");
 }
 
-int ctl_rekey(struct ctl *c)
+static int run(struct ctl *c)
 {
     char usual[PATH_MAX];
     struct store_rekey to;
@@ -74,7 +77,7 @@ int ctl_rekey(struct ctl *c)
 
     /* These are of the new key, not of how the database is opened. */
     c->plaintext = c->passphrase = false;
-    st = ctl_open(c, STORE_WRITE, &s);
+    st = ctl_key_open(c, STORE_WRITE, &s);
     c->plaintext = plaintext;
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK) {
@@ -95,3 +98,24 @@ out:
     keyfile_free(owned);
     return code;
 }
+
+const struct ctl_command ctl_rekey = {
+    .name = "rekey",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT | CTL_YES,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
+                       "a file with the new key or passphrase"),
+            CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
+                       "keep the file of the old key, as FILE.old"),
+            CTL_OPTION_END},
+    .run = run,
+    .summary = "change the database's key",
+    .help =
+        "A new random key replaces the old one in PATH.key, or --key; or a copy of the one in\n"
+        "--new-key does.  With --passphrase a passphrase is asked for, or read from --new-key;\n"
+        "with --plaintext the key lies in the database.  A running daemon reads the new key from\n"
+        "the file by itself.  Older backups still need the key that they were made with: unless\n"
+        "--keep-old keeps its file, that has to be confirmed.",
+    .example = "surfacectl --db faces.db rekey --keep-old"};

@@ -7,6 +7,7 @@
 #include "mem.h"
 #include "sample.h"
 #include "ctl.h"
+#include "ctl_scan.h"
 
 #define MAX_FILE ((size_t)256 << 20)
 

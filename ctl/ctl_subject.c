@@ -1,13 +1,17 @@
-/* Subjects: listed, described, changed, erased. */
+/* Subjects: listed, described, changed. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "store_rules.h"
 #include "describe.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_key.h"
+#include "ctl_template.h"
 
 #define PAGE 1000 /* subjects read at a time */
+
+static const char *reference, *purpose; /* --reference, --purpose */
 
 /* What stands beside an id in a list. */
 static const char *state_of(const struct store_subject *one)
@@ -16,16 +20,13 @@ static const char *state_of(const struct store_subject *one)
                      : (one->disabled ? "disabled" : "");
 }
 
-int ctl_subject_list(struct ctl *c)
+static enum status list(struct ctl *c, struct store *s)
 {
     struct store_subject *page = NULL;
-    struct store *s = NULL;
     int64_t after = 0;
     size_t n = 0, total = 0;
-    enum status st = ctl_open(c, STORE_READ, &s);
+    enum status st;
 
-    if (st != ST_OK)
-        return ctl_fail(c, st);
     ctl_out_array(c->out, "subjects");
     while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
            n > 0) {
@@ -46,12 +47,9 @@ int ctl_subject_list(struct ctl *c)
         free(page);
     }
     ctl_out_close(c->out);
-    store_close(s);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    if (!c->json && total == 0)
+    if (st == ST_OK && !c->json && total == 0)
         (void)printf("no subjects\n");
-    return EXIT_FINE;
+    return st;
 }
 
 static void print_subject(const struct store_subject *one, size_t templates)
@@ -72,19 +70,19 @@ static void print_subject(const struct store_subject *one, size_t templates)
         (void)printf("  disabled  is not verified\n");
 }
 
-enum status ctl_subject_tell(struct ctl *c, struct store *s,
-                             const struct store_subject *one)
+static enum status show(struct ctl *c, struct store *s)
 {
-    struct store_template *list;
+    struct store_subject one;
+    struct store_template *list = NULL;
     size_t n;
-    enum status st = store_template_list(s, one->id, &list, &n, &c->e);
+    enum status st = store_subject_get(s, c->args[0], &one, &c->e);
 
-    if (st != ST_OK)
+    if (st != ST_OK || (st = store_template_list(s, one.id, &list, &n, &c->e)) != ST_OK)
         return st;
-    describe_subject(ctl_out_document(c->out), one);
+    describe_subject(ctl_out_document(c->out), &one);
     ctl_out_array(c->out, "templates");
     if (!c->json)
-        print_subject(one, n);
+        print_subject(&one, n);
     for (size_t i = 0; i < n; i++) {
         ctl_out_object(c->out, NULL);
         ctl_template_tell(c, &list[i]);
@@ -93,18 +91,6 @@ enum status ctl_subject_tell(struct ctl *c, struct store *s,
     ctl_out_close(c->out);
     free(list);
     return ST_OK;
-}
-
-int ctl_subject_show(struct ctl *c)
-{
-    struct store_subject one;
-    struct store *s = NULL;
-    enum status st = ctl_open(c, STORE_READ, &s);
-
-    if (st == ST_OK && (st = store_subject_get(s, c->args[0], &one, &c->e)) == ST_OK)
-        st = ctl_subject_tell(c, s, &one);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }
 
 /* ---- changes */
@@ -140,257 +126,161 @@ static enum status set(struct ctl *c, struct store *s)
     char text[STORE_RULES_TIME];
     const char *id = c->args[0], *expires = expiry(c, text);
     const struct store_subject_change what = {
-        .reference = c->reference, .purpose = c->purpose, .expires = expires};
+        .reference = reference, .purpose = purpose, .expires = expires};
     enum status st = store_subject_set(s, CTL_ACTOR, id, &what, &c->e);
 
+    if (st == ST_OK)
+        return tell(c, s, id, "recorded");
     if (st != ST_ENOTFOUND)
         return st;
     (void)snprintf(new.id, sizeof new.id, "%s", id);
-    if ((c->reference != NULL && strlen(c->reference) >= sizeof new.reference) ||
-        (c->purpose != NULL && strlen(c->purpose) >= sizeof new.purpose))
+    if ((reference != NULL && strlen(reference) >= sizeof new.reference) ||
+        (purpose != NULL && strlen(purpose) >= sizeof new.purpose))
         return errinfo_set(&c->e, ST_EINVAL, "a reference or a purpose is up to %d bytes",
                            STORE_NOTE_MAX);
     (void)snprintf(new.reference, sizeof new.reference, "%s",
-                   c->reference != NULL ? c->reference : "");
-    (void)snprintf(new.purpose, sizeof new.purpose, "%s",
-                   c->purpose != NULL ? c->purpose : "");
+                   reference != NULL ? reference : "");
+    (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
-    return store_subject_add(s, CTL_ACTOR, &new, &c->e);
+    st = store_subject_add(s, CTL_ACTOR, &new, &c->e);
+    return st == ST_OK ? tell(c, s, id, "added") : st;
 }
 
 static enum status rename_it(struct ctl *c, struct store *s)
 {
-    return store_subject_rename(s, CTL_ACTOR, c->args[0], c->args[1], &c->e);
+    const enum status st =
+        store_subject_rename(s, CTL_ACTOR, c->args[0], c->args[1], &c->e);
+
+    return st == ST_OK ? tell(c, s, c->args[1], "is its id now") : st;
 }
 
-static enum status set_disabled(struct ctl *c, struct store *s, bool disabled)
+static enum status change(struct ctl *c, struct store *s,
+                          const struct store_subject_change *what, const char *done)
 {
-    return store_subject_set(s, CTL_ACTOR, c->args[0],
-                             &(struct store_subject_change){.disabled = &disabled},
-                             &c->e);
+    const enum status st = store_subject_set(s, CTL_ACTOR, c->args[0], what, &c->e);
+
+    return st == ST_OK ? tell(c, s, c->args[0], done) : st;
 }
+
+static const bool yes = true, no = false;
 
 static enum status disable(struct ctl *c, struct store *s)
 {
-    return set_disabled(c, s, true);
+    return change(c, s, &(struct store_subject_change){.disabled = &yes}, "disabled");
 }
 
 static enum status enable(struct ctl *c, struct store *s)
 {
-    return set_disabled(c, s, false);
-}
-
-static enum status set_hold(struct ctl *c, struct store *s, bool held)
-{
-    return store_subject_set(s, CTL_ACTOR, c->args[0],
-                             &(struct store_subject_change){.hold = &held}, &c->e);
+    return change(c, s, &(struct store_subject_change){.disabled = &no}, "enabled");
 }
 
 static enum status hold(struct ctl *c, struct store *s)
 {
-    return set_hold(c, s, true);
+    return change(c, s, &(struct store_subject_change){.hold = &yes}, "on hold");
 }
 
 static enum status release(struct ctl *c, struct store *s)
 {
-    return set_hold(c, s, false);
+    return change(c, s, &(struct store_subject_change){.hold = &no}, "not on hold");
 }
 
-/* Make a change of the subject that the last argument names when it is made. */
-static int change(struct ctl *c, enum status (*make)(struct ctl *, struct store *),
-                  const char *done)
+static int run_set(struct ctl *c)
 {
-    struct store *s = NULL;
-    enum status st = ctl_open(c, STORE_WRITE, &s);
-
-    if (st == ST_OK && (st = make(c, s)) == ST_OK)
-        st = tell(c, s, c->args[c->nargs - 1], done);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
-}
-
-int ctl_subject_set(struct ctl *c)
-{
-    if (c->reference == NULL && c->purpose == NULL && !c->expires.given)
+    if (reference == NULL && purpose == NULL && !c->expires.given)
         return ctl_usage(c, "subject set needs --reference, --purpose or --expires");
-    return change(c, set, "noted");
+    return ctl_key_run(c, STORE_WRITE, set);
 }
 
-int ctl_subject_rename(struct ctl *c)
-{
-    return change(c, rename_it, "is its id now");
-}
+/* ---- the commands */
 
-int ctl_subject_disable(struct ctl *c)
-{
-    return change(c, disable, "disabled");
-}
+#define ONE_SUBJECT .args = "SUBJECT", .takes = {1, 1}, .database = CTL_NEEDS_DATABASE
 
-int ctl_subject_enable(struct ctl *c)
-{
-    return change(c, enable, "enabled");
-}
+const struct ctl_command ctl_subject_list = {
+    .name = "subject list",
+    .database = CTL_NEEDS_DATABASE,
+    .work = list,
+    .mode = STORE_READ,
+    .summary = "list the subjects",
+    .help = "In the order in which they were added.",
+    .example = "surfacectl --db faces.db subject list"};
 
-int ctl_subject_hold(struct ctl *c)
-{
-    return change(c, hold, "on hold");
-}
+const struct ctl_command ctl_subject_show = {
+    .name = "subject show",
+    ONE_SUBJECT,
+    .shared = CTL_MODEL,
+    .work = show,
+    .mode = STORE_READ,
+    .summary = "describe a subject and its templates",
+    .help = "Its consent, purpose, expiry, when it was last seen, and each template.",
+    .example = "surfacectl --db faces.db subject show alice"};
 
-int ctl_subject_release(struct ctl *c)
-{
-    return change(c, release, "not on hold");
-}
+const struct ctl_command ctl_subject_set = {
+    .name = "subject set",
+    ONE_SUBJECT,
+    .shared = CTL_EXPIRES,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("reference", "TEXT", ctl_option_text, &reference,
+                       "where the consent is: a number, a file; '' for none"),
+            CTL_OPTION("purpose", "TEXT", ctl_option_text, &purpose,
+                       "what the consent is for; '' for none"),
+            CTL_OPTION_END},
+    .run = run_set,
+    .summary = "record a subject's consent and expiry",
+    .help =
+        "What is not given stays as it is.  A subject that does not exist is added, without a\n"
+        "template: the consent often comes before the first scan.  After its expiry a subject is\n"
+        "not verified, and purge erases it.",
+    .example =
+        "surfacectl --db faces.db subject set alice --reference C-17 --expires 2027-01-31"};
 
-/* ---- erasing */
+const struct ctl_command ctl_subject_rename = {
+    .name = "subject rename",
+    .args = "SUBJECT NEW",
+    .takes = {2, 2},
+    .database = CTL_NEEDS_DATABASE,
+    .work = rename_it,
+    .mode = STORE_WRITE,
+    .summary = "change a subject's id",
+    .help =
+        "Its templates and everything recorded about it stay.  If another subject has the id,\n"
+        "nothing is changed.",
+    .example = "surfacectl --db faces.db subject rename alice alice.b"};
 
-static void out_receipt(struct ctl_out *o, const struct store_receipt *r)
-{
-    ctl_out_text(o, "subject", r->subject);
-    ctl_out_number(o, "templates_deleted", r->templates);
-    ctl_out_array(o, "template_ids");
-    for (uint32_t i = 0; i < r->templates; i++)
-        ctl_out_text(o, NULL, r->template_id[i]);
-    ctl_out_close(o);
-    ctl_out_text(o, "erased_at", r->at);
-    ctl_out_text(o, "digest", r->digest);
-    ctl_out_object(o, "audit");
-    ctl_out_number(o, "seq", (double)r->seq);
-    ctl_out_text(o, "hash", r->hash);
-    ctl_out_close(o);
-    ctl_out_text(o, "signature", r->signature);
-    ctl_out_text(o, "public_key", r->public_key);
-}
+const struct ctl_command ctl_subject_disable = {
+    .name = "subject disable",
+    ONE_SUBJECT,
+    .work = disable,
+    .mode = STORE_WRITE,
+    .summary = "stop verifying a subject",
+    .help = "Everything of it is kept; `subject enable` undoes this.",
+    .example = "surfacectl --db faces.db subject disable alice"};
 
-int ctl_subject_would(struct ctl *c, const struct store_subject *one, uint32_t templates,
-                      const char *what)
-{
-    if (one->hold)
-        return ctl_fail(c,
-                        errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id));
-    ctl_out_text(c->out, "subject", one->id);
-    ctl_out_number(c->out, "templates", templates);
-    ctl_out_flag(c->out, "deleted", false);
-    if (!c->json)
-        (void)printf("this %s; nothing was changed\n", what);
-    return EXIT_FINE;
-}
+const struct ctl_command ctl_subject_enable = {
+    .name = "subject enable",
+    ONE_SUBJECT,
+    .work = enable,
+    .mode = STORE_WRITE,
+    .summary = "verify a disabled subject again",
+    .help = "At once, also by a running daemon.",
+    .example = "surfacectl --db faces.db subject enable alice"};
 
-int ctl_subject_remove(struct ctl *c, struct store *s, const struct store_subject *one)
-{
-    char what[256];
-    struct store_receipt r;
-    enum status st;
+const struct ctl_command ctl_subject_hold = {
+    .name = "subject hold",
+    ONE_SUBJECT,
+    .work = hold,
+    .mode = STORE_WRITE,
+    .summary = "protect a subject from being erased",
+    .help =
+        "Until `subject release` nobody can delete the subject or a template of it, even after\n"
+        "its expiry.",
+    .example = "surfacectl --db faces.db subject hold alice"};
 
-    (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one->id,
-                   one->templates, one->templates == 1 ? "" : "s");
-    if (c->dry_run)
-        return ctl_subject_would(c, one, one->templates, what);
-    if (!ctl_confirmed(c, what, one->id))
-        return EXIT_USAGE;
-    st = store_subject_erase(s, CTL_ACTOR, one->id, &r, &c->e);
-    if (st == ST_OK) {
-        out_receipt(c->out, &r);
-        if (!c->json)
-            (void)printf("deleted subject %s with %u template%s, at %s\n"
-                         "  receipt   %s\n"
-                         "  audit     entry %llu\n",
-                         one->id, r.templates, r.templates == 1 ? "" : "s", r.at,
-                         r.digest, (unsigned long long)r.seq);
-    }
-    store_receipt_free(&r);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
-}
-
-int ctl_subject_erase(struct ctl *c)
-{
-    struct store_subject one;
-    struct store *s = NULL;
-    enum status st = ctl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
-    int code;
-
-    if (st == ST_OK)
-        st = store_subject_get(s, c->args[0], &one, &c->e);
-    code = st == ST_OK ? ctl_subject_remove(c, s, &one) : ctl_fail(c, st);
-    store_close(s);
-    return code;
-}
-
-/* Those that can be erased, or are kept: in the JSON, and as text. */
-static void tell_due(struct ctl *c, const char *key, bool hold,
-                     const struct store_subject *due, size_t n)
-{
-    ctl_out_array(c->out, key);
-    for (size_t i = 0; i < n; i++) {
-        if (due[i].hold != hold)
-            continue;
-        ctl_out_text(c->out, NULL, due[i].id);
-        if (!c->json)
-            (void)printf("%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates,
-                         due[i].expires, hold ? "on hold: kept" : "");
-    }
-    ctl_out_close(c->out);
-}
-
-static enum status erase_due(struct ctl *c, struct store *s,
-                             const struct store_subject *due, size_t n, size_t *erased)
-{
-    for (size_t i = 0; i < n; i++) {
-        enum status st;
-
-        if (due[i].hold)
-            continue;
-        st = store_subject_purge(s, CTL_ACTOR, due[i].id, &c->e);
-        if (st == ST_OK)
-            ++*erased;
-        else if (st != ST_ENOTFOUND && st != ST_EHELD)
-            return st; /* those: changed since they were listed */
-    }
-    return ST_OK;
-}
-
-static int purge(struct ctl *c, struct store *s, const struct store_subject *due,
-                 size_t n)
-{
-    char what[64], count[32];
-    size_t most = 0, erased = 0;
-    enum status st;
-
-    for (size_t i = 0; i < n; i++)
-        most += !due[i].hold;
-    if (!c->json && n > 0)
-        (void)printf("%-32s %9s  %-16s\n", "SUBJECT", "TEMPLATES", "EXPIRED");
-    tell_due(c, "due", false, due, n);
-    tell_due(c, "kept", true, due, n);
-    (void)snprintf(what, sizeof what, "erases %zu subject%s", most, most == 1 ? "" : "s");
-    (void)snprintf(count, sizeof count, "%zu", most);
-    if (!c->dry_run && most > 0) {
-        if (!ctl_confirmed(c, what, count))
-            return EXIT_USAGE;
-        st = erase_due(c, s, due, n, &erased);
-        if (st != ST_OK)
-            return ctl_fail(c, st);
-    }
-    ctl_out_number(c->out, "erased", (double)erased);
-    if (!c->json)
-        (void)printf("%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
-    return EXIT_FINE;
-}
-
-int ctl_purge(struct ctl *c)
-{
-    struct store_subject *due = NULL;
-    struct store *s = NULL;
-    size_t n = 0;
-    enum status st;
-    int code;
-
-    if (!c->due)
-        return ctl_usage(c, "it is: surfacectl purge --due");
-    st = ctl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
-    if (st == ST_OK)
-        st = store_subject_due(s, &due, &n, &c->e);
-    code = st == ST_OK ? purge(c, s, due, n) : ctl_fail(c, st);
-    store_close(s);
-    free(due);
-    return code;
-}
+const struct ctl_command ctl_subject_release = {
+    .name = "subject release",
+    ONE_SUBJECT,
+    .work = release,
+    .mode = STORE_WRITE,
+    .summary = "end a subject's hold",
+    .help = "It can be erased again; this erases nothing.",
+    .example = "surfacectl --db faces.db subject release alice"};

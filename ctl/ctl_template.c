@@ -1,11 +1,15 @@
 /* Templates: listed, described, written as a scan, deleted. */
+#include "ctl_template.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "describe.h"
-#include "ctl.h"
+#include "ctl_command.h"
 #include "ctl_dir.h"
+#include "ctl_erase.h"
+#include "ctl_key.h"
 
 #define PAGE 1000 /* subjects read at a time */
 
@@ -79,37 +83,30 @@ static enum status list_all(struct ctl *c, struct store *s, size_t *total)
     return st;
 }
 
-int ctl_template_list(struct ctl *c)
+static enum status list(struct ctl *c, struct store *s)
 {
-    struct store *s = NULL;
     size_t total = 0;
-    enum status st = ctl_open(c, STORE_READ, &s);
+    enum status st;
 
     ctl_out_array(c->out, "templates");
-    if (st == ST_OK)
-        st = c->nargs > 0 ? list_one(c, s, c->args[0], &total) : list_all(c, s, &total);
+    st = c->nargs > 0 ? list_one(c, s, c->args[0], &total) : list_all(c, s, &total);
     ctl_out_close(c->out);
-    store_close(s);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    if (!c->json && total == 0)
+    if (st == ST_OK && !c->json && total == 0)
         (void)printf("no templates\n");
-    return EXIT_FINE;
+    return st;
 }
 
-int ctl_template_show(struct ctl *c)
+static enum status show(struct ctl *c, struct store *s)
 {
     struct store_template t;
-    struct store *s = NULL;
-    enum status st = ctl_open(c, STORE_READ, &s);
+    const enum status st = store_template_get(s, c->args[0], &t, &c->e);
 
-    if (st == ST_OK && (st = store_template_get(s, c->args[0], &t, &c->e)) == ST_OK)
+    if (st == ST_OK)
         ctl_template_tell(c, &t);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    return st;
 }
 
-int ctl_template_export(struct ctl *c)
+static int run_export(struct ctl *c)
 {
     struct store_template t;
     struct store *s = NULL;
@@ -121,7 +118,7 @@ int ctl_template_export(struct ctl *c)
         return ctl_usage(c, "template export needs --out FILE");
     if ((w = face_work_new(c->model)) == NULL)
         return ctl_fail(c, errinfo_set(&c->e, ST_ENOMEM, "out of memory"));
-    st = ctl_open(c, STORE_WRITE, &s);
+    st = ctl_key_open(c, STORE_WRITE, &s);
     if (st == ST_OK)
         st = store_template_load(s, c->args[0], &t, w, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
@@ -142,7 +139,7 @@ int ctl_template_export(struct ctl *c)
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }
 
-int ctl_template_remove(struct ctl *c, struct store *s, const struct store_template *t)
+static int delete_one(struct ctl *c, struct store *s, const struct store_template *t)
 {
     struct store_subject one;
     char what[256];
@@ -151,7 +148,7 @@ int ctl_template_remove(struct ctl *c, struct store *s, const struct store_templ
     (void)snprintf(what, sizeof what, "deletes template %s of %s", t->id, t->subject);
     if (c->dry_run) {
         st = store_subject_get(s, t->subject, &one, &c->e);
-        return st == ST_OK ? ctl_subject_would(c, &one, 1, what) : ctl_fail(c, st);
+        return st == ST_OK ? ctl_erase_would(c, &one, 1, what) : ctl_fail(c, st);
     }
     if (!ctl_confirmed(c, what, t->id))
         return EXIT_USAGE;
@@ -164,16 +161,70 @@ int ctl_template_remove(struct ctl *c, struct store *s, const struct store_templ
     return EXIT_FINE;
 }
 
-int ctl_template_delete(struct ctl *c)
+static int run_delete(struct ctl *c)
 {
     struct store_template t;
     struct store *s = NULL;
-    enum status st = ctl_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    enum status st = ctl_key_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
     int code;
 
     if (st == ST_OK)
         st = store_template_get(s, c->args[0], &t, &c->e);
-    code = st == ST_OK ? ctl_template_remove(c, s, &t) : ctl_fail(c, st);
+    code = st == ST_OK ? delete_one(c, s, &t) : ctl_fail(c, st);
     store_close(s);
     return code;
 }
+
+/* ---- the commands */
+
+const struct ctl_command ctl_template_list = {
+    .name = "template list",
+    .args = "[SUBJECT]",
+    .takes = {0, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL,
+    .work = list,
+    .mode = STORE_READ,
+    .summary = "list the templates",
+    .help =
+        "Of one subject, oldest first, or of all subjects.  Those that another engine or model\n"
+        "made are marked (template reencode).",
+    .example = "surfacectl --db faces.db template list alice"};
+
+const struct ctl_command ctl_template_show = {
+    .name = "template show",
+    .args = "ID",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL,
+    .work = show,
+    .mode = STORE_READ,
+    .summary = "describe a template",
+    .help = "Its subject, its age, the engine that made it, and its quality.",
+    .example = "surfacectl --db faces.db template show 0123456789abcdef0123456789abcdef"};
+
+const struct ctl_command ctl_template_export = {
+    .name = "template export",
+    .args = "ID",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL | CTL_OUT,
+    .run = run_export,
+    .summary = "write a template's points and triangles",
+    .help =
+        "To the file --out (PLY, millimetres).  It is biometric data: only its owner can read\n"
+        "it.  An event records the export.",
+    .example =
+        "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"};
+
+const struct ctl_command ctl_template_delete = {
+    .name = "template delete",
+    .args = "ID",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_DRY_RUN | CTL_YES,
+    .run = run_delete,
+    .summary = "delete one template",
+    .help = "On a terminal the id has to be typed again; elsewhere --yes is required.",
+    .example =
+        "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"};

@@ -3,7 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_key.h"
+
+static unsigned scopes; /* --scope; 0: not given */
+static int64_t grace_s; /* --grace */
 
 static const char *state_of(const struct store_token *t)
 {
@@ -38,15 +42,15 @@ static void out_token(struct ctl *c, const struct store_token *t)
 /* The secret on standard output, alone, for $(...); what is said of it elsewhere. */
 static void out_secret(struct ctl *c, const struct store_token *t, const char *secret)
 {
-    char scopes[STORE_SCOPES_MAX];
+    char list[STORE_SCOPES_MAX];
 
     out_token(c, t);
     ctl_out_text(c->out, "token", secret);
     if (c->json)
         return;
-    store_scopes_write(t->scopes, scopes);
+    store_scopes_write(t->scopes, list);
     (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is shown this once:\n",
-                  t->id, t->name, scopes, t->expires[0] != '\0' ? "until " : "for ever",
+                  t->id, t->name, list, t->expires[0] != '\0' ? "until " : "for ever",
                   t->expires);
     (void)printf("%s\n", secret);
 }
@@ -56,23 +60,58 @@ static enum status create(struct ctl *c, struct store *s)
     struct store_token t;
     char secret[65];
     const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
-    enum status st = store_token_create(s, CTL_ACTOR, name,
-                                        c->scopes != 0 ? c->scopes : STORE_SCOPE_ALL,
-                                        c->expires.life_s, secret, &t, &c->e);
+    enum status st =
+        store_token_create(s, CTL_ACTOR, name, scopes != 0 ? scopes : STORE_SCOPE_ALL,
+                           c->expires.life_s, secret, &t, &c->e);
 
     if (st == ST_OK)
         out_secret(c, &t, secret);
     return st;
 }
 
+/* The id of the token that the argument names: by its id, or by a name that no other token has
+ * which is not revoked. */
+static enum status find(struct ctl *c, struct store *s, char id[STORE_ID_LEN + 1])
+{
+    const char *name = c->args[0];
+    struct store_token *t;
+    char list[sizeof c->e.msg] = "";
+    size_t n, found = 0, used = 0;
+    enum status st;
+
+    (void)snprintf(id, STORE_ID_LEN + 1, "%s", name);
+    if (store_id_valid(name))
+        return ST_OK;
+    if ((st = store_token_list(s, &t, &n, &c->e)) != ST_OK)
+        return st;
+    for (size_t i = 0; i < n; i++) {
+        if (t[i].revoked || strcmp(t[i].name, name) != 0)
+            continue;
+        memcpy(id, t[i].id, sizeof t[i].id);
+        found++;
+        if (used < sizeof list)
+            used += (size_t)snprintf(list + used, sizeof list - used, " %s", t[i].id);
+    }
+    free(t);
+    if (found == 0)
+        return errinfo_set(&c->e, ST_ENOTFOUND,
+                           "there is no token %.80s that is not revoked", name);
+    if (found > 1)
+        return errinfo_set(&c->e, ST_EINVAL, "%zu tokens have this name, choose by id:%s",
+                           found, list);
+    return ST_OK;
+}
+
 static enum status rotate(struct ctl *c, struct store *s)
 {
     struct store_token t;
-    char secret[65];
-    enum status st =
-        store_token_rotate(s, CTL_ACTOR, c->args[0], c->grace_s,
-                           c->expires.given ? c->expires.life_s : -1, secret, &t, &c->e);
+    char id[STORE_ID_LEN + 1], secret[65];
+    enum status st = find(c, s, id);
 
+    if (st == ST_OK)
+        st = store_token_rotate(s, CTL_ACTOR, id, grace_s,
+                                c->expires.given ? c->expires.life_s : -1, secret, &t,
+                                &c->e);
     if (st != ST_OK)
         return st;
     out_secret(c, &t, secret);
@@ -93,7 +132,7 @@ static void print_time(const char *time, const char *none)
 static enum status list(struct ctl *c, struct store *s)
 {
     struct store_token *t;
-    char scopes[STORE_SCOPES_MAX];
+    char words[STORE_SCOPES_MAX];
     size_t n;
     enum status st = store_token_list(s, &t, &n, &c->e);
 
@@ -109,12 +148,12 @@ static enum status list(struct ctl *c, struct store *s)
         ctl_out_close(c->out);
         if (c->json)
             continue;
-        store_scopes_write(t[i].scopes, scopes);
+        store_scopes_write(t[i].scopes, words);
         (void)printf("%-32s  %-7s", t[i].id, state_of(&t[i]));
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");
-        (void)printf("  %-41s  %s\n", scopes, t[i].name);
+        (void)printf("  %-41s  %s\n", words, t[i].name);
     }
     ctl_out_close(c->out);
     free(t);
@@ -123,47 +162,91 @@ static enum status list(struct ctl *c, struct store *s)
 
 static enum status revoke(struct ctl *c, struct store *s)
 {
-    enum status st = store_token_revoke(s, CTL_ACTOR, c->args[0], &c->e);
+    char id[STORE_ID_LEN + 1];
+    enum status st = find(c, s, id);
 
-    if (st != ST_OK)
+    if (st != ST_OK || (st = store_token_revoke(s, CTL_ACTOR, id, &c->e)) != ST_OK)
         return st;
-    ctl_out_text(c->out, "id", c->args[0]);
+    ctl_out_text(c->out, "id", id);
     ctl_out_flag(c->out, "revoked", true);
     if (!c->json)
-        (void)printf("revoked %s\n", c->args[0]);
+        (void)printf("revoked %s\n", id);
     return ST_OK;
 }
 
-static int run(struct ctl *c, enum store_mode mode,
-               enum status (*what)(struct ctl *, struct store *))
+/* A secret that is valid until then. */
+static int with_secret(struct ctl *c, enum status (*make)(struct ctl *, struct store *))
 {
-    struct store *s = NULL;
-    enum status st;
-
     if (c->expires.at_s > 0 && c->expires.life_s <= 0)
         return ctl_usage(c, "--expires is in the past");
-    if ((st = ctl_open(c, mode, &s)) == ST_OK)
-        st = what(c, s);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    return ctl_key_run(c, STORE_WRITE, make);
 }
 
-int ctl_token_create(struct ctl *c)
+static int run_create(struct ctl *c)
 {
-    return run(c, STORE_WRITE, create);
+    return with_secret(c, create);
 }
 
-int ctl_token_list(struct ctl *c)
+static int run_rotate(struct ctl *c)
 {
-    return run(c, STORE_READ, list);
+    return with_secret(c, rotate);
 }
 
-int ctl_token_rotate(struct ctl *c)
-{
-    return run(c, STORE_WRITE, rotate);
-}
+/* ---- the commands */
 
-int ctl_token_revoke(struct ctl *c)
-{
-    return run(c, STORE_WRITE, revoke);
-}
+const struct ctl_command ctl_token_create = {
+    .name = "token create",
+    .args = "[NAME]",
+    .takes = {0, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_EXPIRES,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION(
+                "scope", "LIST", ctl_option_scopes, &scopes,
+                "what the token may do: enroll,verify,identify,read,delete,manage,\n"
+                "detail (all)"),
+            CTL_OPTION_END},
+    .run = run_create,
+    .summary = "make a Bearer token for the daemon",
+    .help =
+        "The token is printed once, on standard output; only a hash of it is stored.  It may do\n"
+        "everything, for ever, unless --scope and --expires say otherwise.",
+    .example =
+        "surfacectl --db faces.db token create --scope verify --expires 90d front-door"};
+
+const struct ctl_command ctl_token_list = {
+    .name = "token list",
+    .database = CTL_NEEDS_DATABASE,
+    .work = list,
+    .mode = STORE_READ,
+    .summary = "list the tokens",
+    .help = "What each may do, until when, and when it was last used.",
+    .example = "surfacectl --db faces.db token list"};
+
+const struct ctl_command ctl_token_rotate = {
+    .name = "token rotate",
+    .args = "NAME|ID",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_EXPIRES,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("grace", "TIME", ctl_option_duration, &grace_s,
+                       "how long the old secret stays valid: 1d, 12h, 30m (not at all)"),
+            CTL_OPTION_END},
+    .run = run_rotate,
+    .summary = "replace a token's secret",
+    .help = "The new secret is printed once.  A running daemon accepts it at once.",
+    .example = "surfacectl --db faces.db token rotate front-door --grace 1h"};
+
+const struct ctl_command ctl_token_revoke = {
+    .name = "token revoke",
+    .args = "NAME|ID",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .work = revoke,
+    .mode = STORE_WRITE,
+    .summary = "make a token invalid for good",
+    .help = "A running daemon refuses it at once.",
+    .example = "surfacectl --db faces.db token revoke front-door"};

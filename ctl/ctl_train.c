@@ -7,7 +7,8 @@
 #include "model.h"
 #include "modelfile.h"
 #include "pool.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_scan.h"
 #include "train.h"
 #include "train_set.h"
 
@@ -129,7 +130,7 @@ static enum status train(struct ctl *c, struct scans *s, const char *path,
     return st;
 }
 
-int ctl_train(struct ctl *c)
+static int run(struct ctl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "faces.model";
     const char *name = c->label != NULL ? c->label : "a collection of scans";
@@ -159,3 +160,19 @@ int ctl_train(struct ctl *c)
     corpus_free(corpus);
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }
+
+const struct ctl_command ctl_train = {
+    .name = "train",
+    .args = "DIR|MANIFEST",
+    .takes = {1, 1},
+    .shared = CTL_UNITS | CTL_MODEL | CTL_LABEL | CTL_OUT | CTL_THREADS,
+    .run = run,
+    .summary = "learn a model from a collection of scans",
+    .help =
+        "DIR or MANIFEST is as for evaluate.  The model has the mean face, how a face changes\n"
+        "between two scans of one person, and the weight of each place.  It is written to the\n"
+        "file --out (./faces.model), for --model of other commands and of surfaced.  The error\n"
+        "rates before and after are printed, the latter of subjects that it did not learn from.\n"
+        "It takes 20 subjects and 250 scans besides the enrolled ones at least; hundreds of\n"
+        "subjects are better.  --label names the model; --model is the one to begin with.",
+    .example = "surfacectl train scans/ --label 'door scanner' --out door.model"};

@@ -3,21 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "pool.h"
+#include "ctl_scan.h"
 
 #define SEED UINT64_C(19795) /* the standard's number */
 
 static const double pi = 3.14159265358979323846;
-
-static double clock_ms(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 /* ---- what is compared */
 
@@ -193,7 +185,7 @@ static enum status compare(const struct run *r, const struct face *face,
                              *probe = &c->scan[x->probe];
     struct face_result f;
     const enum status st = face_compare(&r->template[template->subject], face,
-                                        r -> c.threshold_mm, clock_ms, w, &f);
+                                        r -> c.threshold_mm, ctl_clock_ms, w, &f);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
@@ -247,7 +239,7 @@ static enum status find_items(struct run *r, size_t *n)
 static enum status run_all(struct run *r, struct errinfo *e)
 {
     struct ctl_trials *t = r->t;
-    const double start = clock_ms();
+    const double start = ctl_clock_ms();
     size_t nprobe;
     enum status st = find_items(r, &nprobe);
 
@@ -255,10 +247,10 @@ static enum status run_all(struct run *r, struct errinfo *e)
         return errinfo_set(e, st, "the comparisons: %s", status_message(st));
     st = pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject, enroll_item,
                   r, e);
-    t->build_s = (clock_ms() - start) / 1e3;
+    t->build_s = (ctl_clock_ms() - start) / 1e3;
     if (st == ST_OK)
         st = pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item, r, e);
-    t->compare_s = (clock_ms() - start) / 1e3 - t->build_s;
+    t->compare_s = (ctl_clock_ms() - start) / 1e3 - t->build_s;
     return st;
 }
 

@@ -3,7 +3,8 @@
 #include <math.h>
 
 #include "describe.h"
-#include "ctl.h"
+#include "ctl_face.h"
+#include "ctl_out.h"
 #include "tuning.h"
 #include "verdict.h"
 

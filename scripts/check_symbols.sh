@@ -29,7 +29,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "(mem|scratch)_.*"
         if (source == "server/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
-        if (source ~ /^server\/main$|^(tools|tests|studies)\/.*_main$/)
+        if (source ~ /^(server|ctl)\/main$|^(tools|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)
             return "main|LLVMFuzzer.*"
@@ -37,7 +37,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
         sub(/[^\/]*$/, "", folder)
         sub(/.*\//, "", module)
         names = module "_.*|" module
-        if (source ~ /^ctl\/ctl$|^tests\/([a-z]*\/test_|bench\/|lib\/fail_alloc$)/)
+        if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/fail_alloc$)/)
             names = "main|__wrap_.*|" names
         # store_sqlite_admin.c is a part of store_sqlite.c and may export store_sqlite_*.
         while (sub(/_[^_]*$/, "", module))

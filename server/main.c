@@ -101,7 +101,7 @@ static void warn_of_stale(struct store *s)
     if (store_renew_count(s, &n, NULL) != ST_OK || n == 0)
         return;
     log_begin(&l, "warn",
-              "templates were made by another engine: surfacectl template reprocess");
+              "templates were made by another engine: surfacectl template reencode");
     log_count(&l, "templates", n);
     log_end(&l);
 }

@@ -246,7 +246,7 @@ static void print_gauges(FILE *f, const struct app *app)
               "Templates read and decoded.");
     print_one(f, "surfaced_templates_renewed_total", "counter", c.renewed,
               "Of these, made by another engine, and so made anew in memory: surfacectl "
-              "template reprocess does it for good.");
+              "template reencode does it for good.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates dropped for want of room.");
     print_one(f, "surfaced_cache_templates", "gauge", c.entries,

@@ -17,8 +17,8 @@ on() {
 
 # everything DATABASE: all that it says of people.
 everything() {
-    for who in $("$BUILD/surfacectl" --db "$1" --json list | jq -r '.subjects[].subject'); do
-        "$BUILD/surfacectl" --db "$1" --json show "$who"
+    for who in $("$BUILD/surfacectl" --db "$1" --json subject list | jq -r '.subjects[].subject'); do
+        "$BUILD/surfacectl" --db "$1" --json subject show "$who"
     done
 }
 
@@ -83,15 +83,15 @@ on "$TO" verify bob "$T/s1.ply"
 is "and not bob" "$CODE" 1
 
 # ---- who was erased there does not come back; a daemon that runs sees who does
-on "$TO" delete --yes bob
+on "$TO" subject erase --yes bob
 DB=$TO
 start_daemon --no-auth
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "bob is left out" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 0 1 "
 req GET /v1/subjects/bob
 is "he is not there" "$STATUS" 404
-template=$("$BUILD/surfacectl" --db "$TO" --json show alice | jq -r '.templates[0].template_id')
-on "$TO" delete --yes "$template"
+template=$("$BUILD/surfacectl" --db "$TO" --json subject show alice | jq -r '.templates[0].template_id')
+on "$TO" template delete --yes "$template"
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "a deleted template does" "$CODE $(said .templates_new)" "0 1"
 send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
@@ -102,20 +102,20 @@ stop_daemon
 on "$TO" subject rename alice ann
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "she is there already" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')" "0 0 0 "
-on "$TO" delete --yes ann
+on "$TO" subject erase --yes ann
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "she does not come back" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 0 2 "
 on "$TO" subject set alice --reference new
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "nor by somebody of that id" "$CODE $(said '.templates_new, .subjects_erased' |
     tr '\n' ' ')" "0 0 2 "
-on "$TO" list
+on "$TO" subject list
 is "who is there" "$(said '[.subjects[].subject] | join(" ")')" 'carol alice'
 # By the id alone, where another database knew somebody else by it.
 rm -f "$T/third"*
 on "$T/third" init
 on "$T/third" enroll carol "$T/s1.ply"
-on "$T/third" delete --yes carol
+on "$T/third" subject erase --yes carol
 on "$T/third" import "$T/all" --archive-key "$T/phrase"
 is "an id that was erased" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 2 1 "
 on "$T/third" subject set carol --reference back
@@ -128,11 +128,11 @@ rm -f "$TO"*
 on "$TO" init
 # The same id under another subject: what an import must not mix up.
 on "$TO" import "$T/a" --archive-key "$T/akey"
-on "$TO" delete --yes alice
+on "$TO" subject erase --yes alice
 sqlite3 "$TO" "DELETE FROM erased; UPDATE templates SET id = '$template'"
 on "$TO" import "$T/a" --archive-key "$T/akey"
 is "an id that is another's" "$CODE" 65
-on "$TO" list
+on "$TO" subject list
 is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob
 
 # ---- an archive that is no good

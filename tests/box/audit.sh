@@ -33,7 +33,7 @@ for one in $sealed; do
     if holds "$one" "$DB" "$DB-wal" "$T/backup"; then found=yes; else found=no; fi
     is "the key and the model are nowhere any more" "$found" no
 done
-ctl delete "$(sqlite3 "$DB" 'SELECT id FROM templates')" --yes
+ctl template delete "$(sqlite3 "$DB" 'SELECT id FROM templates')" --yes
 ctl token revoke "$DOOR"
 ctl audit show
 is "who did what" "$(said '.entries[] | [.kind, .actor, .outcome] | join(" ")')" "\
@@ -125,7 +125,7 @@ cp "$DB" "$T/copy.db"
 sqlite3 "$T/copy.db" "DELETE FROM erased; UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = 9"
 "$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
 is "what the database does not know of it" "$? $(said '.problems | length')" '1 2'
-ctl delete bob --yes
+ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"
 is "the command gives one too" "$CODE $(receipt '[.subject, .templates_deleted, .audit.seq] | @csv')" \
     '0 "bob",0,12'

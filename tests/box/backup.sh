@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.." || exit 1
 
 # people: who is in the database.
 people() {
-    "$BUILD/surfacectl" --db "$DB" --json list | jq -r '[.subjects[].subject] | join(" ")'
+    "$BUILD/surfacectl" --db "$DB" --json subject list | jq -r '[.subjects[].subject] | join(" ")'
 }
 
 for s in 1 2 3 4; do
@@ -82,9 +82,9 @@ is "the database is well" "$CODE" 0
 ctl backup "$T/back"
 before=$(people)
 cp "$DB.key" "$T/key"
-ctl delete --yes bob
+ctl subject erase --yes bob
 ctl enroll dave "$T/s4.ply"
-ctl delete --yes carol
+ctl subject erase --yes carol
 ctl enroll carol "$T/s4.ply" # erased, and there again with another face
 ctl token revoke "$id"
 ctl restore "$T/back" --dry-run
@@ -106,7 +106,7 @@ is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outc
 is "a revoked token stays so" \
     "$("$BUILD/surfacectl" --db "$DB" --json token list | jq -r '.tokens[0].revoked')" true
 is "what was there is kept" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
-    --key "$DB.key" --json list | jq -r '[.subjects[].subject] | map(select(. == "dave"))[]')" dave
+    --key "$DB.key" --json subject list | jq -r '[.subjects[].subject] | map(select(. == "dave"))[]')" dave
 is "for its owner alone" "$(stat -c %a "$DB.before-restore")" 600
 ctl restore "$T/back"
 is "it is not overwritten by another restore" "$CODE" 65
@@ -154,7 +154,7 @@ ctl enroll eve "$T/s4.ply" --force
 ctl restore "$T/back"
 is "and gone on" "$CODE" 0
 is "what is aside now is the newer one" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
-    --key "$DB.key" --json list | jq -r '.subjects[].subject' | grep -c eve)" 1
+    --key "$DB.key" --json subject list | jq -r '.subjects[].subject' | grep -c eve)" 1
 rm "$DB.before-restore"
 end() { sqlite3 "$DB" 'SELECT hex(hash) FROM events_end'; }
 for _ in 1 2 3 4 5 6; do # killed there indeed, or a little later

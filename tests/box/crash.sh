@@ -31,7 +31,7 @@ admin "$db" token create gate
 admin "$db" backup "$T/full/copy"
 cp "$T/full/copy" "$T/backup"
 cp "$db.key" "$T/lost/"
-admin "$db" delete --yes bob
+admin "$db" subject erase --yes bob
 admin "$db" enroll carol "$T/s3.ply"
 admin "$db" enroll bob "$T/s2.ply"
 sqlite3 "$T/old/db" <tests/golden/database_v3.sql
@@ -61,7 +61,7 @@ crash() {
 echo "seed $seed"
 crash init empty init
 crash enroll full enroll dave "$T/s4.ply"
-crash erase full delete --yes alice
+crash erase full subject erase --yes alice
 crash rename full subject rename bob rob
 crash rekey full rekey --yes
 crash rekey-keep full rekey --keep-old

@@ -13,7 +13,7 @@ start_daemon --no-auth
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled over HTTP" "$STATUS" 201
 alice=$(get .template_id)
-ctl show alice
+ctl subject show alice
 is "seen by surfacectl" "$(jq -r '.templates[0].template_id' "$T/ctl")" "$alice"
 ctl verify alice "$T/a1.ply"
 is "it verifies" $? 0
@@ -28,7 +28,7 @@ send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
 is "seen by the daemon" "$(get .decision)" match
 
 # Both templates are in the daemon's cache now.
-ctl --yes delete "$alice"
+ctl --yes template delete "$alice"
 is "deleted by surfacectl" $? 0
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
 is "a deleted template never matches" "$STATUS" 404
@@ -42,7 +42,7 @@ is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
 ctl enroll erased "$T/a.ply"
 key=$(sqlite3 "$DB" 'SELECT hex(key) FROM subjects ORDER BY subject_key DESC LIMIT 1')
 hold_db BEGIN
-ctl --yes delete erased
+ctl --yes subject erase erased
 is "erased beside a reader" $? 0
 ok "its key is in the log" holds "$key" "$DB" "$DB-wal"
 release_db
@@ -80,7 +80,7 @@ done
 kill -9 "$PID"
 wait "$PID" 2>/dev/null
 PID=
-ctl list
+ctl subject list
 is "nothing is lost" "$(jq '.subjects | length' "$T/ctl")" 18
 ctl check
 is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
@@ -94,7 +94,7 @@ is "a damaged template is an error" "$STATUS" 500
 ok "that tells nothing of the database" test -z "$(get .detail | grep -i -e sql -e "$DB")"
 ctl check
 is "which check finds" "$?/$(jq -r .bad_templates "$T/ctl")" 1/1
-ctl --yes delete bob
+ctl --yes subject erase bob
 is "and delete removes" $? 0
 ctl check
 is "so that all is well" $? 0
@@ -105,6 +105,6 @@ sqlite3 "$DB" 'PRAGMA user_version = 99'
 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --no-auth >"$T/out" 2>&1
 ok "the daemon refuses a newer database" test $? -ne 0
 ok "and says so: $(tail -1 "$T/out")" grep -q 'version 99' "$T/out"
-ctl list
+ctl subject list
 is "surfacectl too" $? 65
 finish

@@ -146,7 +146,7 @@ stop_daemon
 rm -f "$DB" "$DB.key"
 sed '/^-- version 2$/,$d' schema.sql >"$T/version1.sql"
 sqlite3 "$DB" <"$T/version1.sql"
-ctl list
+ctl subject list
 is "version 1 is not read as it is" $CODE 65
 ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*migrate'
 ctl init

@@ -46,44 +46,46 @@ before=$(sha256sum <f.db)
 # the command line
 refuse 64 'which command' "$ctl"
 refuse 64 'no command' "$ctl" frobnicate
-refuse 64 'no option --frob' "$ctl" --frob list
-refuse 64 'which database' "$ctl" list
-refuse 64 'value is missing' "$ctl" list --db
-refuse 64 'given twice' "$ctl" --db f.db --db f.db list
-refuse 64 'given twice' "$ctl" --db f.db list --json --json
+refuse 64 'no option --frob' "$ctl" --frob subject list
+refuse 64 'which database' "$ctl" subject list
+refuse 64 'value is missing' "$ctl" subject list --db
+refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
+refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
 refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
-refuse 64 'it is: surfacectl list' "$ctl" --db f.db list alice
-refuse 64 'does not take' "$ctl" --db f.db list --yes
-refuse 64 'units are' "$ctl" --db f.db --units inch enroll alice good.ply
+refuse 64 'it is: surfacectl subject list' "$ctl" --db f.db subject list alice
+refuse 64 'does not take' "$ctl" --db f.db subject list --yes
+refuse 64 'units takes mm, cm or m' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm nan
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm -1
 refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
-refuse 64 'token rotate ID' "$ctl" --db f.db token rotate
+refuse 64 'token rotate NAME|ID' "$ctl" --db f.db token rotate
 for list in '' admin 'enroll,' 'enroll verify' Enroll; do
-    refuse 64 'scopes are' "$ctl" --db f.db token create --scope "$list" a
+    refuse 64 'scope takes a list' "$ctl" --db f.db token create --scope "$list" a
 done
 for time in 0d 90 1w -1d 1.5h 99999999d 99999999999999999999d d '' '90 d'; do
-    refuse 64 '--expires is' "$ctl" --db f.db token create --expires "$time" a
+    refuse 64 '--expires takes' "$ctl" --db f.db token create --expires "$time" a
 done
-refuse 64 '--grace is' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
+refuse 64 '--grace takes' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
 refuse 64 'token rotate does not take' "$ctl" --db f.db token rotate --scope read a
 refuse 64 'token list does not take' "$ctl" --db f.db token list --expires 1h
 refuse 64 'attempts reset SUBJECT' "$ctl" --db f.db attempts reset
 refuse 64 'attempts list, attempts reset SUBJECT' "$ctl" --db f.db attempts
-refuse 64 'no option --json=1' "$ctl" --db f.db list --json=1
+refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
+refuse 64 'no command frobnicate' "$ctl" help frobnicate
+refuse 64 'compare does not take' "$ctl" --db f.db compare good.ply good.ply
 refuse 64 'subject show SUBJECT' "$ctl" --db f.db subject shwo alice
 refuse 64 'attempts list' "$ctl" --db f.db attempts list alice
 
 # ids
 refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
 refuse 65 'no subject id' "$ctl" --db f.db enroll '../alice' good.ply
-refuse 66 'no subject or template' "$ctl" --db f.db show nobody
-refuse 66 'no subject or template' "$ctl" --db f.db delete nobody --yes
+refuse 66 'no subject nobody' "$ctl" --db f.db subject show nobody
+refuse 66 'no subject nobody' "$ctl" --db f.db subject erase nobody --yes
 refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
-refuse 65 'token id' "$ctl" --db f.db token revoke nonsense
-refuse 65 'token id' "$ctl" --db f.db token rotate nonsense
+refuse 66 'no token nonsense' "$ctl" --db f.db token revoke nonsense
+refuse 66 'no token nonsense' "$ctl" --db f.db token rotate nonsense
 refuse 66 'no token' "$ctl" --db f.db token rotate 00000000000000000000000000000000
 refuse 66 'no subject nobody' "$ctl" --db f.db attempts reset nobody
 refuse 65 'subject id' "$ctl" --db f.db attempts reset 'al ice'
@@ -114,14 +116,14 @@ refuse 65 '1 of 1 scans' "$ctl" --db f.db enroll alice cut.ply
 that "nothing was changed" [ "$before" = "$(sha256sum <f.db)" ]
 
 # databases
-refuse 66 'no database none.db' "$ctl" --db none.db list
+refuse 66 'no database none.db' "$ctl" --db none.db subject list
 that "none was made" [ ! -e none.db ]
 refuse 65 'is not a file' "$ctl" --db "$dir" init
 refuse 74 'cannot create no/such/dir/f.db: No such file' "$ctl" --db no/such/dir/f.db init
-refuse 65 'good.ply is not a database' "$ctl" --db good.ply list
+refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
-refuse 66 'is empty' "$ctl" --db empty list
-"$ctl" --db f.db list >/dev/full 2>err
+refuse 66 'is empty' "$ctl" --db empty subject list
+"$ctl" --db f.db subject list >/dev/full 2>err
 that "a full output is told" [ $? -eq 74 ]
 
 # bytes changed in the middle of the model: told by check and by verify, as text and JSON

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: the life of a database by surfacectl alone: init, enroll, verify, compare, list,
-# show, stats, check, token, delete; as text and as JSON, with the exit codes of its help.
+# Goal: the life of a database by surfacectl alone: init, enroll, verify, compare, stats,
+# check, token, and the subjects and templates; as text and as JSON, with the exit codes of its help.
 set -u
 BUILD=${BUILD:-build}
 case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
@@ -58,7 +58,7 @@ has out initialised
 that "the database's mode is 600" [ "$(stat -c %a faces.db)" = 600 ]
 expect 0 "init again" "$ctl" init
 has out before
-expect 0 "empty list" "$ctl" list
+expect 0 "empty list" "$ctl" subject list
 has out 'no subjects'
 expect 0 enroll "$ctl" enroll alice a0.ply --label 'first day'
 id=$(cut -d' ' -f1 out)
@@ -87,13 +87,13 @@ expect 0 "in centimetres" sh -c "awk -v OFMT=%.12g '{ print \$1 / 10, \$2 / 10, 
     '$ctl' --units cm verify bob -"
 has out '^decision *match'
 expect 0 "a pipe" sh -c "'$ctl' verify alice - <a1.ply"
-expect 0 list "$ctl" list
+expect 0 list "$ctl" subject list
 has out '^alice *2 '
-expect 0 "list json" "$ctl" list --json
+expect 0 "list json" "$ctl" subject list --json
 has out '"subject":.*"bob"'
-expect 0 "show a subject" "$ctl" show alice
+expect 0 "show a subject" "$ctl" subject show alice
 has out 'first day'
-expect 0 "show a template" "$ctl" --json show "$id"
+expect 0 "show a template" "$ctl" --json template show "$id"
 has out "\"template_id\":.*\"$id\""
 has out '"points":.*3000'
 expect 0 stats "$ctl" stats
@@ -102,11 +102,11 @@ expect 0 "stats json" "$ctl" stats --json
 has out '"subjects":.*2'
 expect 0 check "$ctl" check
 has out '^ok: 3 templates'
-expect 64 "delete unasked" "$ctl" delete "$id"
+expect 64 "delete unasked" "$ctl" template delete "$id"
 has err -- --yes
-expect 0 "delete a template" "$ctl" delete "$id" --yes
-expect 66 "it is gone" "$ctl" show "$id"
-expect 0 "delete a subject" "$ctl" --yes --json delete alice
+expect 0 "delete a template" "$ctl" template delete "$id" --yes
+expect 66 "it is gone" "$ctl" template show "$id"
+expect 0 "delete a subject" "$ctl" --yes --json subject erase alice
 has out '"templates_deleted":.*1'
 expect 66 "no such subject" "$ctl" verify alice a1.ply
 has err 'no subject alice'
@@ -119,15 +119,23 @@ that "the token has 64 characters" [ ${#secret} -eq 64 ]
 that "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
 expect 0 "list tokens" "$ctl" token list
 has out 'valid .*front door'
-token=$(awk '/front door/ { print $1 }' out)
-expect 0 "revoke it" "$ctl" token revoke "$token"
+expect 0 "another of that name" "$ctl" token create 'front door'
+expect 65 "which of them" "$ctl" token revoke 'front door'
+has err '2 tokens have this name.*: [0-9a-f]\{32\} [0-9a-f]\{32\}$'
+token=$(awk '{ print $NF }' err)
+expect 0 "by its id" "$ctl" token revoke "$token"
+expect 0 "by its name" "$ctl" --json token rotate 'front door'
+that "it is the other" [ -z "$(grep "$token" out)" ]
+expect 0 "revoke it" "$ctl" token revoke 'front door'
+expect 66 "none is left" "$ctl" token revoke 'front door'
 expect 0 "list revoked" "$ctl" token list --json
 has out '"revoked":.*true'
 expect 66 "revoke another" "$ctl" token revoke 00000000000000000000000000000000
 
-for c in init enroll verify compare explain evaluate list show delete check calibrate stats \
+for c in init enroll verify compare explain evaluate "subject list" check calibrate stats \
     token attempts; do
-    expect 0 "help of $c" "$ctl" "$c" --help
+    # shellcheck disable=SC2086 # words
+    expect 0 "help of $c" "$ctl" $c --help
     has out '^Example:'
     has out '^Exit codes:'
 done

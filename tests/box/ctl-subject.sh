@@ -87,7 +87,7 @@ ctl_exits 77 subject erase alice --yes
 ctl_exits 77 subject erase alice --dry-run
 ctl_exits 77 template delete "$id" --dry-run
 ctl_exits 77 template delete "$id" --yes
-ctl_exits 77 delete alice --yes
+ctl_exits 77 subject erase alice --yes
 ctl_exits 0 subject release alice
 
 # ---- another id
@@ -118,7 +118,7 @@ is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = '
 ctl_exits 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
 ok "no file" test ! -e "$T/none.ply"
 ctl_exits 64 template delete "$id"
-for one in 'subject erase ann' "template delete $id" 'delete ann' "delete $id"; do
+for one in 'subject erase ann' "template delete $id"; do
     # shellcheck disable=SC2086 # words
     ctl_exits 0 $one --dry-run
     is "$one would" "$(said '[.subject, .templates, .deleted] | @csv')" '"ann",1,false'
@@ -183,6 +183,11 @@ fi
 ok "for zsh too" grep -q bashcompinit "$T/complete"
 "$BUILD/surfacectl" completion fish >"$T/text" 2>&1
 is "no other" $? 64
+"$BUILD/surfacectl" help exit >"$T/text"
+for code in 0 1 2 64 65 66 70 71 74 75 77; do
+    ok "the manual has exit code $code" grep -q "^\.It $code$" man/surfacectl.1
+    ok "help exit too" grep -q "^ *$code  " "$T/text"
+done
 
 # ---- every command: help with an example and the exit codes
 "$BUILD/surfacectl" --help | awk '/^Commands/ { on = 1; next } /^$/ { on = 0 } on' |
@@ -197,6 +202,16 @@ while read -r command; do
     done
     ok "the manual has $command" grep -q "^\.It Ic $(echo "$command" | sed 's/ / Cm /')" \
         man/surfacectl.1
+    # What its text and its example name is in its list of options, and that in the manual.
+    sed -n '/^Options/,/^$/s/^  \(-[a-z]\), /  \1 \n  /p; /^Options/,/^$/p' "$T/text" |
+        sed -n 's/^  \(-[-a-z]*\).*/\1/p' | sort -u >"$T/options"
+    sed '/^Options/,/^$/d; s/ and of surfaced//' "$T/text" | grep -oE '(^|[][ (|])--?[a-z][-a-z]*' |
+        tr -d '[](| ' | sort -u >"$T/named"
+    is "$command: options that are not listed" "$(comm -23 "$T/named" "$T/options" | tr '\n' ' ')" ''
+    sed -n 's/^--/-/p' "$T/options" | while read -r option; do
+        grep -q -e "Fl $option\b" man/surfacectl.1 || echo "$option"
+    done >"$T/lacking"
+    is "$command: options that the manual lacks" "$(cat "$T/lacking")" ''
 done <"$T/commands"
 for group in subject template token attempts; do
     "$BUILD/surfacectl" "$group" --help >"$T/text"

@@ -124,7 +124,7 @@ says "$T/err" "a folder" 'not a regular file'
 mkfifo "$T/pipe"
 expect 65 "a pipe" "$ctl" compare "$a" "$b" --model "$T/pipe"
 expect 66 "missing" "$ctl" compare "$a" "$b" --model "$T/none"
-expect 64 "where there is no model to use" "$ctl" --db "$DB" list --model "$m"
+expect 64 "where there is no model to use" "$ctl" --db "$DB" subject list --model "$m"
 expect 1 "the daemon" "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --model "$T/bad.model"
 says "$T/err" "the daemon says why" 'bad.model'
 expect 65 "too few" "$ctl" train "$T/few" --out "$T/few.model"

@@ -40,7 +40,7 @@ jq -c 'del(.estimate_s)' "$T/ctl" >"$T/one"
 ctl_exits 1 dedup --threads 3
 ok "the same on three threads" test "$(jq -c 'del(.estimate_s)' "$T/ctl")" = "$(cat "$T/one")"
 mm=$(said '.duplicates[1].disparity_mm')
-ctl_exits 0 compare "$T/s2.ply" "$T/again.ply"
+"$BUILD/surfacectl" --json compare "$T/s2.ply" "$T/again.ply" >"$T/ctl"
 is "by the digits of a comparison" "$(said .disparity_mm)" "$mm"
 "$BUILD/surfacectl" --db "$DB" dedup >"$T/text" 2>"$T/ctl.err"
 is "as text: exit" $? 1

@@ -236,7 +236,7 @@ problem "a late retry" 404 not_found 'deleted since'
 is "not the answer it was" "$(field Idempotent-Replayed)" ""
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
 is "another's answer stays" "$STATUS" 201
-"$BUILD/surfacectl" --db "$DB" delete "$(get .template_id)" >/dev/null 2>&1 ||
+"$BUILD/surfacectl" --db "$DB" template delete "$(get .template_id)" >/dev/null 2>&1 ||
     sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
 problem "deleted beside the daemon" 404 not_found

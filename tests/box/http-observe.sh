@@ -188,7 +188,7 @@ while [ $i -lt 10 ]; do
             "$URL/v1/subjects/s$i/verify" >"$T/s.$n" &
         clients="$clients $!"
     done
-    ctl --yes delete "s$i"
+    ctl --yes subject erase "s$i"
     send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply"
     [ "$STATUS" = 404 ] || lost=$((lost + 1))
     # shellcheck disable=SC2086 # a list

@@ -79,17 +79,17 @@ refuses "a key is given" --key "$T/credential"
 mv "$DB.key" "$T/away"
 refuses "a key is given that is gone" --key "$T/nowhere"
 mv "$T/away" "$DB.key"
-for command in list check "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
+for command in "subject list" check "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
     refused "$command" "$DB is plaintext, but there is a key $DB.key: restore a backup, or"
 done
-ctl list --key "$T/credential"
+ctl subject list --key "$T/credential"
 refused "a key is given to the command" "the key $T/credential is given: restore a backup, or"
 ctl doctor
 is "doctor finds it" "$CODE $(said '.findings[] | select(.about == "key") | .level')" "1 trouble"
 cp "$T/keyed.db" "$DB"
-ctl list
+ctl subject list
 refused "a database of another key" "$DB.key: not the key of this database: give its own, or"
 
 # ---- nor does a copy get by

@@ -12,7 +12,7 @@ secret=$(sed -n '3s/-- //p' tests/golden/database_v3.sql)
 model=$(sqlite3 "$DB" 'SELECT hex(substr(model, 300, 40)) FROM templates LIMIT 1')
 
 ok "what it says stands open" holds "$model" "$DB" "$DB-wal"
-ctl list
+ctl subject list
 is "an older version is not read as it is" $CODE 65
 ok "nor is it changed" test ! -e "$DB.key"
 
@@ -55,9 +55,9 @@ if holds "$model" "$DB" "$DB-wal"; then found=yes; else found=no; fi
 is "nor does the model" "$found" no
 ctl check
 is "all is well" "$CODE $(said .templates)" "0 2"
-ctl list
+ctl subject list
 is "both are there" "$(said '[.subjects[].subject] | @csv')" '"alice","bob"'
-ctl show alice
+ctl subject show alice
 is "with all that was known" "$(said '.templates[0].label, .templates[0].points')" \
     "$(printf 'left camera\n600')"
 ctl verify alice "$T/alice.ply"

@@ -40,7 +40,7 @@ req GET /readyz
 is "and is ready" "$STATUS" 200
 ctl check
 is "all is well" "$CODE $(said .templates)" "0 3"
-ctl list --key "$T/first"
+ctl subject list --key "$T/first"
 is "the old key opens nothing" $CODE 77
 is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'rekey'")" \
     'surfacectl|file'
@@ -132,7 +132,7 @@ while read -r when; do
     ctl check
     [ "$CODE $(said .templates)" = "0 3" ] || lost="$lost $when"
     # What was not committed is not the key; what was is in use until the next change.
-    "$BUILD/surfacectl" --db "$DB" --key "$DB.key.new" list >/dev/null 2>&1 ||
+    "$BUILD/surfacectl" --db "$DB" --key "$DB.key.new" subject list >/dev/null 2>&1 ||
         rm -f "$DB.key.new"
 done <"$T/when"
 is "killed 60 times (seed $seed), never locked out" "$lost" ""

@@ -1,12 +1,13 @@
-/* The command template reprocess: what another engine made, as this one makes it. */
+/* template reencode: the templates that another engine made, encoded by this one. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "pool.h"
-#include "ctl.h"
+#include "ctl_command.h"
+#include "ctl_model.h"
 
-enum result { UNDONE, RENEWED, CURRENT, GONE, FAILED, RESULTS };
+enum result { UNDONE, REENCODED, CURRENT, GONE, FAILED, RESULTS };
 
 struct outcome { /* of a template */
     enum result result;
@@ -23,12 +24,12 @@ struct batch {
 
 /* As store_renew(), but that nothing is written. */
 static enum status try_one(const struct batch *b, const char *id, struct face_work *w,
-                           struct face *f, struct store_template *t, bool *renewed,
+                           struct face *f, struct store_template *t, bool *done,
                            struct errinfo *e)
 {
     const enum status st = store_template_load(b->store, id, t, w, f, e);
 
-    *renewed = st == ST_OK && store_stale(b->store, t);
+    *done = st == ST_OK && store_stale(b->store, t);
     return st;
 }
 
@@ -38,14 +39,14 @@ static enum status do_one(void *arg, size_t i, struct face_work *w, struct errin
     struct outcome *o = &b->outcome[i];
     struct store_template t;
     struct face f = {0};
-    bool renewed = false;
-    enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &renewed, &o->e)
+    bool done = false;
+    enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
                                    : store_renew(b->store, CTL_ACTOR, b->id[i], w, &f, &t,
-                                                 &renewed, &o->e);
+                                                 &done, &o->e);
 
     face_free(&f);
     if (st == ST_OK)
-        o->result = renewed ? RENEWED : CURRENT;
+        o->result = done ? REENCODED : CURRENT;
     else if (st == ST_ENOTFOUND)
         o->result = GONE;
     else if (st == ST_EVERSION || st == ST_ECORRUPT)
@@ -93,7 +94,7 @@ static size_t report(const struct batch *b)
     }
     ctl_out_close(c->out);
     ctl_out_number(c->out, "templates", (double)b->n);
-    ctl_out_number(c->out, "renewed", (double)count[RENEWED]);
+    ctl_out_number(c->out, "reencoded", (double)count[REENCODED]);
     ctl_out_number(c->out, "current", (double)count[CURRENT]);
     ctl_out_number(c->out, "gone", (double)count[GONE]);
     ctl_out_number(c->out, "failed", (double)count[FAILED]);
@@ -101,9 +102,9 @@ static size_t report(const struct batch *b)
     ctl_out_flag(c->out, "dry_run", c->dry_run);
     if (c->json)
         return count[FAILED];
-    (void)printf("%zu templates: %zu %s anew by %s, %zu current, %zu failed\n", b->n,
-                 count[RENEWED], c->dry_run ? "can be made" : "made", c->engine,
-                 count[CURRENT], count[FAILED]);
+    (void)printf("%zu templates: %zu %s by %s, %zu current, %zu failed\n", b->n,
+                 count[REENCODED], c->dry_run ? "can be re-encoded" : "re-encoded",
+                 c->engine, count[CURRENT], count[FAILED]);
     if (count[GONE] > 0)
         (void)printf("%zu were deleted meanwhile\n", count[GONE]);
     if (count[UNDONE] > 0)
@@ -111,7 +112,7 @@ static size_t report(const struct batch *b)
     return count[FAILED];
 }
 
-static enum status reprocess(struct batch *b, size_t *failed)
+static enum status reencode(struct batch *b, size_t *failed)
 {
     struct ctl *c = b->c;
     enum status st =
@@ -122,19 +123,19 @@ static enum status reprocess(struct batch *b, size_t *failed)
     if ((b->outcome = calloc(b->n + 1, sizeof *b->outcome)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (b->n > 0)
-        st = pool_run("reprocess", c->threads, c->model, b->n, do_one, b, &c->e);
+        st = pool_run("re-encoding", c->threads, c->model, b->n, do_one, b, &c->e);
     *failed = report(b);
     return st;
 }
 
-int ctl_reprocess(struct ctl *c)
+static int run(struct ctl *c)
 {
     struct batch b = {.c = c};
     size_t failed = 0;
-    enum status st = ctl_model_store(c, c->dry_run ? STORE_READ : STORE_WRITE, &b.store);
+    enum status st = ctl_model_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &b.store);
 
     if (st == ST_OK)
-        st = reprocess(&b, &failed);
+        st = reencode(&b, &failed);
     store_close(b.store);
     free(b.id);
     free(b.outcome);
@@ -146,3 +147,21 @@ int ctl_reprocess(struct ctl *c)
                       b.n);
     return EXIT_DATA;
 }
+
+const struct ctl_command ctl_reencode = {
+    .name = "template reencode",
+    .args = "[ID...]",
+    .takes = {0, CTL_MANY},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
+    .exits = {"every one of these templates is of this engine"},
+    .run = run,
+    .summary = "encode templates of another engine again",
+    .help =
+        "Every template, or each of these, that another engine or model made is computed again\n"
+        "from its stored points, by this engine and --model.  It keeps its id, label, time and\n"
+        "digest.  Until then whoever loads it does the same, which costs some milliseconds and\n"
+        "gives the same decisions.  A running daemon is not disturbed; if this is stopped and\n"
+        "started again, it goes on where it was.  A template whose points are no face to this\n"
+        "engine stays as it is and is listed: delete it, and enroll another scan.",
+    .example = "surfacectl --db faces.db template reencode --dry-run"};

@@ -1,14 +1,16 @@
-#include "ctl_crowd.h"
+#include "ctl_enroll_folder.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "codec.h"
 #include "corpus.h"
 #include "pool.h"
 #include "ctl.h"
+#include "ctl_model.h"
+#include "ctl_face.h"
+#include "ctl_scan.h"
 
 enum result { UNDONE, ENROLLED, PRESENT, FAILED };
 
@@ -17,8 +19,10 @@ struct outcome { /* of a scan */
     struct errinfo e; /* FAILED: why */
 };
 
-struct crowd {
+struct folder {
     struct ctl *c;
+    const char *kind; /* NULL: all */
+    bool force;
     struct store *store;
     const struct corpus *corpus;
     uint32_t *scan;  /* [corpus->nscan] those that are enrolled, a subject's together */
@@ -28,13 +32,13 @@ struct crowd {
 
 /* ---- what is enrolled */
 
-static bool wanted(const struct crowd *w, const struct corpus_scan *scan)
+static bool wanted(const struct folder *w, const struct corpus_scan *scan)
 {
-    return w->c->kind == NULL || strcmp(w->corpus->kind[scan->kind], w->c->kind) == 0;
+    return w->kind == NULL || strcmp(w->corpus->kind[scan->kind], w->kind) == 0;
 }
 
 /* The scans by subject, each one's in the order of the collection: by counting. */
-static uint32_t sort_scans(struct crowd *w)
+static uint32_t sort_scans(struct folder *w)
 {
     const struct corpus *k = w->corpus;
 
@@ -80,26 +84,29 @@ static bool is_fault(enum status st, bool stored)
 }
 
 /* c: of this thread. */
-static enum status enroll_scan(const struct crowd *w, struct ctl *c, uint32_t i,
+static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i,
                                struct face_work *work, struct face *f)
 {
     const struct corpus_scan *scan = &w->corpus->scan[i];
-    const char *subject = w->corpus->subject[scan->subject].id;
-    const char *label = c->label != NULL ? c->label : w->corpus->kind[scan->kind];
+    const struct enrolment x = {.actor = CTL_ACTOR,
+                                .subject = w->corpus->subject[scan->subject].id,
+                                .label = c->label != NULL ? c->label
+                                                          : w->corpus->kind[scan->kind],
+                                .face = f,
+                                .force = w->force};
     struct outcome *o = &w->outcome[i];
-    struct store_template t;
-    bool there = false, created = false, stored = false;
+    struct enrolment_outcome out = {.created = false};
+    bool there = false, stored = false;
     enum status st = ctl_scan_read(c, scan->path, work, f);
 
     if (st == ST_OK) {
         stored = true;
-        st = is_there(c, w->store, subject, f, &there);
+        st = is_there(c, w->store, x.subject, f, &there);
     }
     if (st == ST_OK && !there)
-        st = ctl_enroll_face(c, w->store, subject, label, scan->path, work, f, &t,
-                             &created);
+        st = ctl_face_enroll(c, w->store, &x, scan->path, work, &out);
     if (st == ST_OK) {
-        o->result = created ? ENROLLED : PRESENT;
+        o->result = out.created ? ENROLLED : PRESENT;
         return ST_OK;
     }
     o->e = c->e;
@@ -114,7 +121,7 @@ static enum status enroll_scan(const struct crowd *w, struct ctl *c, uint32_t i,
 static enum status enroll_subject(void *arg, size_t i, struct face_work *work,
                                   struct errinfo *e)
 {
-    const struct crowd *w = arg;
+    const struct folder *w = arg;
     struct ctl mine = *w->c; /* with an errinfo of its own */
     struct face f = {0};
     enum status st = ST_OK;
@@ -141,7 +148,7 @@ static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
 }
 
 /* Returns how many failed. */
-static uint32_t report(const struct crowd *w, uint32_t n, double seconds)
+static uint32_t report(const struct folder *w, uint32_t n, double seconds)
 {
     struct ctl *c = w->c;
     uint32_t count[FAILED + 1] = {0}, why[ST_COUNT] = {0};
@@ -177,14 +184,6 @@ static uint32_t report(const struct crowd *w, uint32_t n, double seconds)
     return count[FAILED];
 }
 
-static double clock_s(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
-}
-
 /* Ids that no subject can have are told of before anything is enrolled. */
 static enum status check_ids(struct ctl *c, const struct corpus *k)
 {
@@ -197,9 +196,9 @@ static enum status check_ids(struct ctl *c, const struct corpus *k)
     return ST_OK;
 }
 
-static enum status enroll(struct crowd *w, uint32_t *failed, uint32_t *n)
+static enum status enroll(struct folder *w, uint32_t *failed, uint32_t *n)
 {
-    const double start = clock_s();
+    const double start = ctl_clock_ms();
     const struct corpus *k = w->corpus;
     enum status st;
 
@@ -210,23 +209,23 @@ static enum status enroll(struct crowd *w, uint32_t *failed, uint32_t *n)
         return errinfo_set(&w->c->e, ST_ENOMEM, "out of memory");
     if ((*n = sort_scans(w)) == 0)
         return errinfo_set(&w->c->e, ST_ENOTFOUND, "%.120s has no scan of kind %.40s",
-                           w->c->args[0], w->c->kind);
+                           w->c->args[0], w->kind);
     st = pool_run("enroll", w->c->threads, w->c->model, k->nsubject, enroll_subject, w,
                   &w->c->e);
-    *failed = report(w, *n, clock_s() - start);
+    *failed = report(w, *n, (ctl_clock_ms() - start) / 1e3);
     return st;
 }
 
-int ctl_crowd_enroll(struct ctl *c)
+int ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
 {
-    struct crowd w = {.c = c};
+    struct folder w = {.c = c, .kind = kind, .force = force};
     struct corpus *corpus = NULL;
     uint32_t failed = 0, n = 0;
     enum status st = corpus_read(c->args[0], &corpus, &c->e);
 
     w.corpus = corpus;
     if (st == ST_OK && (st = check_ids(c, corpus)) == ST_OK &&
-        (st = ctl_model_store(c, STORE_WRITE, &w.store)) == ST_OK)
+        (st = ctl_model_open(c, STORE_WRITE, &w.store)) == ST_OK)
         st = enroll(&w, &failed, &n);
     store_close(w.store);
     corpus_free(corpus);

@@ -1,4 +1,4 @@
-#include "ctl_people.h"
+#include "ctl_cross.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,6 +8,7 @@
 #include "codec.h"
 #include "corpus.h"
 #include "ctl.h"
+#include "ctl_scan.h"
 #include "pool.h"
 
 #define PAGE   1000 /* subjects read at a time */
@@ -21,8 +22,8 @@ static enum status no_memory(struct ctl *c)
 /* ---- loading */
 
 /* Every subject with a template, in order; the caller frees *out. */
-static enum status list_people(struct ctl *c, struct store *s, struct ctl_person **out,
-                               uint32_t *count)
+static enum status list_subjects(struct ctl *c, struct store *s,
+                                 struct ctl_cross_subject **out, uint32_t *count)
 {
     struct store_subject *page = NULL;
     int64_t after = 0;
@@ -48,7 +49,8 @@ static enum status list_people(struct ctl *c, struct store *s, struct ctl_person
 }
 
 /* Keep n of list[0..m-1], in their order (Knuth's algorithm S). */
-static void draw_people(struct ctl_person *list, uint32_t m, uint32_t n, uint64_t seed)
+static void draw_subjects(struct ctl_cross_subject *list, uint32_t m, uint32_t n,
+                          uint64_t seed)
 {
     uint32_t taken = 0;
 
@@ -57,8 +59,9 @@ static void draw_people(struct ctl_person *list, uint32_t m, uint32_t n, uint64_
             list[taken++] = list[i];
 }
 
-static enum status load_person(struct ctl *c, struct store *s, struct ctl_person *one,
-                               struct face_work *w, struct ctl_people *p)
+static enum status load_subject(struct ctl *c, struct store *s,
+                                struct ctl_cross_subject *one, struct face_work *w,
+                                struct ctl_cross *p)
 {
     struct store_template *list = NULL, t;
     size_t n = 0;
@@ -96,49 +99,49 @@ static enum status load_person(struct ctl *c, struct store *s, struct ctl_person
     return st;
 }
 
-enum status ctl_people_load(struct ctl *c, struct store *s, uint64_t seed,
-                            struct ctl_people *p)
+enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
+                           struct ctl_cross *p)
 {
     struct face_work *w = face_work_new(c->model);
     enum status st = w != NULL ? ST_OK : no_memory(c);
     uint32_t all = 0;
 
     if (st == ST_OK)
-        st = list_people(c, s, &p->person, &all);
-    p->nsubject = all;
-    if (st == ST_OK && all > CTL_PEOPLE_MAX) {
-        draw_people(p->person, all, CTL_PEOPLE_MAX, seed);
-        all = CTL_PEOPLE_MAX;
+        st = list_subjects(c, s, &p->subject, &all);
+    p->nenrolled = all;
+    if (st == ST_OK && all > CTL_CROSS_MAX) {
+        draw_subjects(p->subject, all, CTL_CROSS_MAX, seed);
+        all = CTL_CROSS_MAX;
     }
     for (uint32_t i = 0; i < all && st == ST_OK; i++) {
-        p->person[p->nperson] = p->person[i];
-        if ((st = load_person(c, s, &p->person[p->nperson], w, p)) == ST_OK &&
-            p->person[p->nperson].n > 0)
-            p->nperson++;
+        p->subject[p->nsubject] = p->subject[i];
+        if ((st = load_subject(c, s, &p->subject[p->nsubject], w, p)) == ST_OK &&
+            p->subject[p->nsubject].n > 0)
+            p->nsubject++;
     }
     face_work_free(w);
     return st;
 }
 
-void ctl_people_free(struct ctl_people *p)
+void ctl_cross_free(struct ctl_cross *p)
 {
     for (uint32_t i = 0; i < p->ntemplate; i++)
         face_free(&p->face[i]);
     free(p->face);
     free(p->digest);
-    free(p->person);
+    free(p->subject);
     free(p->score);
     memset(p, 0, sizeof *p);
 }
 
 /* ---- comparing */
 
-/* A probe against the templates of a person, but template skip. */
-static enum status compare(const struct ctl_people *p, uint32_t person, uint32_t skip,
+/* A probe against the templates of a subject, but template skip. */
+static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t skip,
                            const struct face *probe, struct face_work *w, double *mm,
                            struct errinfo *e)
 {
-    const struct ctl_person *one = &p->person[person];
+    const struct ctl_cross_subject *one = &p->subject[subject];
 
     *mm = (double)INFINITY;
     for (uint32_t t = one->first; t < one->first + one->n; t++) {
@@ -157,23 +160,23 @@ static enum status compare(const struct ctl_people *p, uint32_t person, uint32_t
 
 /* A template as the probe. */
 struct trial {
-    uint32_t person, probe;
+    uint32_t subject, probe;
 };
 
 struct trials {
-    const struct ctl_people *p;
+    const struct ctl_cross *p;
     const struct trial *trial;
     struct rates_score *score; /* [trials] */
 };
 
-static uint32_t owner(const struct ctl_people *p, uint32_t template)
+static uint32_t owner(const struct ctl_cross *p, uint32_t template)
 {
-    uint32_t low = 0, high = p->nperson;
+    uint32_t low = 0, high = p->nsubject;
 
     while (high - low > 1) {
         const uint32_t mid = low + (high - low) / 2;
 
-        if (p->person[mid].first <= template)
+        if (p->subject[mid].first <= template)
             low = mid;
         else
             high = mid;
@@ -186,14 +189,14 @@ static enum status do_trial(void *arg, size_t i, struct face_work *w, struct err
     const struct trials *t = arg;
     const struct trial *x = &t->trial[i];
 
-    t->score[i].template = x->person;
+    t->score[i].template = x->subject;
     t->score[i].probe = owner(t->p, x->probe);
-    return compare(t->p, x->person, x->probe, &t->p->face[x->probe], w, &t->score[i].mm,
+    return compare(t->p, x->subject, x->probe, &t->p->face[x->probe], w, &t->score[i].mm,
                    e);
 }
 
 /* Room for n more scores; what they will be, at *out. */
-static enum status make_room(struct ctl *c, struct ctl_people *p, size_t n,
+static enum status make_room(struct ctl *c, struct ctl_cross *p, size_t n,
                              struct rates_score **out)
 {
     void *larger = realloc(p->score, (p->nscore + n + 1) * sizeof *p->score);
@@ -205,7 +208,7 @@ static enum status make_room(struct ctl *c, struct ctl_people *p, size_t n,
     return ST_OK;
 }
 
-static enum status do_trials(struct ctl *c, struct ctl_people *p, const char *what,
+static enum status do_trials(struct ctl *c, struct ctl_cross *p, const char *what,
                              const struct trial *trial, size_t n)
 {
     struct trials t = {.p = p, .trial = trial};
@@ -218,34 +221,34 @@ static enum status do_trials(struct ctl *c, struct ctl_people *p, const char *wh
     return st;
 }
 
-/* How many probes a person meets: all others' templates, or an equal share of limit. */
-static uint32_t wanted(const struct ctl_people *p, uint32_t person, double limit)
+/* How many probes a subject meets: all others' templates, or an equal share of limit. */
+static uint32_t wanted(const struct ctl_cross *p, uint32_t subject, double limit)
 {
-    const uint32_t n = p->person[person].n, others = p->ntemplate - n;
-    const double share = limit / p->nperson / n;
+    const uint32_t n = p->subject[subject].n, others = p->ntemplate - n;
+    const double share = limit / p->nsubject / n;
 
     return share >= others ? others : share > 1 ? (uint32_t)share : others > 0;
 }
 
-enum status ctl_people_impostors(struct ctl *c, struct ctl_people *p, double limit,
-                                 uint64_t seed)
+enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit,
+                                uint64_t seed)
 {
     struct trial *trial;
     double all = 0;
     size_t n = 0;
     enum status st;
 
-    for (uint32_t i = 0; i < p->nperson; i++)
-        all += (double)p->person[i].n * (p->ntemplate - p->person[i].n);
+    for (uint32_t i = 0; i < p->nsubject; i++)
+        all += (double)p->subject[i].n * (p->ntemplate - p->subject[i].n);
     if (all <= limit)
         limit = (double)INFINITY;
-    for (uint32_t i = 0; i < p->nperson; i++)
+    for (uint32_t i = 0; i < p->nsubject; i++)
         n += wanted(p, i, limit);
     if ((trial = malloc((n + 1) * sizeof *trial)) == NULL)
         return no_memory(c);
     n = 0;
-    for (uint32_t i = 0; i < p->nperson; i++) {
-        const struct ctl_person *one = &p->person[i];
+    for (uint32_t i = 0; i < p->nsubject; i++) {
+        const struct ctl_cross_subject *one = &p->subject[i];
         uint32_t left = p->ntemplate - one->n, want = wanted(p, i, limit);
 
         for (uint32_t t = 0; t < p->ntemplate && want > 0; t++) {
@@ -262,7 +265,7 @@ enum status ctl_people_impostors(struct ctl *c, struct ctl_people *p, double lim
     return st;
 }
 
-enum status ctl_people_genuine(struct ctl *c, struct ctl_people *p)
+enum status ctl_cross_genuine(struct ctl *c, struct ctl_cross *p)
 {
     struct trial *trial = malloc((p->ntemplate + (size_t)1) * sizeof *trial);
     size_t n = 0;
@@ -270,9 +273,9 @@ enum status ctl_people_genuine(struct ctl *c, struct ctl_people *p)
 
     if (trial == NULL)
         return no_memory(c);
-    for (uint32_t i = 0; i < p->nperson; i++)
-        for (uint32_t k = 0; k < p->person[i].n && p->person[i].n > 1; k++)
-            trial[n++] = (struct trial){i, p->person[i].first + k};
+    for (uint32_t i = 0; i < p->nsubject; i++)
+        for (uint32_t k = 0; k < p->subject[i].n && p->subject[i].n > 1; k++)
+            trial[n++] = (struct trial){i, p->subject[i].first + k};
     st = do_trials(c, p, "same people", trial, n);
     free(trial);
     return st;
@@ -282,9 +285,9 @@ enum status ctl_people_genuine(struct ctl *c, struct ctl_people *p)
 
 struct scans {
     const struct ctl *c;
-    const struct ctl_people *p;
+    const struct ctl_cross *p;
     const struct corpus *corpus;
-    const uint32_t *person;    /* [corpus->nsubject] or NOBODY */
+    const uint32_t *subject;   /* [corpus->nsubject] or NOBODY */
     struct rates_score *score; /* [corpus->nscan]; mm: -1 refused, -2 not compared */
 };
 
@@ -292,25 +295,25 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
 {
     const struct scans *s = arg;
     const struct corpus_scan *scan = &s->corpus->scan[i];
-    const uint32_t person = s->person[scan->subject];
+    const uint32_t subject = s->subject[scan->subject];
     struct rates_score *x = &s->score[i];
     struct ctl c = {.units = s->c->units};
     struct face f = {0};
     char digest[65];
     enum status st;
 
-    *x = (struct rates_score){.mm = -2, .template = person, .probe = person};
-    if (person == NOBODY)
+    *x = (struct rates_score){.mm = -2, .template = subject, .probe = subject};
+    if (subject == NOBODY)
         return ST_OK;
     st = ctl_scan_read(&c, scan->path, w, &f);
     if (st == ST_OK && (st = codec_digest(&f.surface.mesh, digest)) == ST_OK) {
-        const struct ctl_person *one = &s->p->person[person];
+        const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;
 
         while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
             t++;
         if (t == one->n) /* else it is one of the templates */
-            st = compare(s->p, person, NOBODY, &f, w, &x->mm, &c.e);
+            st = compare(s->p, subject, NOBODY, &f, w, &x->mm, &c.e);
     } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
         x->mm = -1;
         st = ST_OK;
@@ -319,16 +322,16 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", c.e.msg);
 }
 
-static uint32_t find_person(const struct ctl_people *p, const char *id)
+static uint32_t find_subject(const struct ctl_cross *p, const char *id)
 {
-    for (uint32_t i = 0; i < p->nperson; i++)
-        if (strcmp(p->person[i].id, id) == 0)
+    for (uint32_t i = 0; i < p->nsubject; i++)
+        if (strcmp(p->subject[i].id, id) == 0)
             return i;
     return NOBODY;
 }
 
 /* Keep the scores that are some. */
-static void keep_scores(struct ctl_people *p, const struct rates_score *score, size_t n)
+static void keep_scores(struct ctl_cross *p, const struct rates_score *score, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         if (score[i].mm >= 0)
@@ -340,30 +343,30 @@ static void keep_scores(struct ctl_people *p, const struct rates_score *score, s
     }
 }
 
-enum status ctl_people_manifest(struct ctl *c, struct ctl_people *p, const char *path)
+enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *path)
 {
     struct corpus *corpus = NULL;
     struct scans s = {.c = c, .p = p};
-    uint32_t *person = NULL;
+    uint32_t *subject = NULL;
     enum status st = corpus_read(path, &corpus, &c->e);
 
     if (st != ST_OK)
         return st;
     s.corpus = corpus;
-    if ((person = malloc(corpus->nsubject * sizeof *person)) == NULL) {
+    if ((subject = malloc(corpus->nsubject * sizeof *subject)) == NULL) {
         st = no_memory(c);
         goto out;
     }
     for (uint32_t i = 0; i < corpus->nsubject; i++)
-        person[i] = find_person(p, corpus->subject[i].id);
-    s.person = person;
+        subject[i] = find_subject(p, corpus->subject[i].id);
+    s.subject = subject;
     if ((st = make_room(c, p, corpus->nscan, &s.score)) != ST_OK)
         goto out;
     st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
         keep_scores(p, s.score, corpus->nscan);
 out:
-    free(person);
+    free(subject);
     corpus_free(corpus);
     return st;
 }

@@ -1,13 +1,13 @@
 #!/bin/sh
 # Goal: templates of another engine are never compared as if they were this one's: daemon and
 # command answer as if the scans were enrolled now, say that there are such templates, and
-# `template reprocess` makes them anew for good while the daemon serves: nothing but the model
+# `template reencode` re-encodes them for good while the daemon serves: nothing but the model
 # changes, what cannot be made a face of stays and is told, and killed in the middle it goes on.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_MODEL
 
-counts() { said '[.templates, .renewed, .current, .failed, .undone] | join(" ")'; }
+counts() { said '[.templates, .reencoded, .current, .failed, .undone] | join(" ")'; }
 # models: another mean face; and one that only hollow faces are like.
 mean() { awk -v how="$1" '/^weight/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
     $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/default.model; }
@@ -39,10 +39,10 @@ engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates
 start_daemon --no-auth
 verdicts >"$T/wanted"
 is "two verdicts" "$(jq -r .decision "$T/wanted" | tr '\n' ' ')" 'match match '
-is "nothing was made anew" "$(metric surfaced_templates_renewed_total)" 0
+is "nothing was re-encoded" "$(metric surfaced_templates_renewed_total)" 0
 ok "nothing is said" test "$(grep -c 'another engine' "$LOG")" -eq 0
 stop_daemon
-ctl_exits 0 template reprocess
+ctl_exits 0 template reencode
 is "nothing to do" "$(counts)" '0 0 0 0 0'
 
 # ---- the same by another
@@ -59,7 +59,7 @@ is "but by their own model" "$(said '[.templates[].stale] | join(" ")')" 'false 
 ctl_exits 0 stats
 is "stats" "$(said '.templates, .stale' | tr '\n' ' ')" '3 3 '
 ctl_exits 1 doctor
-ok "doctor" grep -q 'template reprocess' "$T/ctl"
+ok "doctor" grep -q 'template reencode' "$T/ctl"
 ctl_exits 0 verify alice "$T/alice-later.ply"
 is "the command: as enrolled now" "$(said .disparity_mm)" \
     "$(jq .disparity_mm "$T/wanted" | head -1)"
@@ -74,21 +74,21 @@ is "never compared where that cannot be" "$STATUS" 500
 ok "and the log says why" grep -q 'template passed over.*cannot make it anew' "$LOG"
 
 # ---- for good, beside the daemon
-ctl_exits 65 template reprocess --dry-run
+ctl_exits 65 template reencode --dry-run
 is "a dry run" "$(counts)" '3 2 0 1 0'
 ctl_exits 0 stats
 is "changes nothing" "$(said .stale)" 3
-ctl_exits 0 template reprocess "$alice"
+ctl_exits 0 template reencode "$alice"
 is "one" "$(counts)" '1 1 0 0 0'
-ctl_exits 65 template reprocess --threads 2
+ctl_exits 65 template reencode --threads 2
 is "the others" "$(counts)" '2 1 0 1 0'
 is "what failed" "$(said '.failures[].template_id')" "$dan"
 ok "and why" grep -q "$dan was made by .*: not a face" "$T/ctl.err"
-ctl_exits 65 template reprocess
+ctl_exits 65 template reencode
 is "again" "$(counts)" '1 0 0 1 0'
-ctl_exits 0 template reprocess "$alice"
+ctl_exits 0 template reencode "$alice"
 is "what is current" "$(counts)" '1 0 1 0 0'
-ctl_exits 66 template reprocess "$alice" 00000000000000000000000000000000
+ctl_exits 66 template reencode "$alice" 00000000000000000000000000000000
 verdicts >"$T/after"
 ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
 is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
@@ -108,8 +108,8 @@ stop_daemon
 # ---- there and back again: nothing drifts
 "$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/there.ply" >"$T/text"
 for n in 1 2; do
-    ctl_exits 0 template reprocess "$alice" --model "$T/raised.model"
-    ctl_exits 0 template reprocess "$alice"
+    ctl_exits 0 template reencode "$alice" --model "$T/raised.model"
+    ctl_exits 0 template reencode "$alice"
 done
 "$BUILD/surfacectl" --db "$DB" template export "$alice" -o "$T/back.ply" >"$T/text"
 ok "the same points and triangles" cmp "$T/there.ply" "$T/back.ply"
@@ -121,7 +121,7 @@ stop_daemon
 # ---- an archive of another engine
 head -c 32 /dev/zero | tr '\0' a >"$T/akey"
 chmod 600 "$T/akey"
-ctl_exits 0 template reprocess "$alice" --model "$T/raised.model"
+ctl_exits 0 template reencode "$alice" --model "$T/raised.model"
 ctl_exits 0 export alice -o "$T/a" --archive-key "$T/akey"
 from=$DB DB=$T/third.db
 ctl_exits 0 init
@@ -139,7 +139,7 @@ done
 ctl_exits 0 init
 ctl_exits 0 enroll "$T/many" --model "$T/raised.model"
 enrolled=$(said .enrolled)
-"$BUILD/surfacectl" --db "$DB" template reprocess --threads 1 >"$T/text" 2>&1 &
+"$BUILD/surfacectl" --db "$DB" template reencode --threads 1 >"$T/text" 2>&1 &
 killed=$!
 # shellcheck disable=SC2317 # run by soon
 some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'reprocess'")" -gt 3; }
@@ -151,9 +151,9 @@ ctl_exits 0 stats
 left=$(said .stale)
 is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'reprocess'")" "$((enrolled - left))"
-ctl_exits 0 template reprocess
+ctl_exits 0 template reencode
 is "it went on" "$(counts)" "$left $left 0 0 0"
-ctl_exits 0 template reprocess
+ctl_exits 0 template reencode
 is "nothing is left" "$(counts)" '0 0 0 0 0'
 ctl_exits 0 check
 is "all are there" "$(said .templates)" "$enrolled"
@@ -161,6 +161,6 @@ is "all are there" "$(said .templates)" "$enrolled"
 # ---- as text
 DB=$from
 ctl_exits 0 stats
-"$BUILD/surfacectl" --db "$DB" template reprocess >"$T/text" 2>/dev/null
-is "as text" "$(head -1 "$T/text")" "2 templates: 1 made anew by $engine, 0 current, 1 failed"
+"$BUILD/surfacectl" --db "$DB" template reencode >"$T/text" 2>/dev/null
+is "as text" "$(head -1 "$T/text")" "2 templates: 1 re-encoded by $engine, 0 current, 1 failed"
 finish

@@ -1,0 +1,70 @@
+/* asymmetry: a scan measured against its own mirror image. */
+#include <math.h>
+#include <stdio.h>
+
+#include "asymmetry.h"
+#include "describe.h"
+#include "ctl_command.h"
+#include "ctl_face.h"
+#include "ctl_scan.h"
+
+static void print_asymmetry(const struct asymmetry *a, const struct face *f)
+{
+    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
+                 a->final.volume_mm3, a->final.area_mm2,
+                 asymmetry_conclusive(a) ? "" : ", of too little to say");
+    (void)printf(
+        "first        %.3f mm before the plane was corrected, by %.2f degrees and "
+        "%.2f mm\n",
+        a->initial.plain_mm, a->moved_deg, a->moved_mm);
+    (void)printf("common       %.0f %% of the face lies over its mirror image\n",
+                 100 * a->final.overlap);
+    (void)printf("plane        %.4f x %+.4f y %+.4f z = %.2f mm, ", a->normal[0],
+                 a->normal[1], a->normal[2], a->offset_mm);
+    if (isfinite(a->turn_deg))
+        (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
+                     a->turn_deg, a->shift_mm);
+    else
+        (void)printf("how well it is known cannot be told\n");
+    (void)printf("scan         %u points, quality %.2f", f->surface.mesh.nv,
+                 f->quality.score);
+    ctl_face_reasons(stdout, f);
+}
+
+static int run(struct ctl *c)
+{
+    struct face_work *w = face_work_new(c->model);
+    struct face f = {0};
+    struct asymmetry a;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = ctl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
+             (st = face_asymmetry(&f, w, &a)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
+    if (st == ST_OK) {
+        describe_asymmetry(ctl_out_document(c->out), &a, &f, c->engine, NULL);
+        if (!c->json)
+            print_asymmetry(&a, &f);
+    }
+    face_free(&f);
+    face_work_free(w);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    return asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
+}
+
+const struct ctl_command ctl_asymmetry = {
+    .name = "asymmetry",
+    .args = "FILE",
+    .takes = {1, 1},
+    .shared = CTL_UNITS | CTL_MODEL,
+    .exits = {"done", NULL,
+              "inconclusive: too little of the face lies over its mirror image"},
+    .run = run,
+    .summary = "measure a scan against its own mirror image",
+    .help =
+        "The symmetry plane is corrected until the gap between the face and its mirror image is\n"
+        "least; that gap is the asymmetry.  Nothing is stored.",
+    .example = "surfacectl asymmetry alice.ply"};

@@ -1,0 +1,52 @@
+/* check: the whole database, read and verified. */
+#include <stdio.h>
+
+#include "ctl_command.h"
+#include "ctl_key.h"
+
+static void report(void *arg, const char *line)
+{
+    const struct ctl *c = arg;
+
+    ctl_out_text(c->out, NULL, line);
+    if (!c->json)
+        (void)printf("%s\n", line);
+}
+
+static int run(struct ctl *c)
+{
+    struct store_check found;
+    struct store *s = NULL;
+    enum status st = ctl_key_open(c, STORE_READ, &s);
+
+    ctl_out_array(c->out, "problems");
+    if (st == ST_OK)
+        st = store_check(s, report, c, &found, &c->e);
+    ctl_out_close(c->out);
+    store_close(s);
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_number(c->out, "templates", (double)found.templates);
+    ctl_out_number(c->out, "bad_templates", (double)found.bad_templates);
+    ctl_out_number(c->out, "events", (double)found.events);
+    ctl_out_flag(c->out, "ok", found.problems == 0);
+    if (!c->json)
+        (void)printf(
+            "%s: %llu templates, %llu bad; %llu events; %llu problems in all\n",
+            found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
+            (unsigned long long)found.bad_templates, (unsigned long long)found.events,
+            (unsigned long long)found.problems);
+    return found.problems == 0 ? EXIT_FINE : EXIT_NO;
+}
+
+const struct ctl_command ctl_check = {
+    .name = "check",
+    .database = CTL_NEEDS_DATABASE,
+    .exits = {"no problems", "problems were found"},
+    .run = run,
+    .summary = "read and verify the whole database",
+    .help =
+        "The database's integrity, references and schema; the audit log; of each template the\n"
+        "checksum, triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
+        "Nothing is changed.",
+    .example = "surfacectl --db faces.db check"};

@@ -1,0 +1,52 @@
+/* ctl_cross.h -- everybody in the database compared with everybody else.
+ * A comparison is what a verification does: one scan against all templates of a subject, of
+ * which the nearest counts; INFINITY where none can be compared (inconclusive). */
+#ifndef DB_SURFACECTL_CROSS_H
+#define DB_SURFACECTL_CROSS_H
+#include <stddef.h>
+#include <stdint.h>
+#include "face.h"
+#include "rates.h"
+#include "store.h"
+
+struct ctl;
+
+#define CTL_CROSS_MAX 2000 /* subjects in memory at once */
+
+struct ctl_cross_subject {
+    char id[STORE_SUBJECT_MAX + 1];
+    uint32_t first, n; /* templates first .. first + n - 1 */
+};
+
+struct ctl_cross {
+    struct ctl_cross_subject *subject; /* with templates, as they came */
+    uint32_t nsubject;
+    uint32_t nenrolled; /* that have templates: nsubject, or more than are in memory */
+    struct face *face;  /* [ntemplate] */
+    char (*digest)[65];
+    uint32_t ntemplate;
+
+    struct rates_score *score; /* subjects are indices of subject */
+    size_t nscore;
+    size_t outside; /* of the manifest: scans of nobody here, or that are templates */
+    size_t refused; /* scans that are no face */
+};
+
+/* ctl_cross_load(c, s, seed, p): *p is all zero.  Of more than CTL_CROSS_MAX
+ * subjects that many are drawn.  c->e is filled on failure, here and below. */
+enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
+                           struct ctl_cross *p);
+void ctl_cross_free(struct ctl_cross *p);
+
+/* ctl_cross_impostors(c, p, limit, seed): add the scores of each subject's templates
+ * against every other's; where that is more than about limit comparisons of two templates,
+ * each subject is met by as many others' templates, drawn without replacement.
+ * ctl_cross_genuine(c, p): each template against the same subject's others.
+ * ctl_cross_manifest(c, p, path): the scans of a corpus (corpus.h) against the
+ * templates of their subjects. */
+enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit,
+                                uint64_t seed);
+enum status ctl_cross_genuine(struct ctl *c, struct ctl_cross *p);
+enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *path);
+
+#endif

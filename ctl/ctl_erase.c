@@ -1,0 +1,194 @@
+/* subject erase, and purge: a subject with everything that is known of it. */
+#include "ctl_erase.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl_command.h"
+#include "ctl_key.h"
+
+static bool due_given; /* --due */
+
+static void out_receipt(struct ctl_out *o, const struct store_receipt *r)
+{
+    ctl_out_text(o, "subject", r->subject);
+    ctl_out_number(o, "templates_deleted", r->templates);
+    ctl_out_array(o, "template_ids");
+    for (uint32_t i = 0; i < r->templates; i++)
+        ctl_out_text(o, NULL, r->template_id[i]);
+    ctl_out_close(o);
+    ctl_out_text(o, "erased_at", r->at);
+    ctl_out_text(o, "digest", r->digest);
+    ctl_out_object(o, "audit");
+    ctl_out_number(o, "seq", (double)r->seq);
+    ctl_out_text(o, "hash", r->hash);
+    ctl_out_close(o);
+    ctl_out_text(o, "signature", r->signature);
+    ctl_out_text(o, "public_key", r->public_key);
+}
+
+int ctl_erase_would(struct ctl *c, const struct store_subject *one, uint32_t templates,
+                    const char *what)
+{
+    if (one->hold)
+        return ctl_fail(c,
+                        errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id));
+    ctl_out_text(c->out, "subject", one->id);
+    ctl_out_number(c->out, "templates", templates);
+    ctl_out_flag(c->out, "deleted", false);
+    if (!c->json)
+        (void)printf("this %s; nothing was changed\n", what);
+    return EXIT_FINE;
+}
+
+static int erase_one(struct ctl *c, struct store *s, const struct store_subject *one)
+{
+    char what[256];
+    struct store_receipt r;
+    enum status st;
+
+    (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one->id,
+                   one->templates, one->templates == 1 ? "" : "s");
+    if (c->dry_run)
+        return ctl_erase_would(c, one, one->templates, what);
+    if (!ctl_confirmed(c, what, one->id))
+        return EXIT_USAGE;
+    st = store_subject_erase(s, CTL_ACTOR, one->id, &r, &c->e);
+    if (st == ST_OK) {
+        out_receipt(c->out, &r);
+        if (!c->json)
+            (void)printf("deleted subject %s with %u template%s, at %s\n"
+                         "  receipt   %s\n"
+                         "  audit     entry %llu\n",
+                         one->id, r.templates, r.templates == 1 ? "" : "s", r.at,
+                         r.digest, (unsigned long long)r.seq);
+    }
+    store_receipt_free(&r);
+    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+}
+
+static int run_erase(struct ctl *c)
+{
+    struct store_subject one;
+    struct store *s = NULL;
+    enum status st = ctl_key_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    int code;
+
+    if (st == ST_OK)
+        st = store_subject_get(s, c->args[0], &one, &c->e);
+    code = st == ST_OK ? erase_one(c, s, &one) : ctl_fail(c, st);
+    store_close(s);
+    return code;
+}
+
+/* Those that can be erased, or are kept: in the JSON, and as text. */
+static void tell_due(struct ctl *c, const char *key, bool hold,
+                     const struct store_subject *due, size_t n)
+{
+    ctl_out_array(c->out, key);
+    for (size_t i = 0; i < n; i++) {
+        if (due[i].hold != hold)
+            continue;
+        ctl_out_text(c->out, NULL, due[i].id);
+        if (!c->json)
+            (void)printf("%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates,
+                         due[i].expires, hold ? "on hold: kept" : "");
+    }
+    ctl_out_close(c->out);
+}
+
+static enum status erase_due(struct ctl *c, struct store *s,
+                             const struct store_subject *due, size_t n, size_t *erased)
+{
+    for (size_t i = 0; i < n; i++) {
+        enum status st;
+
+        if (due[i].hold)
+            continue;
+        st = store_subject_purge(s, CTL_ACTOR, due[i].id, &c->e);
+        if (st == ST_OK)
+            ++*erased;
+        else if (st != ST_ENOTFOUND && st != ST_EHELD)
+            return st; /* those: changed since they were listed */
+    }
+    return ST_OK;
+}
+
+static int purge(struct ctl *c, struct store *s, const struct store_subject *due,
+                 size_t n)
+{
+    char what[64], count[32];
+    size_t most = 0, erased = 0;
+    enum status st;
+
+    for (size_t i = 0; i < n; i++)
+        most += !due[i].hold;
+    if (!c->json && n > 0)
+        (void)printf("%-32s %9s  %-16s\n", "SUBJECT", "TEMPLATES", "EXPIRED");
+    tell_due(c, "due", false, due, n);
+    tell_due(c, "kept", true, due, n);
+    (void)snprintf(what, sizeof what, "erases %zu subject%s", most, most == 1 ? "" : "s");
+    (void)snprintf(count, sizeof count, "%zu", most);
+    if (!c->dry_run && most > 0) {
+        if (!ctl_confirmed(c, what, count))
+            return EXIT_USAGE;
+        st = erase_due(c, s, due, n, &erased);
+        if (st != ST_OK)
+            return ctl_fail(c, st);
+    }
+    ctl_out_number(c->out, "erased", (double)erased);
+    if (!c->json)
+        (void)printf("%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
+    return EXIT_FINE;
+}
+
+static int run_purge(struct ctl *c)
+{
+    struct store_subject *due = NULL;
+    struct store *s = NULL;
+    size_t n = 0;
+    enum status st;
+    int code;
+
+    if (!due_given)
+        return ctl_usage(c, "it is: surfacectl purge --due");
+    st = ctl_key_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
+    if (st == ST_OK)
+        st = store_subject_due(s, &due, &n, &c->e);
+    code = st == ST_OK ? purge(c, s, due, n) : ctl_fail(c, st);
+    store_close(s);
+    free(due);
+    return code;
+}
+
+const struct ctl_command ctl_erase = {
+    .name = "subject erase",
+    .args = "SUBJECT",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_DRY_RUN | CTL_YES,
+    .run = run_erase,
+    .summary = "delete a subject with all its templates",
+    .help =
+        "Its key is deleted too, so that copies of its data cannot be decrypted.  A receipt is\n"
+        "printed, by --json in full, with its signature.  On a terminal the id has to be typed\n"
+        "again; elsewhere --yes is required.",
+    .example = "surfacectl --db faces.db --yes subject erase alice"};
+
+const struct ctl_command ctl_erase_purge = {
+    .name = "purge",
+    .args = "--due",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_DRY_RUN | CTL_YES,
+    .options =
+        (const struct ctl_option[]){CTL_OPTION("due", NULL, ctl_option_flag, &due_given,
+                                               "the subjects that have expired; "
+                                               "required"),
+                                    CTL_OPTION_END},
+    .run = run_purge,
+    .summary = "erase the subjects that have expired",
+    .help =
+        "Those on hold are listed and kept.  On a terminal their number has to be typed;\n"
+        "elsewhere --yes is required.",
+    .example = "surfacectl --db faces.db purge --due --dry-run"};

@@ -1,0 +1,40 @@
+/* ctl_face.h -- a face compared with a subject's templates, and what is told of that. */
+#ifndef CTL_FACE_H
+#define CTL_FACE_H
+#include <stdio.h>
+#include "enrolment.h"
+#include "face.h"
+#include "nearest.h"
+#include "store.h"
+
+struct ctl; /* ctl.h */
+
+/* ctl_face_nearest(c, s, subject, probe, w, best): the probe compared with a subject's
+ * templates, by the database's calibration (nearest_find()).  ST_EDENIED: the subject may
+ * not be verified.  ctl_face_template(): with one template of it. */
+struct ctl_nearest {
+    struct nearest nearest;
+    struct store_template tmpl; /* that decides */
+    struct store_subject subject;
+};
+enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
+                             const struct face *probe, struct face_work *w,
+                             struct ctl_nearest *best);
+enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
+                              const struct face *probe, struct face_work *w,
+                              struct ctl_nearest *best);
+
+/* ctl_face_enroll(c, s, x, path, w, out): enrolment_add(); the path begins what c->e says of a
+ * sample that does not fit. */
+enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
+                            const char *path, struct face_work *w,
+                            struct enrolment_outcome *out);
+
+int ctl_face_exit(enum face_decision d);
+
+/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */
+void ctl_face_regions(FILE *to, const struct face_result *r);
+void ctl_face_alignment(FILE *to, const struct align_result *a);
+void ctl_face_reasons(FILE *to, const struct face *f);
+
+#endif

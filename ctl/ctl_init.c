@@ -1,0 +1,128 @@
+/* init and migrate: a new database, or one of an older version. */
+#include <limits.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "ctl_command.h"
+#include "ctl_key.h"
+
+/* The file of a key that was made, or NULL: it is told where it is, since the database is
+ * lost without it. */
+static void tell_key(struct ctl *c, const char *path, bool made)
+{
+    ctl_out_text(c->out, "key", path);
+    if (made && !c->json)
+        (void)printf(
+            "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
+            "the database can be read.\n",
+            path);
+}
+
+/* Make or upgrade; the key's file is new where there was none before. */
+static enum status open_new(struct ctl *c, enum store_mode mode, const char *word)
+{
+    struct store *s = NULL;
+    char usual[PATH_MAX];
+    const char *path = c->key != NULL ? c->key : usual;
+    bool there;
+    enum status st;
+
+    if (c->plaintext && c->key != NULL)
+        return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
+    (void)snprintf(usual, sizeof usual, "%s.key", c->db);
+    there = access(path, F_OK) == 0;
+    if ((st = ctl_key_open(c, mode, &s)) != ST_OK)
+        return st;
+    store_close(s);
+    ctl_out_text(c->out, "database", c->db);
+    if (!c->json)
+        (void)printf("%s: %s\n", c->db, word);
+    if (access(path, F_OK) == 0)
+        tell_key(c, path, !there);
+    return ST_OK;
+}
+
+static int run_init(struct ctl *c)
+{
+    enum vault_kind kind;
+    const bool there = store_kind(c->db, &kind, NULL) == ST_OK;
+    const enum status st =
+        open_new(c, STORE_CREATE, there ? "was initialised before" : "initialised");
+
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_flag(c->out, "created", !there);
+    return EXIT_FINE;
+}
+
+/* What an upgrade would do. */
+static int migrate_dry(struct ctl *c, const struct store_look *l, bool old)
+{
+    ctl_out_flag(c->out, "upgraded", false);
+    ctl_out_flag(c->out, "would_upgrade", old);
+    ctl_out_number(c->out, "schema", l->version);
+    ctl_out_number(c->out, "subjects", (double)l->subjects);
+    ctl_out_number(c->out, "templates", (double)l->templates);
+    if (!c->json && old)
+        (void)printf(
+            "%s: schema version %d, would be upgraded to %d: %llu subjects, %llu "
+            "templates; the old one would be kept as %s.v%d.bak\n",
+            c->db, l->version, l->newest, (unsigned long long)l->subjects,
+            (unsigned long long)l->templates, c->db, l->version);
+    else if (!c->json)
+        (void)printf("%s: is of this version\n", c->db);
+    return EXIT_FINE;
+}
+
+static int run_migrate(struct ctl *c)
+{
+    struct store_look l;
+    char backup[PATH_MAX];
+    bool old;
+    enum status st = store_look(c->db, &l, &c->e);
+
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    old = l.version > 0 && l.version < l.newest;
+    if (c->dry_run)
+        return migrate_dry(c, &l, old);
+    st = open_new(c, STORE_MIGRATE,
+                  old ? "upgraded to this version" : "is of this version");
+    if (st != ST_OK)
+        return ctl_fail(c, st);
+    ctl_out_flag(c->out, "upgraded", old);
+    if (old) {
+        (void)snprintf(backup, sizeof backup, "%s.v%d.bak", c->db, l.version);
+        ctl_out_text(c->out, "backup", backup);
+        if (!c->json)
+            (void)printf(
+                "The old database is %s.  What it holds unencrypted is still readable there: "
+                "delete it when all is well.\n",
+                backup);
+    }
+    return EXIT_FINE;
+}
+
+const struct ctl_command ctl_init = {
+    .name = "init",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT,
+    .run = run_init,
+    .summary = "make a new database",
+    .help =
+        "What identifies people is encrypted with the key in the file PATH.key, or --key.  The\n"
+        "file is made if it is missing: keep a copy of it elsewhere, since without the key\n"
+        "nothing in the database can be read.  An existing database is left as it is.",
+    .example = "surfacectl --db faces.db init"};
+
+const struct ctl_command ctl_init_migrate = {
+    .name = "migrate",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT | CTL_DRY_RUN,
+    .run = run_migrate,
+    .summary = "upgrade a database of an older version",
+    .help =
+        "In one transaction.  What identifies people is encrypted from then on, as with init.\n"
+        "A verified copy of the old database is kept as PATH.v3.bak: what was unencrypted in it\n"
+        "still is.  Delete the copy when all is well.",
+    .example = "surfacectl --db faces.db migrate --dry-run"};

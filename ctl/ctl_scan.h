@@ -1,0 +1,24 @@
+/* ctl_scan.h -- a scan's file as a face. */
+#ifndef CTL_SCAN_H
+#define CTL_SCAN_H
+#include <stddef.h>
+#include "status.h"
+
+struct ctl;       /* ctl.h */
+struct dvec3;     /* vec.h */
+struct face;      /* face.h */
+struct face_work; /* face.h */
+
+/* ctl_scan_read(c, path, w, out): the scan in a file ("-": standard input), in c->units.
+ * Every failure is in c->e, with the path.
+ * ctl_scan_points(), ctl_scan_build(): the same in two steps, for who needs the points too:
+ * in millimetres, in the file's order, a new array released by mem_free() (NULL on
+ * failure). */
+enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,
+                          struct face *out);
+enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
+                            size_t *n);
+enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
+                           size_t n, struct face_work *w, struct face *out);
+
+#endif

@@ -1,0 +1,83 @@
+/* simplify: the points that a scan's surface needs. */
+#include <math.h>
+#include <stdio.h>
+
+#include "lattice.h"
+#include "mem.h"
+#include "simplify.h"
+#include "ctl_command.h"
+#include "ctl_dir.h"
+#include "ctl_scan.h"
+
+static double tolerance_mm; /* --tolerance */
+static bool mean;           /* --mean */
+
+static void tell_simplified(struct ctl *c, const struct face *f,
+                            const struct simplify_result *r)
+{
+    const double share = (double)r->kept / f->surface.mesh.nv;
+
+    ctl_out_text(c->out, "file", c->dir);
+    ctl_out_number(c->out, "points", f->surface.mesh.nv);
+    ctl_out_number(c->out, "kept", r->kept);
+    ctl_out_number(c->out, "share", share);
+    ctl_out_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
+    ctl_out_number(c->out, "disparity_mm", r->disparity / LATTICE_PER_MM);
+    if (!c->json)
+        (void)printf("kept         %u of %u points, %.1f %%\n"
+                     "error        %.3f mm at most at one of the scan's points\n"
+                     "disparity    %.4f mm in the mean\n"
+                     "file         %s\n",
+                     r->kept, f->surface.mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
+                     r->disparity / LATTICE_PER_MM, c->dir);
+}
+
+static int run(struct ctl *c)
+{
+    const double tolerance = tolerance_mm * LATTICE_PER_MM;
+    const struct simplify_limit limit = {mean ? (double)INFINITY : tolerance,
+                                         mean ? tolerance : (double)INFINITY, 0};
+    struct face_work *w;
+    struct simplify_result r;
+    struct scratch scratch = {0};
+    struct mesh small = {0};
+    struct face f = {0};
+    enum status st;
+
+    if (!(tolerance_mm > 0) || c->dir == NULL)
+        return ctl_usage(c, "simplify needs --tolerance MM and --out FILE");
+    if ((w = face_work_new(c->model)) == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = ctl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
+             (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch,
+                                 &small, NULL, &r)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
+    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &small, &c->e)) == ST_OK)
+        tell_simplified(c, &f, &r);
+    mesh_free(&small);
+    scratch_free(&scratch);
+    face_free(&f);
+    face_work_free(w);
+    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+}
+
+const struct ctl_command ctl_simplify = {
+    .name = "simplify",
+    .args = "FILE",
+    .takes = {1, 1},
+    .shared = CTL_UNITS | CTL_MODEL | CTL_OUT,
+    .options =
+        (const struct ctl_option[]){
+            CTL_OPTION("tolerance", "MM", ctl_option_mm, &tolerance_mm,
+                       "the largest gap that may open; required"),
+            CTL_OPTION("mean", NULL, ctl_option_flag, &mean,
+                       "the tolerance is for the mean gap over the area"),
+            CTL_OPTION_END},
+    .run = run,
+    .summary = "keep the points that a scan's surface needs",
+    .help =
+        "Points are removed one by one, the least needed first, as long as the surface of the\n"
+        "others stays within --tolerance of the scan's at each of its points.  The points that\n"
+        "remain are written with their triangles to the file --out (PLY).  Spikes are flattened\n"
+        "first.",
+    .example = "surfacectl simplify alice.ply --tolerance 0.3 --out small.ply"};

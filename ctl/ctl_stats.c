@@ -1,0 +1,85 @@
+/* stats and vacuum: how large the database is; smaller. */
+#include <stdio.h>
+
+#include "ctl_command.h"
+
+static enum status stats(struct ctl *c, struct store *s)
+{
+    struct store_stats t;
+    char text[32];
+    uint64_t stale = 0;
+    enum status st;
+
+    store_use_model(s, c->model);
+    if ((st = store_stats(s, &t, &c->e)) != ST_OK ||
+        (st = store_renew_count(s, &stale, &c->e)) != ST_OK)
+        return st;
+    ctl_out_number(c->out, "subjects", (double)t.subjects);
+    ctl_out_number(c->out, "templates", (double)t.templates);
+    ctl_out_number(c->out, "stale", (double)stale);
+    ctl_out_number(c->out, "points", (double)t.points);
+    ctl_out_number(c->out, "template_bytes", (double)t.template_bytes);
+    ctl_out_number(c->out, "file_bytes", (double)t.file_bytes);
+    ctl_out_number(c->out, "events", (double)t.events);
+    ctl_out_number(c->out, "tokens", (double)t.tokens);
+    ctl_out_number(c->out, "schema", t.schema);
+    if (c->json)
+        return ST_OK;
+    (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
+    (void)printf("templates    %llu", (unsigned long long)t.templates);
+    if (stale > 0)
+        (void)printf(", %llu by another engine (template reencode)",
+                     (unsigned long long)stale);
+    (void)printf("\n");
+    (void)printf("points       %llu\n", (unsigned long long)t.points);
+    (void)printf("models       %s\n", ctl_bytes(t.template_bytes, text));
+    (void)printf("file         %s\n", ctl_bytes(t.file_bytes, text));
+    if (t.points > 0)
+        (void)printf("per point    %.1f bytes of model, %.1f of file\n",
+                     (double)t.template_bytes / (double)t.points,
+                     (double)t.file_bytes / (double)t.points);
+    (void)printf("events       %llu\n", (unsigned long long)t.events);
+    (void)printf("tokens       %llu\n", (unsigned long long)t.tokens);
+    (void)printf("schema       %u\n", t.schema);
+    return ST_OK;
+}
+
+static enum status vacuum(struct ctl *c, struct store *s)
+{
+    struct store_stats before, after;
+    char was[32], is[32];
+    enum status st;
+
+    if ((st = store_stats(s, &before, &c->e)) != ST_OK ||
+        (st = store_vacuum(s, &c->e)) != ST_OK ||
+        (st = store_stats(s, &after, &c->e)) != ST_OK)
+        return st;
+    ctl_out_number(c->out, "bytes_before", (double)before.file_bytes);
+    ctl_out_number(c->out, "bytes_after", (double)after.file_bytes);
+    if (!c->json)
+        (void)printf("%s: %s before, %s now\n", c->db, ctl_bytes(before.file_bytes, was),
+                     ctl_bytes(after.file_bytes, is));
+    return ST_OK;
+}
+
+const struct ctl_command ctl_stats = {
+    .name = "stats",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_MODEL,
+    .work = stats,
+    .mode = STORE_READ,
+    .summary = "count what is in the database",
+    .help = "Subjects, templates, points, events and tokens, and what they take on disk.",
+    .example = "surfacectl --db faces.db stats"};
+
+const struct ctl_command ctl_stats_vacuum = {
+    .name = "vacuum",
+    .database = CTL_NEEDS_DATABASE,
+    .work = vacuum,
+    .mode = STORE_WRITE,
+    .summary = "give the room of deleted rows back to the disk",
+    .help =
+        "The database is written again, so it takes as much room once more while this runs, and\n"
+        "nobody else can write: a running daemon answers 503 to an enrolment that would wait\n"
+        "more than 5 seconds.",
+    .example = "surfacectl --db faces.db vacuum"};

@@ -1,0 +1,20 @@
+/* ctl_table.h -- the commands of surfacectl: they are found, told of in help texts and
+ * completed by this table. */
+#ifndef CTL_TABLE_H
+#define CTL_TABLE_H
+#include <stdbool.h>
+
+struct ctl_command; /* ctl_command.h */
+
+extern const struct ctl_command *const ctl_table[]; /* ends with NULL */
+
+/* ctl_table_find(words, n, used): the command that the words begin with; *used is how many
+ * of them name it.  NULL: none.
+ * ctl_table_in(cmd, group): is that the first of the two words of its name?
+ * ctl_table_options(cmd): the shared options that it takes, in bits; NULL: of surfacectl
+ * without a command. */
+const struct ctl_command *ctl_table_find(char *const *words, int n, int *used);
+bool ctl_table_in(const struct ctl_command *cmd, const char *group);
+unsigned ctl_table_options(const struct ctl_command *cmd);
+
+#endif

@@ -1,0 +1,133 @@
+/* verify and compare: a scan against a subject, or against another scan. */
+#include <math.h>
+#include <stdio.h>
+
+#include "describe.h"
+#include "verdict.h"
+#include "ctl_command.h"
+#include "ctl_face.h"
+#include "ctl_model.h"
+#include "ctl_scan.h"
+
+static void print_result(struct ctl *c, const struct describe_comparison *x)
+{
+    const struct face_result *r = x->result;
+
+    describe_comparison(ctl_out_document(c->out), x);
+    if (c->json)
+        return;
+    (void)printf("decision     %s\n", verdict_decision(r->decision));
+    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
+                 r->threshold_mm);
+    (void)printf("impostors    a share of %.2g would score this low or lower\n",
+                 r->fmr_at_score);
+    (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
+                 100 * r->disparity.overlap, 100 * r->weight_overlap);
+    (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
+    ctl_face_alignment(stdout, &r->align);
+    ctl_face_regions(stdout, r);
+    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->disparity.plain_mm,
+                 r->disparity.volume_mm3, r->disparity.area_mm2);
+    (void)printf("scan         %u points, quality %.2f", x->probe->surface.mesh.nv,
+                 x->probe->quality.score);
+    ctl_face_reasons(stdout, x->probe);
+    (void)printf("time         %.1f ms\n", x->times->total);
+}
+
+static int run_verify(struct ctl *c)
+{
+    const char *subject = c->args[0];
+    struct face_work *w = face_work_new(c->model);
+    struct face probe = {0};
+    struct store *s = NULL;
+    struct ctl_nearest best;
+    double start = 0;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else
+        st = ctl_model_open(c, STORE_WRITE, &s);
+    start = ctl_clock_ms();
+    if (st == ST_OK)
+        st = ctl_scan_read(c, c->args[1], w, &probe);
+    if (st == ST_OK)
+        st = ctl_face_nearest(c, s, subject, &probe, w, &best);
+    if (st == ST_OK)
+        st = store_event(s, "verify", CTL_ACTOR, subject, best.tmpl.id,
+                         verdict_decision(best.nearest.result.decision), &c->e);
+    if (st == ST_OK) {
+        store_subject_seen(s, &best.subject);
+        print_result(c, &(struct describe_comparison){
+                            .result = &best.nearest.result,
+                            .probe = &probe,
+                            .engine = c->engine,
+                            .subject = subject,
+                            .template_id = best.tmpl.id,
+                            .templates_compared = best.nearest.compared,
+                            .measure = true,
+                            .times = &(struct describe_times){
+                                NAN, NAN, best.nearest.align_ms, best.nearest.measure_ms,
+                                ctl_clock_ms() - start}});
+        if (!c->json)
+            (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
+                         best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
+    }
+    store_close(s);
+    face_free(&probe);
+    face_work_free(w);
+    return st == ST_OK ? ctl_face_exit(best.nearest.result.decision) : ctl_fail(c, st);
+}
+
+static int run_compare(struct ctl *c)
+{
+    const double start = ctl_clock_ms();
+    struct face_work *w = face_work_new(c->model);
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    enum status st;
+
+    if (w == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if ((st = ctl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
+             (st = ctl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
+             (st = face_compare(&a, &b, 0.0, ctl_clock_ms, w, &r)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+    if (st == ST_OK)
+        print_result(
+            c, &(struct describe_comparison){
+                   .result = &r,
+                   .probe = &b,
+                   .engine = c->engine,
+                   .templates_compared = 1,
+                   .measure = true,
+                   .times = &(struct describe_times){NAN, NAN, r.align_ms, r.measure_ms,
+                                                     ctl_clock_ms() - start}});
+    face_free(&a);
+    face_free(&b);
+    face_work_free(w);
+    return st == ST_OK ? ctl_face_exit(r.decision) : ctl_fail(c, st);
+}
+
+const struct ctl_command ctl_verify = {
+    .name = "verify",
+    .args = "SUBJECT FILE",
+    .takes = {2, 2},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_UNITS | CTL_MODEL,
+    .exits = {"match", "no match", "inconclusive: too little in common"},
+    .run = run_verify,
+    .summary = "compare a scan with a subject's templates",
+    .help = "The template with the lowest score decides.",
+    .example = "surfacectl --db faces.db verify alice probe.ply"};
+
+const struct ctl_command ctl_verify_compare = {
+    .name = "compare",
+    .args = "A B",
+    .takes = {2, 2},
+    .shared = CTL_UNITS | CTL_MODEL,
+    .exits = {"match", "no match", "inconclusive: too little in common"},
+    .run = run_compare,
+    .summary = "compare two scans, without a database",
+    .help = "B is moved onto A.  Nothing is stored.",
+    .example = "surfacectl compare monday.ply tuesday.ply"};

@@ -1,0 +1,232 @@
+/* surfacectl -- administer a template database from the command line, beside a running
+ * daemon or without one. */
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "keyfile.h"
+#include "ctl_command.h"
+#include "ctl_config.h"
+#include "ctl_help.h"
+#include "ctl_key.h"
+#include "ctl_model.h"
+#include "ctl_table.h"
+
+#define OPTIONS 64  /* of different names, at most */
+#define LONG    256 /* what getopt_long() returns for the first of them */
+
+struct line {
+    struct ctl c;
+    const struct ctl_command *cmd; /* NULL: none, or a group */
+    const char *group;             /* its first word alone was typed, for help */
+    struct option option[OPTIONS + 1];
+    int noption;
+    bool given[OPTIONS];
+    const char *value[OPTIONS];
+};
+
+static bool wrong(struct line *l, const char *what, const char *which)
+{
+    (void)ctl_usage(&l->c, "%s %.80s (surfacectl --help)", what, which);
+    return false;
+}
+
+/* ---- options: every name once, since they may stand before the command */
+
+static void list_options(struct line *l, unsigned shared, const struct ctl_option *own)
+{
+    const struct ctl_option *o;
+
+    for (size_t i = 0; (o = ctl_option_at(shared, own, i)) != NULL; i++) {
+        int k = 0;
+
+        while (k < l->noption && strcmp(l->option[k].name, o->name) != 0)
+            k++;
+        if (k == l->noption && k < OPTIONS)
+            l->option[l->noption++] =
+                (struct option){o->name, o->arg != NULL ? required_argument : no_argument,
+                                NULL, o->letter != 0 ? o->letter : LONG + k};
+    }
+}
+
+static int index_of(const struct line *l, int returned)
+{
+    int k = 0;
+
+    while (l->option[k].val != returned)
+        k++;
+    return k;
+}
+
+static bool read_options(int argc, char **argv, struct line *l)
+{
+    int got;
+
+    list_options(l, CTL_COMMON, NULL);
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        list_options(l, ctl_table_options(*k), (*k)->options);
+    opterr = 0;
+    while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
+        int k;
+
+        if (got == '?')
+            return wrong(l, "there is no option", argv[optind - 1]);
+        if (got == ':')
+            return wrong(l, "a value is missing after", argv[optind - 1]);
+        k = index_of(l, got);
+        if (l->given[k])
+            return wrong(l, "given twice:", l->option[k].name);
+        l->given[k] = true;
+        l->value[k] = optarg;
+    }
+    return true;
+}
+
+/* What was given, into the places that the command's options have. */
+static bool read_values(struct line *l)
+{
+    const char *name = l->cmd != NULL ? l->cmd->name : "";
+
+    for (int k = 0; k < l->noption; k++) {
+        const struct ctl_option *o;
+        const char *wanted;
+
+        if (!l->given[k])
+            continue;
+        o = ctl_option_find(ctl_table_options(l->cmd),
+                            l->cmd != NULL ? l->cmd->options : NULL, l->option[k].name);
+        if (o == NULL)
+            (void)ctl_usage(
+                &l->c, "--%s is an option that %s does not take (surfacectl %s --help)",
+                l->option[k].name, name, name);
+        else if ((wanted = ctl_option_set(o, &l->c, l->value[k])) != NULL)
+            (void)ctl_usage(&l->c, "--%s takes %s, not '%.80s'", o->name, wanted,
+                            l->value[k]);
+        if (l->c.e.code != ST_OK)
+            return false;
+    }
+    return true;
+}
+
+/* ---- the command */
+
+/* What one may type after the group's name. */
+static bool which_of(struct line *l, const char *group)
+{
+    char list[200] = "";
+    size_t n = 0;
+
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        if (ctl_table_in(*k, group) && n < sizeof list)
+            n += (size_t)snprintf(
+                list + n, sizeof list - n, "%s%s%s%s", n > 0 ? ", " : "", (*k)->name,
+                (*k)->args != NULL ? " " : "", (*k)->args != NULL ? (*k)->args : "");
+    if (n == 0)
+        return wrong(l, "there is no command", group);
+    (void)ctl_usage(&l->c, "it is: surfacectl %s", list);
+    return false;
+}
+
+/* The command that the words name; only a group, or none, where help is wanted. */
+static bool read_words(struct line *l, char **words, int n)
+{
+    const bool help = l->given[index_of(l, 'h')];
+    int used;
+
+    if (n == 0)
+        return true;
+    if ((l->cmd = ctl_table_find(words, n, &used)) == NULL) {
+        l->group = words[0];
+        return (help && n == 1 && ctl_help_is_group(words[0])) || which_of(l, words[0]);
+    }
+    l->c.name = l->cmd->name;
+    l->c.args = words + used;
+    l->c.nargs = n - used;
+    if (!help && (l->c.nargs < l->cmd->takes[0] || l->c.nargs > l->cmd->takes[1])) {
+        (void)ctl_usage(&l->c, "it is: surfacectl %s %s", l->cmd->name,
+                        l->cmd->args != NULL ? l->cmd->args : "");
+        return false;
+    }
+    return true;
+}
+
+static bool read_line(int argc, char **argv, struct line *l)
+{
+    if (!read_options(argc, argv, l) || !read_words(l, argv + optind, argc - optind))
+        return false;
+    if (!read_values(l))
+        return false;
+    return l->cmd != NULL || l->c.help || l->c.version || wrong(l, "which command?", "");
+}
+
+/* NULL where it is not set, or empty. */
+static const char *environment(const char *name)
+{
+    const char *value = getenv(name);
+
+    return value != NULL && value[0] != '\0' ? value : NULL;
+}
+
+/* What the environment says, or the daemon's configuration, where the command line did not. */
+static bool read_environment(struct line *l)
+{
+    struct ctl *c = &l->c;
+    const bool model = (l->cmd->shared & CTL_MODEL) != 0;
+
+    if (model && c->model_path == NULL)
+        c->model_path = environment("SURFACED_MODEL");
+    if (c->key == NULL)
+        c->key = environment("SURFACED_KEY");
+    if (l->cmd->database == CTL_TAKES_DATABASE && c->config == NULL) {
+        if (c->db == NULL)
+            c->db = environment("SURFACED_DB");
+        return true;
+    }
+    return l->cmd->database == CTL_NO_DATABASE || ctl_config_database(c, model) == ST_OK;
+}
+
+static void print_error(struct ctl *c, int code)
+{
+    (void)fflush(stdout);
+    (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
+    ctl_out_object(c->out, "error");
+    ctl_out_text(c->out, "detail", c->e.msg);
+    ctl_out_number(c->out, "exit", code);
+    ctl_out_close(c->out);
+}
+
+int main(int argc, char **argv)
+{
+    struct line l = {.noption = 0};
+    struct model *model = NULL;
+    bool ok = read_line(argc, argv, &l);
+    int code = EXIT_USAGE;
+
+    if (ok && (l.c.help || l.c.version)) {
+        ctl_help_print(l.c.version, l.cmd, l.group);
+        return EXIT_FINE;
+    }
+    ok = ok && read_environment(&l);
+    if ((l.c.out = ctl_out_new(l.c.json)) == NULL) {
+        (void)fprintf(stderr, "surfacectl: out of memory\n");
+        return EXIT_OSERR;
+    }
+    if (ok) {
+        const enum status st = ctl_model_read(&l.c, &model);
+
+        code = st != ST_OK          ? ctl_fail(&l.c, st)
+               : l.cmd->run != NULL ? l.cmd->run(&l.c)
+                                    : ctl_key_run(&l.c, l.cmd->mode, l.cmd->work);
+    }
+    free(model);
+    ctl_config_free(&l.c);
+    keyfile_free(l.c.asked);
+    if (code > EXIT_INCONCLUSIVE)
+        print_error(&l.c, code);
+    if (!ctl_out_end(l.c.out, stdout)) {
+        (void)fprintf(stderr, "surfacectl: the output cannot be written\n");
+        return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
+    }
+    return code;
+}
