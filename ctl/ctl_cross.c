@@ -6,9 +6,10 @@
 #include <string.h>
 
 #include "codec.h"
-#include "corpus.h"
 #include "ctl.h"
+#include "ctl_corpus.h"
 #include "ctl_scan.h"
+#include "corpus.h"
 #include "pool.h"
 
 #define PAGE   1000 /* subjects read at a time */
@@ -365,6 +366,11 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
         keep_scores(p, s.score, corpus->nscan);
+    ctl_out_array(c->out, "left_out");
+    ctl_corpus_left(c->out, corpus);
+    ctl_out_close(c->out);
+    ctl_corpus_skipped(c->out, corpus);
+    ctl_corpus_tell(corpus);
 out:
     free(subject);
     corpus_free(corpus);

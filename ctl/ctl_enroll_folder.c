@@ -8,6 +8,7 @@
 #include "corpus.h"
 #include "pool.h"
 #include "ctl.h"
+#include "ctl_corpus.h"
 #include "ctl_model.h"
 #include "ctl_face.h"
 #include "ctl_scan.h"
@@ -97,8 +98,15 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     struct outcome *o = &w->outcome[i];
     struct enrolment_outcome out = {.created = false};
     bool there = false, stored = false;
-    enum status st = ctl_scan_read(c, scan->path, work, f);
+    enum status st;
 
+    if (!store_subject_valid(x.subject))
+        st = errinfo_set(
+            &c->e, ST_EINVAL,
+            "%.100s: '%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
+            scan->path, x.subject, STORE_SUBJECT_MAX);
+    else
+        st = ctl_scan_read(c, scan->path, work, f);
     if (st == ST_OK) {
         stored = true;
         st = is_there(c, w->store, x.subject, f, &there);
@@ -147,10 +155,11 @@ static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
     (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
 }
 
-/* Returns how many failed. */
+/* Returns how many failed or were left out. */
 static uint32_t report(const struct folder *w, uint32_t n, double seconds)
 {
     struct ctl *c = w->c;
+    const uint32_t left = w->corpus->nleft;
     uint32_t count[FAILED + 1] = {0}, why[ST_COUNT] = {0};
 
     ctl_out_text(c->out, "collection", c->args[0]);
@@ -164,36 +173,30 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
             tell_failed(c, w->corpus, w->scan[k], o);
         }
     }
+    ctl_corpus_left(c->out, w->corpus);
     ctl_out_close(c->out);
+    ctl_corpus_skipped(c->out, w->corpus);
+    ctl_corpus_tell(w->corpus);
     ctl_out_number(c->out, "scans", n);
     ctl_out_number(c->out, "enrolled", count[ENROLLED]);
     ctl_out_number(c->out, "present", count[PRESENT]);
     ctl_out_number(c->out, "failed", count[FAILED]);
+    ctl_out_number(c->out, "left_out", left);
     ctl_out_number(c->out, "undone", count[UNDONE]);
     ctl_out_number(c->out, "seconds", seconds);
     if (c->json)
-        return count[FAILED];
+        return count[FAILED] + left;
     (void)printf("%u scans of %s: %u enrolled, %u were there already, %u failed", n,
                  c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
+    if (left > 0)
+        (void)printf(", %u files left out", left);
     if (count[UNDONE] > 0)
         (void)printf(", %u not tried", count[UNDONE]);
     (void)printf("; %.1f s\n", seconds);
     for (int st = 0; st < ST_COUNT; st++)
         if (why[st] > 0)
             (void)printf("  %6u  %s\n", why[st], status_message((enum status)st));
-    return count[FAILED];
-}
-
-/* Ids that no subject can have are told of before anything is enrolled. */
-static enum status check_ids(struct ctl *c, const struct corpus *k)
-{
-    for (uint32_t i = 0; i < k->nsubject; i++)
-        if (!store_subject_valid(k->subject[i].id))
-            return errinfo_set(&c->e, ST_EINVAL,
-                               "%.80s: '%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 "
-                               ". _ - @ :",
-                               c->args[0], k->subject[i].id, STORE_SUBJECT_MAX);
-    return ST_OK;
+    return count[FAILED] + left;
 }
 
 static enum status enroll(struct folder *w, uint32_t *failed, uint32_t *n)
@@ -220,13 +223,14 @@ int ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
 {
     struct folder w = {.c = c, .kind = kind, .force = force};
     struct corpus *corpus = NULL;
-    uint32_t failed = 0, n = 0;
+    uint32_t failed = 0, n = 0, left = 0;
     enum status st = corpus_read(c->args[0], &corpus, &c->e);
 
     w.corpus = corpus;
-    if (st == ST_OK && (st = check_ids(c, corpus)) == ST_OK &&
-        (st = ctl_model_open(c, STORE_WRITE, &w.store)) == ST_OK)
+    if (st == ST_OK && (st = ctl_model_open(c, STORE_WRITE, &w.store)) == ST_OK)
         st = enroll(&w, &failed, &n);
+    if (corpus != NULL)
+        left = corpus->nleft;
     store_close(w.store);
     corpus_free(corpus);
     free(w.scan);
@@ -236,6 +240,7 @@ int ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
         return ctl_fail(c, st);
     if (failed == 0)
         return EXIT_FINE;
-    (void)errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed, n);
+    (void)errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed,
+                      n + left);
     return EXIT_DATA;
 }

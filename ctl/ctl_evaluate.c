@@ -5,6 +5,7 @@
 
 #include "calibration.h"
 #include "ctl_command.h"
+#include "ctl_corpus.h"
 #include "ctl_dir.h"
 #include "ctl_model.h"
 #include "report.h"
@@ -104,6 +105,7 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
         st = write_all(&r, dir, &c->e);
     if (st == ST_OK) {
         report_json_out(c->out, &r);
+        ctl_corpus_tell(corpus);
         if (!c->json) {
             (void)report_text(stdout, &r, NULL);
             (void)printf("\nThe report is in %s/\n", dir);

@@ -3,11 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "corpus.h"
 #include "model.h"
 #include "modelfile.h"
+#include "corpus.h"
 #include "pool.h"
 #include "ctl_command.h"
+#include "ctl_corpus.h"
 #include "ctl_scan.h"
 #include "train.h"
 #include "train_set.h"
@@ -36,6 +37,7 @@ static enum status read_scan(void *arg, size_t i, struct face_work *w, struct er
 static void list_refused(struct ctl *c, const struct scans *s)
 {
     ctl_out_array(c->out, "refused");
+    ctl_corpus_left(c->out, s->corpus);
     for (uint32_t i = 0; i < s->corpus->nscan; i++)
         if (s->refused[i] != NULL) {
             ctl_out_object(c->out, NULL);
@@ -45,6 +47,8 @@ static void list_refused(struct ctl *c, const struct scans *s)
             (void)fprintf(stderr, "surfacectl: not used: %s\n", s->refused[i]);
         }
     ctl_out_close(c->out);
+    ctl_corpus_skipped(c->out, s->corpus);
+    ctl_corpus_tell(s->corpus);
 }
 
 static void say(void *arg, const char *line)

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "ctl_corpus.h"
 #include "ctl_out.h"
 #include "report.h"
 
@@ -107,7 +108,9 @@ static void refused(const struct report *r, struct ctl_out *o)
             ctl_out_text(o, "reason", r->t->refused[i]);
             ctl_out_close(o);
         }
+    ctl_corpus_left(o, c);
     ctl_out_close(o);
+    ctl_corpus_skipped(o, c);
 }
 
 void report_json_out(struct ctl_out *o, const struct report *r)

@@ -19,7 +19,7 @@ static const char *const pose_column[6] = {"yaw", "pitch", "roll", "tx", "ty", "
 struct reading {
     struct corpus *c;
     char *dir; /* the scans' */
-    uint32_t scan_room, subject_room;
+    uint32_t scan_room, subject_room, left_room;
     uint32_t *hash; /* subjects by id, open addressing; CORPUS_NONE is empty */
     uint32_t nhash; /* a power of two */
     struct errinfo *e;
@@ -210,7 +210,7 @@ static bool is_scan(const char *name)
 
     for (size_t i = 0; dot != NULL && i < sizeof ends / sizeof *ends; i++)
         if (strcasecmp(dot, ends[i]) == 0)
-            return name[0] != '.';
+            return true;
     return false;
 }
 
@@ -219,47 +219,80 @@ static int by_name(const struct dirent **a, const struct dirent **b)
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
-static int wanted(const struct dirent *d)
+static int not_hidden(const struct dirent *d)
 {
-    return is_scan(d->d_name);
+    return d->d_name[0] != '.';
 }
 
-/* SUBJECT_KIND.ply, cut in two. */
-static enum status add_named(struct reading *r, const char *file)
+/* What is wrong with the name SUBJECT_KIND.ply, or NULL; else it is cut in two. */
+static const char *split_name(const char *file, char id[CORPUS_MAX_NAME + 1],
+                              char kind[CORPUS_MAX_NAME + 1])
 {
-    char id[CORPUS_MAX_NAME + 1], kind[CORPUS_MAX_NAME + 1];
     const char *cut = strchr(file, '_'), *dot = strrchr(file, '.');
     const char *why = bad_name(file, 255);
-    enum status st;
 
     if (why != NULL)
-        return errinfo_set(r->e, ST_EINVAL, "%.140s: a file's name: %s", r->dir, why);
+        return why;
     if (cut == NULL || cut > dot || cut == file || cut + 1 == dot)
-        return errinfo_set(r->e, ST_EINVAL,
-                           "%.80s/%.80s: not SUBJECT_KIND%s (or list it in index.csv)",
-                           r->dir, file, dot);
+        return "not named SUBJECT_KIND.ply (or list it in index.csv)";
     if (cut - file > CORPUS_MAX_NAME || dot - cut - 1 > CORPUS_MAX_NAME)
-        return errinfo_set(r->e, ST_EINVAL, "%.80s/%.80s...: its subject or kind is %s",
-                           r->dir, file, "too long");
-    (void)snprintf(id, sizeof id, "%.*s", (int)(cut - file), file);
-    (void)snprintf(kind, sizeof kind, "%.*s", (int)(dot - cut - 1), cut + 1);
-    if ((st = add_scan(r, file, id, kind, &why)) == ST_OK && why != NULL)
-        st = errinfo_set(r->e, ST_EIO, "%.80s/%.80s: %s", r->dir, file, why);
+        return "its subject or kind is too long";
+    (void)snprintf(id, CORPUS_MAX_NAME + 1, "%.*s", (int)(cut - file), file);
+    (void)snprintf(kind, CORPUS_MAX_NAME + 1, "%.*s", (int)(dot - cut - 1), cut + 1);
+    return NULL;
+}
+
+static enum status leave_out(struct reading *r, const char *file, const char *why)
+{
+    struct corpus *c = r->c;
+    void *at = c->left;
+
+    if (!grow(&at, c->nleft, &r->left_room, sizeof *c->left))
+        return no_memory(r->e);
+    c->left = at;
+    c->left[c->nleft] = (struct corpus_left){strdup(file), strdup(why)};
+    c->nleft++;
+    return c->left[c->nleft - 1].file != NULL && c->left[c->nleft - 1].why != NULL
+               ? ST_OK
+               : no_memory(r->e);
+}
+
+static enum status add_entry(struct reading *r, const char *name)
+{
+    char id[CORPUS_MAX_NAME + 1], kind[CORPUS_MAX_NAME + 1];
+    char *path = join(r->dir, name);
+    const char *why = NULL;
+    struct stat info;
+    bool there;
+    enum status st = ST_OK;
+
+    if (path == NULL)
+        return no_memory(r->e);
+    there = stat(path, &info) == 0;
+    if (!is_scan(name) || (there && !S_ISREG(info.st_mode)))
+        skipped_add(&r->c->skipped, name, there && S_ISDIR(info.st_mode));
+    else if (access(path, R_OK) != 0)
+        st = leave_out(r, name, strerror(errno));
+    else if ((why = split_name(name, id, kind)) != NULL)
+        st = leave_out(r, name, why);
+    else
+        st = add_scan(r, name, id, kind, &why);
+    free(path);
     return st;
 }
 
 static enum status read_folder(struct reading *r)
 {
     struct dirent **list;
-    const int n = scandir(r->dir, &list, wanted, by_name);
+    const int n = scandir(r->dir, &list, not_hidden, by_name);
     enum status st = ST_OK;
 
     if (n < 0)
         return errinfo_set(r->e, errno == ENOMEM ? ST_ENOMEM : ST_EIO, "%.160s: %s",
                            r->dir, strerror(errno));
     for (int i = 0; i < n; i++) {
-        if (st == ST_OK)
-            st = add_named(r, list[i]->d_name);
+        if (st == ST_OK && strcmp(list[i]->d_name, "subjects.csv") != 0)
+            st = add_entry(r, list[i]->d_name);
         free(list[i]);
     }
     free(list);
@@ -492,6 +525,20 @@ static enum status find_manifest(struct reading *r, const char *path, char **man
     return r->dir == NULL || *manifest == NULL ? no_memory(r->e) : ST_OK;
 }
 
+/* Why there are none, as far as it is known. */
+static enum status no_scans(struct reading *r, const char *path)
+{
+    const struct corpus_left *first = r->c->left;
+    char text[120];
+
+    if (r->c->nleft > 0)
+        return errinfo_set(r->e, ST_EINVAL, "%.80s/%.80s: %s", r->dir, first->file,
+                           first->why);
+    skipped_text(&r->c->skipped, text, sizeof text);
+    return errinfo_set(r->e, ST_EINVAL, "%.100s: no scans%s%s", path,
+                       text[0] != '\0' ? "; not read: " : "", text);
+}
+
 enum status corpus_read(const char *path, struct corpus **out, struct errinfo *e)
 {
     struct reading r = {.nhash = 256, .e = e};
@@ -511,7 +558,7 @@ enum status corpus_read(const char *path, struct corpus **out, struct errinfo *e
     st = manifest != NULL ? read_manifest(&r, manifest) : read_folder(&r);
     r.c->nsubject = r.c->nnamed;
     if (st == ST_OK && r.c->nscan == 0)
-        st = errinfo_set(e, ST_EINVAL, "%.160s: no scans", path);
+        st = no_scans(&r, path);
     if (st == ST_OK && (st = read_subjects(&r)) == ST_OK &&
         (st = refuse_twice(&r)) == ST_OK)
         st = complete(&r);
@@ -536,10 +583,15 @@ void corpus_free(struct corpus *c)
     }
     for (uint32_t i = 0; i < c->nnamed; i++)
         free(c->subject[i].id);
+    for (uint32_t i = 0; i < c->nleft; i++) {
+        free(c->left[i].file);
+        free(c->left[i].why);
+    }
     for (uint32_t i = 0; i < c->nkind; i++)
         free(c->kind[i]);
     for (uint32_t i = 0; i < c->npopulation; i++)
         free(c->population[i]);
+    free(c->left);
     free(c->scan);
     free(c->subject);
     free(c->kind);

@@ -3,7 +3,8 @@
  *
  * A folder of scans (*.ply *.obj *.xyz *.txt, small or capital letters; no subfolders),
  * named SUBJECT_KIND.ply: what comes before the first underscore is the subject, the rest
- * the kind (neither may be missing).  Or a manifest, a CSV file (csv.h); that of a folder is
+ * the kind (neither may be missing).  Those that cannot be taken are listed, with the reason,
+ * and what else is in the folder is counted.  Or a manifest, a CSV file (csv.h); that of a folder is
  * called index.csv and is used when there is one.  Its columns, in any order:
  *   file                  the scan, relative to the manifest's folder
  *   subject, or else id   whose it is
@@ -20,6 +21,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "errinfo.h"
+#include "skipped.h"
 
 #define CORPUS_MAX_SCANS 1000000
 #define CORPUS_MAX_NAME  128 /* bytes of a subject's id, a kind or a population */
@@ -46,6 +48,10 @@ struct corpus_subject {
                              somebody without scans */
 };
 
+struct corpus_left { /* a scan of a folder that is left out */
+    char *file, *why;
+};
+
 /* Immutable once read. */
 struct corpus {
     struct corpus_scan *scan; /* in a folder by name (bytes), in a manifest as listed */
@@ -55,6 +61,9 @@ struct corpus {
     uint32_t nnamed;                /* nsubject, and relatives without scans */
     uint32_t nkind, npopulation;    /* at least 1 */
     bool posed;                     /* the poses are known */
+    struct corpus_left *left;       /* [nleft] */
+    uint32_t nleft;
+    struct skipped skipped; /* what in the folder is not named like a scan */
 };
 
 /* corpus_read(path, out, e): the scans of a folder or of a manifest.

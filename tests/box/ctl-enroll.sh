@@ -37,6 +37,22 @@ ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 were there already, 2 faile
 ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0
 ctl_exits 0 check
 
+# ---- what is no scan, or is not named like one, stops nothing either
+cp -r "$T/scans" "$T/strays"
+mkdir "$T/strays/older"
+cp "$T/scans/s1_enroll.ply" "$T/strays/carol.ply"
+cp "$T/scans/s1_enroll.ply" "$T/strays/a b_1.ply"
+echo 'who is who' >"$T/strays/README.txt"
+touch "$T/strays/x_1.stl" "$T/strays/y_1.stl" "$T/strays/list.csv"
+ctl_exits 65 enroll "$T/strays"
+is "of the scans" "$(counts) $(said .left_out)" '12 0 9 3 0 2'
+is "all of it is told" "$(said '[.failures[].file] | join(", ")')" \
+    'a b_1.ply, s1_wrong.ply, s3_cut.ply, README.txt, carol.ply'
+is "why" "$(said '.failures[-1].reason')" 'not named SUBJECT_KIND.ply (or list it in index.csv)'
+is "what was not read" "$(said .not_read)" '3 files (.csv 1, .stl 2), 1 folder'
+is "once" "$(grep -c 'not read: 3 files' "$T/ctl.err")" 1
+ok "how many" grep -q '5 of 14 scans were not enrolled' "$T/ctl.err"
+
 # ---- the same on one thread
 "$BUILD/surfacectl" --db "$T/one.db" init >"$T/text"
 "$BUILD/surfacectl" --db "$T/one.db" enroll "$T/scans" --threads 1 >"$T/text" 2>&1

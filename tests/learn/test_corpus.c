@@ -90,6 +90,44 @@ static void test_folder(void **state)
     corpus_free(NULL);
 }
 
+/* What cannot be taken is left out and told of, and stops nothing. */
+static void test_left_out(void **state)
+{
+    static const char *const left[] = {"README.txt", "carol.ply", "dave-2.ply",
+                                       "z_1.ply"};
+    struct corpus *c;
+    char link[64], folder[64], text[80];
+
+    (void)state;
+    (void)snprintf(link, sizeof link, "%s/z_1.ply", dir);
+    (void)snprintf(folder, sizeof folder, "%s/more_1.ply", dir);
+    for (int i = 0; i < 3; i++)
+        put(left[i], "");
+    put("bob_1.ply", "");
+    put("a.stl", "");
+    put("b.stl", "");
+    put("table.csv", "");
+    put("Makefile", "");
+    put("subjects.csv", "id\n");
+    assert_int_equal(symlink("nowhere", link), 0);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    c = corpus();
+    (void)unlink(link);
+    (void)rmdir(folder);
+    assert_int_equal(c->nscan, 1);
+    assert_int_equal(c->nsubject, 1);
+    assert_int_equal(c->nleft, 4);
+    for (int i = 0; i < 4; i++)
+        assert_string_equal(c->left[i].file, left[i]);
+    assert_non_null(strstr(c->left[1].why, "SUBJECT_KIND"));
+    assert_string_equal(c->left[3].why, "No such file or directory");
+    skipped_text(&c->skipped, text, sizeof text);
+    assert_string_equal(text, "4 files (.stl 2, .csv 1), 1 folder");
+    skipped_text(&c->skipped, text, 12);
+    assert_string_equal(text, "4 files (.s");
+    corpus_free(c);
+}
+
 static void test_bad_folder(void **state)
 {
     struct corpus *c;
@@ -97,13 +135,13 @@ static void test_bad_folder(void **state)
     (void)state;
     refuse(ST_EINVAL, "no scans");
     put("noname.ply", "");
-    refuse(ST_EINVAL, "noname.ply: not SUBJECT_KIND.ply");
+    refuse(ST_EINVAL, "noname.ply: not named SUBJECT_KIND.ply");
     (void)clean(NULL);
     put("_x.ply", "");
-    refuse(ST_EINVAL, "not SUBJECT_KIND");
+    refuse(ST_EINVAL, "not named SUBJECT_KIND");
     (void)clean(NULL);
     put("x_.ply", "");
-    refuse(ST_EINVAL, "not SUBJECT_KIND");
+    refuse(ST_EINVAL, "not named SUBJECT_KIND");
     (void)clean(NULL);
     put("a\nb_1.ply", "");
     refuse(ST_EINVAL, "control character");
@@ -239,6 +277,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_folder, clean),
+        cmocka_unit_test_teardown(test_left_out, clean),
         cmocka_unit_test_teardown(test_bad_folder, clean),
         cmocka_unit_test_teardown(test_manifest, clean),
         cmocka_unit_test_teardown(test_families, clean),

@@ -1,0 +1,17 @@
+/* ctl_corpus.h -- what of a folder of scans was not taken. */
+#ifndef CTL_CORPUS_H
+#define CTL_CORPUS_H
+
+struct corpus;  /* corpus.h */
+struct ctl_out; /* ctl_out.h */
+
+/* ctl_corpus_tell(k): the scans that are left out, and what is no scan by its name, on
+ * standard error.
+ * ctl_corpus_left(o, k): the former, each as an object with file and reason, in the array
+ * that is open.
+ * ctl_corpus_skipped(o, k): the latter as the member "not_read"; null where there is none. */
+void ctl_corpus_tell(const struct corpus *k);
+void ctl_corpus_left(struct ctl_out *o, const struct corpus *k);
+void ctl_corpus_skipped(struct ctl_out *o, const struct corpus *k);
+
+#endif
