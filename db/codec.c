@@ -14,7 +14,7 @@
 
 /* The layout: db/FORMAT.md. */
 #define MAGIC     "SURF"
-#define VERSION   2
+#define VERSION   1
 #define FLAG_WIDE 1     /* indices of 4 bytes, not 2 */
 #define NARROW    65535 /* points up to which all indices, the ghost's too, fit 2 bytes */
 
@@ -26,8 +26,7 @@ enum {
     AT_POINTS = 16,
     AT_TRIANGLES = 20,
     AT_SCALE = 24,
-    AT_MARK = 28, /* version 1: 0, and the header ends here */
-    HEADER_1 = 32,
+    AT_MARK = 28,
     AT_FRAME = 32, /* 9 + 3 doubles: rotation and shift, scanner -> canonical frame */
     HEADER = 128,
     CHECKSUM = 8 /* at the end, over all before it */
@@ -106,21 +105,16 @@ static int32_t to_signed(uint32_t v)
 
 /* ---- models */
 
-static size_t header_of(uint32_t version)
-{
-    return version == 1 ? HEADER_1 : HEADER;
-}
-
-static size_t size_of(uint32_t nv, uint32_t version)
+static size_t size_of(uint32_t nv)
 {
     const size_t n = nv, index = narrow(nv) ? 2 : 4;
 
-    return header_of(version) + 12 * n + (3 * (2 * n - 2) + n) * index + CHECKSUM;
+    return HEADER + 12 * n + (3 * (2 * n - 2) + n) * index + CHECKSUM;
 }
 
 size_t codec_size(const struct mesh *m)
 {
-    return size_of(m->nv, VERSION);
+    return size_of(m->nv);
 }
 
 static void put_frame(unsigned char *p, const struct align_pose *a)
@@ -148,7 +142,7 @@ static bool get_frame(const unsigned char *p, struct align_pose *a)
 void codec_encode(const struct face *f, unsigned char *buf)
 {
     const struct mesh *m = &f->surface.mesh;
-    const size_t len = size_of(m->nv, VERSION);
+    const size_t len = size_of(m->nv);
     const bool two = narrow(m->nv);
     unsigned char *p = buf + HEADER;
 
@@ -174,27 +168,25 @@ void codec_encode(const struct face *f, unsigned char *buf)
 
 static enum status check_header(const unsigned char *p, size_t len, struct errinfo *e)
 {
-    uint32_t nv, version;
+    uint32_t nv;
 
-    if (len < HEADER_1 + CHECKSUM || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
+    if (len < HEADER + CHECKSUM || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
         return errinfo_set(e, ST_ECORRUPT, "not a face model");
-    version = get16(p + AT_VERSION);
-    if (version < 1 || version > VERSION)
-        return errinfo_set(e, ST_EVERSION, "a face model of version %u, not 1 to %d",
-                           version, VERSION);
+    if (get16(p + AT_VERSION) != VERSION)
+        return errinfo_set(e, ST_EVERSION, "a face model of version %u, not %d",
+                           get16(p + AT_VERSION), VERSION);
     if (get64(p + AT_LENGTH) != len)
         return errinfo_set(e, ST_ECORRUPT, "%zu bytes where its header says %llu", len,
                            (unsigned long long)get64(p + AT_LENGTH));
     if (XXH3_64bits(p, len - CHECKSUM) != get64(p + len - CHECKSUM))
         return errinfo_set(e, ST_ECORRUPT, "its checksum is wrong");
     nv = get32(p + AT_POINTS);
-    if (nv < 3 || nv > MESH_MAX_POINTS || size_of(nv, version) != len ||
+    if (nv < 3 || nv > MESH_MAX_POINTS || size_of(nv) != len ||
         get32(p + AT_TRIANGLES) != 2 * nv - 2)
         return errinfo_set(e, ST_ECORRUPT, "%u points and %u triangles in %zu bytes", nv,
                            get32(p + AT_TRIANGLES), len);
     if (get16(p + AT_FLAGS) != (narrow(nv) ? 0 : FLAG_WIDE) ||
-        get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM ||
-        (version == 1 && get32(p + AT_MARK) != 0))
+        get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
         return errinfo_set(e, ST_ECORRUPT, "its header contradicts itself");
     return ST_OK;
 }
@@ -220,7 +212,7 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
         m->nv = m->nt = 0;
         return errinfo_set(e, ST_ECORRUPT, "its canonical frame is no rigid motion");
     }
-    p += header_of(get16(p + AT_VERSION));
+    p += HEADER;
     for (uint32_t v = 0; v < nv; v++, p += 8) {
         m->xy[v].x = to_signed(get32(p));
         m->xy[v].y = to_signed(get32(p + 4));
