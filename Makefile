@@ -26,28 +26,33 @@ VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
 
 # ---- the rooms, and the others that each may include and link, in link order
 
-ROOMS       := core base scan learn db verify server ctl tools
+ROOMS       := core base scan learn db/sql db verify server ctl tools
 SEES_core   :=
 SEES_base   := core
 SEES_scan   := base core
 SEES_learn  := scan base core
-SEES_db     := scan base core
+SEES_db/sql := base core
+SEES_db     := db/sql scan base core
 SEES_verify := db scan base core
 SEES_server := verify db scan base core
 SEES_ctl    := verify db learn scan base core
 SEES_tools  := base core
+# What a room is linked with besides, for those that see the room and not this.
+LINKS_db    := db/sql
 
 # The libraries that a room needs in addition to the C library.
 NEEDS_core   := -lm
 NEEDS_base   := -linih -lcjson -lpthread
-NEEDS_db     := -lsqlite3 -lsodium -lxxhash
+NEEDS_db/sql := -lsqlite3 -lpthread
+NEEDS_db     := -lsodium -lxxhash
 NEEDS_server := -lmicrohttpd -lgnutls -lsystemd -lz -lzstd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
+links = $(foreach r,$(call sees,$(1)),$r $(LINKS_$r))
 flags = $(addprefix -I,$(call sees,$(1))) -I$(BUILD)/gen
-arch  = $(BUILD)/lib$(1).a
-archs = $(foreach r,$(call sees,$(1)),$(call arch,$r))
-needs = $(foreach r,$(call sees,$(1)),$(NEEDS_$r))
+arch  = $(BUILD)/lib$(notdir $(1)).a
+archs = $(foreach r,$(call links,$(1)),$(call arch,$r))
+needs = $(foreach r,$(call links,$(1)),$(NEEDS_$r))
 
 WARN     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
             -Wmissing-prototypes -Wcast-qual -Wformat=2 -Wvla -Wundef $(WERROR)

@@ -1,129 +1,13 @@
--- schema.sql -- the template database, schema version 4.
+-- schema.sql -- the template database in SQLite, schema version 1.
 -- Embedded in the programs at build and run in one transaction on an empty database.
--- A change here is a new user_version, added as a step at the end: a database of version 1
--- is upgraded by running what follows the line "-- version 2", and so on.  What was there
--- before that line stays as it is.
+-- A change here is a new user_version, added as a step at the end: a database of version 1 is
+-- upgraded by what follows the line "-- version 2", and so on.  What was there before that
+-- line stays as it is.
 
 PRAGMA application_id = 0x53524644; -- "SRFD"
 PRAGMA user_version = 1;
 
--- A person, under the client's own external id.
-CREATE TABLE subjects (
-    subject_key INTEGER PRIMARY KEY,
-    id          TEXT NOT NULL UNIQUE
-                CHECK (length(id) BETWEEN 1 AND 128
-                       AND id NOT GLOB '*[^A-Za-z0-9._@:-]*'),
-    created     TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z')
-) STRICT;
-
--- One enrolled face; never changed, only added and deleted.
-CREATE TABLE templates (
-    template_key INTEGER PRIMARY KEY,
-    id           TEXT NOT NULL UNIQUE
-                 CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
-    subject_key  INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
-    label        TEXT NOT NULL CHECK (length(CAST(label AS BLOB)) <= 256),
-    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
-    digest       TEXT NOT NULL            -- SHA-256 of the canonical points (db/FORMAT.md)
-                 CHECK (length(digest) = 64 AND digest NOT GLOB '*[^0-9a-f]*'),
-    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
-    points       INTEGER NOT NULL CHECK (points BETWEEN 3 AND 2097152),
-    triangles    INTEGER NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
-    quality      REAL NOT NULL CHECK (quality BETWEEN 0 AND 1),
-    coverage     REAL NOT NULL CHECK (coverage BETWEEN 0 AND 1),
-    density_mm   REAL NOT NULL CHECK (density_mm BETWEEN 0 AND 1e6),
-    noise_mm     REAL NOT NULL CHECK (noise_mm BETWEEN 0 AND 1e6),
-    model        BLOB NOT NULL CHECK (length(model) > 0), -- db/FORMAT.md; last: rows are
-                                                          -- listed without reading it
-    UNIQUE (subject_key, digest)          -- the same cloud again is the same template
-) STRICT;
-
--- Who did what, when, with what outcome; no biometrics, no tokens.  Kept when a subject is
--- deleted: so no foreign keys.
-CREATE TABLE events (
-    event_key   INTEGER PRIMARY KEY AUTOINCREMENT,
-    at          TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
-    kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
-    actor       TEXT NOT NULL CHECK (length(actor) <= 64),
-    subject     TEXT NOT NULL CHECK (length(subject) <= 128),
-    template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
-    outcome     TEXT NOT NULL CHECK (length(outcome) <= 64)
-) STRICT;
-
--- Bearer tokens: 256 random bits each, of which only a hash is kept.
-CREATE TABLE tokens (
-    token_key INTEGER PRIMARY KEY,
-    id        TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
-    name      TEXT NOT NULL CHECK (length(name) BETWEEN 1 AND 64),
-    hash      BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
-    created   TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
-    revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB '????-??-??T??:??:??.???Z')
-) STRICT;
-
--- version 2
-
-PRAGMA user_version = 2;
-
--- From a disparity to a decision (docs/decision.md): the newest is in force.  Rows are only
--- ever added; going back to the shipped table is a new row too.
-CREATE TABLE calibrations (
-    calibration_key INTEGER PRIMARY KEY AUTOINCREMENT,
-    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
-    actor        TEXT NOT NULL CHECK (length(actor) <= 64),
-    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
-    shipped      INTEGER NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
-    fmr          REAL NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
-    threshold_mm REAL NOT NULL CHECK (threshold_mm > 0),
-    low_mm       REAL NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
-    high_mm      REAL NOT NULL CHECK (high_mm >= low_mm),
-    subjects     INTEGER NOT NULL CHECK (subjects >= 0),
-    impostors    INTEGER NOT NULL CHECK (impostors >= 0),    -- comparisons
-    genuine      INTEGER NOT NULL CHECK (genuine >= 0),
-    halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
-    knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
-                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
-) STRICT;
-
--- version 3
-
-PRAGMA user_version = 3;
-
--- What a token may do (store_scopes_read() of db/store.h), for how long, and when it was
--- last used, to the minute; and the secret it had before it was rotated, while that still
--- counts.  The tokens of older versions may do everything, as they could.
-ALTER TABLE tokens ADD COLUMN scopes TEXT NOT NULL DEFAULT ''
-    CHECK (length(scopes) <= 64);
-ALTER TABLE tokens ADD COLUMN expires TEXT
-    CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z');
-ALTER TABLE tokens ADD COLUMN used TEXT
-    CHECK (used IS NULL OR used GLOB '????-??-??T??:??:??.???Z');
-ALTER TABLE tokens ADD COLUMN old_hash BLOB
-    CHECK (old_hash IS NULL OR length(old_hash) = 32);
-ALTER TABLE tokens ADD COLUMN old_until TEXT
-    CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z');
-CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
-UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete';
-
--- Verifications of a subject that failed one after the other, and when the last did.  No
--- row: the last one was a match, or there was none.
-CREATE TABLE attempts (
-    subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
-    failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
-    at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
-) STRICT;
-
--- version 4
-
-PRAGMA user_version = 4;
-
--- All that is known of a person is sealed from here on (db/vault.h, db/store_seal.h): tables
--- of version 3 get another name until their rows are in the new ones (db/store_sqlite_convert.c).
-ALTER TABLE attempts RENAME TO attempts_3;
-ALTER TABLE templates RENAME TO templates_3;
-ALTER TABLE subjects RENAME TO subjects_3;
-ALTER TABLE events RENAME TO events_3;
-
--- Where the master key comes from, and what it seals: struct vault_root of db/vault.h.
+-- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
 CREATE TABLE root (
     root_key INTEGER PRIMARY KEY CHECK (root_key = 1),
     kind     INTEGER NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
@@ -136,7 +20,7 @@ CREATE TABLE root (
     secrets  BLOB NOT NULL CHECK (length(secrets) = 136)
 ) STRICT;
 
--- A person, under the client's own external id, which is sealed and found by a keyed hash.
+-- A person, under the client's own external id, which is encrypted and found by a keyed hash.
 CREATE TABLE subjects (
     subject_key INTEGER PRIMARY KEY AUTOINCREMENT,
     lookup      BLOB NOT NULL UNIQUE CHECK (length(lookup) = 32),
@@ -146,13 +30,13 @@ CREATE TABLE subjects (
     created     TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
     expires     TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
     seen        TEXT CHECK (seen IS NULL OR seen GLOB '????-??-??T??:??:??.???Z'),
-    hold        INTEGER NOT NULL DEFAULT 0 CHECK (hold IN (0, 1)),
-    disabled    INTEGER NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1))
+    hold        INTEGER NOT NULL CHECK (hold IN (0, 1)),
+    disabled    INTEGER NOT NULL CHECK (disabled IN (0, 1))
 ) STRICT;
 
 CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;
 
--- One enrolled face.  Its points never change; what an engine made of them may be made anew.
+-- One enrolled face.  Its points never change; what an engine made of them may be re-encoded.
 CREATE TABLE templates (
     template_key INTEGER PRIMARY KEY AUTOINCREMENT,
     id           TEXT NOT NULL UNIQUE
@@ -172,6 +56,8 @@ CREATE TABLE templates (
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
 
+-- Verifications of a subject that failed one after the other, and when the last did.  No
+-- row: the last one was a match, or there was none.
 CREATE TABLE attempts (
     subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
     failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
@@ -179,8 +65,8 @@ CREATE TABLE attempts (
 ) STRICT;
 
 -- Who did what, when, with what outcome: only ever added to.  No biometrics, no tokens; the
--- subject by a keyed hash, so that nobody is named by it any more who was erased.  Each
--- entry's hash is of its columns and of the hash before it (db/store_chain.h).
+-- subject by a keyed hash, which names nobody once the subject was erased.  Each entry's hash
+-- is of its columns and of the hash before it (db/store_chain.h).
 CREATE TABLE events (
     seq         INTEGER PRIMARY KEY CHECK (seq >= 1),
     at          TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
@@ -200,7 +86,7 @@ CREATE TABLE events_end (
     mac        BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- Places in the events that were signed, for whoever has no key but the public one.
+-- Places in the events that were signed, for verifiers that have the public key alone.
 CREATE TABLE checkpoints (
     seq       INTEGER PRIMARY KEY CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
@@ -208,20 +94,59 @@ CREATE TABLE checkpoints (
     signature BLOB NOT NULL CHECK (length(signature) = 64)
 ) STRICT;
 
--- Who can write the file but has no key is not to say who is let in: each row of these has a
--- keyed hash (db/FORMAT.md).  The number of the newest calibration has one too, so that the
--- one in force cannot be taken away.
-ALTER TABLE tokens ADD COLUMN mac BLOB CHECK (mac IS NULL OR length(mac) = 32);
-ALTER TABLE calibrations ADD COLUMN mac BLOB CHECK (mac IS NULL OR length(mac) = 32);
+-- Rows that decide who is let in have a MAC (db/FORMAT.md), so that writing the file without
+-- the key is not enough to change them.
 
+-- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
+-- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
+-- the secret that it had before it was rotated, while that is still accepted.
+CREATE TABLE tokens (
+    token_key INTEGER PRIMARY KEY,
+    id        TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id NOT GLOB '*[^0-9a-f]*'),
+    name      TEXT NOT NULL CHECK (length(name) BETWEEN 1 AND 64),
+    hash      BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
+    created   TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB '????-??-??T??:??:??.???Z'),
+    scopes    TEXT NOT NULL CHECK (length(scopes) BETWEEN 1 AND 64),
+    expires   TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
+    used      TEXT CHECK (used IS NULL OR used GLOB '????-??-??T??:??:??.???Z'),
+    old_hash  BLOB CHECK (old_hash IS NULL OR length(old_hash) = 32),
+    old_until TEXT CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z'),
+    mac       BLOB NOT NULL CHECK (length(mac) = 32)
+) STRICT;
+
+CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
+
+-- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
+-- added; going back to the shipped table is a new row too.
+CREATE TABLE calibrations (
+    calibration_key INTEGER PRIMARY KEY,
+    created      TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
+    actor        TEXT NOT NULL CHECK (length(actor) <= 64),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    shipped      INTEGER NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
+    fmr          REAL NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
+    threshold_mm REAL NOT NULL CHECK (threshold_mm > 0),
+    low_mm       REAL NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
+    high_mm      REAL NOT NULL CHECK (high_mm >= low_mm),
+    subjects     INTEGER NOT NULL CHECK (subjects >= 0),
+    impostors    INTEGER NOT NULL CHECK (impostors >= 0),    -- comparisons
+    genuine      INTEGER NOT NULL CHECK (genuine >= 0),
+    halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
+    knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
+    mac          BLOB NOT NULL CHECK (length(mac) = 32)
+) STRICT;
+
+-- The number of the newest calibration, so that the one in force cannot be taken away.
 CREATE TABLE calibrations_end (
     calibrations_key INTEGER PRIMARY KEY CHECK (calibrations_key = 1),
     version          INTEGER NOT NULL CHECK (version >= 0), -- 0: there never was one
-    mac              BLOB CHECK (mac IS NULL OR length(mac) = 32)
+    mac              BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- Who was erased: neither a backup nor an archive from before is to bring them back, also
--- where they had another id then, so by uid.  The lookup is of the id that they had last.
+-- Subjects that were erased: neither a backup nor an archive from before may bring them back,
+-- whatever id they had then, so by uid.  The lookup is of the id that they had last.
 CREATE TABLE erased (
     uid    BLOB PRIMARY KEY CHECK (length(uid) = 16),
     lookup BLOB NOT NULL CHECK (length(lookup) = 32),
@@ -229,10 +154,3 @@ CREATE TABLE erased (
 ) STRICT, WITHOUT ROWID;
 
 CREATE INDEX erased_lookup ON erased (lookup);
-
--- convert
-
-DROP TABLE attempts_3;
-DROP TABLE templates_3;
-DROP TABLE subjects_3;
-DROP TABLE events_3;

@@ -56,7 +56,7 @@ static int run_import(struct ctl *c)
     ctl_out_number(c->out, "subjects_new", (double)m.new_subjects);
     ctl_out_number(c->out, "templates_new", (double)m.new_templates);
     ctl_out_number(c->out, "subjects_erased", (double)m.erased);
-    ctl_out_number(c->out, "templates_stale", (double)m.stale);
+    ctl_out_number(c->out, "templates_stale", (double)m.outdated);
     ctl_out_flag(c->out, "imported", !c->dry_run);
     if (c->json)
         return EXIT_FINE;
@@ -67,10 +67,10 @@ static int run_import(struct ctl *c)
     if (m.erased > 0)
         (void)printf("%llu subjects were erased here and are left out\n",
                      (unsigned long long)m.erased);
-    if (m.stale > 0)
+    if (m.outdated > 0)
         (void)printf("%llu templates were made by another engine: surfacectl template "
                      "reencode\n",
-                     (unsigned long long)m.stale);
+                     (unsigned long long)m.outdated);
     return EXIT_FINE;
 }
 

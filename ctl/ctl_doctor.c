@@ -250,7 +250,7 @@ static enum status count_others(struct store *s, const char *subject, uint64_t *
     if (st != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++)
-        *others += store_stale(s, &list[i]);
+        *others += store_template_outdated(s, &list[i]);
     *all += n;
     free(list);
     return ST_OK;

@@ -22,14 +22,14 @@ struct batch {
     struct outcome *outcome; /* [n] */
 };
 
-/* As store_renew(), but that nothing is written. */
+/* As store_reencode(), but that nothing is written. */
 static enum status try_one(const struct batch *b, const char *id, struct face_work *w,
                            struct face *f, struct store_template *t, bool *done,
                            struct errinfo *e)
 {
     const enum status st = store_template_load(b->store, id, t, w, f, e);
 
-    *done = st == ST_OK && store_stale(b->store, t);
+    *done = st == ST_OK && store_template_outdated(b->store, t);
     return st;
 }
 
@@ -41,8 +41,8 @@ static enum status do_one(void *arg, size_t i, struct face_work *w, struct errin
     struct face f = {0};
     bool done = false;
     enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
-                                   : store_renew(b->store, CTL_ACTOR, b->id[i], w, &f, &t,
-                                                 &done, &o->e);
+                                   : store_reencode(b->store, CTL_ACTOR, b->id[i], w, &f,
+                                                    &t, &done, &o->e);
 
     face_free(&f);
     if (st == ST_OK)
@@ -116,7 +116,7 @@ static enum status reencode(struct batch *b, size_t *failed)
 {
     struct ctl *c = b->c;
     enum status st =
-        c->nargs > 0 ? take_ids(b) : store_renew_due(b->store, &b->id, &b->n, &c->e);
+        c->nargs > 0 ? take_ids(b) : store_reencode_due(b->store, &b->id, &b->n, &c->e);
 
     if (st != ST_OK)
         return st;

@@ -12,7 +12,7 @@ static enum status stats(struct ctl *c, struct store *s)
 
     store_use_model(s, c->model);
     if ((st = store_stats(s, &t, &c->e)) != ST_OK ||
-        (st = store_renew_count(s, &stale, &c->e)) != ST_OK)
+        (st = store_reencode_count(s, &stale, &c->e)) != ST_OK)
         return st;
     ctl_out_number(c->out, "subjects", (double)t.subjects);
     ctl_out_number(c->out, "templates", (double)t.templates);

@@ -84,7 +84,7 @@ static int run_compare(struct ctl *c)
     const double start = ctl_clock_ms();
     struct face_work *w = face_work_new(c->model);
     struct face a = {0}, b = {0};
-    struct face_result r;
+    struct face_result r = {0};
     enum status st;
 
     if (w == NULL)

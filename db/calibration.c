@@ -4,7 +4,8 @@
 
 #include "face.h"
 #include "model.h"
-#include "store.h"
+#include "store_calibration.h"
+#include "store_open.h"
 
 bool calibration_holds(const struct store *s, const struct store_calibration *k)
 {

@@ -1,25 +1,13 @@
-/* export and import of store.h. */
 #include "store_archive.h"
 
-#include <errno.h>
 #include <sodium.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "archive.h"
 #include "bytes.h"
-#include "codec.h"
 #include "errinfo.h"
-#include "mesh.h"
-#include "newfile.h"
-#include "store_engine.h"
 #include "store_rules.h"
 
-#define DIGEST   32
-#define HEAD_MAX 2048 /* bytes of a record without a model */
-#define PAGE     1000
+#define DIGEST 32
 
 /* ---- what a record has beside numbers and texts (bytes.h) */
 
@@ -64,7 +52,8 @@ static bool time_valid(const char *at, bool never)
 
 /* ---- records */
 
-static size_t write_subject(const struct store_subject *s, unsigned char out[HEAD_MAX])
+size_t store_archive_subject(const struct store_subject *s,
+                             unsigned char out[STORE_ARCHIVE_HEAD])
 {
     unsigned char *to = out;
 
@@ -81,7 +70,8 @@ static size_t write_subject(const struct store_subject *s, unsigned char out[HEA
     return (size_t)(to - out);
 }
 
-static size_t write_template(const struct store_template *t, unsigned char out[HEAD_MAX])
+size_t store_archive_template(const struct store_template *t,
+                              unsigned char out[STORE_ARCHIVE_HEAD])
 {
     unsigned char digest[DIGEST] = {0};
     unsigned char *to = out;
@@ -169,245 +159,4 @@ enum status store_archive_parse(const unsigned char *data, size_t n,
     }
     return ok ? ST_OK
               : errinfo_set(e, ST_ECORRUPT, "the archive has a record that cannot be");
-}
-
-/* ---- export */
-
-struct exporting {
-    struct store *s;
-    struct archive *a;
-    const char *actor;
-    struct store_exported *out;
-};
-
-static enum status export_model(void *arg, const struct store_template *t,
-                                const void *model, size_t len, struct errinfo *e)
-{
-    struct exporting *x = arg;
-    unsigned char *record = malloc(HEAD_MAX + len);
-    enum status st;
-    size_t n;
-
-    if (record == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    n = write_template(t, record);
-    memcpy(record + n, model, len);
-    st = archive_write(x->a, record, n + len, false, e);
-    sodium_memzero(record, n + len);
-    free(record);
-    if (st == ST_OK)
-        x->out->templates++;
-    return st;
-}
-
-static enum status export_subject(struct exporting *x, const struct store_subject *s,
-                                  struct errinfo *e)
-{
-    unsigned char record[HEAD_MAX];
-    struct store_template *list = NULL, one;
-    size_t n = 0;
-    enum status st;
-
-    if ((st = store_template_list(x->s, s->id, &list, &n, e)) != ST_OK ||
-        (st = archive_write(x->a, record, write_subject(s, record), false, e)) != ST_OK)
-        goto out;
-    for (size_t i = 0; i < n && st == ST_OK; i++) {
-        st = x->s->engine->template_read(x->s, list[i].id, &one, export_model, x, e);
-        if (st == ST_ENOTFOUND)
-            st = ST_OK; /* deleted meanwhile */
-    }
-    if (st == ST_OK)
-        st = store_event(x->s, "export", x->actor, s->id, "", "exported", e);
-    x->out->subjects++;
-out:
-    sodium_memzero(record, sizeof record);
-    free(list);
-    return st;
-}
-
-static enum status export_all(struct exporting *x, struct errinfo *e)
-{
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n;
-    enum status st;
-
-    while ((st = store_subject_list(x->s, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
-        for (size_t i = 0; i < n && st == ST_OK; i++) {
-            st = export_subject(x, &page[i], e);
-            if (st == ST_ENOTFOUND)
-                st = ST_OK; /* deleted meanwhile */
-        }
-        after = page[n - 1].key;
-        free(page);
-        if (st != ST_OK)
-            break;
-    }
-    return st;
-}
-
-static enum status export_records(struct exporting *x, char *const *subjects, size_t n,
-                                  struct errinfo *e)
-{
-    unsigned char end[17];
-    unsigned char *to = end;
-    struct store_subject one;
-    enum status st = ST_OK;
-
-    /* First, so that the events do not tell of an export that came to nothing. */
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = store_subject_get(x->s, subjects[i], &one, e);
-    if (st == ST_OK && n == 0)
-        st = export_all(x, e);
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        if ((st = store_subject_get(x->s, subjects[i], &one, e)) == ST_OK)
-            st = export_subject(x, &one, e);
-    if (st != ST_OK)
-        return st;
-    bytes_put_number(&to, 'E', 1);
-    bytes_put_number(&to, x->out->subjects, 8);
-    bytes_put_number(&to, x->out->templates, 8);
-    return archive_write(x->a, end, sizeof end, true, e);
-}
-
-enum status store_export(struct store *s, const char *actor, char *const *subjects,
-                         size_t n, const char *path, const struct keyfile *k,
-                         struct store_exported *out, struct errinfo *e)
-{
-    struct exporting x = {.s = s, .actor = actor, .out = out};
-    struct newfile file = NEWFILE_NONE;
-    FILE *to = NULL;
-    enum status st;
-    int fd;
-
-    memset(out, 0, sizeof *out);
-    if (access(path, F_OK) == 0)
-        return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
-    if ((st = newfile_open(path, &file, e)) != ST_OK)
-        return st;
-    if ((fd = dup(file.fd)) < 0 || (to = fdopen(fd, "wb")) == NULL) {
-        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
-        if (fd >= 0)
-            (void)close(fd);
-        goto out;
-    }
-    if ((st = archive_create(to, k, &x.a, e)) == ST_OK)
-        st = export_records(&x, subjects, n, e);
-    if (st == ST_OK && fflush(to) != 0)
-        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
-    out->bytes = (uint64_t)ftello(to);
-    (void)fclose(to);
-    if (st == ST_OK)
-        st = newfile_keep(&file, e);
-out:
-    archive_close(x.a);
-    newfile_close(&file);
-    return st;
-}
-
-/* ---- import */
-
-struct importing {
-    FILE *from;
-    const struct keyfile *k;
-    struct archive *a;
-    const char *made_by;
-    uint64_t stale;
-    struct store_archive_item item;
-    uint64_t subjects, templates;
-};
-
-/* Once more from its beginning. */
-static enum status begin(struct importing *m, struct errinfo *e)
-{
-    archive_close(m->a);
-    m->a = NULL;
-    m->subjects = m->templates = 0;
-    memset(&m->item, 0, sizeof m->item);
-    rewind(m->from);
-    return archive_open(m->from, m->k, &m->a, e);
-}
-
-static enum status next(void *arg, struct store_archive_item **out, struct errinfo *e)
-{
-    struct importing *m = arg;
-    const unsigned char *data;
-    bool last = false;
-    size_t n = 0;
-    enum status st;
-
-    *out = &m->item;
-    if ((st = archive_read(m->a, &data, &n, &last, e)) != ST_OK ||
-        (st = store_archive_parse(data, n, &m->item, e)) != ST_OK)
-        return st;
-    if (last != (m->item.kind == STORE_ARCHIVE_END) ||
-        (last && (m->item.subjects != m->subjects || m->item.templates != m->templates)))
-        return errinfo_set(e, ST_ECORRUPT, "the archive's end does not fit it");
-    m->subjects += m->item.kind == STORE_ARCHIVE_SUBJECT;
-    m->templates += m->item.kind == STORE_ARCHIVE_TEMPLATE;
-    return ST_OK;
-}
-
-/* Is the template what it says it is? */
-static enum status verify_template(struct importing *m, struct face_work *w,
-                                   struct face *f, struct errinfo *e)
-{
-    const struct store_template *t = &m->item.template;
-    struct errinfo why = {ST_OK, ""};
-    char digest[65];
-    enum status st;
-
-    if ((st = codec_decode(m->item.model, m->item.len, w, f, &why)) != ST_OK)
-        return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
-    if ((st = codec_digest(&f->surface.mesh, digest)) != ST_OK)
-        return errinfo_set(e, st, "out of memory");
-    if (f->surface.mesh.nv != t->points || mesh_real(&f->surface.mesh) != t->triangles ||
-        strcmp(digest, t->digest) != 0)
-        return errinfo_set(e, ST_ECORRUPT, "template %s is not what it says it is",
-                           t->id);
-    m->stale += !face_same_engine(t->engine, m->made_by);
-    return ST_OK;
-}
-
-/* All of it, before anything is written: that takes the time, and nobody waits for it. */
-static enum status verify(struct importing *m, const struct model *model,
-                          struct errinfo *e)
-{
-    struct face_work *w = face_work_new(model);
-    struct store_archive_item *item = &m->item;
-    struct face f = {0};
-    enum status st;
-
-    if (w == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = begin(m, e)) == ST_OK)
-        do {
-            if ((st = next(m, &item, e)) == ST_OK && item->kind == STORE_ARCHIVE_TEMPLATE)
-                st = verify_template(m, w, &f, e);
-        } while (st == ST_OK && item->kind != STORE_ARCHIVE_END);
-    face_free(&f);
-    face_work_free(w);
-    return st;
-}
-
-enum status store_import(struct store *s, const char *actor, const char *path,
-                         const struct keyfile *k, bool dry, struct store_imported *out,
-                         struct errinfo *e)
-{
-    struct importing m = {.k = k, .made_by = s->made_by};
-    struct store_act by;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
-    if ((m.from = fopen(path, "rb")) == NULL)
-        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO,
-                           "cannot read %.160s: %s", path, strerror(errno));
-    if ((st = verify(&m, s->model, e)) == ST_OK && (st = begin(&m, e)) == ST_OK)
-        st = s->engine->import(s, &by, next, &m, dry, out, e);
-    out->stale = m.stale;
-    archive_close(m.a);
-    (void)fclose(m.from);
-    return st;
 }

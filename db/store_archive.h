@@ -3,7 +3,7 @@
 #define DB_STORE_ARCHIVE_H
 #include <stddef.h>
 #include <stdint.h>
-#include "store.h"
+#include "store_types.h"
 
 enum store_archive_kind {
     STORE_ARCHIVE_SUBJECT,
@@ -19,6 +19,15 @@ struct store_archive_item {
     size_t len;
     uint64_t subjects, templates; /* for STORE_ARCHIVE_END: how many came before it */
 };
+
+#define STORE_ARCHIVE_HEAD 2048 /* bytes of a record without a model */
+
+/* store_archive_subject(s, out), store_archive_template(t, out): the record of it, of which the
+ * latter is to be followed by the model; they return its bytes. */
+size_t store_archive_subject(const struct store_subject *s,
+                             unsigned char out[STORE_ARCHIVE_HEAD]);
+size_t store_archive_template(const struct store_template *t,
+                              unsigned char out[STORE_ARCHIVE_HEAD]);
 
 /* store_archive_parse(data, n, item, e): a record, which may come from anyone.  Of *item
  * only what the record says is set: a template's subject is the one that was there before.

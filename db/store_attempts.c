@@ -1,76 +1,88 @@
-/* Failed verifications of a subject, as store.h tells. */
+#include "store_attempts.h"
+
 #include <string.h>
 
 #include "errinfo.h"
-#include "store_engine.h"
+#include "row_attempts.h"
+#include "row_event.h"
 #include "store_rules.h"
+#include "store_txn.h"
 
 enum status store_attempts_get(struct store *s, const char *subject,
                                struct store_attempts *out, struct errinfo *e)
 {
-    int64_t now, at;
+    struct store_txn t;
+    bool future = false;
+    int64_t now;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_now(&now, e)) != ST_OK ||
-        (st = s->engine->attempts_get(s, subject, &out->failures, &at, e)) != ST_OK)
+        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    memcpy(out->subject, subject, strlen(subject) + 1);
-    if (out->failures == 0)
-        return ST_OK;
-    if (at > now) {
-        if ((st = s->engine->attempts_since(s, subject, now, e)) != ST_OK)
-            return st;
-        at = now;
-    }
-    store_rules_time(at, out->at);
-    out->age_ms = now - at;
-    return ST_OK;
+    st = store_txn_end(&t, row_attempts_get(&t, subject, now, out, &future, e), e);
+    if (st != ST_OK || !future)
+        return st;
+    if ((st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
+        return st;
+    return store_txn_end(&t, row_attempts_not_after(&t, subject, now, e), e);
 }
 
 enum status store_attempts_fail(struct store *s, const char *subject, struct errinfo *e)
 {
+    struct store_txn t;
     int64_t now;
     enum status st;
 
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&now, e)) != ST_OK)
+        (st = store_rules_now(&now, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
         return st;
-    return s->engine->attempts_fail(s, subject, now, e);
+    return store_txn_end(&t, row_attempts_fail(&t, subject, now, e), e);
 }
 
 /* Most matches come when there is nothing to clear: that is seen without writing. */
 enum status store_attempts_clear(struct store *s, const char *subject, struct errinfo *e)
 {
-    uint32_t failures;
-    int64_t at;
-    enum status st;
+    struct store_attempts was;
+    struct store_txn t;
+    enum status st = store_attempts_get(s, subject, &was, e);
 
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = s->engine->attempts_get(s, subject, &failures, &at, e)) != ST_OK ||
-        failures == 0)
+    if (st != ST_OK || was.failures == 0 ||
+        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
         return st;
-    return s->engine->attempts_clear(s, NULL, subject, e);
+    return store_txn_end(&t, row_attempts_clear(&t, subject, e), e);
 }
 
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e)
 {
+    struct store_attempts was;
     struct store_act by;
-    uint32_t failures;
-    int64_t at;
+    struct store_txn t;
+    bool future;
     enum status st;
 
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = s->engine->attempts_get(s, subject, &failures, &at, e)) != ST_OK)
+        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    return s->engine->attempts_clear(s, &by, subject, e);
+    if ((st = row_attempts_get(&t, subject, by.ms, &was, &future, e)) == ST_OK &&
+        (st = row_attempts_clear(&t, subject, e)) == ST_OK)
+        st = row_event_add(&t, &by, "reset_attempts", subject, "", "", e);
+    return store_txn_end(&t, st, e);
 }
 
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e)
 {
-    return s->engine->attempts_list(s, out, n, e);
+    struct store_txn t;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    return store_txn_end(&t, row_attempts_list(&t, out, n, e), e);
 }

@@ -1,10 +1,162 @@
-/* The audit log, as store.h tells. */
+#include "store_audit.h"
+
+#include <sodium.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
-#include "store_chain.h"
-#include "store_engine.h"
+#include "row_event.h"
+#include "row_subject.h"
+#include "store_column.h"
 #include "store_rules.h"
+#include "store_txn.h"
+
+#define COLUMNS                                                                          \
+    "e.seq, e.at, e.kind, e.actor, e.subject, e.template_id, e.outcome, e.hash"
+
+enum { /* the columns of COLUMNS, and of a checkpoint behind them */
+       COL_SEQ,
+       COL_AT,
+       COL_KIND,
+       COL_ACTOR,
+       COL_SUBJECT,
+       COL_TEMPLATE,
+       COL_OUTCOME,
+       COL_HASH,
+       COL_MARK
+};
+
+/* ---- rows */
+
+/* An entry in the form that it is hashed in as well: ref has the subject's bytes. */
+struct row {
+    struct store_audit_entry entry;
+    unsigned char ref[STORE_SEAL_REF], hash[STORE_CHAIN_HASH];
+    size_t nref;
+};
+
+static bool read_row(const struct sql_rows *from, struct row *r)
+{
+    struct store_audit_entry *a = &r->entry;
+
+    memset(r, 0, sizeof *r);
+    a->seq = (uint64_t)sql_column(from, COL_SEQ).i;
+    if (sql_column(from, COL_SUBJECT).n != 0) {
+        if (!store_column_bytes(from, COL_SUBJECT, r->ref, sizeof r->ref))
+            return false;
+        r->nref = sizeof r->ref;
+    }
+    if (!store_column_text(from, COL_AT, a->at, sizeof a->at) ||
+        !store_column_text(from, COL_KIND, a->kind, sizeof a->kind) ||
+        !store_column_text(from, COL_ACTOR, a->actor, sizeof a->actor) ||
+        !store_column_text(from, COL_TEMPLATE, a->template_id, sizeof a->template_id) ||
+        !store_column_text(from, COL_OUTCOME, a->outcome, sizeof a->outcome) ||
+        !store_column_bytes(from, COL_HASH, r->hash, sizeof r->hash))
+        return false;
+    (void)sodium_bin2hex(a->ref, sizeof a->ref, r->ref, r->nref);
+    (void)sodium_bin2hex(a->hash, sizeof a->hash, r->hash, sizeof r->hash);
+    return true;
+}
+
+static enum status read_entry(void *t, const struct sql_rows *from, void *out,
+                              struct errinfo *e)
+{
+    struct row r;
+
+    (void)t; /* nothing of it is encrypted */
+    if (!read_row(from, &r))
+        return errinfo_set(e, ST_ECORRUPT, "entry %lld of the audit log is damaged",
+                           (long long)r.entry.seq);
+    memcpy(out, &r.entry, sizeof r.entry);
+    return ST_OK;
+}
+
+static bool read_mark(const struct sql_rows *r, int col, struct store_chain_mark *m)
+{
+    return store_column_text(r, col, m->at, sizeof m->at) &&
+           store_column_bytes(r, col + 1, m->hash, sizeof m->hash) &&
+           store_column_bytes(r, col + 2, m->signature, sizeof m->signature);
+}
+
+static enum status list_mark(void *t, const struct sql_rows *r, void *out,
+                             struct errinfo *e)
+{
+    struct store_audit_mark *a = out;
+    struct store_chain_mark m;
+
+    (void)t;
+    memset(a, 0, sizeof *a);
+    a->seq = (uint64_t)sql_column(r, 0).i;
+    if (!read_mark(r, 1, &m))
+        return errinfo_set(e, ST_ECORRUPT, "the checkpoint at entry %lld is damaged",
+                           (long long)a->seq);
+    memcpy(a->at, m.at, sizeof a->at);
+    (void)sodium_bin2hex(a->hash, sizeof a->hash, m.hash, sizeof m.hash);
+    (void)sodium_bin2hex(a->signature, sizeof a->signature, m.signature,
+                         sizeof m.signature);
+    return ST_OK;
+}
+
+/* ---- names */
+
+struct name {
+    char ref[33], subject[STORE_SUBJECT_MAX + 1];
+};
+
+static int by_ref(const void *a, const void *b)
+{
+    return strcmp(((const struct name *)a)->ref, ((const struct name *)b)->ref);
+}
+
+/* A subject whose row is damaged has no name here. */
+static enum status read_name(void *arg, const struct sql_rows *r, void *out,
+                             struct errinfo *e)
+{
+    const struct store_txn *t = arg;
+    unsigned char ref[STORE_SEAL_REF];
+    struct name *name = out;
+    struct store_seal_key k;
+    struct store_subject who;
+
+    (void)e;
+    memset(name, 0, sizeof *name);
+    if (row_subject_who(t, r, 0, &who, &k)) {
+        store_seal_ref(t->vault, who.id, ref);
+        (void)sodium_bin2hex(name->ref, sizeof name->ref, ref, sizeof ref);
+        memcpy(name->subject, who.id, sizeof name->subject);
+    }
+    sodium_memzero(&k, sizeof k);
+    return ST_OK;
+}
+
+static enum status find_names(struct store_txn *t, struct store_audit_entry *a, size_t n,
+                              struct errinfo *e)
+{
+    struct sql_rows *r;
+    void *list = NULL;
+    size_t count = 0;
+    enum status st =
+        sql_query(t->sql, "SELECT " ROW_SUBJECT_WHO " FROM subjects s", NULL, 0, &r, e);
+
+    st = store_column_list(r, st, read_name, t, sizeof(struct name), &list, &count, e);
+    if (st != ST_OK || count == 0)
+        return st;
+    qsort(list, count, sizeof(struct name), by_ref);
+    for (size_t i = 0; i < n; i++) {
+        struct name wanted, *found;
+
+        if (a[i].ref[0] == '\0')
+            continue;
+        memcpy(wanted.ref, a[i].ref, sizeof wanted.ref);
+        found = bsearch(&wanted, list, count, sizeof wanted, by_ref);
+        if (found != NULL)
+            memcpy(a[i].subject, found->subject, sizeof a[i].subject);
+    }
+    free(list);
+    return ST_OK;
+}
+
+/* ---- lists */
 
 /* The beginning of a time: "2026-11-21", "2026-11-21T14:30". */
 static bool since_valid(const char *since)
@@ -20,9 +172,44 @@ static bool since_valid(const char *since)
     return true;
 }
 
+#define WANTED                                                                           \
+    " FROM events e WHERE e.seq > $1 AND e.subject = coalesce($2, e.subject) "           \
+    "AND e.kind = coalesce($3, e.kind) AND e.at >= coalesce($4, e.at) "
+
+static enum status list(struct store_txn *t, const struct store_audit_filter *f,
+                        void **out, size_t *n, struct errinfo *e)
+{
+    const int64_t after = f->after <= INT64_MAX ? (int64_t)f->after : INT64_MAX;
+    const int64_t limit =
+        f->limit != 0 && f->limit < INT64_MAX ? (int64_t)f->limit : INT64_MAX;
+    unsigned char ref[STORE_SEAL_REF];
+    struct sql_value v[] = {
+        sql_int(after), sql_null(), sql_text_or_null(f->kind != NULL ? f->kind : ""),
+        sql_text_or_null(f->since != NULL ? f->since : ""), sql_int(limit)};
+    struct sql_rows *r;
+    enum status st;
+
+    if (f->subject != NULL) {
+        store_seal_ref(t->vault, f->subject, ref);
+        v[1] = sql_blob(ref, sizeof ref);
+    }
+    if (f->newest)
+        st = sql_query(t->sql,
+                       "SELECT * FROM (SELECT " COLUMNS WANTED
+                       "ORDER BY e.seq DESC LIMIT $5) AS newest ORDER BY seq",
+                       v, sizeof v / sizeof *v, &r, e);
+    else
+        st = sql_query(t->sql, "SELECT " COLUMNS WANTED "ORDER BY e.seq LIMIT $5", v,
+                       sizeof v / sizeof *v, &r, e);
+    return store_column_list(r, st, read_entry, t, sizeof(struct store_audit_entry), out,
+                             n, e);
+}
+
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
                              struct store_audit_entry **out, size_t *n, struct errinfo *e)
 {
+    struct store_txn t;
+    void *entries = NULL;
     enum status st;
 
     *out = NULL;
@@ -36,53 +223,256 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
         return errinfo_set(e, ST_EINVAL,
                            "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
                            filter->since);
-    return s->engine->audit_list(s, filter, out, n, e);
-}
-
-enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
-                             struct store_audit_mark *out, struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if (strcmp(kind, STORE_CHAIN_SIGN) != 0 && strcmp(kind, STORE_CHAIN_EXPORT) != 0)
-        return errinfo_set(e, ST_EINVAL, "no event of this kind is signed");
-    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return s->engine->audit_sign(s, &by, kind, out, e);
+    if ((st = list(&t, filter, &entries, n, e)) == ST_OK && filter->names)
+        st = find_names(&t, entries, *n, e);
+    if ((st = store_txn_end(&t, st, e)) != ST_OK) {
+        free(entries);
+        *n = 0;
+        return st;
+    }
+    *out = entries;
+    return ST_OK;
 }
 
 enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
                               struct errinfo *e)
 {
+    struct sql_rows *r;
+    struct store_txn t;
+    void *marks = NULL;
+    enum status st;
+
     *out = NULL;
     *n = 0;
-    return s->engine->audit_marks(s, out, n, e);
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    st = sql_query(t.sql, "SELECT seq, at, hash, signature FROM checkpoints ORDER BY seq",
+                   NULL, 0, &r, e);
+    st = store_column_list(r, st, list_mark, &t, sizeof **out, &marks, n, e);
+    *out = marks;
+    return store_txn_end(&t, st, e);
 }
 
 enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e)
 {
+    unsigned char public[VAULT_KEY];
+    struct store_txn t;
+    enum status st;
+
     public_key[0] = '\0';
-    return s->engine->audit_public(s, public_key, e);
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    vault_public(t.vault, public);
+    (void)sodium_bin2hex(public_key, 65, public, sizeof public);
+    return store_txn_end(&t, ST_OK, e);
+}
+
+static enum status read_erased(void *t, const struct sql_rows *r, void *out,
+                               struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH];
+    struct store_erased *one = out;
+
+    (void)t;
+    if (!store_column_bytes(r, 0, lookup, sizeof lookup) ||
+        !store_column_text(r, 1, one->at, sizeof one->at))
+        return errinfo_set(e, ST_ECORRUPT, "the list of the erased is damaged");
+    (void)sodium_bin2hex(one->lookup, sizeof one->lookup, lookup, sizeof lookup);
+    return ST_OK;
+}
+
+enum status store_audit_erased(struct store *s, const char *subject,
+                               struct store_erased **out, size_t *n, struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH];
+    struct sql_value who = sql_null();
+    struct sql_rows *r;
+    struct store_txn t;
+    void *erased = NULL;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((subject != NULL && (st = store_rules_subject(subject, e)) != ST_OK) ||
+        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if (subject != NULL)
+        who = row_subject_lookup(&t, subject, lookup);
+    st = SQL_QUERY(t.sql, &r, e,
+                   "SELECT lookup, at FROM erased WHERE lookup = coalesce($1, lookup) "
+                   "ORDER BY at, lookup",
+                   who);
+    st = store_column_list(r, st, read_erased, &t, sizeof **out, &erased, n, e);
+    *out = erased;
+    return store_txn_end(&t, st, e);
+}
+
+/* ---- writing */
+
+enum status store_event(struct store *s, const char *kind, const char *actor,
+                        const char *subject, const char *template_id, const char *outcome,
+                        struct errinfo *e)
+{
+    struct store_act by;
+    struct store_txn t;
+    enum status st;
+
+    if ((st = store_rules_event(kind, subject, template_id, outcome, e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
+        return st;
+    return store_txn_end(
+        &t, row_event_add(&t, &by, kind, subject, template_id, outcome, e), e);
+}
+
+static enum status get_mark(struct store_txn *t, uint64_t seq,
+                            struct store_audit_mark *out, struct errinfo *e)
+{
+    struct sql_rows *r;
+    bool found;
+    enum status st = SQL_QUERY(
+        t->sql, &r, e, "SELECT seq, at, hash, signature FROM checkpoints WHERE seq = $1",
+        sql_int((int64_t)seq));
+
+    if ((found = st == ST_OK && sql_next(r)))
+        st = list_mark(t, r, out, e);
+    st = sql_done(r, st, e);
+    return st != ST_OK || found
+               ? st
+               : errinfo_set(e, ST_EDB, "the checkpoint was not written");
+}
+
+enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
+                             struct store_audit_mark *out, struct errinfo *e)
+{
+    unsigned char hash[STORE_CHAIN_HASH];
+    struct store_act by;
+    struct store_txn t;
+    uint64_t seq;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if (strcmp(kind, STORE_CHAIN_SIGN) != 0 && strcmp(kind, STORE_CHAIN_EXPORT) != 0)
+        return errinfo_set(e, ST_EINVAL, "no event of this kind is signed");
+    if ((st = store_rules_act(&by, actor, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+        return st;
+    if ((st = row_event_add(&t, &by, kind, "", "", "", e)) == ST_OK &&
+        (st = row_event_end(&t, &seq, hash, e)) == ST_OK)
+        st = get_mark(&t, seq, out, e);
+    return store_txn_end(&t, st, e);
+}
+
+/* ---- verifying */
+
+static void step(struct store_chain_walk *w, const struct sql_rows *from)
+{
+    struct store_chain_mark m = {0};
+    struct row r;
+    const bool sound = read_row(from, &r);
+    const struct store_chain_entry entry = {.seq = r.entry.seq,
+                                            .at = r.entry.at,
+                                            .kind = r.entry.kind,
+                                            .actor = r.entry.actor,
+                                            .subject = r.ref,
+                                            .nsubject = r.nref,
+                                            .template_id = r.entry.template_id,
+                                            .outcome = r.entry.outcome};
+
+    if (sound)
+        store_chain_step(w, &entry, r.hash);
+    else
+        store_chain_damaged(w, r.entry.seq);
+    m.seq = r.entry.seq;
+    if (sql_column(from, COL_MARK).type != SQL_NULL) {
+        if (read_mark(from, COL_MARK, &m))
+            store_chain_pass(w, &m);
+        else
+            store_chain_problem(w, m.seq, "its checkpoint is damaged");
+    } else if (sound && store_chain_due(m.seq, entry.kind)) {
+        store_chain_problem(w, m.seq, "its checkpoint is missing");
+    }
+}
+
+static enum status walk(struct store_txn *t, struct store_chain_walk *w,
+                        uint64_t *entries, struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st =
+        sql_query(t->sql,
+                  "SELECT " COLUMNS ", c.at, c.hash, c.signature "
+                  "FROM events e LEFT JOIN checkpoints c ON c.seq = e.seq ORDER BY e.seq",
+                  NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        step(w, r);
+        ++*entries;
+    }
+    return sql_done(r, st, e);
+}
+
+/* Checkpoints of entries that are not there; the signature tells whether they ever were. */
+static enum status walk_alone(struct store_txn *t, struct store_chain_walk *w,
+                              struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st =
+        sql_query(t->sql,
+                  "SELECT seq, at, hash, signature FROM checkpoints "
+                  "WHERE seq NOT IN (SELECT seq FROM events) ORDER BY seq",
+                  NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        struct store_chain_mark m = {.seq = (uint64_t)sql_column(r, 0).i};
+
+        if (!read_mark(r, 1, &m))
+            store_chain_problem(w, m.seq, "its checkpoint is damaged");
+        else
+            store_chain_pass(w, &m);
+    }
+    return sql_done(r, st, e);
+}
+
+static enum status verify(struct store_txn *t, struct store_chain_walk *w,
+                          struct store_audit *out, struct errinfo *e)
+{
+    unsigned char hash[STORE_CHAIN_HASH];
+    struct errinfo why = {0};
+    uint64_t seq;
+    enum status st;
+
+    if ((st = walk(t, w, &out->entries, e)) != ST_OK)
+        return st;
+    if ((st = row_event_end(t, &seq, hash, &why)) == ST_OK) {
+        store_chain_stop(w, seq, hash);
+    } else if (st == ST_ECORRUPT) {
+        store_chain_stop(w, w->seq, w->hash);
+        store_chain_problem(w, w->seq, why.msg);
+    } else {
+        return errinfo_set(e, st, "%s", why.msg);
+    }
+    st = walk_alone(t, w, e);
+    out->checkpoints = w->marks;
+    out->problems = w->problems;
+    out->first = w->first;
+    return st;
 }
 
 enum status store_audit_verify(struct store *s,
                                void (*report)(void *arg, uint64_t seq, const char *line),
                                void *arg, struct store_audit *out, struct errinfo *e)
 {
-    memset(out, 0, sizeof *out);
-    return s->engine->audit_verify(s, report, arg, out, e);
-}
-
-enum status store_audit_erased(struct store *s, const char *subject,
-                               struct store_erased **out, size_t *n, struct errinfo *e)
-{
+    unsigned char public[VAULT_KEY];
+    struct store_chain_walk w;
+    struct store_txn t;
     enum status st;
 
-    *out = NULL;
-    *n = 0;
-    if (subject != NULL && (st = store_rules_subject(subject, e)) != ST_OK)
+    memset(out, 0, sizeof *out);
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return s->engine->audit_erased(s, subject, out, n, e);
+    vault_public(t.vault, public);
+    store_chain_walk(&w, public, report, arg);
+    return store_txn_end(&t, verify(&t, &w, out, e), e);
 }

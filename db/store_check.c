@@ -1,4 +1,5 @@
-/* store_check() of store.h: is everything in the database as it was written? */
+#include "store_check.h"
+
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -10,14 +11,19 @@
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mst.h"
-#include "store_engine.h"
+#include "row_calibration.h"
+#include "row_template.h"
+#include "row_token.h"
+#include "sql_file.h"
+#include "store_audit.h"
+#include "store_txn.h"
 
 #define THREADS 16
 
 struct checking { /* what all threads have in common */
     struct store *store;
     struct store_check *found;
-    store_report *report;
+    void (*report)(void *arg, const char *line);
     void *arg;
     pthread_mutex_t lock; /* of found->problems, and of whoever is reported to */
 };
@@ -61,7 +67,7 @@ static enum status check_template(void *arg, const struct store_template *t,
     char digest[65];
     enum status st;
 
-    if (x->work == NULL && (x->work = face_work_new(store_model(x->c->store))) == NULL)
+    if (x->work == NULL && (x->work = face_work_new(x->c->store->model)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     if ((st = codec_decode(model, len, x->work, &x->face, e)) != ST_OK) {
         struct errinfo why;
@@ -109,10 +115,9 @@ static void count_event(void *arg, uint64_t seq, const char *line)
 static void *check_share(void *arg)
 {
     struct share *x = arg;
-    struct store *s = x->c->store;
 
-    x->st = s->engine->template_each(s, x->part, x->parts, check_template, count_template,
-                                     x, &x->e);
+    x->st = row_template_each(x->c->store, x->part, x->parts, check_template,
+                              count_template, x, &x->e);
     face_free(&x->face);
     face_work_free(x->work);
     return NULL;
@@ -150,6 +155,21 @@ static enum status check_templates(struct checking *c, struct errinfo *e)
     return st;
 }
 
+enum status store_check_rows(struct store *s, void (*report)(void *arg, const char *line),
+                             void *arg, struct errinfo *e)
+{
+    struct store_txn t;
+    enum status st;
+
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if ((st = sql_file_check(t.sql, report, arg, e)) == ST_OK &&
+        (st = sql_file_check_schema(t.sql, report, arg, e)) == ST_OK &&
+        (st = row_token_check(&t, report, arg, e)) == ST_OK)
+        st = row_calibration_check(&t, report, arg, e);
+    return store_txn_end(&t, st, e);
+}
+
 enum status store_check(struct store *s, void (*report)(void *arg, const char *line),
                         void *arg, struct store_check *out, struct errinfo *e)
 {
@@ -159,7 +179,7 @@ enum status store_check(struct store *s, void (*report)(void *arg, const char *l
 
     memset(out, 0, sizeof *out);
     (void)pthread_mutex_init(&c.lock, NULL);
-    if ((st = s->engine->check(s, count_problem, &c, e)) == ST_OK &&
+    if ((st = store_check_rows(s, count_problem, &c, e)) == ST_OK &&
         (st = store_audit_verify(s, count_event, &c, &audit, e)) == ST_OK) {
         out->events = audit.entries;
         st = check_templates(&c, e);

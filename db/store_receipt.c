@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store.h"
+#include "store_types.h"
 #include "vault.h"
 
 #define SIGNED_TEXT 192

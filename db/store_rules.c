@@ -4,11 +4,12 @@
 #include <string.h>
 
 #include "errinfo.h"
-#include "store_engine.h"
+#include "store_types.h"
 #include "utc.h"
 #include "utf8.h"
 
 #define RANDOM_MAX 32
+#define RECENT_MS  60000
 
 bool store_rules_consist(const char *text, const char *set, size_t min, size_t max)
 {
@@ -61,6 +62,19 @@ enum status store_rules_id(const char *id, const char *what, struct errinfo *e)
                        STORE_ID_LEN);
 }
 
+enum status store_rules_event(const char *kind, const char *subject,
+                              const char *template_id, const char *outcome,
+                              struct errinfo *e)
+{
+    if (store_rules_printable(kind, 1, STORE_NAME_MAX) &&
+        store_rules_printable(outcome, 0, STORE_NAME_MAX) &&
+        (subject[0] == '\0' || store_subject_valid(subject)) &&
+        (template_id[0] == '\0' || store_id_valid(template_id)))
+        return ST_OK;
+    return errinfo_set(e, ST_EINVAL,
+                       "the event's kind, subject, template or outcome is malformed");
+}
+
 void store_rules_random(char *out, size_t bytes)
 {
     unsigned char raw[RANDOM_MAX];
@@ -80,6 +94,20 @@ enum status store_rules_now(int64_t *ms, struct errinfo *e)
 void store_rules_time(int64_t ms, char out[STORE_RULES_TIME])
 {
     utc_print(ms, out);
+}
+
+bool store_rules_past(const char *at, const char *now)
+{
+    return at[0] != '\0' && strcmp(at, now) <= 0;
+}
+
+bool store_rules_recent(const char *at, int64_t ms)
+{
+    char now[STORE_RULES_TIME], before[STORE_RULES_TIME];
+
+    store_rules_time(ms, now);
+    store_rules_time(ms > RECENT_MS ? ms - RECENT_MS : 0, before);
+    return at[0] != '\0' && strcmp(at, before) > 0 && strcmp(at, now) <= 0;
 }
 
 bool store_time_read(const char *text, int64_t *ms)

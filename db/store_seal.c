@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bytes.h"
+#include "store_rules.h"
 
 #define DIGEST 32
 

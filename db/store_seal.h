@@ -5,7 +5,7 @@
 #define DB_STORE_SEAL_H
 #include <stdbool.h>
 #include <stddef.h>
-#include "store.h"
+#include "store_types.h"
 #include "vault.h"
 
 #define STORE_SEAL_UID   STORE_UID

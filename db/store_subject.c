@@ -1,11 +1,15 @@
-/* Subjects, as store.h tells. */
+#include "store_subject.h"
+
+#include <sodium.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "errinfo.h"
-#include "store_engine.h"
+#include "row_event.h"
+#include "row_subject.h"
+#include "store_column.h"
 #include "store_rules.h"
-
-#define SEEN_MS 60000 /* that a subject was seen is noted no more often */
+#include "store_txn.h"
 
 static enum status need_note(const char *text, struct errinfo *e)
 {
@@ -34,11 +38,82 @@ static enum status read_end(const char *text, char out[STORE_RULES_TIME],
     return ST_OK;
 }
 
+/* ---- reading */
+
+enum status store_subject_get(struct store *s, const char *subject,
+                              struct store_subject *out, struct errinfo *e)
+{
+    char now[STORE_RULES_TIME];
+    struct store_txn t;
+    int64_t ms;
+    enum status st;
+
+    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+        (st = store_rules_now(&ms, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    st = store_txn_end(&t, row_subject_read(&t, subject, out, e), e);
+    store_rules_time(ms, now);
+    out->expired = st == ST_OK && store_rules_past(out->expires, now);
+    return st;
+}
+
+enum status store_subject_list(struct store *s, int64_t after, size_t limit,
+                               struct store_subject **out, size_t *n, struct errinfo *e)
+{
+    const int64_t most = limit < INT64_MAX ? (int64_t)limit : INT64_MAX;
+    struct sql_rows *r;
+    struct store_txn t;
+    void *list = NULL;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    st = SQL_QUERY(t.sql, &r, e,
+                   "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s "
+                   "WHERE s.subject_key > $1 ORDER BY s.subject_key LIMIT $2",
+                   sql_int(after), sql_int(most));
+    st = store_column_list(r, st, row_subject_row, &t, sizeof **out, &list, n, e);
+    *out = list;
+    return store_txn_end(&t, st, e);
+}
+
+enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
+                              struct errinfo *e)
+{
+    char now[STORE_RULES_TIME];
+    struct sql_rows *r;
+    struct store_txn t;
+    void *list = NULL;
+    int64_t ms;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_rules_now(&ms, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    store_rules_time(ms, now);
+    st = SQL_QUERY(t.sql, &r, e,
+                   "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s "
+                   "WHERE s.expires <= $1 ORDER BY s.expires, s.subject_key",
+                   sql_text(now));
+    st = store_column_list(r, st, row_subject_row, &t, sizeof **out, &list, n, e);
+    *out = list;
+    return store_txn_end(&t, st, e);
+}
+
+/* ---- adding */
+
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
     char end[STORE_RULES_TIME];
+    struct row_subject p = {0};
     struct store_act by;
+    struct store_txn t;
     enum status st;
 
     if ((st = store_rules_subject(about->id, e)) != ST_OK ||
@@ -50,60 +125,111 @@ enum status store_subject_add(struct store *s, const char *actor,
     memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->created, by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
-    return s->engine->subject_add(s, &by, about, e);
-}
-
-enum status store_subject_get(struct store *s, const char *subject,
-                              struct store_subject *out, struct errinfo *e)
-{
-    char now[STORE_RULES_TIME];
-    int64_t ms;
-    enum status st;
-
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = s->engine->subject_get(s, subject, out, e)) != ST_OK)
+    if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    store_rules_time(ms, now);
-    out->expired = out->expires[0] != '\0' && strcmp(out->expires, now) <= 0;
-    return ST_OK;
-}
-
-enum status store_subject_list(struct store *s, int64_t after, size_t limit,
-                               struct store_subject **out, size_t *n, struct errinfo *e)
-{
-    *out = NULL;
-    *n = 0;
-    return s->engine->subject_list(s, after, limit, out, n, e);
+    if ((st = row_subject_find(&t, about->id, &p, e)) == ST_OK)
+        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", about->id);
+    else if (st == ST_ENOTFOUND && (st = row_subject_add(&t, about, &p, e)) == ST_OK)
+        st = row_event_add(&t, &by, "add_subject", about->id, "", "created", e);
+    sodium_memzero(&p, sizeof p);
+    return store_txn_end(&t, st, e);
 }
 
 /* ---- changes */
 
-static enum status edit(struct store *s, const char *actor, const char *subject,
-                        const struct store_edit *what, struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
+struct edit { /* what is NULL stays as it is */
+    const char *id, *reference, *purpose, *expires;
+    const bool *hold, *disabled;
+    struct {
+        const char *kind, *outcome;
+    } event[3];
+    int events; /* 1.. */
+};
 
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
-    return s->engine->subject_edit(s, &by, subject, what, e);
-}
-
-static void add_event(struct store_edit *what, const char *kind, const char *outcome)
+static void add_event(struct edit *what, const char *kind, const char *outcome)
 {
     what->event[what->events].kind = kind;
     what->event[what->events++].outcome = outcome;
 }
 
+static enum status need_free(struct store_txn *t, const char *id, struct errinfo *e)
+{
+    struct row_subject p;
+    enum status st = row_subject_find(t, id, &p, e);
+
+    sodium_memzero(&p, sizeof p);
+    if (st == ST_ENOTFOUND)
+        return ST_OK;
+    if (st == ST_OK || st == ST_ECORRUPT)
+        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", id);
+    return st;
+}
+
+static void copy(char *to, size_t size, const char *from)
+{
+    if (from != NULL)
+        (void)snprintf(to, size, "%s", from);
+}
+
+static void apply(struct store_subject *one, const struct edit *edit)
+{
+    copy(one->id, sizeof one->id, edit->id);
+    copy(one->reference, sizeof one->reference, edit->reference);
+    copy(one->purpose, sizeof one->purpose, edit->purpose);
+    copy(one->expires, sizeof one->expires, edit->expires);
+    if (edit->hold != NULL)
+        one->hold = *edit->hold;
+    if (edit->disabled != NULL)
+        one->disabled = *edit->disabled;
+}
+
+static enum status edit_row(struct store_txn *t, const struct store_act *by,
+                            const char *subject, const struct edit *edit,
+                            struct errinfo *e)
+{
+    struct row_subject p = {0};
+    struct store_subject one;
+    enum status st;
+
+    if ((st = row_subject_find(t, subject, &p, e)) != ST_OK ||
+        (st = row_subject_read(t, subject, &one, e)) != ST_OK ||
+        (edit->id != NULL && (st = need_free(t, edit->id, e)) != ST_OK))
+        goto out;
+    apply(&one, edit);
+    st = row_subject_write(t, &p, &one, e);
+    for (int i = 0; st == ST_OK && i < edit->events; i++)
+        st = row_event_add(t, by, edit->event[i].kind, subject, "",
+                           edit->event[i].outcome, e);
+    /* The events know it by its new id too from now on. */
+    if (st == ST_OK && edit->id != NULL)
+        st = row_event_add(t, by, edit->event[0].kind, one.id, "", "named", e);
+    sodium_memzero(&one, sizeof one);
+out:
+    sodium_memzero(&p, sizeof p);
+    return st;
+}
+
+static enum status change(struct store *s, const char *actor, const char *subject,
+                          const struct edit *what, struct errinfo *e)
+{
+    struct store_act by;
+    struct store_txn t;
+    enum status st;
+
+    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+        (st = store_rules_act(&by, actor, e)) != ST_OK ||
+        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+        return st;
+    return store_txn_end(&t, edit_row(&t, &by, subject, what, e), e);
+}
+
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
                               const struct store_subject_change *what, struct errinfo *e)
 {
-    struct store_edit to = {.reference = what->reference,
-                            .purpose = what->purpose,
-                            .hold = what->hold,
-                            .disabled = what->disabled};
+    struct edit to = {.reference = what->reference,
+                      .purpose = what->purpose,
+                      .hold = what->hold,
+                      .disabled = what->disabled};
     struct store_subject as_it_is;
     char end[STORE_RULES_TIME];
     enum status st;
@@ -124,89 +250,28 @@ enum status store_subject_set(struct store *s, const char *actor, const char *su
                   *what->disabled ? "disabled" : "enabled");
     if (to.events == 0)
         return store_subject_get(s, subject, &as_it_is, e);
-    return edit(s, actor, subject, &to, e);
+    return change(s, actor, subject, &to, e);
 }
 
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e)
 {
-    struct store_edit what = {.id = to};
+    struct edit what = {.id = to};
     const enum status st = store_rules_subject(to, e);
 
     add_event(&what, "rename_subject", "renamed");
-    return st != ST_OK ? st : edit(s, actor, subject, &what, e);
+    return st != ST_OK ? st : change(s, actor, subject, &what, e);
 }
 
-/* Nobody is kept waiting for this to be noted: where it cannot be, the next time does. */
 void store_subject_seen(struct store *s, const struct store_subject *one)
 {
-    char now[STORE_RULES_TIME], before[STORE_RULES_TIME];
+    char now[STORE_RULES_TIME];
+    struct store_txn t;
     int64_t ms;
 
-    if (store_rules_now(&ms, NULL) != ST_OK)
+    if (store_rules_now(&ms, NULL) != ST_OK || store_rules_recent(one->seen, ms) ||
+        store_txn_begin(s, SQL_TRY, &t, NULL) != ST_OK)
         return;
     store_rules_time(ms, now);
-    store_rules_time(ms > SEEN_MS ? ms - SEEN_MS : 0, before);
-    /* A time in the future is from before the clock was set back. */
-    if (one->seen[0] == '\0' || strcmp(one->seen, before) <= 0 ||
-        strcmp(one->seen, now) > 0)
-        (void)s->engine->subject_seen(s, one->id, now, NULL);
-}
-
-/* ---- erasing */
-
-enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
-                              struct errinfo *e)
-{
-    char now[STORE_RULES_TIME];
-    int64_t ms;
-    enum status st = store_rules_now(&ms, e);
-
-    *out = NULL;
-    *n = 0;
-    if (st != ST_OK)
-        return st;
-    store_rules_time(ms, now);
-    return s->engine->subject_due(s, now, out, n, e);
-}
-
-static enum status erase(struct store *s, const char *actor, const char *subject,
-                         bool due, struct store_receipt *out, struct errinfo *e)
-{
-    struct store_act by;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
-    return s->engine->subject_delete(s, &by, subject, due, out, e);
-}
-
-enum status store_subject_erase(struct store *s, const char *actor, const char *subject,
-                                struct store_receipt *out, struct errinfo *e)
-{
-    return erase(s, actor, subject, false, out, e);
-}
-
-enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
-                                struct errinfo *e)
-{
-    struct store_receipt r;
-    const enum status st = erase(s, actor, subject, true, &r, e);
-
-    store_receipt_free(&r);
-    return st;
-}
-
-enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
-                                 uint32_t *removed, struct errinfo *e)
-{
-    struct store_receipt r;
-    const enum status st = store_subject_erase(s, actor, subject, &r, e);
-
-    if (removed != NULL)
-        *removed = st == ST_OK ? r.templates : 0;
-    store_receipt_free(&r);
-    return st;
+    (void)store_txn_end(&t, row_subject_seen(&t, one->id, now, NULL), NULL);
 }

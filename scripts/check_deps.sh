@@ -65,7 +65,7 @@ only() {
         esac
     done
 }
-only 'sqlite3.*' 99 db SQLite
+only 'sqlite3.*' 99 db/sql SQLite
 only '(cjson/)?cJSON.*' 1 base JSON
 only 'microhttpd.*' 2 server libmicrohttpd
 

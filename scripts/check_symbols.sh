@@ -1,6 +1,7 @@
 #!/bin/sh
-# check_symbols.sh: foo.c exports only foo and names that begin with foo_.  Checks the objects
-# of a finished build in $BUILD.
+# check_symbols.sh: foo.c exports only foo and names that begin with foo_; what a header bar.h
+# gathers is in bar_*.c and may begin with bar_.  Checks the objects of a finished build in
+# $BUILD.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -10,6 +11,9 @@ for source in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.c|') tests/*/*.c studi
     object=$build/${source%.c}.o
     [ ! -f "$object" ] || objects="$objects $object"
     sources="$sources ${source%.c}"
+done
+for header in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.h|'); do
+    sources="$sources ${header%.h}"
 done
 
 # shellcheck disable=SC2086 # file names of our own
@@ -27,6 +31,8 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "surface_.*" # named after the header as it is installed
         if (source == "core/mem")
             return "(mem|scratch)_.*"
+        if (source == "tests/db/test_migrate")
+            return "main|sql_schema_.*" # in place of a file of db/sql
         if (source == "server/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source ~ /^(server|ctl)\/main$|^(tools|tests|studies)\/.*_main$/)
@@ -39,7 +45,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
         names = module "_.*|" module
         if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/fail_alloc$)/)
             names = "main|__wrap_.*|" names
-        # store_sqlite_admin.c is a part of store_sqlite.c and may export store_sqlite_*.
+        # store_token.c is a part of what store.h gathers and may export store_*.
         while (sub(/_[^_]*$/, "", module))
             if (folder module in is_source)
                 names = names "|" module "_.*"

@@ -184,7 +184,7 @@ static enum status load(struct cache *c, struct store *s, const char *id, bool a
         return st;
     }
     x->bytes = face_bytes(&x->face);
-    c->state.renewed += store_stale(s, &t);
+    c->state.renewed += store_template_outdated(s, &t);
     /* What was deleted since it was read must not come in behind cache_forget()'s back: it
      * would stay until it is the oldest.  Whoever else is hit by this loads once more. */
     if (forgets == c->forgets)

@@ -98,7 +98,7 @@ static void warn_of_stale(struct store *s)
     struct log_entry l;
     uint64_t n;
 
-    if (store_renew_count(s, &n, NULL) != ST_OK || n == 0)
+    if (store_reencode_count(s, &n, NULL) != ST_OK || n == 0)
         return;
     log_begin(&l, "warn",
               "templates were made by another engine: surfacectl template reencode");

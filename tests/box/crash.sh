@@ -22,7 +22,7 @@ for n in 1 2 3 4; do
 done
 
 # ---- what there is before
-mkdir "$T/full" "$T/old" "$T/lost"
+mkdir "$T/full" "$T/lost"
 db=$T/full/db
 admin "$db" init
 admin "$db" enroll alice "$T/s1.ply"
@@ -34,8 +34,6 @@ cp "$db.key" "$T/lost/"
 admin "$db" subject erase --yes bob
 admin "$db" enroll carol "$T/s3.ply"
 admin "$db" enroll bob "$T/s2.ply"
-sqlite3 "$T/old/db" <tests/golden/database_v3.sql
-chmod 600 "$T/old/db"
 admin "$T/other" init
 admin "$T/other" enroll dave "$T/s4.ply"
 admin "$T/other" enroll erin "$T/s1.ply"
@@ -66,7 +64,6 @@ crash rename full subject rename bob rob
 crash rekey full rekey --yes
 crash rekey-keep full rekey --keep-old
 crash rekey-plain full rekey --plaintext --yes
-crash migrate old migrate
 crash import full import "$T/archive" --archive-key "$T/akey"
 crash restore full restore "$T/backup"
 crash restore-lost lost restore "$T/backup"

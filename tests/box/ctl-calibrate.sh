@@ -141,22 +141,4 @@ is "a new one" $CODE 0
 send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
 is "is the way out" "$STATUS" 200
 stop_daemon
-
-# ---- a database of version 1, which had no calibrations
-rm -f "$DB" "$DB.key"
-sed '/^-- version 2$/,$d' schema.sql >"$T/version1.sql"
-sqlite3 "$DB" <"$T/version1.sql"
-ctl subject list
-is "version 1 is not read as it is" $CODE 65
-ok "it says what to do: $(said .error.detail)" matches "$(said .error.detail)" 'version 1.*migrate'
-ctl init
-is "nor made anew" $CODE 65
-ctl migrate
-is "it is upgraded" "$CODE $(said .upgraded)" "0 true"
-ctl check
-is "to what a new one is" $CODE 0
-ctl migrate
-is "only once" "$CODE $(said .upgraded)" "0 false"
-ctl calibrate --list
-is "and has no calibration" "$CODE $(said '.calibrations | length')" "0 0"
 finish

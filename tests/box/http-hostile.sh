@@ -20,6 +20,7 @@ statuses() {
 is_problem() {
     is "$1" "$(statuses)" "$2 "
     tr -d '\r' <"$T/answer" | sed '1,/^$/d' >"$T/body"
+    # shellcheck disable=SC2016 # the variable is jq's
     ok "$1: as a problem document" jq -e --arg status "$2" '(.status | tostring) == $status
         and (.code | type) == "string" and .type == "urn:surfaced:problem:" + .code' "$T/body"
     ok "$1: of that media type" grep -aq '^Content-Type: application/problem+json' "$T/answer"

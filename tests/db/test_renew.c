@@ -205,7 +205,7 @@ static uint64_t count(struct store *s)
 {
     uint64_t n = 99;
 
-    assert_int_equal(store_renew_count(s, &n, &e), ST_OK);
+    assert_int_equal(store_reencode_count(s, &n, &e), ST_OK);
     return n;
 }
 
@@ -231,17 +231,18 @@ static void test_store(void **state)
         store_close(s);
 
         s = open_for(SHIPPED);
-        assert_true(store_stale(s, &was));
+        assert_true(store_template_outdated(s, &was));
         assert_int_equal(count(s), 1);
         load(s, was.id, SHIPPED, &loaded);
         assert_same(&ours, &loaded);
-        assert_int_equal(store_renew_due(s, &due, &n, &e), ST_OK);
+        assert_int_equal(store_reencode_due(s, &due, &n, &e), ST_OK);
         assert_int_equal(n, 1);
         assert_string_equal(due[0], was.id);
         free(due);
 
         assert_int_equal(
-            store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e), ST_OK);
+            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
+            ST_OK);
         assert_true(renewed);
         assert_string_equal(is.engine, store_made_by(s));
         assert_int_equal(store_template_get(s, was.id, &is, &e), ST_OK);
@@ -253,7 +254,8 @@ static void test_store(void **state)
         assert_same(&ours, &loaded);
         assert_int_equal(count(s), 0);
         assert_int_equal(
-            store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e), ST_OK);
+            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
+            ST_OK);
         assert_false(renewed);
         assert_int_equal(tempdb_check(s).problems, 0);
         store_close(s);
@@ -282,8 +284,9 @@ static void test_stays(void **state)
                      ST_EVERSION);
     assert_non_null(strstr(e.msg, was.id));
     assert_int_equal(f.surface.mesh.nv, 0);
-    assert_int_equal(store_renew(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
-                     ST_EVERSION);
+    assert_int_equal(
+        store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
+        ST_EVERSION);
     assert_false(renewed);
     assert_int_equal(count(s), 1);
     assert_int_equal(tempdb_check(s).problems, 0);

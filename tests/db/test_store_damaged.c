@@ -71,10 +71,10 @@ static void test_refused(void **state)
     assert_refused(tempdb_path, STORE_CREATE, ST_ECORRUPT, "another program");
     s = tempdb_fresh();
     store_close(s);
-    tempdb_sql("PRAGMA user_version = 5");
+    tempdb_sql("PRAGMA user_version = 2");
     assert_refused(tempdb_path, STORE_WRITE, ST_EVERSION, "newer");
-    assert_refused(tempdb_path, STORE_READ, ST_EVERSION, "5");
-    assert_int_equal(tempdb_number("PRAGMA user_version"), 5); /* left as it was */
+    assert_refused(tempdb_path, STORE_READ, ST_EVERSION, "2");
+    assert_int_equal(tempdb_number("PRAGMA user_version"), 2); /* left as it was */
     write_file(tempdb_path, "", 0); /* an empty file may be initialised */
     store_close(tempdb_open(STORE_CREATE));
     store_close(tempdb_open(STORE_WRITE));
@@ -149,9 +149,9 @@ static void test_ready(void **state)
     char aside[128];
 
     (void)state;
-    tempdb_sql("PRAGMA user_version = 5");
+    tempdb_sql("PRAGMA user_version = 2");
     assert_int_equal(store_ready(s, &e), ST_EVERSION);
-    tempdb_sql("PRAGMA user_version = 4");
+    tempdb_sql("PRAGMA user_version = 1");
     assert_int_equal(store_ready(s, &e), ST_OK);
     (void)snprintf(aside, sizeof aside, "%s.aside", tempdb_path);
     assert_int_equal(rename(tempdb_path, aside), 0);

@@ -12,6 +12,7 @@
 #include "errinfo.h"
 #include "keyfile.h"
 #include "store_archive.h"
+#include "store_rules.h"
 
 #define KIND_AT 10 /* db/FORMAT.md */
 

@@ -48,7 +48,7 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
 
 /* crash_look(dir, text): all that DIR/db says of people and tokens, without random ids; it is
  * opened by DIR/db.key, or what the store finds instead, and checked.  "none": there is no
- * database yet; "version N": it is of an older one.  false: it cannot be opened, or something
+ * database yet.  false: it cannot be opened, or something
  * is wrong with it, and text says what. */
 bool crash_look(const char *dir, char text[CRASH_TEXT]);
 

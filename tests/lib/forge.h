@@ -1,4 +1,4 @@
-/* forge.h -- rows as this program never wrote them, but proved as if it had: for tests of
+/* forge.h -- rows as this program never wrote them, but with the MACs as if it had: for tests of
  * times gone by and of settings that cannot be reached otherwise.  It takes the database's
  * key, as whoever can do this outside the tests has. */
 #ifndef TESTS_FORGE_H
@@ -7,8 +7,8 @@
 
 struct errinfo;
 
-/* forge_sql(path, sql, e): run statements on a database, in one transaction, and prove all
- * tokens and calibrations as they are then. */
+/* forge_sql(path, sql, e): run statements on a database, in one transaction, and set the
+ * MACs of all tokens and calibrations as they are then. */
 enum status forge_sql(const char *path, const char *sql, struct errinfo *e);
 
 #endif

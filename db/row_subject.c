@@ -1,0 +1,219 @@
+#include "row_subject.h"
+
+#include <sodium.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "store_column.h"
+#include "store_rules.h"
+#include "store_txn.h"
+
+enum { /* the columns of ROW_SUBJECT_WHO, from the first of them on */
+       COL_UID,
+       COL_KEY,
+       COL_ABOUT,
+       COL_CREATED,
+       COL_EXPIRES,
+       COL_SEEN,
+       COL_HOLD,
+       COL_DISABLED
+};
+
+static bool read_key(const struct store_txn *t, const struct sql_rows *r, int col,
+                     struct store_seal_key *k)
+{
+    unsigned char uid[STORE_SEAL_UID], wrapped[VAULT_WRAPPED];
+
+    return store_column_bytes(r, col + COL_UID, uid, sizeof uid) &&
+           store_column_bytes(r, col + COL_KEY, wrapped, sizeof wrapped) &&
+           store_seal_key(t->vault, uid, wrapped, k);
+}
+
+bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int col,
+                     struct store_subject *s, struct store_seal_key *k)
+{
+    uint32_t hold = 0, disabled = 0;
+    const void *about;
+    size_t n;
+
+    memset(s, 0, sizeof *s);
+    if (!store_column_text(r, col + COL_CREATED, s->created, sizeof s->created) ||
+        !store_column_text_or(r, col + COL_EXPIRES, s->expires, sizeof s->expires) ||
+        !store_column_text_or(r, col + COL_SEEN, s->seen, sizeof s->seen) ||
+        !store_column_count(r, col + COL_HOLD, 1, &hold) ||
+        !store_column_count(r, col + COL_DISABLED, 1, &disabled) ||
+        (about = store_column_blob(r, col + COL_ABOUT, 1, STORE_SEAL_ABOUT, &n)) ==
+            NULL ||
+        !read_key(t, r, col, k))
+        return false;
+    s->hold = hold != 0;
+    s->disabled = disabled != 0;
+    memcpy(s->uid, k->uid, sizeof s->uid);
+    return store_seal_open_subject(k, about, n, s);
+}
+
+static enum status damaged(int64_t row, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ECORRUPT, "a subject's row is damaged (row %lld)",
+                       (long long)row);
+}
+
+enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
+                            struct errinfo *e)
+{
+    struct store_subject *s = out;
+    struct store_seal_key k = {0};
+    uint32_t templates;
+    const int64_t row = sql_column(r, 0).i;
+    const bool ok = row_subject_who(t, r, 2, s, &k) &&
+                    store_column_count(r, 1, UINT32_MAX, &templates);
+
+    sodium_memzero(&k, sizeof k);
+    if (!ok)
+        return damaged(row, e);
+    s->key = row;
+    s->templates = templates;
+    return ST_OK;
+}
+
+struct sql_value row_subject_lookup(const struct store_txn *t, const char *subject,
+                                    unsigned char out[VAULT_HASH])
+{
+    store_seal_lookup(t->vault, subject, out);
+    return sql_blob(out, VAULT_HASH);
+}
+
+/* What a row is found by is not authenticated with it: two may have been exchanged. */
+static enum status not_theirs(const char *subject, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ECORRUPT, "subject %s: the row found is somebody else's",
+                       subject);
+}
+
+static enum status not_found(const char *subject, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject);
+}
+
+enum status row_subject_find(struct store_txn *t, const char *subject,
+                             struct row_subject *p, struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH];
+    struct store_subject who;
+    struct sql_rows *r;
+    bool found;
+    enum status st = SQL_QUERY(t->sql, &r, e,
+                               "SELECT s.subject_key, " ROW_SUBJECT_WHO
+                               " FROM subjects s WHERE s.lookup = $1",
+                               row_subject_lookup(t, subject, lookup));
+
+    if ((found = st == ST_OK && sql_next(r))) {
+        p->row = sql_column(r, 0).i;
+        if (!row_subject_who(t, r, 1, &who, &p->key)) {
+            st = errinfo_set(e, ST_ECORRUPT, "subject %s: its row is damaged", subject);
+        } else if (strcmp(who.id, subject) != 0) {
+            p->row = 0;
+            st = not_theirs(subject, e);
+        }
+    }
+    st = sql_done(r, st, e);
+    return st != ST_OK || found ? st : not_found(subject, e);
+}
+
+enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_UID],
+                             struct row_subject *p, struct store_subject *who,
+                             struct errinfo *e)
+{
+    struct sql_rows *r;
+    bool found;
+    enum status st = SQL_QUERY(t->sql, &r, e,
+                               "SELECT s.subject_key, " ROW_SUBJECT_WHO
+                               " FROM subjects s WHERE s.uid = $1",
+                               sql_blob(uid, STORE_UID));
+
+    memset(who, 0, sizeof *who);
+    if ((found = st == ST_OK && sql_next(r))) {
+        p->row = sql_column(r, 0).i;
+        if (!row_subject_who(t, r, 1, who, &p->key)) {
+            memset(who, 0, sizeof *who);
+            st = damaged(p->row, e);
+        }
+    }
+    st = sql_done(r, st, e);
+    return st != ST_OK || found
+               ? st
+               : errinfo_set(e, ST_ENOTFOUND, "there is no such subject");
+}
+
+enum status row_subject_read(struct store_txn *t, const char *subject,
+                             struct store_subject *out, struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH];
+    struct sql_rows *r;
+    bool found;
+    enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s WHERE s.lookup = $1",
+                  row_subject_lookup(t, subject, lookup));
+
+    if ((found = st == ST_OK && sql_next(r)) &&
+        (st = row_subject_row(t, r, out, e)) == ST_OK && strcmp(out->id, subject) != 0)
+        st = not_theirs(subject, e);
+    st = sql_done(r, st, e);
+    return st != ST_OK || found ? st : not_found(subject, e);
+}
+
+enum status row_subject_add(struct store_txn *t, const struct store_subject *about,
+                            struct row_subject *p, struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH], wrapped[VAULT_WRAPPED], about_it[STORE_SEAL_ABOUT];
+    struct sql_rows *r;
+    size_t n;
+    enum status st;
+
+    store_seal_new(t->vault,
+                   sodium_is_zero(about->uid, sizeof about->uid) ? NULL : about->uid,
+                   &p->key, wrapped);
+    n = store_seal_subject(&p->key, about, about_it);
+    st = SQL_QUERY(
+        t->sql, &r, e,
+        "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
+        "seen, hold, disabled) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) "
+        "RETURNING subject_key",
+        row_subject_lookup(t, about->id, lookup), sql_blob(p->key.uid, sizeof p->key.uid),
+        sql_blob(wrapped, sizeof wrapped), sql_blob(about_it, n),
+        sql_text(about->created), sql_text_or_null(about->expires),
+        sql_text_or_null(about->seen), sql_int(about->hold), sql_int(about->disabled));
+    while (st == ST_OK && sql_next(r))
+        p->row = sql_column(r, 0).i;
+    return sql_done(r, st, e);
+}
+
+enum status row_subject_write(struct store_txn *t, const struct row_subject *p,
+                              const struct store_subject *one, struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH], about[STORE_SEAL_ABOUT];
+    const size_t n = store_seal_subject(&p->key, one, about);
+
+    return SQL_RUN(t->sql, e,
+                   "UPDATE subjects SET lookup = $2, about = $3, expires = $4, "
+                   "hold = $5, disabled = $6 WHERE subject_key = $1",
+                   sql_int(p->row), row_subject_lookup(t, one->id, lookup),
+                   sql_blob(about, n), sql_text_or_null(one->expires), sql_int(one->hold),
+                   sql_int(one->disabled));
+}
+
+enum status row_subject_seen(struct store_txn *t, const char *subject, const char *at,
+                             struct errinfo *e)
+{
+    unsigned char lookup[VAULT_HASH];
+
+    return SQL_RUN(t->sql, e, "UPDATE subjects SET seen = $2 WHERE lookup = $1",
+                   row_subject_lookup(t, subject, lookup), sql_text(at));
+}
+
+enum status row_subject_delete(struct store_txn *t, int64_t row, struct errinfo *e)
+{
+    return SQL_RUN(t->sql, e, "DELETE FROM subjects WHERE subject_key = $1",
+                   sql_int(row));
+}

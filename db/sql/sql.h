@@ -1,0 +1,136 @@
+/* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.  What the
+ * statements say is the caller's, in the subset that SQLite 3.40 and PostgreSQL 15 both know
+ * (tests/box/statements.sh has both prepare every one); how they get there is a driver's.
+ * The driver is sql_sqlite.c; what only a database in a file can do is in sql_file.h.
+ *
+ * Calls return ST_OK or fill *e (may be NULL): ST_ECORRUPT (damaged, or no database),
+ * ST_EBUSY (locked for longer than 5 s), ST_EIO (disk full, not writable), ST_ELIMIT,
+ * ST_ENOMEM, ST_EDB. */
+#ifndef DB_SQL_H
+#define DB_SQL_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include "status.h"
+
+struct errinfo;
+struct sql;      /* a database: one writing connection, and one a reader.  Any thread */
+struct sql_txn;  /* a transaction.  One thread at a time */
+struct sql_rows; /* what a query gives */
+
+enum sql_open {
+    SQL_OPEN_READ,   /* nothing can be changed, nor does it have to be writable */
+    SQL_OPEN_WRITE,  /* it must be there */
+    SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
+    SQL_OPEN_LOOK,   /* one connection, for a look at any version; not to be written to */
+    SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
+};
+
+/* sql_open(path, how, out, e): ST_ENOTFOUND: there is none; ST_ECORRUPT: another program's;
+ * ST_EVERSION: of a newer version than sql_newest(); ST_EBUSY: SQL_OPEN_ALONE, and another
+ * process has it open.
+ * sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
+ * removed unless a SQL_SCHEMA transaction was committed.
+ * sql_version(d): of its schema when it was opened, or since sql_upgrade(); 0: it holds
+ * nothing.  sql_newest(): of the schema that sql_upgrade() leads to. */
+enum status sql_open(const char *path, enum sql_open how, struct sql **out,
+                     struct errinfo *e);
+void sql_close(struct sql *d);
+int sql_version(const struct sql *d);
+int sql_newest(void);
+
+enum sql_begin {
+    SQL_READ,  /* all that is read is of one moment */
+    SQL_WRITE, /* durable when it is committed */
+    SQL_LAZY,  /* the same, but a power failure may take it back; a crash does not */
+    SQL_TRY,   /* lazy, and ST_EBUSY at once where it would have to wait */
+    SQL_SCHEMA /* a SQL_WRITE that may make tables */
+};
+
+/* sql_begin(d, how, t, e): ST_EDENIED: opened for reading.  After ST_OK sql_end() follows.
+ * sql_end(t, st, e): commits where st is ST_OK, else rolls back; returns st, or why the
+ * commit failed.  No rows are open. */
+enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                      struct errinfo *e);
+enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
+
+/* sql_version_now(t, version, e): as t sees it.
+ * sql_upgrade(t, e): in a SQL_SCHEMA transaction, from what t sees to sql_newest(). */
+enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e);
+enum status sql_upgrade(struct sql_txn *t, struct errinfo *e);
+
+enum sql_type { SQL_NULL, SQL_INT, SQL_REAL, SQL_TEXT, SQL_BLOB };
+
+struct sql_value {
+    enum sql_type type;
+    int64_t i;
+    double r;
+    const void *data; /* of a text or a blob, n bytes; not NULL for a blob of none */
+    size_t n;
+};
+
+static inline struct sql_value sql_int(int64_t i)
+{
+    return (struct sql_value){.type = SQL_INT, .i = i};
+}
+
+static inline struct sql_value sql_real(double r)
+{
+    return (struct sql_value){.type = SQL_REAL, .r = r};
+}
+
+static inline struct sql_value sql_text(const char *text)
+{
+    return (struct sql_value){.type = SQL_TEXT, .data = text, .n = strlen(text)};
+}
+
+static inline struct sql_value sql_blob(const void *data, size_t n)
+{
+    return (struct sql_value){.type = SQL_BLOB, .data = data, .n = n};
+}
+
+static inline struct sql_value sql_null(void)
+{
+    return (struct sql_value){.type = SQL_NULL};
+}
+
+static inline struct sql_value sql_text_or_null(const char *text) /* "" is NULL */
+{
+    return text[0] != '\0' ? sql_text(text) : sql_null();
+}
+
+/* sql_run(t, text, value, n, e): a statement that gives no rows.  Its text is a literal: it is
+ * prepared once a connection and known by its address.  $1 is value[0], and so on, n of them.
+ * sql_changed(t): rows that the last sql_run() inserted, changed or deleted. */
+enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value *value,
+                    size_t n, struct errinfo *e);
+uint64_t sql_changed(const struct sql_txn *t);
+
+/* sql_query(t, text, value, n, out, e): a statement that gives rows; the values are copied.
+ *   st = sql_query(t, ..., &r, e);
+ *   while (st == ST_OK && sql_next(r))
+ *       st = use(r, ...);
+ *   return sql_done(r, st, e);
+ * sql_next(r): is there another row?  false too where reading fails or r is NULL.
+ * sql_column(r, i): of the current row, from 0 on; its bytes are good until the next call for
+ * that row's rows.
+ * sql_done(r, st, e): returns st where that is not ST_OK, else why there was no further row.
+ * While rows are open other statements may run in the same transaction, but not this one
+ * again.  A row that they change or delete is given once, as it was or as it is, or not any
+ * more. */
+enum status sql_query(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n, struct sql_rows **out, struct errinfo *e);
+bool sql_next(struct sql_rows *r);
+struct sql_value sql_column(const struct sql_rows *r, int i);
+enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e);
+
+/* SQL_RUN(t, e, text, value...), SQL_QUERY(t, out, e, text, value...): with one value or more. */
+#define SQL_VALUES(...) ((const struct sql_value[]){__VA_ARGS__})
+#define SQL_COUNT(...)  (sizeof SQL_VALUES(__VA_ARGS__) / sizeof(struct sql_value))
+#define SQL_RUN(t, e, text, ...)                                                         \
+    sql_run(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), e)
+#define SQL_QUERY(t, out, e, text, ...)                                                  \
+    sql_query(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
+
+#endif

@@ -1,0 +1,305 @@
+#include "sql_file.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "sql_schema.h"
+#include "sql_sqlite.h"
+
+/* ---- the files */
+
+#define LOCK_AT 128
+
+/* Every process that has the database open holds a lock on one byte of PATH-shm as long as it
+ * does (SQLite's unix VFS, "dead man's switch"): asking for it changes nothing. */
+bool sql_file_in_use(const char *path, int64_t *pid)
+{
+    struct flock lock = {
+        .l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = LOCK_AT, .l_len = 1};
+    const size_t n = strlen(path) + sizeof "-shm";
+    char *name = malloc(n);
+    bool used = false;
+    int fd;
+
+    *pid = 0;
+    if (name == NULL)
+        return false;
+    (void)snprintf(name, n, "%s-shm", path);
+    if ((fd = open(name, O_RDONLY | O_CLOEXEC)) >= 0) {
+        used = fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+        if (used && lock.l_pid > 0)
+            *pid = lock.l_pid;
+        (void)close(fd);
+    }
+    free(name);
+    return used;
+}
+
+bool sql_file_has_wal(const char *path)
+{
+    char wal[4096];
+    struct stat sb;
+
+    return snprintf(wal, sizeof wal, "%s-wal", path) < (int)sizeof wal &&
+           stat(wal, &sb) == 0 && sb.st_size > 0;
+}
+
+bool sql_file_same(const char *a, const char *b)
+{
+    struct stat sa, sb;
+
+    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && sa.st_dev == sb.st_dev &&
+           sa.st_ino == sb.st_ino;
+}
+
+enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e)
+{
+    int64_t pages = 0, size = 0;
+    enum status st;
+
+    if ((st = sql_sqlite_conn_int(t, "PRAGMA page_count", &pages, e)) == ST_OK &&
+        (st = sql_sqlite_conn_int(t, "PRAGMA page_size", &size, e)) == ST_OK)
+        *bytes = (uint64_t)pages * (uint64_t)size;
+    return st;
+}
+
+enum status sql_file_ready(struct sql_txn *t, struct errinfo *e)
+{
+    int64_t version;
+    int moved = 0;
+    const enum status st = sql_sqlite_conn_int(t, "PRAGMA user_version", &version, e);
+
+    if (st != ST_OK)
+        return st;
+    if (version != sql_newest())
+        return errinfo_set(e, ST_EVERSION, "the database has schema version %lld, not %d",
+                           (long long)version, sql_newest());
+    if (sqlite3_file_control(t->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
+            SQLITE_OK &&
+        moved)
+        return errinfo_set(e, ST_EIO, "the database file was moved or removed");
+    return ST_OK;
+}
+
+/* ---- checking */
+
+/* Every row of a pragma that names a problem a row, as "name: a, b, c". */
+static enum status check_pragma(struct sql_txn *t, const char *sql, const char *name,
+                                void (*report)(void *arg, const char *line), void *arg,
+                                struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+    int rc;
+
+    if (sqlite3_prepare_v2(t->db, sql, -1, &stmt, NULL) != SQLITE_OK)
+        return sql_sqlite_conn_fail(t, "cannot check", e);
+    while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+        char line[400];
+        size_t n;
+
+        if (sqlite3_column_count(stmt) == 1 && sqlite3_column_bytes(stmt, 0) == 2 &&
+            memcmp(sqlite3_column_text(stmt, 0), "ok", 2) == 0)
+            continue;
+        (void)sqlite3_snprintf(sizeof line, line, "%s:", name);
+        for (int i = 0; i < sqlite3_column_count(stmt); i++) {
+            const unsigned char *text = sqlite3_column_text(stmt, i);
+
+            n = strlen(line);
+            (void)sqlite3_snprintf((int)(sizeof line - n), line + n, "%s %.200s",
+                                   i != 0 ? "," : "",
+                                   text != NULL ? (const char *)text : "-");
+        }
+        for (char *p = line; *p != '\0'; p++)
+            if ((unsigned char)*p < ' ')
+                *p = ' '; /* one line a problem */
+        report(arg, line);
+    }
+    if (rc != SQLITE_DONE)
+        st = sql_sqlite_conn_fail(t, "cannot check", e);
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+#define SCHEMA_ROWS                                                                      \
+    "SELECT type, name, tbl_name, sql FROM sqlite_schema "                               \
+    "WHERE name NOT GLOB 'sqlite_stat*' ORDER BY type, name"
+
+/* Do two databases have the same schema, word for word? */
+static enum status same_schema(struct sql_txn *t, sqlite3 *model, bool *same,
+                               struct errinfo *e)
+{
+    sqlite3_stmt *a = NULL, *b = NULL;
+    enum status st = ST_OK;
+    int ra, rb;
+
+    *same = true;
+    if (sqlite3_prepare_v2(t->db, SCHEMA_ROWS, -1, &a, NULL) != SQLITE_OK) {
+        st = sql_sqlite_conn_fail(t, "cannot check", e);
+        goto out;
+    }
+    if (sqlite3_prepare_v2(model, SCHEMA_ROWS, -1, &b, NULL) != SQLITE_OK) {
+        st = errinfo_set(e, ST_EDB, "cannot check: %s", sqlite3_errmsg(model));
+        goto out;
+    }
+    do {
+        ra = sqlite3_step(a);
+        rb = sqlite3_step(b);
+        if (ra != rb)
+            *same = false;
+        for (int i = 0; *same && ra == SQLITE_ROW && i < 4; i++) {
+            const int n = sqlite3_column_bytes(a, i);
+
+            *same = n == sqlite3_column_bytes(b, i) &&
+                    (n == 0 || memcmp(sqlite3_column_blob(a, i),
+                                      sqlite3_column_blob(b, i), (size_t)n) == 0);
+        }
+    } while (*same && ra == SQLITE_ROW);
+    if (ra != SQLITE_ROW && ra != SQLITE_DONE)
+        st = sql_sqlite_conn_fail(t, "cannot check", e);
+out:
+    (void)sqlite3_finalize(a);
+    (void)sqlite3_finalize(b);
+    return st;
+}
+
+enum status sql_file_check_schema(struct sql_txn *t,
+                                  void (*report)(void *arg, const char *line), void *arg,
+                                  struct errinfo *e)
+{
+    sqlite3 *model = NULL;
+    bool same = true;
+    enum status st;
+
+    if (sqlite3_open_v2(":memory:", &model, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY,
+                        NULL) != SQLITE_OK ||
+        sqlite3_exec(model, sql_schema_text(), NULL, NULL, NULL) != SQLITE_OK)
+        st = errinfo_set(e, ST_EDB, "cannot make the schema to compare with: %s",
+                         model != NULL ? sqlite3_errmsg(model) : "out of memory");
+    else
+        st = same_schema(t, model, &same, e);
+    (void)sqlite3_close(model);
+    if (st == ST_OK && !same)
+        report(arg, "schema: the tables are not those of this program");
+    return st;
+}
+
+enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
+                           void *arg, struct errinfo *e)
+{
+    const enum status st =
+        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, e);
+
+    return st != ST_OK
+               ? st
+               : check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, e);
+}
+
+/* ---- copying */
+
+static enum status copy_pages(struct sql_txn *from, struct sql_txn *to, struct errinfo *e)
+{
+    sqlite3_backup *b = sqlite3_backup_init(to->db, "main", from->db, "main");
+    int rc;
+
+    if (b == NULL)
+        return sql_sqlite_conn_fail(to, "cannot copy", e);
+    rc = sqlite3_backup_step(b, -1); /* all of it: what is read is of one moment */
+    if (sqlite3_backup_finish(b) == SQLITE_OK && rc == SQLITE_DONE)
+        return ST_OK;
+    if (sqlite3_errcode(to->db) != SQLITE_OK)
+        return sql_sqlite_conn_fail(to, "cannot copy", e);
+    return errinfo_set(e, rc == SQLITE_BUSY || rc == SQLITE_LOCKED ? ST_EBUSY : ST_EIO,
+                       "cannot copy %.120s: %s", sqlite3_db_filename(from->db, "main"),
+                       sqlite3_errstr(rc));
+}
+
+/* What a process that was killed has left beside a file of that name. */
+static void remove_wal(const char *path)
+{
+    static const char *const suffix[] = {"-wal", "-shm", "-journal"};
+    const size_t n = strlen(path) + sizeof "-journal";
+    char *name = malloc(n);
+
+    for (size_t i = 0; name != NULL && i < sizeof suffix / sizeof *suffix; i++) {
+        (void)snprintf(name, n, "%s%s", path, suffix[i]);
+        (void)unlink(name);
+    }
+    free(name);
+}
+
+/* Run the driver's own statements on a connection of its own. */
+static enum status with(const char *path, const char *sql, struct sql_txn *from,
+                        struct errinfo *e)
+{
+    struct sql_txn *to;
+    enum status st = sql_sqlite_conn_open(path, SQLITE_OPEN_READWRITE, false, &to, e);
+
+    if (st != ST_OK)
+        return st;
+    if ((st = sql_sqlite_conn_exec(to, sql, "cannot write", e)) == ST_OK && from != NULL)
+        st = copy_pages(from, to, e);
+    sql_sqlite_conn_close(to);
+    return st;
+}
+
+enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e)
+{
+    enum status st;
+
+    remove_wal(path);
+    /* The copy counts only when it has its name: until then nothing has to wait for the
+     * disk. */
+    st = with(path, "PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF", t, e);
+    if (st != ST_OK)
+        return st;
+    /* One file, which can be read where nothing can be written. */
+    st = with(path, "PRAGMA journal_mode=DELETE", NULL, e);
+    remove_wal(path);
+    return st;
+}
+
+enum status sql_file_replace(struct sql *to, struct sql *from, struct errinfo *e)
+{
+    return copy_pages(from->writer, to->writer, e);
+}
+
+enum status sql_file_fold(struct sql *d, struct errinfo *e)
+{
+    return sql_sqlite_conn_exec(d->writer, "PRAGMA journal_mode=DELETE", "cannot write",
+                                e);
+}
+
+/* ---- free pages, deleted bytes */
+
+/* SQLite writes into a database of its own, which it has to attach, and copies it back. */
+enum status sql_file_compact(struct sql *d, struct errinfo *e)
+{
+    enum status st = sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, e);
+
+    if (st != ST_OK)
+        return st;
+    (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 1);
+    st = sql_sqlite_conn_exec(d->writer, "VACUUM", "cannot write the file anew", e);
+    (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 0);
+    sql_sqlite_unlock(d);
+    return st;
+}
+
+void sql_file_scrub(struct sql *d, int ms)
+{
+    atomic_store(&d->scrub, true); /* also where the writer cannot be had */
+    if (sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, NULL) != ST_OK)
+        return;
+    sql_sqlite_truncate(d, ms);
+    sql_sqlite_unlock(d);
+}
+
+void sql_file_scrub_later(struct sql *d)
+{
+    atomic_store(&d->scrub, true);
+}

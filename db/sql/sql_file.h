@@ -1,0 +1,56 @@
+/* sql_file.h -- what a database in a file can do and one behind a server cannot, or does by
+ * itself.  Errors as in sql.h. */
+#ifndef DB_SQL_FILE_H
+#define DB_SQL_FILE_H
+#include <stdbool.h>
+#include <stdint.h>
+#include "status.h"
+
+struct errinfo;
+struct sql;
+struct sql_txn;
+
+/* sql_file_in_use(path, pid): has another process the database open?  *pid: one that has, 0
+ * where that is not known.  Not while this process has it open.
+ * sql_file_has_wal(path): is there a WAL of the database, with something in it?  SQLite would
+ * take it for that of another file which gets that name.
+ * sql_file_same(a, b): are they one file, under whatever names? */
+bool sql_file_in_use(const char *path, int64_t *pid);
+bool sql_file_has_wal(const char *path);
+bool sql_file_same(const char *a, const char *b);
+
+/* sql_file_bytes(t, bytes, e): the size of the database, without its WAL.
+ * sql_file_ready(t, e): ST_EIO: the file was moved or removed; ST_EVERSION. */
+enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
+enum status sql_file_ready(struct sql_txn *t, struct errinfo *e);
+
+/* sql_file_check(t, report, arg, e): pages, indexes, references; report() is called once a
+ * problem with a line of text.
+ * sql_file_check_schema(t, report, arg, e): are the tables those of this program? */
+enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
+                           void *arg, struct errinfo *e);
+enum status sql_file_check_schema(struct sql_txn *t,
+                                  void (*report)(void *arg, const char *line), void *arg,
+                                  struct errinfo *e);
+
+/* sql_file_copy(t, path, e): all that t sees, into a file that is there and empty: one file
+ * without a WAL.  It is not on the disk yet.
+ * sql_file_replace(to, from, e): every page of one database in the place of another's, in one
+ * durable transaction; both SQL_OPEN_ALONE.
+ * sql_file_fold(d, e): as one file without a WAL; SQL_OPEN_ALONE. */
+enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e);
+enum status sql_file_replace(struct sql *to, struct sql *from, struct errinfo *e);
+enum status sql_file_fold(struct sql *d, struct errinfo *e);
+
+/* sql_file_compact(d, e): every page written anew (VACUUM), without free ones and with nothing
+ * in them but rows.  Others read meanwhile; writers wait, up to 5 s. */
+enum status sql_file_compact(struct sql *d, struct errinfo *e);
+
+/* sql_file_scrub(d, ms): deleted bytes, which were overwritten in the database's pages, leave
+ * the WAL too: a checkpoint, the WAL truncated, and that on the disk.  Readers are waited for
+ * as long as ms; if one is still in the way, the end of each following write tries again.
+ * sql_file_scrub_later(d): the end of the next write tries. */
+void sql_file_scrub(struct sql *d, int ms);
+void sql_file_scrub_later(struct sql *d);
+
+#endif

@@ -1,0 +1,436 @@
+#include "sql_sqlite.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "sql_schema.h"
+
+#define MAX_READERS 32
+
+/* ---- the reading connections */
+
+static enum status open_query(struct sql *d, struct sql_txn **c, struct errinfo *e)
+{
+    enum status st = sql_sqlite_conn_open(d->reading, d->flags, false, c, e);
+
+    if (st == ST_OK && (st = sql_sqlite_conn_exec(*c, "PRAGMA query_only=ON",
+                                                  "cannot configure", e)) != ST_OK) {
+        sql_sqlite_conn_close(*c);
+        *c = NULL;
+    }
+    return st;
+}
+
+/* A connection at rest, or a new one. */
+static enum status take(struct sql *d, struct sql_txn **c, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    pthread_mutex_lock(&d->read_lock);
+    while (d->idle == NULL && d->readers == MAX_READERS)
+        pthread_cond_wait(&d->read_free, &d->read_lock);
+    if ((*c = d->idle) != NULL)
+        d->idle = (*c)->next;
+    else
+        d->readers++; /* its place is taken, it is opened outside the lock */
+    pthread_mutex_unlock(&d->read_lock);
+    if (*c == NULL && (st = open_query(d, c, e)) != ST_OK) {
+        pthread_mutex_lock(&d->read_lock);
+        d->readers--;
+        pthread_cond_signal(&d->read_free);
+        pthread_mutex_unlock(&d->read_lock);
+    }
+    if (st == ST_OK)
+        (*c)->of = d;
+    return st;
+}
+
+static void give_back(struct sql *d, struct sql_txn *c)
+{
+    pthread_mutex_lock(&d->read_lock);
+    c->next = d->idle;
+    d->idle = c;
+    pthread_cond_signal(&d->read_free);
+    pthread_mutex_unlock(&d->read_lock);
+}
+
+/* ---- the writing connection */
+
+/* Threads wait for one another here, and not in SQLite, so that their waiting does not add
+ * up. */
+enum status sql_sqlite_lock(struct sql *d, long ms, struct errinfo *e)
+{
+    struct timespec until, now;
+    long left;
+    int rc = 0;
+
+    if (d->writer == NULL)
+        return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", d->path);
+    (void)clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += ms / 1000;
+    until.tv_nsec += ms % 1000 * 1000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_mutex_lock(&d->write_lock);
+    while (d->writing && rc == 0)
+        rc = pthread_cond_timedwait(&d->write_free, &d->write_lock, &until);
+    if (!d->writing)
+        rc = 0;
+    d->writing = true;
+    pthread_mutex_unlock(&d->write_lock);
+    if (rc != 0)
+        return errinfo_set(e, ST_EBUSY, "%s: other threads are writing", d->path);
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    left = (long)(until.tv_sec - now.tv_sec) * 1000 +
+           (until.tv_nsec - now.tv_nsec) / 1000000;
+    (void)sqlite3_busy_timeout(d->writer->db, left > 0 ? (int)left : 0);
+    return ST_OK;
+}
+
+void sql_sqlite_unlock(struct sql *d)
+{
+    pthread_mutex_lock(&d->write_lock);
+    d->writing = false;
+    pthread_cond_signal(&d->write_free);
+    pthread_mutex_unlock(&d->write_lock);
+}
+
+/* A pragma takes effect when it is compiled: a prepared statement would not do. */
+static enum status set_synced(struct sql *d, bool synced, struct errinfo *e)
+{
+    enum status st;
+
+    if (d->synced == (synced ? 1 : 0))
+        return ST_OK;
+    st = sql_sqlite_conn_exec(
+        d->writer, synced ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL",
+        "cannot configure", e);
+    d->synced = st != ST_OK ? -1 : synced ? 1 : 0;
+    return st;
+}
+
+/* Deleted bytes are overwritten. */
+static enum status use_wal(struct sql *d, struct errinfo *e)
+{
+    return sql_sqlite_conn_exec(d->writer,
+                                "PRAGMA journal_mode=WAL; PRAGMA secure_delete=ON;"
+                                "PRAGMA journal_size_limit=16777216",
+                                "cannot configure", e);
+}
+
+/* SQLite does not fsync after truncating the WAL: after a power failure it would be whole
+ * again. */
+static bool sync_wal(sqlite3 *db)
+{
+    sqlite3_file *wal = NULL;
+
+    return sqlite3_file_control(db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &wal) ==
+               SQLITE_OK &&
+           wal != NULL && wal->pMethods != NULL &&
+           wal->pMethods->xSync(wal, SQLITE_SYNC_NORMAL) == SQLITE_OK;
+}
+
+void sql_sqlite_truncate(struct sql *d, int ms)
+{
+    (void)sqlite3_busy_timeout(d->writer->db, ms);
+    if (sqlite3_wal_checkpoint_v2(d->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
+                                  NULL) == SQLITE_OK &&
+        sync_wal(d->writer->db))
+        atomic_store(&d->scrub, false);
+}
+
+/* ---- transactions */
+
+/* BEGIN and its like are the driver's own, and the commonest of all. */
+static enum status step(struct sql_txn *c, const char *text, struct errinfo *e)
+{
+    return sql_run(c, text, NULL, 0, e);
+}
+
+static enum status begin_read(struct sql *d, struct sql_txn **t, struct errinfo *e)
+{
+    enum status st = take(d, t, e);
+
+    if (st != ST_OK)
+        return st;
+    (*t)->writes = (*t)->makes = false;
+    if ((st = step(*t, "BEGIN", e)) != ST_OK)
+        give_back(d, *t);
+    return st;
+}
+
+/* Large pages, in a new file: a template of 79 KB is five of them one after the other, not
+ * twenty, which a disk notices (docs/database.md). */
+static enum status prepare_schema(struct sql *d, struct errinfo *e)
+{
+    const enum status st =
+        sql_sqlite_conn_exec(d->writer, "PRAGMA page_size=16384", "cannot initialise", e);
+
+    return st == ST_OK ? use_wal(d, e) : st;
+}
+
+static enum status begin_write(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                               struct errinfo *e)
+{
+    const bool synced = how == SQL_WRITE || how == SQL_SCHEMA;
+    enum status st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
+
+    if (st != ST_OK)
+        return st;
+    *t = d->writer;
+    (*t)->writes = how != SQL_READ;
+    (*t)->makes = how == SQL_SCHEMA;
+    if (how == SQL_SCHEMA)
+        st = prepare_schema(d, e);
+    if (st == ST_OK && how != SQL_READ)
+        st = set_synced(d, synced, e);
+    if (st == ST_OK)
+        st = step(*t,
+                  how == SQL_READ     ? "BEGIN"
+                  : how == SQL_SCHEMA ? "BEGIN EXCLUSIVE"
+                                      : "BEGIN IMMEDIATE",
+                  e);
+    if (st != ST_OK)
+        sql_sqlite_unlock(d);
+    return st;
+}
+
+enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                      struct errinfo *e)
+{
+    *t = NULL;
+    return how == SQL_READ && !d->single ? begin_read(d, t, e)
+                                         : begin_write(d, how, t, e);
+}
+
+enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
+{
+    struct sql *d = t->of;
+
+    if (st == ST_OK && t->writes)
+        st = step(t, "COMMIT", e);
+    if (!sqlite3_get_autocommit(t->db))
+        (void)step(t, "ROLLBACK", NULL); /* a reader's, which has changed nothing, too */
+    if (t != d->writer) {
+        give_back(d, t);
+        return st;
+    }
+    if (st == ST_OK && t->makes)
+        d->made = false;
+    if (t->writes && atomic_load(&d->scrub)) /* costs little while the reader is there */
+        sql_sqlite_truncate(d, 0);
+    sql_sqlite_unlock(d);
+    return st;
+}
+
+enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e)
+{
+    return sql_sqlite_conn_version(t, version, e);
+}
+
+enum status sql_upgrade(struct sql_txn *t, struct errinfo *e)
+{
+    const char *steps = sql_schema_text();
+    char mark[32];
+    int version;
+    enum status st = sql_sqlite_conn_version(t, &version, e);
+
+    if (st != ST_OK)
+        return st;
+    if (version > 0) {
+        (void)snprintf(mark, sizeof mark, "\n-- version %d\n", version + 1);
+        if ((steps = strstr(steps, mark)) == NULL)
+            return errinfo_set(e, ST_EVERSION,
+                               "%s has schema version %d: no way leads to %d",
+                               t->of->path, version, sql_schema_newest());
+    }
+    st = sql_sqlite_conn_exec(
+        t, steps, version == 0 ? "cannot create the tables" : "cannot upgrade the tables",
+        e);
+    if (st == ST_OK)
+        t->of->version = sql_schema_newest();
+    return st;
+}
+
+/* ---- opening */
+
+/* Look at the file before SQLite does, for errors that say what is wrong, and make a new
+ * one ourselves: SQLite would let others read it. */
+static enum status check_file(struct sql *d, enum sql_open how, struct errinfo *e)
+{
+    const bool read = how == SQL_OPEN_READ || how == SQL_OPEN_LOOK;
+    const char *path = d->path;
+    struct stat sb;
+    int fd;
+
+    if (path[0] == '\0' || path[0] == ':')
+        return errinfo_set(e, ST_EINVAL, "'%s' is no path for a database", path);
+    if (stat(path, &sb) != 0) {
+        if (errno != ENOENT)
+            return errinfo_set(e, ST_EIO, "cannot open %s: %s", path, strerror(errno));
+        if (how != SQL_OPEN_CREATE)
+            return errinfo_set(e, ST_ENOTFOUND, "there is no database %s", path);
+        if ((fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600)) < 0 &&
+            errno != EEXIST)
+            return errinfo_set(e, ST_EIO, "cannot create %s: %s", path, strerror(errno));
+        if (fd >= 0) {
+            d->made = true;
+            (void)close(fd);
+        }
+        return ST_OK;
+    }
+    if (!S_ISREG(sb.st_mode))
+        return errinfo_set(e, ST_EINVAL, "%s is not a file", path);
+    if (faccessat(AT_FDCWD, path, read ? R_OK : R_OK | W_OK, AT_EACCESS) != 0)
+        return errinfo_set(e, ST_EIO, "cannot %s %s: %s", read ? "read" : "write", path,
+                           strerror(errno));
+    return ST_OK;
+}
+
+/* A path as a URI's: "//" at its beginning would be a host. */
+static void put_uri(char *to, const char *path)
+{
+    static const char hex[] = "0123456789ABCDEF";
+
+    while (path[0] == '/' && path[1] == '/')
+        path++;
+    memcpy(to, "file:", 5);
+    to += 5;
+    for (const char *p = path; *p != '\0'; p++) {
+        if (*p == '%' || *p == '?' || *p == '#') {
+            *to++ = '%';
+            *to++ = hex[(unsigned char)*p >> 4];
+            *to++ = hex[*p & 15];
+        } else {
+            *to++ = *p;
+        }
+    }
+    memcpy(to, "?immutable=1", sizeof "?immutable=1");
+}
+
+/* How readers open the database.  The last to close it brings in its WAL and removes it,
+ * and has to be able to write for that; query_only keeps it from changing anything else.
+ * A process that may not write the file must not make a WAL for it either, which those that
+ * may could then not write: where there is none, the file is read as one that never changes. */
+static bool choose_reading(struct sql *d, enum sql_open how)
+{
+    const size_t n = strlen(d->path);
+    bool frozen;
+
+    if ((d->reading = malloc(3 * n + sizeof "file:?immutable=1-wal")) == NULL)
+        return false;
+    (void)snprintf(d->reading, n + sizeof "-wal", "%s-wal", d->path);
+    frozen = how == SQL_OPEN_READ && access(d->reading, F_OK) != 0;
+    memcpy(d->reading, d->path, n + 1);
+    d->flags = SQLITE_OPEN_READONLY;
+    if (how == SQL_OPEN_READ && faccessat(AT_FDCWD, d->path, W_OK, AT_EACCESS) == 0) {
+        d->flags = SQLITE_OPEN_READWRITE;
+    } else if (frozen) {
+        d->flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+        put_uri(d->reading, d->path);
+    }
+    return true;
+}
+
+static enum status new_database(const char *path, enum sql_open how, struct sql **out,
+                                struct errinfo *e)
+{
+    struct sql *d = calloc(1, sizeof *d);
+    pthread_condattr_t monotonic;
+
+    *out = d;
+    if (d == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    d->synced = -1;
+    d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
+    (void)pthread_mutex_init(&d->write_lock, NULL);
+    (void)pthread_condattr_init(&monotonic);
+    (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(&d->write_free, &monotonic);
+    (void)pthread_condattr_destroy(&monotonic);
+    (void)pthread_mutex_init(&d->read_lock, NULL);
+    (void)pthread_cond_init(&d->read_free, NULL);
+    if ((d->path = strdup(path)) == NULL || !choose_reading(d, how))
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    return ST_OK;
+}
+
+/* What another program began and was killed amid is taken back first, where it may be. */
+static enum status open_writer(struct sql *d, enum sql_open how, struct errinfo *e)
+{
+    enum status st = sql_sqlite_conn_open(d->path, SQLITE_OPEN_READWRITE,
+                                          how == SQL_OPEN_ALONE, &d->writer, e);
+
+    if (st != ST_OK)
+        return st;
+    d->writer->of = d;
+    st = sql_sqlite_conn_version(d->writer, &d->version, e);
+    return st == ST_OK && d->version > 0 && !d->single ? use_wal(d, e) : st;
+}
+
+static enum status open_reader(struct sql *d, struct errinfo *e)
+{
+    struct sql_txn *c;
+    enum status st = take(d, &c, e);
+
+    if (st != ST_OK)
+        return st;
+    st = sql_sqlite_conn_version(c, &d->version, e);
+    give_back(d, c);
+    return st;
+}
+
+enum status sql_open(const char *path, enum sql_open how, struct sql **out,
+                     struct errinfo *e)
+{
+    struct sql *d;
+    enum status st = new_database(path, how, &d, e);
+
+    *out = NULL;
+    if (st == ST_OK && (st = check_file(d, how, e)) == ST_OK)
+        st = how == SQL_OPEN_READ ? open_reader(d, e) : open_writer(d, how, e);
+    if (st == ST_OK)
+        *out = d;
+    else
+        sql_close(d);
+    return st;
+}
+
+void sql_close(struct sql *d)
+{
+    struct sql_txn *c;
+
+    if (d == NULL)
+        return;
+    while ((c = d->idle) != NULL) {
+        d->idle = c->next;
+        sql_sqlite_conn_close(c);
+    }
+    /* Last: with it SQLite brings in the WAL and removes it. */
+    sql_sqlite_conn_close(d->writer);
+    if (d->made)
+        (void)unlink(d->path); /* nothing was ever in it */
+    (void)pthread_cond_destroy(&d->read_free);
+    (void)pthread_mutex_destroy(&d->read_lock);
+    (void)pthread_cond_destroy(&d->write_free);
+    (void)pthread_mutex_destroy(&d->write_lock);
+    free(d->reading);
+    free(d->path);
+    free(d);
+}
+
+int sql_version(const struct sql *d)
+{
+    return d->version;
+}
+
+int sql_newest(void)
+{
+    return sql_schema_newest();
+}

@@ -1,0 +1,337 @@
+#include "sql_sqlite_conn.h"
+
+#include <stdlib.h>
+
+#include "errinfo.h"
+#include "sql_schema.h"
+
+#define APPLICATION 0x53524644  /* application_id in schema.sql */
+#define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
+
+/* ---- errors */
+
+static enum status status_of(int rc)
+{
+    if (rc == SQLITE_IOERR_NOMEM)
+        return ST_ENOMEM;
+    switch (rc & 0xff) {
+    case SQLITE_NOMEM:
+        return ST_ENOMEM;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return ST_EBUSY;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return ST_ECORRUPT;
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+        return ST_EIO;
+    case SQLITE_TOOBIG:
+        return ST_ELIMIT;
+    default: /* also where a call failed without leaving an error behind */
+        return ST_EDB;
+    }
+}
+
+enum status sql_sqlite_conn_fail(const struct sql_txn *c, const char *what,
+                                 struct errinfo *e)
+{
+    const int rc = sqlite3_extended_errcode(c->db), sys = sqlite3_system_errno(c->db);
+    const enum status st = status_of(rc);
+    const char *path = sqlite3_db_filename(c->db, "main");
+
+    if ((rc & 0xff) == SQLITE_NOTADB)
+        return errinfo_set(e, st, "%s is not a database", path);
+    if (st == ST_EBUSY)
+        return errinfo_set(e, st, "%s: %s: locked by another process", path, what);
+    return errinfo_set(e, st, "%s: %s: %s%s%s", path, what, sqlite3_errmsg(c->db),
+                       st == ST_EIO && sys != 0 ? ": " : "",
+                       st == ST_EIO && sys != 0 ? strerror(sys) : "");
+}
+
+enum status sql_sqlite_conn_exec(struct sql_txn *c, const char *sql, const char *what,
+                                 struct errinfo *e)
+{
+    return sqlite3_exec(c->db, sql, NULL, NULL, NULL) == SQLITE_OK
+               ? ST_OK
+               : sql_sqlite_conn_fail(c, what, e);
+}
+
+/* ---- connections */
+
+void sql_sqlite_conn_close(struct sql_txn *c)
+{
+    if (c == NULL)
+        return;
+    for (size_t i = 0; i < SQL_SQLITE_SLOTS; i++)
+        (void)sqlite3_finalize(c->slot[i].stmt);
+    (void)sqlite3_close(c->db);
+    free(c);
+}
+
+/* Nothing in the file is trusted: no triggers or views, no functions from its schema, no
+ * writing to the schema; cells are checked as they are read. */
+static enum status harden(struct sql_txn *c, struct errinfo *e)
+{
+    static const struct {
+        int option, value;
+    } config[] = {
+        {SQLITE_DBCONFIG_DEFENSIVE, 1},      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+        {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
+        {SQLITE_DBCONFIG_DQS_DML, 0},        {SQLITE_DBCONFIG_DQS_DDL, 0},
+        {SQLITE_DBCONFIG_ENABLE_FKEY, 1},
+    };
+
+    for (size_t i = 0; i < sizeof config / sizeof *config; i++)
+        if (sqlite3_db_config(c->db, config[i].option, config[i].value, NULL) !=
+            SQLITE_OK)
+            return sql_sqlite_conn_fail(c, "cannot configure", e);
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_LENGTH, MAX_BYTES);
+    (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 0);
+    (void)sqlite3_busy_timeout(c->db, SQL_SQLITE_BUSY_MS);
+    /* A small cache of pages: a template is read once and then kept decoded elsewhere; the
+     * usual 2 MB of each connection would only be memory that fills. */
+    return sql_sqlite_conn_exec(c, "PRAGMA cell_size_check=ON; PRAGMA cache_size=-256",
+                                "cannot configure", e);
+}
+
+/* Before anything is read: a WAL that is opened for sharing stays shared.  A process that has
+ * opened the database holds a lock on its file, also at rest. */
+static enum status lock_out(struct sql_txn *c, const char *path, struct errinfo *e)
+{
+    const enum status st = sql_sqlite_conn_exec(
+        c, "PRAGMA locking_mode=EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT", "cannot lock", e);
+
+    return st == ST_EBUSY ? errinfo_set(e, st,
+                                        "%s is open in another process: stop surfaced "
+                                        "first",
+                                        path)
+                          : st;
+}
+
+enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
+                                 struct sql_txn **out, struct errinfo *e)
+{
+    struct sql_txn *c = calloc(1, sizeof *c);
+    enum status st = ST_OK;
+
+    *out = NULL;
+    if (c == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (sqlite3_open_v2(path, &c->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+                        NULL) != SQLITE_OK)
+        st = c->db == NULL ? errinfo_set(e, ST_ENOMEM, "out of memory")
+                           : sql_sqlite_conn_fail(c, "cannot open", e);
+    if (st == ST_OK && alone)
+        st = lock_out(c, path, e);
+    if (st == ST_OK)
+        st = harden(c, e);
+    if (st == ST_OK)
+        *out = c;
+    else
+        sql_sqlite_conn_close(c);
+    return st;
+}
+
+/* ---- the schema's version */
+
+enum status sql_sqlite_conn_int(struct sql_txn *c, const char *sql, int64_t *out,
+                                struct errinfo *e)
+{
+    sqlite3_stmt *stmt = NULL;
+    enum status st = ST_OK;
+
+    if (sqlite3_prepare_v2(c->db, sql, -1, &stmt, NULL) != SQLITE_OK ||
+        sqlite3_step(stmt) != SQLITE_ROW)
+        st = sql_sqlite_conn_fail(c, "cannot read", e);
+    else
+        *out = sqlite3_column_int64(stmt, 0);
+    (void)sqlite3_finalize(stmt);
+    return st;
+}
+
+enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct errinfo *e)
+{
+    const char *path = sqlite3_db_filename(c->db, "main");
+    int64_t application = 0, user = 0, objects = 0;
+    enum status st;
+
+    *version = 0;
+    if ((st = sql_sqlite_conn_int(c, "PRAGMA application_id", &application, e)) !=
+            ST_OK ||
+        (st = sql_sqlite_conn_int(c, "PRAGMA user_version", &user, e)) != ST_OK ||
+        (st = sql_sqlite_conn_int(c, "SELECT count(*) FROM sqlite_schema", &objects,
+                                  e)) != ST_OK)
+        return st;
+    if (application == 0 && user == 0 && objects == 0)
+        return ST_OK;
+    if (application != APPLICATION)
+        return errinfo_set(e, ST_ECORRUPT, "%s is the database of another program", path);
+    if (user > sql_schema_newest())
+        return errinfo_set(e, ST_EVERSION,
+                           "%s has schema version %lld, this program knows up to %d: "
+                           "use a newer program",
+                           path, (long long)user, sql_schema_newest());
+    if (user < 1)
+        return errinfo_set(e, ST_ECORRUPT, "%s has the impossible schema version %lld",
+                           path, (long long)user);
+    *version = (int)user;
+    return ST_OK;
+}
+
+/* ---- statements */
+
+/* The statement of this text, ready to bind. */
+static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows **out,
+                           struct errinfo *e)
+{
+    size_t at = ((uintptr_t)text >> 3) * 0x9e3779b1U % SQL_SQLITE_SLOTS;
+    size_t tries = 0;
+
+    while (c->slot[at].text != NULL && c->slot[at].text != text &&
+           tries++ < SQL_SQLITE_SLOTS)
+        at = (at + 1) % SQL_SQLITE_SLOTS;
+    *out = &c->slot[at];
+    if ((*out)->text == text && !(*out)->open)
+        return ST_OK;
+    if ((*out)->text != NULL)
+        return errinfo_set(e, ST_EINTERNAL, "a statement amid its own rows: %.80s", text);
+    if (sqlite3_prepare_v3(c->db, text, -1, SQLITE_PREPARE_PERSISTENT, &(*out)->stmt,
+                           NULL) != SQLITE_OK)
+        return sql_sqlite_conn_fail(c, "cannot prepare a statement", e);
+    (*out)->text = text;
+    (*out)->conn = c;
+    return ST_OK;
+}
+
+static int bind_value(sqlite3_stmt *stmt, int at, const struct sql_value *v,
+                      sqlite3_destructor_type copied)
+{
+    switch (v->type) {
+    case SQL_INT:
+        return sqlite3_bind_int64(stmt, at, v->i);
+    case SQL_REAL:
+        return sqlite3_bind_double(stmt, at, v->r);
+    case SQL_TEXT:
+        return sqlite3_bind_text64(stmt, at, v->data, v->n, copied, SQLITE_UTF8);
+    case SQL_BLOB: /* no bytes are a BLOB of none, not NULL */
+        return v->n == 0 ? sqlite3_bind_zeroblob(stmt, at, 0)
+                         : sqlite3_bind_blob64(stmt, at, v->data, v->n, copied);
+    case SQL_NULL:
+        break;
+    }
+    return sqlite3_bind_null(stmt, at);
+}
+
+/* To SQLite $2 is a name, and its number is the order in which names come. */
+static enum status start(struct sql_txn *c, const char *text,
+                         const struct sql_value *value, size_t n,
+                         sqlite3_destructor_type copied, struct sql_rows **out,
+                         struct errinfo *e)
+{
+    const enum status st = prepare(c, text, out, e);
+
+    if (st != ST_OK)
+        return st;
+    for (int at = sqlite3_bind_parameter_count((*out)->stmt); at > 0; at--) {
+        const char *name = sqlite3_bind_parameter_name((*out)->stmt, at);
+        const long number = name != NULL ? strtol(name + 1, NULL, 10) : 0;
+
+        if (number < 1 || (size_t)number > n)
+            return errinfo_set(e, ST_EINTERNAL, "a value too few for: %.80s", text);
+        if (bind_value((*out)->stmt, at, &value[number - 1], copied) != SQLITE_OK)
+            return sql_sqlite_conn_fail(c, "cannot bind a value", e);
+    }
+    return ST_OK;
+}
+
+enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value *value,
+                    size_t n, struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st = start(t, text, value, n, SQLITE_STATIC, &r, e);
+
+    t->changed = 0;
+    if (st == ST_OK && sqlite3_step(r->stmt) != SQLITE_DONE)
+        st = sql_sqlite_conn_fail(t, "cannot write", e);
+    if (st == ST_OK)
+        t->changed = (uint64_t)sqlite3_changes64(t->db);
+    if (r->stmt != NULL && !r->open) {
+        (void)sqlite3_reset(r->stmt);
+        (void)sqlite3_clear_bindings(r->stmt); /* the values are the caller's */
+    }
+    return st;
+}
+
+uint64_t sql_changed(const struct sql_txn *t)
+{
+    return t->changed;
+}
+
+/* ---- rows */
+
+enum status sql_query(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n, struct sql_rows **out, struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st = start(t, text, value, n, SQLITE_TRANSIENT, &r, e);
+
+    *out = NULL;
+    if (st != ST_OK)
+        return st;
+    r->open = true;
+    r->rc = SQLITE_ROW;
+    *out = r;
+    return ST_OK;
+}
+
+bool sql_next(struct sql_rows *r)
+{
+    if (r == NULL || r->rc != SQLITE_ROW)
+        return false;
+    return (r->rc = sqlite3_step(r->stmt)) == SQLITE_ROW;
+}
+
+struct sql_value sql_column(const struct sql_rows *r, int i)
+{
+    struct sql_value v = {.type = SQL_NULL};
+
+    switch (sqlite3_column_type(r->stmt, i)) {
+    case SQLITE_INTEGER:
+        return sql_int(sqlite3_column_int64(r->stmt, i));
+    case SQLITE_FLOAT:
+        return sql_real(sqlite3_column_double(r->stmt, i));
+    case SQLITE_TEXT:
+        v.type = SQL_TEXT;
+        v.data = sqlite3_column_text(r->stmt, i);
+        break;
+    case SQLITE_BLOB:
+        v.type = SQL_BLOB;
+        v.data = sqlite3_column_blob(r->stmt, i); /* NULL where it is empty */
+        break;
+    default:
+        return v;
+    }
+    v.n = (size_t)sqlite3_column_bytes(r->stmt, i);
+    if (v.data == NULL) {
+        if (v.n == 0 && sqlite3_errcode(r->conn->db) != SQLITE_NOMEM)
+            v.data = "";
+        else
+            v = sql_null();
+    }
+    return v;
+}
+
+enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
+{
+    if (r == NULL)
+        return st;
+    if (st == ST_OK && r->rc != SQLITE_ROW && r->rc != SQLITE_DONE)
+        st = sql_sqlite_conn_fail(r->conn, "cannot read", e);
+    (void)sqlite3_reset(r->stmt);
+    r->open = false;
+    return st;
+}

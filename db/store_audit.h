@@ -1,0 +1,43 @@
+/* store_audit.h -- the events are the audit log: a chain of hashes, whose end has a MAC of the
+ * database's key and which is signed here and there (store_chain.h). */
+#ifndef DB_STORE_AUDIT_H
+#define DB_STORE_AUDIT_H
+#include "store_types.h"
+
+/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
+ * table; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
+ * outcome may be "".  Changes (enroll, delete, tokens) write their own.
+ * For speed it does not wait for the disk: a power failure may lose the last ones. */
+enum status store_event(struct store *s, const char *kind, const char *actor,
+                        const char *subject, const char *template_id, const char *outcome,
+                        struct errinfo *e);
+
+/* store_audit_list(s, filter, out, n, e): entries in their order; a new array released by
+ * free().  Nothing of them is verified. */
+enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
+                             struct store_audit_entry **out, size_t *n,
+                             struct errinfo *e);
+
+/* store_audit_sign(s, actor, kind, out, e): add an event of this kind ("checkpoint" or
+ * "export_audit") and sign it.
+ * store_audit_marks(s, out, n, e): all that there are, in their order; released by free().
+ * store_audit_public(s, public_key, e): what signatures are verified with. */
+enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
+                             struct store_audit_mark *out, struct errinfo *e);
+enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
+                              struct errinfo *e);
+enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e);
+
+/* store_audit_verify(s, report, arg, out, e): read-only: every entry and checkpoint as it
+ * was written, in its place, none missing.  report() is called once a problem, with the
+ * entry that it is about.  About 5 us an entry. */
+enum status store_audit_verify(struct store *s,
+                               void (*report)(void *arg, uint64_t seq, const char *line),
+                               void *arg, struct store_audit *out, struct errinfo *e);
+
+/* store_audit_erased(s, subject, out, n, e): every subject that was erased, in order of time,
+ * or those that had this id last, where it is not NULL; a new array released by free(). */
+enum status store_audit_erased(struct store *s, const char *subject,
+                               struct store_erased **out, size_t *n, struct errinfo *e);
+
+#endif

@@ -1,0 +1,163 @@
+#include "store_export.h"
+
+#include <errno.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "archive.h"
+#include "bytes.h"
+#include "errinfo.h"
+#include "newfile.h"
+#include "row_subject.h"
+#include "row_template.h"
+#include "store_archive.h"
+#include "store_audit.h"
+#include "store_subject.h"
+#include "store_txn.h"
+
+#define PAGE 1000
+
+struct exporting {
+    struct store *s;
+    struct archive *a;
+    const char *actor;
+    struct store_exported *out;
+};
+
+static enum status export_model(void *arg, const struct store_template *t,
+                                const void *model, size_t len, struct errinfo *e)
+{
+    struct exporting *x = arg;
+    unsigned char *record = malloc(STORE_ARCHIVE_HEAD + len);
+    enum status st;
+    size_t n;
+
+    if (record == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    n = store_archive_template(t, record);
+    memcpy(record + n, model, len);
+    st = archive_write(x->a, record, n + len, false, e);
+    sodium_memzero(record, n + len);
+    free(record);
+    if (st == ST_OK)
+        x->out->templates++;
+    return st;
+}
+
+/* The subject and its templates as they are at one moment. */
+static enum status export_rows(struct exporting *x, const struct store_subject *s,
+                               struct errinfo *e)
+{
+    unsigned char record[STORE_ARCHIVE_HEAD];
+    struct store_template *list = NULL, one;
+    struct row_subject p = {0};
+    struct store_txn t;
+    size_t n = 0;
+    enum status st;
+
+    if ((st = store_txn_begin(x->s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if ((st = row_subject_find(&t, s->id, &p, e)) == ST_OK &&
+        (st = row_template_list(&t, p.row, &list, &n, e)) == ST_OK)
+        st = archive_write(x->a, record, store_archive_subject(s, record), false, e);
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        st = row_template_load(&t, list[i].id, &one, export_model, x, e);
+    sodium_memzero(record, sizeof record);
+    sodium_memzero(&p, sizeof p);
+    free(list);
+    return store_txn_end(&t, st, e);
+}
+
+static enum status export_subject(struct exporting *x, const struct store_subject *s,
+                                  struct errinfo *e)
+{
+    enum status st = export_rows(x, s, e);
+
+    if (st == ST_OK)
+        st = store_event(x->s, "export", x->actor, s->id, "", "exported", e);
+    x->out->subjects += st == ST_OK;
+    return st;
+}
+
+static enum status export_all(struct exporting *x, struct errinfo *e)
+{
+    struct store_subject *page = NULL;
+    int64_t after = 0;
+    size_t n;
+    enum status st;
+
+    while ((st = store_subject_list(x->s, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
+        for (size_t i = 0; i < n && st == ST_OK; i++) {
+            st = export_subject(x, &page[i], e);
+            if (st == ST_ENOTFOUND)
+                st = ST_OK; /* erased meanwhile */
+        }
+        after = page[n - 1].key;
+        free(page);
+        if (st != ST_OK)
+            break;
+    }
+    return st;
+}
+
+static enum status export_records(struct exporting *x, char *const *subjects, size_t n,
+                                  struct errinfo *e)
+{
+    unsigned char end[17];
+    unsigned char *to = end;
+    struct store_subject one;
+    enum status st = ST_OK;
+
+    /* First, so that the events do not tell of an export that came to nothing. */
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        st = store_subject_get(x->s, subjects[i], &one, e);
+    if (st == ST_OK && n == 0)
+        st = export_all(x, e);
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        if ((st = store_subject_get(x->s, subjects[i], &one, e)) == ST_OK)
+            st = export_subject(x, &one, e);
+    if (st != ST_OK)
+        return st;
+    bytes_put_number(&to, 'E', 1);
+    bytes_put_number(&to, x->out->subjects, 8);
+    bytes_put_number(&to, x->out->templates, 8);
+    return archive_write(x->a, end, sizeof end, true, e);
+}
+
+enum status store_export(struct store *s, const char *actor, char *const *subjects,
+                         size_t n, const char *path, const struct keyfile *k,
+                         struct store_exported *out, struct errinfo *e)
+{
+    struct exporting x = {.s = s, .actor = actor, .out = out};
+    struct newfile file = NEWFILE_NONE;
+    FILE *to = NULL;
+    enum status st;
+    int fd;
+
+    memset(out, 0, sizeof *out);
+    if (access(path, F_OK) == 0)
+        return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
+    if ((st = newfile_open(path, &file, e)) != ST_OK)
+        return st;
+    if ((fd = dup(file.fd)) < 0 || (to = fdopen(fd, "wb")) == NULL) {
+        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
+        if (fd >= 0)
+            (void)close(fd);
+        goto out;
+    }
+    if ((st = archive_create(to, k, &x.a, e)) == ST_OK)
+        st = export_records(&x, subjects, n, e);
+    if (st == ST_OK && fflush(to) != 0)
+        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
+    out->bytes = (uint64_t)ftello(to);
+    (void)fclose(to);
+    if (st == ST_OK)
+        st = newfile_keep(&file, e);
+out:
+    archive_close(x.a);
+    newfile_close(&file);
+    return st;
+}

@@ -1,0 +1,35 @@
+/* store_settle.h -- all that a verification writes, in one transaction. */
+#ifndef DB_STORE_SETTLE_H
+#define DB_STORE_SETTLE_H
+#include "store_types.h"
+
+enum store_settle_as {
+    STORE_SETTLE_UNCOUNTED, /* attempts are left as they are */
+    STORE_SETTLE_PASSED,    /* none are left */
+    STORE_SETTLE_FAILED     /* one more */
+};
+
+struct store_settle {
+    const struct store_subject *subject; /* as store_admit() gave it */
+    enum store_settle_as as;
+    const char *actor, *kind, *template_id, *outcome; /* of the event */
+
+    /* may: by the attempts as they are now, may the verification still be answered?  Others of
+     * the subject may have failed since it was admitted.  NULL: yes. */
+    bool (*may)(void *arg, const struct store_attempts *now);
+    void *arg;
+};
+
+struct store_settled {
+    bool may;             /* may() said so; else nothing was written */
+    struct errinfo *lost; /* set by the caller, may be NULL: why there is no event */
+};
+
+/* store_settle(s, what, out, e): attempts, event, and that the subject was seen, the latter at
+ * most once a minute; for speed without waiting for the disk, as store_event().
+ * Where the audit log is damaged, so that nothing can be appended, the rest is written all the
+ * same and *out->lost says so.  ST_ENOTFOUND: the subject was erased meanwhile. */
+enum status store_settle(struct store *s, const struct store_settle *what,
+                         struct store_settled *out, struct errinfo *e);
+
+#endif

@@ -1,0 +1,54 @@
+/* store_template.h -- templates: enrolled, read, deleted.  A template's points never change,
+ * what is loaded is always what this engine makes of them, and its id is never used again, so a
+ * model may be cached by id as long as store_admit(), store_template_list() or
+ * store_template_get() still name it. */
+#ifndef DB_STORE_TEMPLATE_H
+#define DB_STORE_TEMPLATE_H
+#include "store_types.h"
+
+/* store_enroll(s, actor, subject, label, f, t, created, e): encode and store a template,
+ * and the subject where it is new; an event with it.  *created is false when the subject
+ * has this very cloud (digest) already: then *t describes the one that is there.
+ * store_enroll_after(s, actor, subject, label, f, newest, t, created, e): the same for a
+ * face that was compared with all of the subject's templates, of which `newest` was the
+ * last ("": it had none).  ST_EEXISTS and nothing stored where another is the last by now:
+ * then there may be one that it was not compared with, by whatever thread or process. */
+enum status store_enroll(struct store *s, const char *actor, const char *subject,
+                         const char *label, const struct face *f,
+                         struct store_template *t, bool *created, struct errinfo *e);
+enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
+                               const char *label, const struct face *f,
+                               const char *newest, struct store_template *t,
+                               bool *created, struct errinfo *e);
+
+enum status store_template_get(struct store *s, const char *id, struct store_template *t,
+                               struct errinfo *e);
+
+/* store_template_outdated(s, t): did another engine make it than s's (store_use_model())?  One
+ * stored by another version of the program alone is not outdated (face_same_engine()). */
+bool store_template_outdated(const struct store *s, const struct store_template *t);
+
+/* store_template_load(s, id, t, w, f, e): the model too, decoded and validated.  Of an outdated
+ * one *f is made of its points (face_rebuild()), for some milliseconds more, and is what it would
+ * be after store_reencode(); *t is as it is stored.  ST_EVERSION: this engine cannot make a face
+ * of them; nothing should be compared with it then.
+ * store_template_decode(s, t, model, len, w, f, e): the same of a model that store_admit()
+ * gives. */
+enum status store_template_load(struct store *s, const char *id, struct store_template *t,
+                                struct face_work *w, struct face *f, struct errinfo *e);
+enum status store_template_decode(const struct store *s, const struct store_template *t,
+                                  const void *model, size_t len, struct face_work *w,
+                                  struct face *f, struct errinfo *e);
+
+/* store_template_delete(s, actor, id, e): the subject stays, even without templates.
+ * ST_EHELD: it is on hold. */
+enum status store_template_delete(struct store *s, const char *actor, const char *id,
+                                  struct errinfo *e);
+
+/* store_template_list(s, subject, out, n, e): the subject's templates, oldest first; a
+ * new array released by free().  ST_ENOTFOUND when there is no such subject. */
+enum status store_template_list(struct store *s, const char *subject,
+                                struct store_template **out, size_t *n,
+                                struct errinfo *e);
+
+#endif

@@ -1,0 +1,89 @@
+#include "store_txn.h"
+
+#include "errinfo.h"
+#include "sql_file.h"
+
+#define SCRUB_MS 200 /* that an erasure waits for readers */
+
+static enum status use_vault(struct store *s, struct store_txn *t, struct errinfo *e)
+{
+    struct errinfo why;
+    const enum status st = store_vault_use(&s->vaults, t->sql, &t->vault, &why);
+    const bool keyless = st == ST_EDENIED || st == ST_ENOTFOUND || st == ST_EINVAL;
+
+    atomic_store(&s->keyless, keyless);
+    if (st == ST_OK)
+        return ST_OK;
+    if (!s->open || !keyless)
+        return errinfo_set(e, st, "%s", why.msg);
+    return errinfo_set(e, ST_EDB, "the database's key was changed: %.200s", why.msg);
+}
+
+enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_txn *t,
+                            struct errinfo *e)
+{
+    enum status st;
+
+    *t = (struct store_txn){.store = s, .how = how};
+    if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK &&
+        (st = use_vault(s, t, e)) != ST_OK)
+        (void)sql_end(t->sql, st, NULL);
+    return st;
+}
+
+/* Were there erasures after the event `after`?  *last: of all events, 0 where there are none. */
+static enum status find_erasures(struct store_txn *t, int64_t after, int64_t *last,
+                                 bool *erased, struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT (SELECT coalesce(max(seq), 0) FROM events), CASE WHEN EXISTS "
+                  "(SELECT 1 FROM events WHERE seq > $1 AND kind IN "
+                  "('delete_subject', 'delete_template', 'rekey')) THEN 1 ELSE 0 END",
+                  sql_int(after));
+
+    if (st == ST_OK && sql_next(r)) {
+        *last = sql_column(r, 0).i;
+        *erased = sql_column(r, 1).i != 0;
+    }
+    return sql_done(r, st, e);
+}
+
+/* Our own erasures are among them: where store_txn_scrub() has done its work, the next end of
+ * a transaction has little to do. */
+enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e)
+{
+    struct store *s = t->store;
+    bool erased = false;
+    int64_t last = -1;
+
+    if (t->how == SQL_READ)
+        return sql_end(t->sql, st, e);
+    if (st == ST_OK)
+        (void)find_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
+    if ((st = sql_end(t->sql, st, e)) == ST_OK && last >= 0)
+        atomic_store(&s->scrubbed, last);
+    if (st == ST_OK && erased)
+        sql_file_scrub_later(s->sql);
+    return st;
+}
+
+void store_txn_scrub(struct store *s)
+{
+    sql_file_scrub(s->sql, SCRUB_MS);
+}
+
+enum status store_txn_seen(struct store *s, struct errinfo *e)
+{
+    struct store_txn t;
+    bool erased;
+    int64_t last = 0;
+    enum status st = store_txn_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    st = find_erasures(&t, INT64_MAX, &last, &erased, e);
+    atomic_store(&s->scrubbed, last);
+    return store_txn_end(&t, st, e);
+}

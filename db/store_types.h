@@ -1,0 +1,223 @@
+/* store_types.h -- what a store is told and tells.  Strings are UTF-8 without NUL; times are
+ * RFC 3339 text, UTC, of fixed length, so that they compare like their texts. */
+#ifndef DB_STORE_TYPES_H
+#define DB_STORE_TYPES_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "face.h"
+#include "status.h"
+#include "vault.h"
+
+struct errinfo;
+struct keyfile; /* keyfile.h */
+struct model;   /* model.h */
+struct store;   /* store_open.h */
+
+#define STORE_SUBJECT_MAX 128 /* A-Z a-z 0-9 . _ - @ : */
+#define STORE_ID_LEN      32  /* template and token ids: 128 random bits in hex */
+#define STORE_LABEL_MAX   256 /* bytes of UTF-8, no control characters */
+#define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
+#define STORE_NOTE_MAX    128 /* bytes of UTF-8, no control characters */
+#define STORE_UID         16
+
+enum store_mode {
+    STORE_READ,   /* changes are refused with ST_EDENIED */
+    STORE_WRITE,  /* the database must be there */
+    STORE_CREATE, /* made if it is missing or empty, readable by its owner alone */
+    STORE_MIGRATE /* the database must be there; one of an older version is upgraded */
+};
+
+struct store_key {               /* where the master key of vault.h comes from */
+    const char *path;            /* its file; NULL: OF.key, if there is one */
+    const char *of;              /* NULL: the database that is opened, else another */
+    const struct keyfile *given; /* instead of a file, while the store is open; or NULL */
+    enum vault_kind make;        /* of a database that is made or gets its first key */
+};
+
+struct store_look {
+    int version, newest; /* of the schema, 0: it is empty; what this program makes */
+    uint64_t subjects, templates, bytes;
+};
+
+struct store_rekey {             /* another master key */
+    enum vault_kind kind;        /* of it */
+    const struct keyfile *given; /* it, or the passphrase; NULL: a random key, or none */
+    bool in_file; /* given is kept in the key's file, in place of the old */
+    bool keep;    /* the old key's file stays, as PATH.old */
+};
+
+struct store_template { /* everything about a template but its model */
+    char id[STORE_ID_LEN + 1];
+    char subject[STORE_SUBJECT_MAX + 1];
+    char label[STORE_LABEL_MAX + 1];
+    char created[32]; /* RFC 3339, UTC */
+    char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
+    char engine[FACE_ENGINE_MAX + 1];
+    uint32_t points, triangles; /* triangles: real ones, no ghosts */
+    struct quality quality;
+};
+
+struct store_subject {
+    int64_t key;                  /* the order of their coming; never used again */
+    unsigned char uid[STORE_UID]; /* random: the same, whatever its id and the database */
+    char id[STORE_SUBJECT_MAX + 1];
+    char reference[STORE_NOTE_MAX + 1]; /* of the consent; "": none */
+    char purpose[STORE_NOTE_MAX + 1];
+    char created[32];
+    char expires[32]; /* "": never */
+    char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
+    bool hold;        /* neither it nor a template of it can be deleted */
+    bool disabled;    /* not to be verified or identified */
+    bool
+        expired; /* as of when it was read; set by store_subject_get() and store_admit() */
+    uint32_t templates;
+};
+
+struct store_subject_change {        /* what is NULL stays as it is */
+    const char *reference, *purpose; /* "": none */
+    const char *expires;             /* store_time_read(); "": never */
+    const bool *hold, *disabled;
+};
+
+/* What is left of a subject that was erased, for whoever asked for it: signed, so that it
+ * can be shown to somebody else (db/FORMAT.md). */
+struct store_receipt {
+    char subject[STORE_SUBJECT_MAX + 1];
+    char at[32];
+    char (*template_id)[STORE_ID_LEN + 1]; /* [templates], oldest first */
+    uint32_t templates;
+    char digest[65]; /* SHA-256 of all of the above */
+    uint64_t seq;    /* of its entry in the audit log, and that one's hash */
+    char hash[65];
+    char signature[129]; /* Ed25519 of digest, seq and hash */
+    char public_key[65]; /* that it is verified with */
+};
+
+struct store_audit_entry {
+    uint64_t seq; /* 1, 2, ... */
+    char at[32];
+    char kind[STORE_NAME_MAX + 1];
+    char actor[STORE_NAME_MAX + 1];
+    char subject[STORE_SUBJECT_MAX + 1]; /* "": none, or not here, or names not wanted */
+    char ref[33];                        /* keyed hash of the subject's id; "": none */
+    char template_id[STORE_ID_LEN + 1];
+    char outcome[STORE_NAME_MAX + 1];
+    char hash[65];
+};
+
+struct store_audit_filter { /* all zero: everything */
+    uint64_t after;         /* greater numbers alone */
+    size_t limit;           /* 0: as many as there are */
+    bool newest;            /* the last ones of them, else the first */
+    bool names;             /* find subjects by ref, which takes reading them all */
+    const char *subject;    /* also one that was erased */
+    const char *kind;
+    const char *since; /* RFC 3339, or its beginning */
+};
+
+struct store_audit_mark { /* a checkpoint: an entry that is signed */
+    uint64_t seq;
+    char at[32];
+    char hash[65];
+    char signature[129];
+};
+
+struct store_audit {
+    uint64_t entries, checkpoints, problems;
+    uint64_t first; /* the least entry that a problem is about, 0 without any */
+};
+
+struct store_erased { /* a subject that was erased, by a keyed hash of the id */
+    char lookup[65];
+    char at[32];
+};
+
+enum store_scope { /* what a token may do, a bit each */
+                   STORE_SCOPE_ENROLL = 1,
+                   STORE_SCOPE_VERIFY = 2,
+                   STORE_SCOPE_IDENTIFY = 4,
+                   STORE_SCOPE_READ = 8,
+                   STORE_SCOPE_DELETE = 16,
+                   STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
+                   STORE_SCOPE_DETAIL =
+                       64, /* measures and gaps: enough to rebuild a face */
+                   STORE_SCOPE_ALL = 127
+};
+
+#define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
+
+struct store_token {
+    char id[STORE_ID_LEN + 1];
+    char name[STORE_NAME_MAX + 1];
+    unsigned scopes;    /* enum store_scope */
+    char created[32];   /* RFC 3339, UTC, like all times of it */
+    char expires[32];   /* "": never */
+    char used[32];      /* last, within a minute; "": never */
+    char old_until[32]; /* what the secret before the last rotation is good for; "": no */
+    bool revoked;
+    bool expired; /* as of when it was read */
+};
+
+#define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
+
+/* Verifications of a subject that failed one after the other; what follows from them is the
+ * caller's to say. */
+struct store_attempts {
+    char subject[STORE_SUBJECT_MAX + 1];
+    uint32_t failures;
+    char at[32];    /* the last one */
+    int64_t age_ms; /* since it, never negative; not set by store_attempts_list() */
+};
+
+struct store_calibration {
+    int64_t version;  /* 1, 2, ...: the greatest is in force */
+    char created[32]; /* RFC 3339, UTC */
+    char actor[STORE_NAME_MAX + 1];
+    char engine[FACE_ENGINE_MAX + 1]; /* that made it: it holds for no other measure, and
+                                         for no other model */
+    bool shipped;                     /* back to the table that comes with the program */
+    double fmr;                       /* the false match rate that was wanted */
+    double low_mm, high_mm;           /* 95 % interval of the threshold */
+    uint64_t subjects;                /* people whose templates were compared */
+    uint64_t impostors; /* comparisons of different people, and of the same */
+    uint64_t genuine;
+    struct decision decision; /* valid */
+    bool ignored; /* set by calibration_in_force() alone: it is the newest, but made by
+                     another engine, so that it does not decide */
+};
+
+struct store_stats {
+    uint64_t subjects, templates, points, template_bytes, file_bytes, events, tokens;
+    uint32_t schema;
+};
+
+struct store_check {
+    uint64_t templates, bad_templates, events, problems;
+};
+
+struct store_copied { /* what is in a copy that was verified */
+    uint64_t subjects, templates, events, bytes;
+};
+
+struct store_restored {
+    struct store_copied backup; /* as it was verified, before anybody was erased again */
+    bool was_there;             /* there was a database, and it is PATH.before-restore */
+    uint64_t had_subjects, had_templates; /* it had so many */
+    uint64_t lost;    /* subjects of it that the backup does not have */
+    uint64_t erased;  /* subjects of the backup that were erased since */
+    uint64_t revoked; /* tokens of the backup that were revoked since */
+};
+
+struct store_exported {
+    uint64_t subjects, templates, bytes;
+};
+
+struct store_imported {
+    uint64_t subjects, templates;         /* of the archive */
+    uint64_t new_subjects, new_templates; /* the others are there already */
+    uint64_t erased;   /* were erased here: left out, with their templates */
+    uint64_t outdated; /* of the templates: of another engine */
+};
+
+#endif
