@@ -80,7 +80,8 @@ BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
 TOOL_BIN  := $(call programs,$(filter-out tools/model_main.c,$(wildcard tools/*_main.c)))
 AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
-SHIM_BIN  := $(BUILD)/crash_shim.so
+# Preloaded into finished programs; the recorder not into sanitized ones.
+SHIM_BIN  := $(BUILD)/crash_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
 EMBED     := json html css js
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))

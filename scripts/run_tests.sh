@@ -46,7 +46,12 @@ if [ "${1:-}" = --one ]; then
     exit 0
 fi
 mkdir -p "$BUILD/log"
-rm -f "$BUILD"/log/*.counts
+rm -f "$BUILD"/log/*.counts "$BUILD/log/statements"
+if [ -f "$BUILD/record_shim.so" ]; then # for scripts/check_statements.sh
+    LD_PRELOAD=$(cd "$BUILD" && pwd)/record_shim.so
+    RECORD_STATEMENTS=$(cd "$BUILD" && pwd)/log/statements
+    export LD_PRELOAD RECORD_STATEMENTS
+fi
 [ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(($(nproc) + 1))}" -n 1 "$0" --one
 counts=$(cat "$BUILD"/log/*.counts /dev/null |
     awk '{ p += $1; f += $2; n++ } END { print p + 0, f + 0, n + 0 }')

@@ -1,0 +1,152 @@
+-- schema_postgres.sql -- the same database as schema.sql in PostgreSQL, schema version 1.
+-- There is no driver for it yet: the store's statements are prepared against these tables
+-- (scripts/check_statements.sh), so that one has nothing to change above sql.h.  Times and ids are
+-- compared byte by byte: the database has the collation C.
+
+-- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
+CREATE TABLE root (
+    root_key BIGINT PRIMARY KEY CHECK (root_key = 1),
+    kind     BIGINT NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
+    version  BIGINT NOT NULL CHECK (version >= 1),
+    passes   BIGINT NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
+    mib      BIGINT NOT NULL CHECK (mib >= 0),
+    salt     BYTEA NOT NULL CHECK (length(salt) = 16),
+    open     BYTEA NOT NULL CHECK (length(open) = 32), -- the key itself, for kind 0
+    public   BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
+    secrets  BYTEA NOT NULL CHECK (length(secrets) = 136)
+);
+
+-- A person, under the client's own external id, which is encrypted and found by a keyed hash.
+CREATE TABLE subjects (
+    subject_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    lookup      BYTEA NOT NULL UNIQUE CHECK (length(lookup) = 32),
+    uid         BYTEA NOT NULL UNIQUE CHECK (length(uid) = 16),
+    key         BYTEA NOT NULL CHECK (length(key) = 72), -- the subject's, wrapped
+    about       BYTEA NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
+    created     TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
+    expires     TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
+    seen        TEXT CHECK (seen IS NULL OR seen LIKE '____-__-__T__:__:__.___Z'),
+    hold        BIGINT NOT NULL CHECK (hold IN (0, 1)),
+    disabled    BIGINT NOT NULL CHECK (disabled IN (0, 1))
+);
+
+CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;
+
+-- One enrolled face.  Its points never change; what an engine made of them may be re-encoded.
+CREATE TABLE templates (
+    template_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    id           TEXT NOT NULL UNIQUE
+                 CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
+    subject_key  BIGINT NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    same         BYTEA NOT NULL CHECK (length(same) = 32), -- keyed hash of the digest
+    created      TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    points       BIGINT NOT NULL CHECK (points BETWEEN 3 AND 2097152),
+    triangles    BIGINT NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
+    about        BYTEA NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
+    model        BYTEA NOT NULL CHECK (length(model) > 40), -- last: rows are listed without
+                                                           -- reading it
+    UNIQUE (subject_key, same)            -- the same cloud again is the same template
+);
+
+-- Those of another engine are found without reading the rows.
+CREATE INDEX templates_engine ON templates (engine, id);
+
+-- Verifications of a subject that failed one after the other, and when the last did.  No
+-- row: the last one was a match, or there was none.
+CREATE TABLE attempts (
+    subject_key BIGINT PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    failures    BIGINT NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
+    at_ms       BIGINT NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
+);
+
+-- Who did what, when, with what outcome: only ever added to.  No biometrics, no tokens; the
+-- subject by a keyed hash, which names nobody once the subject was erased.  Each entry's hash
+-- is of its columns and of the hash before it (db/store_chain.h).
+CREATE TABLE events (
+    seq         BIGINT PRIMARY KEY CHECK (seq >= 1),
+    at          TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
+    kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
+    actor       TEXT NOT NULL CHECK (length(actor) <= 64),
+    subject     BYTEA NOT NULL CHECK (length(subject) IN (0, 16)),
+    template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
+    outcome     TEXT NOT NULL CHECK (length(outcome) <= 64),
+    hash        BYTEA NOT NULL CHECK (length(hash) = 32)
+);
+
+-- The end of the events, so that none can be cut off: a keyed hash of its number and hash.
+CREATE TABLE events_end (
+    events_key BIGINT PRIMARY KEY CHECK (events_key = 1),
+    seq        BIGINT NOT NULL CHECK (seq >= 0),
+    hash       BYTEA NOT NULL CHECK (length(hash) = 32),
+    mac        BYTEA NOT NULL CHECK (length(mac) = 32)
+);
+
+-- Places in the events that were signed, for verifiers that have the public key alone.
+CREATE TABLE checkpoints (
+    seq       BIGINT PRIMARY KEY CHECK (seq >= 1),
+    at        TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
+    hash      BYTEA NOT NULL CHECK (length(hash) = 32),
+    signature BYTEA NOT NULL CHECK (length(signature) = 64)
+);
+
+-- Rows that decide who is let in have a MAC (db/FORMAT.md), so that writing the file without
+-- the key is not enough to change them.
+
+-- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
+-- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
+-- the secret that it had before it was rotated, while that is still accepted.
+CREATE TABLE tokens (
+    token_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    id        TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
+    name      TEXT NOT NULL CHECK (length(name) BETWEEN 1 AND 64),
+    hash      BYTEA NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
+    created   TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
+    revoked   TEXT CHECK (revoked IS NULL OR revoked LIKE '____-__-__T__:__:__.___Z'),
+    scopes    TEXT NOT NULL CHECK (length(scopes) BETWEEN 1 AND 64),
+    expires   TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
+    used      TEXT CHECK (used IS NULL OR used LIKE '____-__-__T__:__:__.___Z'),
+    old_hash  BYTEA CHECK (old_hash IS NULL OR length(old_hash) = 32),
+    old_until TEXT CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z'),
+    mac       BYTEA NOT NULL CHECK (length(mac) = 32)
+);
+
+CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
+
+-- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
+-- added; going back to the shipped table is a new row too.
+CREATE TABLE calibrations (
+    calibration_key BIGINT PRIMARY KEY,
+    created      TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
+    actor        TEXT NOT NULL CHECK (length(actor) <= 64),
+    engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
+    shipped      BIGINT NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
+    fmr          DOUBLE PRECISION NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
+    threshold_mm DOUBLE PRECISION NOT NULL CHECK (threshold_mm > 0),
+    low_mm       DOUBLE PRECISION NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
+    high_mm      DOUBLE PRECISION NOT NULL CHECK (high_mm >= low_mm),
+    subjects     BIGINT NOT NULL CHECK (subjects >= 0),
+    impostors    BIGINT NOT NULL CHECK (impostors >= 0),    -- comparisons
+    genuine      BIGINT NOT NULL CHECK (genuine >= 0),
+    halving_mm   DOUBLE PRECISION NOT NULL CHECK (halving_mm > 0),
+    knots        BYTEA NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
+    mac          BYTEA NOT NULL CHECK (length(mac) = 32)
+);
+
+-- The number of the newest calibration, so that the one in force cannot be taken away.
+CREATE TABLE calibrations_end (
+    calibrations_key BIGINT PRIMARY KEY CHECK (calibrations_key = 1),
+    version          BIGINT NOT NULL CHECK (version >= 0), -- 0: there never was one
+    mac              BYTEA NOT NULL CHECK (length(mac) = 32)
+);
+
+-- Subjects that were erased: neither a backup nor an archive from before may bring them back,
+-- whatever id they had then, so by uid.  The lookup is of the id that they had last.
+CREATE TABLE erased (
+    uid    BYTEA PRIMARY KEY CHECK (length(uid) = 16),
+    lookup BYTEA NOT NULL CHECK (length(lookup) = 32),
+    at     TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z')
+);
+
+CREATE INDEX erased_lookup ON erased (lookup);
