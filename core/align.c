@@ -35,8 +35,8 @@ struct candidate {
     double cost, within;
 };
 
-/* step(s, sum, pose): one Gauss-Newton step; returns its length in mm (turns at
- * POSE_LEVER_MM), or 0 when nothing can be told. */
+/* step(s, sum, pose): one Gauss-Newton step.  Returns its length in mm (rotations at
+ * POSE_LEVER_MM), or 0 where the normal equations are singular. */
 static double step(const struct search *s, const struct align_sum *sum,
                    struct align_pose *pose)
 {
@@ -57,8 +57,8 @@ static double step(const struct search *s, const struct align_sum *sum,
 }
 
 /* descend(s, stride, loss, limit, enough, c): at most limit steps from c->pose, until one
- * is shorter than enough (mm).  *c becomes the cheapest pose seen.  Returns true when the
- * steps ended by themselves. */
+ * is shorter than enough (mm).  *c becomes the cheapest pose met.  Returns true if a short
+ * step ended it. */
 static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int limit,
                     double enough, struct candidate *c)
 {
@@ -80,9 +80,9 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
     return ended;
 }
 
-/* load(probe, pts): the probe's vertices as points.  Those of a triangle that was measured
- * stand for equal shares of the surface: by the triangles round each it would depend on the
- * side from which the probe was scanned, and the pose that is found with it. */
+/* load(probe, pts): the probe's vertices as points.  All vertices of measured triangles stand
+ * for equal shares of the surface.  Shares by the area of the triangles round each vertex
+ * would depend on the side that the probe was scanned from, and so would the pose. */
 static void load(const struct surface *probe, struct align_point *pts)
 {
     const struct mesh *m = &probe->mesh;
@@ -110,8 +110,8 @@ static void load(const struct surface *probe, struct align_point *pts)
         pts[v].area *= (float)(area / seen);
 }
 
-/* between(to, from, by_nose, pose): the pose that lays the frame `from` on `to`, centre on
- * centre or nose on nose. */
+/* between(to, from, by_nose, pose): the pose that moves the axes `from` onto `to`, centre to
+ * centre or nose to nose. */
 static void between(const struct align_axes *to, const struct align_axes *from,
                     bool by_nose, struct align_pose *pose)
 {
@@ -137,8 +137,8 @@ static void between(const struct align_axes *to, const struct align_axes *from,
     pose->t[2] = q.z - moved.z;
 }
 
-/* Where to start: the probe's frame laid on the template's, or the probe as it stands; by
- * the centres or the noses; then tilted (tangents of the half angles). */
+/* A start: the probe's axes moved onto the template's, or the probe as it was scanned; the
+ * centres or the noses in one place; then tilted (tangents of the half angles). */
 struct start {
     bool as_is, by_nose;
     double yaw, pitch;
@@ -170,8 +170,8 @@ static void start_pose(const struct start *st, const struct align_axes *tmpl,
     align_pose_tilt(pose, back, st->yaw, st->pitch);
 }
 
-/* same(s, a, b): do both poses put the surface in the same place?  Judged by three points
- * of the template carried back by the one and forth by the other. */
+/* same(s, a, b): do both poses put the surface in the same place?  Three points of the
+ * template are moved by the inverse of a and then by b. */
 static bool same(const struct search *s, const struct align_pose *a,
                  const struct align_pose *b)
 {
@@ -196,14 +196,14 @@ static bool same(const struct search *s, const struct align_pose *a,
     return true;
 }
 
-/* stride_for(n, points): every how many of n points make about so many. */
+/* stride_for(n, points): the stride that takes about `points` of n points. */
 static uint32_t stride_for(uint32_t n, uint32_t points)
 {
     return n > points ? n / points : 1;
 }
 
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
- * clearly good; best[0] and best[1] are the cheapest two that lead to different places. */
+ * clearly good.  best[0] and best[1] become the two cheapest poses in different places. */
 static void choose(struct search *s, const struct surface *tmpl,
                    const struct surface *probe, struct candidate best[2])
 {
@@ -243,7 +243,7 @@ static void choose(struct search *s, const struct surface *tmpl,
     }
 }
 
-/* settle(s, w, pose): the last steps: what of the gap is motion, and what is change. */
+/* settle(s, w, pose): the last steps, which separate motion from change. */
 static enum status settle(struct search *s, struct align_work *w, struct align_pose *pose)
 {
     const struct align_pose *frame = &s->how->u->frame;

@@ -1,14 +1,15 @@
-/* align.h -- shifts and rotations to the smallest disparity.
- * Paper 1 section 4.  The probe moves, the template stays: its triangulation and tree are
- * never rebuilt.
- * (1) starts: a pose that is given, and others from the principal axes of both;
- * (2) robust sums of gaps at probe points located in the template's triangulation, each
- *     found again from the triangle where it was last time, coarse to fine, by reweighted
- *     Gauss-Newton steps;
- * (3) the last steps ask what of the gap is motion and what is change between two scans of
- *     one face (fit.h): so that an expression does not pull the nose out of its place.
- * Double arithmetic in a fixed order, + - * / and sqrt only, so the same two meshes give
- * the same digits on every machine with IEEE 754 numbers. */
+/* align.h -- find the pose of a probe over a template.
+ * Paper 1 section 4.  The probe moves; the template's triangulation and tree are never
+ * rebuilt.
+ * (1) Starting poses: the one that is given, and others from the principal axes of both
+ *     surfaces.
+ * (2) Reweighted Gauss-Newton steps, coarse to fine, on a robust sum of the gaps at points
+ *     of the probe.  Each point is located in the template's triangulation, from the
+ *     triangle where the step before found it.
+ * (3) The last steps separate motion from change between two scans of one person (fit.h), so
+ *     that an expression does not move the nose.
+ * All arithmetic is in doubles in a fixed order, + - * / and sqrt only: the same two
+ * surfaces give the same digits on every machine with IEEE 754 numbers. */
 #ifndef CORE_ALIGN_H
 #define CORE_ALIGN_H
 #include <stdint.h>
@@ -31,19 +32,20 @@ struct align_result {
     uint32_t evaluations; /* robust sums evaluated (over subsets of points too) */
     uint32_t starts;      /* starting poses tried */
     enum align_stop stop;
-    double within; /* share of the probe's points over the template, 0..1 */
+    double within;   /* share of the probe's points over the template, 0..1 */
+    double cost_mm;  /* mean gap (capped, L1) at the coarse pose that was refined */
+    double rival_mm; /* the same of the best coarse pose elsewhere; INFINITY: none */
     double
-        cost_mm; /* mean gap (capped, L1) of the coarse pose that was followed, and of */
-    double rival_mm; /* the cheapest that led elsewhere; INFINITY: there was none */
-    double turn_deg; /* standard deviations of the pose, from the curvature at its end: */
-    double shift_mm; /* of the turn and the shift together; INFINITY: unknown */
+        turn_deg; /* standard deviation of the rotation, from the curvature at the end; */
+    double shift_mm; /* of the shift; INFINITY: unknown */
 };
 
 /* How to search; every member may be NULL. */
 struct align_how {
     const struct align_pose *start; /* tried first: probe -> template */
-    const struct align_weight *u;   /* where the template keeps its shape */
-    const struct fit_basis *motion; /* for step (3), which is left out without it or u */
+    const struct align_weight *u;   /* large where the template keeps its shape */
+    const struct fit_basis
+        *motion; /* for (3), which is skipped without it or without u */
 };
 
 /* One worker's memory; all zero is an empty one. */
@@ -55,9 +57,9 @@ void align_work_free(struct align_work *w); /* w is empty again */
 
 /* align_search(tmpl, probe, how, w, out): the pose of probe over tmpl.
  * tmpl, probe  lattice units at LATTICE_PER_MM; both need their spanning-tree order
- * out          filled; with ALIGN_APART the transform is the best that was seen
- * Finds the pose from any shift, and from rotations of the one against the other up to
- * 30 degrees of yaw and 20 of pitch and roll.
+ * out          filled; with ALIGN_APART the transform is the best one found
+ * Works from any shift, and from rotations of the one against the other of up to 30 degrees
+ * of yaw and 20 of pitch and roll.
  * Cost  O(probe->nv) a step, at most a fixed number of steps; no allocation once w has
  * grown.  Returns ST_OK (surfaces apart included), ST_ENOMEM. */
 enum status align_search(const struct surface *tmpl, const struct surface *probe,

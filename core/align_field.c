@@ -75,8 +75,8 @@ void align_field_make(const struct surface *s, const struct align_weight *u,
 }
 
 /* walk(f, t, x, y): the triangle that contains (x, y), from triangle t; NULL when it lies outside
- * the hull.  *at becomes the last triangle seen.  The step limit only matters for a template
- * that is no Delaunay triangulation. */
+ * the hull.  *at becomes the last triangle seen.  The step limit matters only for a template
+ * that is not a Delaunay triangulation. */
 static const struct align_triangle *walk(const struct align_field *f, uint32_t *at,
                                          int64_t x, int64_t y)
 {
@@ -106,7 +106,8 @@ static const struct align_triangle *walk(const struct align_field *f, uint32_t *
     return NULL;
 }
 
-/* What one residual does to the sum: its weight in the normal equations, and its cost. */
+/* What one residual adds to the sum: its weight in the normal equations, its cost, and the
+ * share by which the cost is divided. */
 struct pull {
     double weight, cost, share;
 };

@@ -1,9 +1,9 @@
-/* align_field.h -- the template as a height field to slide points over, and the robust sum
- * of the gaps at points of the probe.
- * One triangle of 64 bytes, a cache line, per triangle of the template: its plane, its corners
- * and its neighbours.  A point is found again by a visibility walk from the triangle where it
- * was last time: exact, as the moved point is rounded to the lattice first, so that on a
- * Delaunay triangulation the walk cannot turn in circles. */
+/* align_field.h -- the template as a height field, and the robust sum of the gaps between it
+ * and points of the probe.
+ * Each triangle of the template becomes a record of one cache line: plane, corners and
+ * neighbours.  A moved point is rounded to the lattice and located by a visibility walk from
+ * the triangle where it was before.  The walk is exact, so on a Delaunay triangulation it
+ * ends. */
 #ifndef CORE_ALIGN_FIELD_H
 #define CORE_ALIGN_FIELD_H
 #include <stddef.h>
@@ -15,7 +15,7 @@
 
 struct surface; /* surface.h */
 
-/* u(x, y) by which places of the template count in a registration. */
+/* The weight u(x, y) of places on the template. */
 struct align_weight {
     const float *u;          /* [GRID_N] by cells of the canonical frame (grid.h) */
     struct align_pose frame; /* template -> canonical frame */
@@ -42,8 +42,10 @@ struct align_field {
 /* align_field_bytes(nt): memory for a template of nt triangles. */
 size_t align_field_bytes(uint32_t nt);
 
-/* align_field_make(s, u, triangles, f): u NULL: 1 everywhere, else 0 off the grid.  f over triangles, align_field_bytes(s->mesh.nt) of
- * memory.  O(nt). */
+/* align_field_make(s, u, triangles, f): the field of s.
+ * u          NULL: a weight of 1 everywhere; else 0 off the grid
+ * triangles  align_field_bytes(s->mesh.nt) of memory, which f refers to
+ * O(nt). */
 void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_triangle *triangles, struct align_field *f);
 
@@ -56,18 +58,20 @@ struct align_point {
 
 enum align_loss {
     ALIGN_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
-    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at 2.5 mm */
+    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at ALIGN_TUKEY_MM */
 };
 
 struct align_sum {
     struct align_normal normal;
-    double cost;   /* mm; L1: mean of |r|, capped, where points without a gap cost 3 mm;
-                    Tukey: the loss's weighted mean over the points that have a gap */
+    double cost;   /* mm.  L1: mean of |r|, capped; a point without a gap costs
+                      ALIGN_NO_GAP_MM.  Tukey: weighted mean of the loss over the points
+                      that have a gap */
     double within; /* share of the points that have a gap, 0..1 */
 };
 
-/* align_field_find(f, p, q): the triangle under q, where the point p now is, in mm; NULL off the
- * template's hull.  Walks from p->triangle, which must be one, and keeps there where it is. */
+/* align_field_find(f, p, q): the triangle under q (mm), to which p has moved; NULL outside
+ * the template's hull.  Starts at p->triangle, which must not be ALIGN_FIELD_NONE, and
+ * leaves the last triangle of the walk there. */
 const struct align_triangle *align_field_find(const struct align_field *f,
                                               struct align_point *p, struct dvec3 q);
 
@@ -79,8 +83,8 @@ static inline double align_field_height(const struct align_triangle *c, double x
            (double)c->zy * (y - c->y[0] / LATTICE_PER_MM);
 }
 
-/* align_field_sum(f, pts, n, stride, pose, c, loss, sum): the points 0, stride, 2 stride, ...
- * below n, moved by pose; their triangles are brought up to date.  Turns in the normal
+/* align_field_sum(f, pts, n, stride, pose, c, loss, sum): over the points 0, stride, 2 stride,
+ * ... below n, moved by pose; updates where each one is.  Rotations in the normal
  * equations are about c (template, mm). */
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,

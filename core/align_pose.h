@@ -1,4 +1,4 @@
-/* align_pose.h -- rigid motions, and a first guess at one from principal axes. */
+/* align_pose.h -- rigid motions, and the principal axes that starting poses come from. */
 #ifndef CORE_ALIGN_POSE_H
 #define CORE_ALIGN_POSE_H
 #include <stdbool.h>
@@ -20,27 +20,29 @@ static inline struct dvec3 align_pose_apply(const struct align_pose *a, struct d
                           a->r[6] * p.x + a->r[7] * p.y + a->r[8] * p.z + a->t[2]};
 }
 
-/* align_pose_move(a, c, x): follow a by a small motion: a turn about c by the vector
- * x[0..2] (radians to first order: the quaternion (1, x/2) normalised, which needs no
- * sine), then a shift by x[3..5].  The rotation stays orthonormal to rounding. */
+/* align_pose_move(a, c, x): append a small motion to a: a rotation about c by the vector
+ * x[0..2], then a shift by x[3..5].  x[0..2] are radians to first order: the rotation is that
+ * of the normalised quaternion (1, x/2), which needs no sine.  The rotation matrix stays
+ * orthonormal to rounding. */
 void align_pose_move(struct align_pose *a, struct dvec3 c, const double x[6]);
 
-/* align_pose_tilt(a, c, yaw, pitch): the same with turns about y and x whose half angles'
- * tangents are given. */
+/* align_pose_tilt(a, c, yaw, pitch): append rotations about c, round y and then round x,
+ * given by the tangents of their half angles. */
 void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pitch);
 
 void align_pose_to_matrix(const struct align_pose *a, double m[16]);
 void align_pose_from_matrix(const double m[16], struct align_pose *a);
 
-/* align_pose_after(a, b): b, then the inverse of a: the motion that lays what b brings
- * somewhere on what a brings there. */
+/* align_pose_after(a, b): first b, then the inverse of a.  Where a and b each map a surface
+ * to the same frame, that moves b's surface to a's. */
 struct align_pose align_pose_after(const struct align_pose *a,
                                    const struct align_pose *b);
 
-/* align_pose_rigid(a): is it one, and within 10^5 mm?  For what comes from a file. */
+/* align_pose_rigid(a): is a a rigid motion that shifts by less than 10^5 mm?  To check what
+ * comes from a file. */
 bool align_pose_rigid(const struct align_pose *a);
 
-/* What a surface's points tell of its own pose. */
+/* A surface's own axes. */
 struct align_axes {
     struct dvec3 centre; /* the mean of the points, mm */
     struct dvec3

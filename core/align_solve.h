@@ -23,10 +23,11 @@ static inline void align_solve_add(struct align_normal *a, const double j[6], do
     }
 }
 
-/* align_solve(a, damping, x): x minimises sum w (r + J x)^2, damped: every diagonal element
- * of the matrix grows by the factor 1 + damping, and by damping times the mean of its kind
- * (the first three unknowns and the last three), so that what the residuals do not tell
- * stays where it is.  Returns false, and x zero, when even so nothing can be told. */
+/* align_solve(a, damping, x): x minimises sum w (r + J x)^2.
+ * damping  every diagonal element is multiplied by 1 + damping, and grows by damping times
+ *          the mean of its kind (the first three unknowns, or the last three), so that
+ *          unknowns which the residuals do not determine stay near 0
+ * Returns false, with x zero, when the matrix is singular all the same. */
 bool align_solve(const struct align_normal *a, double damping, double x[6]);
 
 #endif

@@ -158,7 +158,7 @@ static struct align_normal reduce(const struct align_normal *a, const double to[
     return out;
 }
 
-/* One Gauss-Newton step; returns its length in mm, 0 when nothing can be told. */
+/* One Gauss-Newton step.  Returns its length in mm, or 0 where it is undetermined. */
 static double step(const struct search *s, const struct align_sum *sum, struct plane *p)
 {
     const struct dvec3 n = p->normal, c = onto(p, s->middle);
@@ -183,8 +183,8 @@ static double step(const struct search *s, const struct align_sum *sum, struct p
     return scale * (turn * POSE_LEVER_MM + fabs(x[3]));
 }
 
-/* descend(s, without, p, within): steps from *p, which becomes the cheapest plane seen.
- * Returns whether they ended by themselves. */
+/* descend(s, without, p, within): steps from *p, which becomes the cheapest plane met.
+ * Returns whether a short step ended them. */
 static bool descend(struct search *s, uint32_t without, struct plane *p, double *within)
 {
     struct plane at = *p;
@@ -206,7 +206,7 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
     return ended;
 }
 
-/* How much the plane hangs on parts of the surface. */
+/* How much the plane depends on each part of the surface. */
 static void jackknife(struct search *s, const struct plane *best, struct asymmetry *out)
 {
     const struct dvec3 c = onto(best, s->middle);
@@ -274,7 +274,7 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
     return ST_OK;
 }
 
-/* What the frame says of the plane in the surface's own coordinates. */
+/* The plane x = 0 of the frame, in the surface's own coordinates. */
 static struct plane plane_of(const struct align_pose *frame)
 {
     /* x of r p + t is 0. */

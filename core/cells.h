@@ -1,7 +1,7 @@
 /* cells.h -- the signed gap between two aligned surfaces, averaged over the cells of the
  * template's canonical frame (grid.h).
- * The gap is taken at right angles to the template, as its distance along the scanner's z
- * times the cosine of the slope: so it does not depend on the template's own pose. */
+ * The gap is measured at right angles to the template (the distance along the scanner's z
+ * times the cosine of the slope), so that it does not depend on the template's pose. */
 #ifndef CORE_CELLS_H
 #define CORE_CELLS_H
 #include "align_pose.h"
@@ -20,8 +20,8 @@ struct cells {
     float normal[GRID_N][3]; /* its mean normal, in the frame, not normalised */
 };
 
-/* cells_cover(c, i): what cell i counts, 0..1: nothing at CELLS_COVERED, all when half of
- * it is covered.  Without a jump, so that a rim that moves a little changes little. */
+/* cells_cover(c, i): the weight of cell i, 0..1: 0 up to CELLS_COVERED, 1 from half of the
+ * cell covered, linear between: a rim that moves a little changes little. */
 static inline float cells_cover(const struct cells *c, uint32_t i)
 {
     const float full = (float)(GRID_MM * GRID_MM / 2);
@@ -30,21 +30,21 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
     return share < 0.0f ? 0.0f : share < 1.0f ? share : 1.0f;
 }
 
-/* cells_measure(tmpl, w, frame, out): the exact integrals, at the pose of the last
- * measure_at() in w.  A triangulated surface cuts across what is curved between its points,
- * the more the sparser it is, so the gap is taken where there are points: at the template's
- * vertices, linear between them, and at the probe's vertices, linear between those.  The
- * first has only the probe's error of cutting across, the second only the template's, with
- * opposite signs; both grow with the square of the point spacing.  The mean of both is
- * weighted by the inverse of its variance: the fourth power of the other's spacing.
- * frame maps the template into its canonical frame.  Steep places, more than 75 degrees
- * off the frame's z, and triangles that bridge missing points of either surface are left
- * out.  O(nv). */
+/* cells_measure(tmpl, w, frame, out): the gap at the pose of the last measure_at() in w.
+ * A triangulated surface cuts across what is curved between its points: its error grows with
+ * the square of the point spacing.  So the gap is measured twice: at the template's vertices
+ * and linear between them, with the probe's error alone, and at the probe's vertices and
+ * linear between them, with the template's error alone.  The errors have opposite signs.
+ * The result is the mean of both, each weighted by the inverse of its variance: the fourth
+ * power of the spacing of the vertices that it was measured at.
+ * frame  maps the template to its canonical frame
+ * Places more than 75 degrees off the frame's z (CELLS_STEEP), and triangles that bridge
+ * missing points of either surface, are left out.  O(nv). */
 void cells_measure(const struct surface *tmpl, const struct measure_work *w,
                    const struct align_pose *frame, struct cells *out);
 
-/* cells_sample(field, pts, n, pose, frame, out): the same from samples: the probe's points
- * moved by pose over the template's field, each counting for the area it stands for.
+/* cells_sample(field, pts, n, pose, frame, out): an estimate of the same from the probe's
+ * points, moved by pose over the template's field, each weighted by the area it stands for.
  * Cheap enough for every step of a search.  O(n). */
 void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
                   const struct align_pose *pose, const struct align_pose *frame,

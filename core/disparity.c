@@ -73,7 +73,7 @@ double disparity_prism(double area, double a, double b, double c)
     return area * mean3(a, b, c) / 3;
 }
 
-/* The gap as disparity_vertex tells it, at a vertex that lies at loc in the other mesh. */
+/* struct disparity_vertex's gap, at a vertex that lies at loc in the other mesh. */
 static inline double told(double gap, const struct surface *other, struct location loc)
 {
     if (loc.where == LOCATE_OUTSIDE)
@@ -99,7 +99,7 @@ static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
         if (b_vertex[v] >= sa->mesh.nv) {
             d->gap = gap;
             d->spacing = sb->spacing[v];
-        } else { /* a point of both: each has its say */
+        } else { /* a point of both: bridged or outside if either says so */
             d->gap = isfinite(d->gap) ? gap : d->gap;
             d->spacing = d->spacing > sb->spacing[v] ? d->spacing : sb->spacing[v];
         }

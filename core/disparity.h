@@ -10,18 +10,18 @@
 
 struct location; /* locate.h */
 
-/* disparity_prism(area, a, b, c): volume between two planes over a triangle of the given
- * area, where a, b, c are the signed gaps at its corners: the integral of |gap|.  Every
- * sign case of Fig. 9: one sign throughout (pyramid, prism), zeros, and the wedge where
- * the surfaces cross.  The same to the last digit for any order of the corners and for
- * the surfaces exchanged. */
+/* disparity_prism(area, a, b, c): the volume between two planes over a triangle of the given
+ * area: the integral of |gap|, where a, b, c are the signed gaps at the corners.  Covers
+ * every sign case of Fig. 9: one sign throughout (pyramid, prism), zeros, and the wedge
+ * where the surfaces cross.  The order of the corners and of the surfaces does not change
+ * the result. */
 double disparity_prism(double area, double a, double b, double c);
 
-/* A surface as the measure needs it. */
+/* One of the two surfaces. */
 struct disparity_side {
     const struct surface *surface;
-    const struct location *loc; /* each of its vertices located in the other's mesh */
-    const double *other; /* each of its vertices interpolated in the other's mesh */
+    const struct location *loc; /* [nv] each vertex located in the other's mesh */
+    const double *other;        /* [nv] the other's height at each vertex */
 };
 
 /* u(x, y) of definition (1), in lattice units; taken at each triangle's centroid.  Finite and
@@ -31,17 +31,18 @@ struct disparity_weight {
     const void *arg;
 };
 
-/* What the two surfaces say at a vertex of the general triangulation. */
+/* The gap at a vertex of the general triangulation. */
 struct disparity_vertex {
     double gap;    /* height of b minus height of a, lattice units; NAN outside a hull,
-                      else INFINITY where a side only bridges missing points */
-    float spacing; /* of the mesh that the vertex is from; the larger one of both */
+                      else INFINITY where a surface only bridges missing points */
+    float spacing; /* of the surface that the vertex is from; of both, the larger */
 };
 
 enum disparity_kind { DISPARITY_COMMON, DISPARITY_BRIDGED, DISPARITY_OUTSIDE };
 
-/* disparity_kind(general, vertex, h, twice): what the triangle of the half-edges h, h + 1,
- * h + 2 is, as disparity_measure() says; not for ghosts.  *twice: twice its area, exact. */
+/* disparity_kind(general, vertex, h, twice): the kind of the triangle with the half-edges h,
+ * h + 1, h + 2, as disparity_measure() defines it; not for ghosts.  *twice becomes twice its
+ * area, exact. */
 static inline enum disparity_kind disparity_kind(const struct mesh *general,
                                                  const struct disparity_vertex *vertex,
                                                  uint32_t h, double *twice)
@@ -68,12 +69,13 @@ struct disparity {
     double weighted_mm; /* sum of u |gap| / sum of u over the same triangles, or 0 */
     double weight_mm2; /* sum of u over the common triangles; area_mm2 without a weight */
     double overlap;    /* area over a's measured area, 0..1 */
-    double bridged_mm2; /* area left out because a side only bridges missing points */
+    double bridged_mm2; /* area left out because a surface only bridges missing points */
     double outside_mm2; /* area of the triangles not wholly inside both hulls */
     uint32_t common, bridged, outside; /* how many triangles of each kind */
 };
 
-/* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out)
+/* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out): the disparity of
+ * the surfaces a and b.
  * general, b_vertex  from merge_build() of the meshes of a and b
  * weight   may be NULL: u = 1
  * per_mm   lattice units per millimetre
@@ -85,9 +87,9 @@ struct disparity {
  *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
  *            triangles bridge; or the triangle itself is too wide for the spacings at its
  *            corners (holes_wide()): then neither mesh has a point where the triangle has its gap;
- *   common   else.  It counts.
- * Sums are compensated (Neumaier), areas whole numbers, the order fixed: the order of the
- * triangles.  O(general->nv). */
+ *   common   else.  Only these count.
+ * Sums are compensated (Neumaier) and in the order of the triangles, areas are whole
+ * numbers.  O(general->nv). */
 void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
                        const struct disparity_side *a, const struct disparity_side *b,
                        const struct disparity_weight *weight, double per_mm,

@@ -7,12 +7,12 @@
 
 /* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
  * motions, its gap, a zero.  The normal equations are the upper triangle of the sum of
- * w row row^T: nearly all of the work.  Three things keep it small:
- * - of the modes' part, which is most of it, the sum over all cells at full weight is known
- *   beforehand: only the cells that weigh something else are added, by the difference;
- * - the same when rows are weighted anew after a pass;
- * - it is done in tiles of TILE x LANES that stay in registers while a block of rows, which
- *   stays in the first-level cache, passes by. */
+ * w row row^T, which is nearly all of the work.  Three things keep it small:
+ * - the modes' part over all cells at full weight is known from fit_prepare(); only cells
+ *   with another weight are added, times the difference;
+ * - so are rows whose weight changes in a pass;
+ * - sums are done in tiles of TILE x LANES, which stay in registers, over blocks of rows,
+ *   which stay in the first-level cache. */
 #define LANES 8
 #define TILE  4
 #define ROWS  32
@@ -23,7 +23,7 @@ _Static_assert(MODEL_MODES % LANES == 0, "modes fill whole tiles");
 
 typedef float lane4 __attribute__((vector_size(16)));
 
-/* Rows to be added: themselves, and times what their weights rose by. */
+/* Rows to be added: the rows, and the rows times the rise of their weights. */
 struct block {
     float row[ROWS][WIDTH], times[ROWS][WIDTH];
     uint32_t n;
@@ -150,8 +150,8 @@ static void load(struct work *w, const struct model_basis *b, const struct cells
     }
 }
 
-/* The sum at the rows' first weights: the modes' part from what is known of all cells, less
- * what those weigh less or nothing; the tails' part from the rows. */
+/* The sum at the rows' first weights: the modes' part from the sum over all cells, corrected
+ * for cells that weigh less; the tails' part from the rows. */
 static void add_first(struct work *w, const struct fit_basis *p)
 {
     const struct model_basis *b = p->b;
@@ -181,7 +181,7 @@ static void add_first(struct work *w, const struct fit_basis *p)
     }
 }
 
-/* What row r has left once y is taken out. */
+/* What is left of a row once y is taken out. */
 static float left(const float *modes, const float *tail, uint32_t n, const float *y)
 {
     lane4 s[2], a[2], b[2];

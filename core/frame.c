@@ -138,7 +138,7 @@ double frame_likeness(const struct frame_mean *mean, const struct surface *face,
     memcpy(b.h, a.h, sizeof b.h);
     if (common < FRAME_LIKENESS_CELLS || !align_solve(&a, 0, x) || !align_solve(&b, 0, y))
         return (double)NAN;
-    /* x = -H^-1 g: what the quadrics leave of the products, without another pass. */
+    /* x = -H^-1 g gives the products of the reliefs without another pass over the cells. */
     for (int k = 0; k < 6; k++) {
         aa += a.g[k] * x[k];
         ab += a.g[k] * y[k];

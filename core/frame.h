@@ -1,7 +1,7 @@
-/* frame.h -- the canonical frame of a face: nose tip at the origin, the symmetry plane at
- * x = 0, upright; so that u(x, y), the modes and the regions mean the same place on every
- * face.  Found by laying the face on the model's mean face, which has these properties:
- * steadier than any landmark of a single scan.  Found once, at enrolment, and stored. */
+/* frame.h -- the canonical frame of a face: nose tip at the origin, symmetry plane at x = 0,
+ * upright.  In it a place (x, y) of the weight u, of a mode or of a region is the same place
+ * on every face.  The frame is found by aligning the face to the model's mean face, which
+ * is more stable than any landmark of one scan; once, at enrolment, and stored. */
 #ifndef CORE_FRAME_H
 #define CORE_FRAME_H
 #include "align.h"
@@ -11,7 +11,7 @@
 
 struct model; /* model.h */
 
-/* The mean face as a surface to lay others on.  All zero is an empty one. */
+/* The mean face as a surface to align others to.  All zero is an empty one. */
 struct frame_mean {
     struct surface surface;
     float rigid[GRID_N];  /* for registrations: where a face keeps its shape, 0..1 */
@@ -19,7 +19,7 @@ struct frame_mean {
     uint32_t mean_id;     /* model_mean_id() */
 };
 
-/* frame_mean_make(m, w, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
+/* frame_mean_make(m, s, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
  * ST_EINVAL when the model's mean is no surface. */
 enum status frame_mean_make(const struct model *m, struct scratch *s,
                             struct frame_mean *out);
@@ -33,18 +33,19 @@ struct frame {
     double likeness;        /* frame_likeness() there */
 };
 
-/* frame_find(mean, face, w, out): Returns ST_OK, ST_ENOMEM.  Cost: a fraction of a
- * triangulation.  (A decoded template has pose and mark alone; the rest is 0.) */
+/* frame_find(mean, face, w, out): align the face to the mean face.  (Of a decoded template
+ * only pose and mean_id are known; the rest is 0.)  Cost: a fraction of a triangulation.
+ * Returns ST_OK, ST_ENOMEM. */
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);
 
-/* frame_likeness(mean, face, pose): is it shaped like a face, -1..1: the correlation, over
- * the cells that both cover, of its relief with the mean face's.  The relief is what the
- * best-fitting quadric z(x, y) leaves of the heights (least squares, each on its own): nose,
- * orbits and lips.  Without that any egg, cylinder or cone would be like a face, because
- * most of a face's depth is that of an egg.  0: there is no relief.
- * NAN where fewer than FRAME_LIKENESS_CELLS, a third of a face, are common: a part may be
- * laid on another part, and tells nothing.  O(nv); nothing is allocated. */
+/* frame_likeness(mean, face, pose): how much the surface is shaped like a face, -1..1: the
+ * correlation of its relief with the mean face's, over the cells that both cover.  A relief
+ * is what is left of the heights once the best-fitting quadric z(x, y) is subtracted (least
+ * squares, for each surface by itself): nose, orbits and lips.  With the quadric any egg,
+ * cylinder or cone would be like a face.  0: there is no relief.
+ * NAN where fewer than FRAME_LIKENESS_CELLS are common: a part of a face may align to another
+ * part.  O(nv); nothing is allocated. */
 double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose);
 

@@ -1,7 +1,7 @@
 /* grid.h -- the cells of the canonical face frame, and the regions they make up.
  * The frame: x to the image's right, y up, z towards the scanner, millimetres; the origin
  * near the nose tip, x = 0 the symmetry plane (frame.h).  Gaps are averaged over square
- * cells of its plane: the averaging removes white noise and keeps the shape. */
+ * cells of its plane, which removes white noise and keeps the shape. */
 #ifndef CORE_GRID_H
 #define CORE_GRID_H
 #include <math.h>
@@ -37,13 +37,13 @@ static inline double grid_y(uint32_t cell)
     return GRID_BOTTOM + GRID_MM * (cell / GRID_NX + 0.5);
 }
 
-/* grid_mirror(cell): the cell on the other side of the face. */
+/* grid_mirror(cell): the cell at the mirrored place. */
 static inline uint32_t grid_mirror(uint32_t cell)
 {
     return cell + GRID_NX - 1 - 2 * (cell % GRID_NX);
 }
 
-/* Which part of a face lies at a cell: rectangles in the frame, mirrored. */
+/* Regions of a face: rectangles of the frame and their mirror images. */
 enum grid_region {
     GRID_NOSE,     /* |x| < 18, y -12 to 34 */
     GRID_EYES,     /* 18 < |x| < 50, y 14 to 46, and between them */

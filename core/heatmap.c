@@ -9,9 +9,9 @@
 #include "locate.h"
 #include "surface.h"
 
-/* Where to begin to look for a point: over the template's extent, in each of SIDE x SIDE
- * places a half-edge of a real triangle near it.  With it every walk is short, whatever the
- * order of the points, and a point's gap depends on no other point. */
+/* A grid of SIDE x SIDE over the template's extent, with a half-edge of a real triangle for
+ * each place: every walk starts near its point, in any order of the points, and a point's gap
+ * depends on no other point. */
 #define SIDE 64
 
 struct places {

@@ -1,16 +1,12 @@
 /* holes.h -- which triangles only bridge missing points.
  * Paper 2 (missing points): a Delaunay triangulation fills the convex hull, so a scan with
- * holes or a concave outline gets long triangles that were never measured.  They are found
- * relative to the local point spacing, which the spanning tree's edges give for free.
+ * holes or a concave outline gets long triangles where nothing was measured.  They are
+ * recognised by the local point spacing, which follows from the spanning tree's edges.
  *
  * The rule: a triangle bridges when its longest side exceeds HOLES_SIDE times the mean
  * spacing at its corners, and the radius of its circle, in which no point lies, exceeds
- * HOLES_CIRCLE times that spacing.  The tree takes the short edges, so that a hole hardly
- * widens the spacing at its rim.  Scanners sample a surface more or less at random, with
- * natural gaps: of points wholly at random (Poisson) the rule takes 0.5 % of the area for
- * bridged, of sound simulated scans with a tree edge of 1.75 mm on average less than
- * 0.01 % inside the outline; of blobs 12 to 44 mm wide cut out of these it misses 0.6 % of
- * the area. */
+ * HOLES_CIRCLE times that spacing.  The tree consists of short edges, so a hole hardly
+ * widens the spacing at its rim.  How often the rule errs: tuning.h. */
 #ifndef CORE_HOLES_H
 #define CORE_HOLES_H
 #include <stdbool.h>
@@ -24,8 +20,8 @@ struct mesh;     /* mesh.h */
 struct scratch;  /* mem.h */
 
 /* holes_spacing(m, s, spacing): spacing[v] = the local point spacing round v in lattice
- * units: the mean length of the tree's edges within three steps of v, those met on several
- * ways counted as often, but at most HOLES_MOST times that of all edges.
+ * units: the mean length of the tree's edges within three steps of v, each counted once for
+ * every walk that reaches it, but at most HOLES_MOST times the mean of all edges.
  * Needs m->parent.  O(nv).  Returns ST_OK, ST_ENOMEM. */
 enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacing);
 
@@ -48,13 +44,13 @@ static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, do
            (a * b * c > 4 * HOLES_CIRCLE * HOLES_CIRCLE * mean2 * (cross * cross));
 }
 
-/* holes_mark(m, spacing, bridge): bridge[t] = 1 for each triangle of m that bridges
- * missing points, ghosts included, 0 for the others.  Returns the measured area: that of
- * the triangles that do not, in square lattice units.  O(nv). */
+/* holes_mark(m, spacing, bridge): bridge[t] = 1 for each triangle of m that bridges missing
+ * points and for each ghost, 0 for the others.  Returns the measured area: that of the
+ * triangles with 0, in square lattice units.  O(nv). */
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge);
 
-/* holes_measured(m, bridge, loc): is loc, not outside m, where m has something measured?
- * In a triangle that does not bridge, or on an edge or vertex of one. */
+/* holes_measured(m, bridge, loc): does loc, which is not outside, lie in a triangle of m that
+ * does not bridge, or on an edge or vertex of one? */
 bool holes_measured(const struct mesh *m, const uint8_t *bridge, struct location loc);
 
 #endif

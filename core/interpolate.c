@@ -19,9 +19,9 @@ static double beyond_hull(const struct mesh *m, uint32_t he, struct ivec2 q)
     return m->z[a] + (double)dot * (double)((int64_t)m->z[b] - m->z[a]) / (double)len;
 }
 
-/* Heights are taken relative to the corner org[he], so that one formula serves the inside
- * (three weights), an edge (the third weight is an exact 0) and a vertex (two are 0).
- * Each weight is twice the area facing a corner, an integer below 2^53: exact. */
+/* Heights relative to the corner org[he], so that one formula serves the inside (three
+ * weights), an edge (the third weight is an exact 0) and a vertex (two are 0).  Each weight
+ * is twice the area opposite a corner, an integer below 2^53: exact. */
 static inline double height(const struct mesh *m, struct location loc, struct ivec2 q)
 {
     uint32_t a, b, c;

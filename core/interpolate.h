@@ -7,14 +7,14 @@
 struct mesh;     /* mesh.h */
 struct location; /* locate.h */
 
-/* interpolate_height(m, loc, q): the surface's height at q, in lattice units, where loc is q's
- * location in m.  Exact at the vertices and on level triangles; elsewhere the weights are
- * exact integers and the error stays below 1e-6 units.  Outside the hull: the height at
- * the nearest point of the hull. */
+/* interpolate_height(m, loc, q): the height of m at q, in lattice units; loc is q's location
+ * in m.  Exact at the vertices and on level triangles; elsewhere the weights are exact
+ * integers and the error is below 1e-6 units.  Outside the hull: the height at the nearest
+ * point of the hull. */
 double interpolate_height(const struct mesh *m, struct location loc, struct ivec2 q);
 
-/* interpolate_mesh(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for
- * all of them; loc from locate_mesh(m, pts, loc).  O(pts->nv). */
+/* interpolate_mesh(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for every
+ * vertex; loc from locate_mesh(m, pts, loc).  O(pts->nv). */
 void interpolate_mesh(const struct mesh *m, const struct mesh *pts,
                       const struct location *loc, double *out);
 

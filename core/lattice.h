@@ -1,6 +1,6 @@
 /* lattice.h -- coordinates become integers.
- * Scanners resolve 20 um at best, so a grid of 1 um loses nothing; on integers the
- * predicates are exact and the same bytes give the same digits on every machine. */
+ * Scanners resolve 20 um at best, so a grid of 1 um loses nothing.  On integers the
+ * predicates are exact, and the same bytes give the same digits on every machine. */
 #ifndef CORE_LATTICE_H
 #define CORE_LATTICE_H
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 /* lattice_from_mm(pts, n, scale, out, bad): out[0..n-1] = the n points, each coordinate the
  * nearest lattice coordinate, ties to even; scale is units per millimetre.
- * On failure *bad (may be NULL) is the index of the first point refused, and out is
+ * On failure *bad (may be NULL) is the index of the first bad point, and out is
  * unspecified.  Returns ST_OK, ST_ENOTFINITE, or ST_ERANGE beyond LATTICE_MAX. */
 enum status lattice_from_mm(const struct dvec3 *pts, size_t n, double scale,
                             struct ivec3 *out, size_t *bad);

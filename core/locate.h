@@ -15,11 +15,11 @@ enum locate_where {
     LOCATE_INSIDE, /* strictly inside the triangle of half-edge he */
     LOCATE_EDGE,   /* strictly inside the edge he, whose triangle is not a ghost */
     LOCATE_VERTEX, /* on the vertex org[he]; he's triangle is not a ghost */
-    LOCATE_OUTSIDE /* outside the hull; he is the hull edge nearest to the point among
-                      those that have the point on their outer side; he's own triangle
-                      is the real one.  Where the nearest point of the hull is a corner,
-                      the edge that ends there, if it faces the point, else the edge that
-                      starts there: a function of hull and point, not of the walk. */
+    LOCATE_OUTSIDE /* outside the hull; he is the nearest of the hull edges that have the
+                      point on their outer side, its half-edge in the real triangle.
+                      Where the nearest point of the hull is a corner: the edge that
+                      ends there if it faces the point, else the one that starts there.
+                      It depends on hull and point alone, not on the walk. */
 };
 
 struct location {
@@ -27,9 +27,9 @@ struct location {
     uint32_t where; /* enum locate_where */
 };
 
-/* Called for each triangle the walk enters, in order, the first included, ghosts not:
- * consecutive triangles differ and share an edge or, where the walk passes through a
- * vertex, that vertex. */
+/* enter() is called for each triangle that the walk enters, in order, with the first one and
+ * without ghosts.  Consecutive triangles differ and share an edge or, where the walk passes
+ * through a vertex, that vertex. */
 struct locate_trace {
     void (*enter)(void *arg, uint32_t triangle);
     void *arg;
@@ -38,16 +38,16 @@ struct locate_trace {
 /* locate_point(m, he, from, q, trace): walk straight from `from` to q.
  * he     a half-edge of a real triangle that contains `from`, border included
  * trace  may be NULL
- * Degenerate cases: q on a vertex, on an edge, outside; the walk passing through a vertex
- * or running along edges; `from` on a vertex or edge.
- * Cost  two orient2d per triangle crossed: O(sqrt nv) on average from far away; outside
- * the hull also one step per hull edge between the exit and the nearest. */
+ * Handles every degenerate case: q on a vertex, on an edge or outside; a walk through a
+ * vertex or along edges; `from` on a vertex or edge.
+ * Cost  two orient2d for each triangle crossed: O(sqrt nv) on average over a long way;
+ * outside the hull also one step for each hull edge between the exit and the nearest. */
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace);
 
-/* locate_mesh(in, pts, loc): locate every vertex of pts in `in`, each walk starting where
- * the vertex's parent in pts' spanning tree was found (needs pts->parent, not in->parent).
- * loc[0..pts->nv-1] is filled.
+/* locate_mesh(in, pts, loc): loc[v] = where vertex v of pts lies in `in`, for every vertex.
+ * Each walk starts where the vertex's parent in pts' spanning tree lies (needs pts->parent,
+ * not in->parent).
  * Cost  O(in->nv + pts->nv) for meshes of comparable density. */
 void locate_mesh(const struct mesh *in, const struct mesh *pts, struct location *loc);
 

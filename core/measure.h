@@ -1,7 +1,7 @@
-/* measure.h -- the exact disparity of two surfaces at a given pose: the paper's pipeline
- * once through.  The probe's points are moved and put back on the lattice, triangulated and
- * given their tree (paper 1, 3.1, 3.3), spikes are laid flat, each mesh is located in the other (3.3) and
- * interpolated there (3.4), the general triangulation is merged and measured (3.5). */
+/* measure.h -- the exact disparity of two surfaces at a given pose: the papers' measure.
+ * The probe is moved and prepared as a surface (paper 1, 3.1 and 3.3), each surface is located
+ * in the other (3.3) and interpolated there (3.4), both triangulations are merged into the
+ * general triangulation, and the volume between the surfaces is summed over it (3.5). */
 #ifndef CORE_MEASURE_H
 #define CORE_MEASURE_H
 #include <stdint.h>
@@ -12,8 +12,8 @@
 #include "status.h"
 #include "surface.h"
 
-/* Reusable memory of one worker, and what the last measure_at() left in it.  All zero is
- * an empty one; after the first few calls nothing is allocated any more. */
+/* One worker's reusable memory, and the results of the last measure_at().  All zero is an
+ * empty one; after the first few calls nothing is allocated any more. */
 struct measure_work {
     struct scratch scratch,
         points;            /* for the builders; free for other use between calls */
@@ -29,11 +29,11 @@ struct measure_work {
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */
 
-/* measure_at(tmpl, probe, transform, u, w, out): the disparity of tmpl (side a) and of
- * probe moved by transform (side b; mm, row-major 4 x 4, rigid; a reflection will do).
- * A pose that takes a point off the lattice, or turns the probe edge-on so that nothing is
- * left to triangulate, gives *out all zero: nothing in common.  When that happens, or on
- * failure, w->general.nv is 0.
+/* measure_at(tmpl, probe, transform, u, w, out): the disparity of tmpl (surface a) and of
+ * probe moved by transform (surface b; mm, row-major 4 x 4, a rigid motion or a reflection).
+ * u  the weight; NULL: 1 everywhere
+ * Where a moved point leaves the lattice, or the probe is seen edge-on, *out is all zero:
+ * the surfaces have nothing in common.  Then, and on failure, w->general.nv is 0.
  * Cost  O(n log n), about five times a triangulation.  Returns ST_OK, ST_ENOMEM. */
 enum status measure_at(const struct surface *tmpl, const struct surface *probe,
                        const double transform[16], const struct disparity_weight *u,

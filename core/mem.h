@@ -9,8 +9,8 @@
 void *mem_array(size_t n, size_t size);
 void mem_free(void *p); /* NULL is allowed */
 
-/* A scratch block that a worker owns and reuses, so that the steady state allocates
- * nothing.  All zero is an empty one. */
+/* A block that a worker owns and reuses, so that in the long run nothing is allocated.  All
+ * zero is an empty one. */
 struct scratch {
     unsigned char *block;
     size_t size;

@@ -1,11 +1,11 @@
 /* merge.c -- b's points are inserted into a copy of a's triangulation along b's spanning
  * tree, each from the triangle in which it was located, and the circles are repaired by
  * flips (Lawson).  Mestetskiy and Tsarik trace the seams between two unseparated
- * triangulations instead; where two scans of one face overlap, three quarters of all
- * triangles lie on a seam, and inserting, which keeps a valid triangulation at every step,
- * costs no more.  Insertion alone would be quadratic on contrived input, so the work is
- * counted: beyond a fixed multiple of the points the union is triangulated from scratch.
- * The Delaunay triangulation is unique (predicates.h), so both ways give the same. */
+ * triangulations instead.  Where two scans of one face overlap, three quarters of all
+ * triangles lie on a seam; insertion costs no more and has a valid triangulation after every
+ * step.  Insertion alone would be quadratic on contrived input, so the work is counted, and
+ * beyond a multiple of the points the union is triangulated from scratch.  The Delaunay
+ * triangulation is unique (predicates.h), so both ways give the same. */
 #include "merge.h"
 
 #include <stdbool.h>
@@ -119,7 +119,7 @@ static inline void flip(struct mesh *m, uint32_t h)
     link(m, hn, fn);
 }
 
-/* Must the edge h = x -> y, which faces the new vertex at q, give way? */
+/* Must the edge h = x -> y, which faces the new vertex at q, be flipped? */
 static inline bool must_flip(const struct grower *g, uint32_t h, struct ivec2 q)
 {
     const struct mesh *m = g->m;

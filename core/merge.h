@@ -14,15 +14,14 @@ struct scratch;  /* mem.h */
  * points of a and of b, triangle for triangle what delaunay_build() makes of the union.
  * Vertices 0..a->nv-1 of out are a's; b_vertex[v] is the vertex of out at b's vertex v:
  * one of a's where both meshes have a point there, else a new one (in b's order).
- * a       may be any mesh that mesh_link() accepts.  Where it is not Delaunay, out may not
- *         be either, but is a triangulation of the same points with the same numbers.
+ * a       any mesh that mesh_link() accepts.  If a is not Delaunay, out may not be either; it
+ *         is still a triangulation of all points with these numbers.
  * b_in_a  from locate_mesh(a, b, b_in_a).
  * out     reserved as needed; its z is a's or b's own height; it has no spanning tree.
  * Needs   b->parent.
- * Cost    O(a->nv + b->nv) for meshes that sample the plane comparably.  Walks and flips
- *         together have a limit of O(N) steps, beyond which the union is triangulated from
- *         scratch, O(N log N); this also ends a walk that goes round in circles, as one can
- *         where a is not Delaunay.
+ * Cost    O(a->nv + b->nv) for meshes that sample the plane comparably.  Beyond MERGE_WORK
+ *         walk steps and flips a point the union is triangulated from scratch, O(N log N).
+ *         The limit also ends a walk in circles, which is possible where a is not Delaunay.
  * Returns ST_OK; ST_ELIMIT; ST_ENOMEM.  On failure out has nv == 0. */
 enum status merge_build(const struct mesh *a, const struct mesh *b,
                         const struct location *b_in_a, struct scratch *s,

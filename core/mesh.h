@@ -3,10 +3,10 @@
  * Half-edges.  Triangle t owns the half-edges 3t, 3t+1, 3t+2 in counter-clockwise order;
  * half-edge h runs from vertex org[h] to org[mesh_next(h)] with its triangle on the left;
  * twin[h] is the same edge seen from the other side.
- * The ghost.  A vertex "at infinity", numbered nv, closes the surface to a sphere: across
- * each hull edge a -> b lies the ghost triangle with the half-edge b -> a and the corner
- * nv.  So every half-edge has a twin, every vertex a full ring of triangles, and there
- * are always nt = 2 nv - 2 triangles, ghosts included.
+ * The ghost.  A vertex at infinity, numbered nv, closes the surface to a sphere: across each
+ * hull edge a -> b lies the ghost triangle with the half-edge b -> a and the corner nv.  So
+ * every half-edge has a twin, every vertex has a full ring of triangles, and there are
+ * always nt = 2 nv - 2 triangles, ghosts included.
  * The tree.  parent[] is the minimum spanning tree of the Delaunay graph, made by
  * mst_build(), which also numbers the vertices along a depth-first walk of it: parent[0]
  * is 0 and parent[v] < v for every other v, so 0, 1, 2, ... visits parents first.
@@ -37,8 +37,8 @@ struct mesh {
     void *block;      /* holds all of the above */
 };
 
-/* mesh_next(h), mesh_prev(h): the triangle's next and previous half-edge.  Without a
- * branch: which corner h stands at is as good as random. */
+/* mesh_next(h), mesh_prev(h): the triangle's next and previous half-edge.  Without a branch,
+ * which would be mispredicted: h is at a random corner. */
 static inline uint32_t mesh_next(uint32_t h)
 {
     return h + 1 - 3 * (uint32_t)(h % 3 == 2);
@@ -67,7 +67,7 @@ static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
            m->org[3 * t + 2] == m->nv;
 }
 
-/* mesh_real(m): how many triangles are no ghosts.  O(nt). */
+/* mesh_real(m): the number of triangles without the ghosts.  O(nt). */
 uint32_t mesh_real(const struct mesh *m);
 
 /* mesh_reserve(m, n): room for n points; the content is lost.  A mesh that is all zero is

@@ -8,8 +8,8 @@ struct mesh; /* mesh.h */
 
 /* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
  * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
- * surfacectl check.  The tree is looked at only if tree is true; it must then be a
- * spanning tree of mesh edges (minimality: mst_check()).  O(nv).
+ * surfacectl check.  If tree is true, parent[] must be a spanning tree of mesh edges (its
+ * minimality: mst_check()).  O(nv).
  * Returns ST_OK or ST_ECORRUPT. */
 enum status mesh_check(const struct mesh *m, bool tree);
 

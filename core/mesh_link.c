@@ -7,7 +7,7 @@
 #include "mesh.h"
 #include "predicates.h"
 
-/* Why the conditions below are enough.  Let every half-edge of a real triangle have its
+/* Why the conditions below suffice.  Let every half-edge of a real triangle have its
  * opposite and be strictly counter-clockwise (pair_edges) and
  * the ghosts be one ring round a convex polygon that turns once (check_ghosts).  Summed
  * as chains the real triangles have that polygon as their boundary, all other edges
@@ -20,7 +20,7 @@
  * rings = nv + 1 - 2 genus.  So the genus is 0 and each vertex has exactly one full ring.
  */
 
-/* ---- numbers in range: loops without branches, over the sign bits of what may not be
+/* ---- ranges: loops without branches, which collect the sign bits of what must not be
  * negative */
 
 static bool indices_below(const uint32_t *v, uint32_t n, uint32_t limit)
@@ -101,13 +101,13 @@ static uint32_t check_ghosts(struct mesh *m)
 
 /* ---- edges
  *
- * A half-edge waits in a table for its opposite.  Triangles that share an edge are mostly
- * near each other in the mesh, so few wait at a time and a table smaller than the mesh
- * will do.  Where the place is taken by another edge the half-edge goes to a list; after
- * each round the list, with all that still wait, is tried again by another hash.  Each
- * round leaves but a small part for the next, and there is a limit to them: the cost is
- * linear on any input.  The loop has no branch on whether the opposite is there already,
- * which is as good as chance and would be missed half of the time. */
+ * A half-edge waits in a hash table for its opposite.  Triangles that share an edge are
+ * mostly near each other in the mesh, so few wait at a time and a table smaller than the mesh
+ * suffices.  Where another edge has the place, the half-edge goes to a list; after each round
+ * the list, with all that still wait, is tried again with another hash.  Each round leaves
+ * only a small part to the next, and the number of rounds is limited: the cost is linear on
+ * any input.  The loop has no branch on whether the opposite is there: it would be
+ * mispredicted half of the time. */
 
 #define ROUNDS 64
 
@@ -127,7 +127,7 @@ static inline uint64_t mix(const struct table *t, uint32_t v)
     return v * UINT64_C(0xd1342543de82ef95) + t->salt;
 }
 
-/* Pair the half-edge h from a to b, or let it wait, or leave it for another round. */
+/* Pair the half-edge h from a to b, or put it into the table, or leave it for another round. */
 static inline void pair_half(struct table *t, uint32_t h, uint32_t a, uint32_t b,
                              uint64_t ma, uint64_t mb)
 {
@@ -147,7 +147,8 @@ static inline void pair_half(struct table *t, uint32_t h, uint32_t a, uint32_t b
     t->twin[other] = h;
 }
 
-/* What waits is left, too.  Few do: four places are looked at together. */
+/* Move what waits in the table to the list.  Most places are free: four are looked at
+ * together. */
 static void collect(struct table *t)
 {
     for (uint32_t i = 0; i <= t->mask; i += 4) {

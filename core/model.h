@@ -1,7 +1,7 @@
-/* model.h -- what was learned from many faces: everything a comparison knows about people
- * that is not in the two scans.  Shipped as a table (core/default.model, compiled in as
- * model_default), relearned from an owner's scans by `surfacectl train`.  How it is learned:
- * train.h and docs/accuracy.md. */
+/* model.h -- the model: what is known of faces in general, learned from many scans.  A
+ * comparison depends on it and on the two faces, nothing else.
+ * One model is shipped (core/default.model, compiled in as model_default); `surfacectl train`
+ * learns another.  How it is learned: learn/train.h and docs/accuracy.md. */
 #ifndef CORE_MODEL_H
 #define CORE_MODEL_H
 #include <stddef.h>
@@ -10,39 +10,40 @@
 #include "grid.h"
 #include "status.h"
 
-#define MODEL_MODES    72 /* room; a multiple of 4 */
+#define MODEL_MODES    72 /* at most; a multiple of 8 (fit.c) */
 #define MODEL_NAME_MAX 79
 
-/* What a face does between two scans of one person: the signed gap per cell (mm) is a sum
- * of modes, each with a coefficient of variance 1, and of what they leave. */
+/* The gap between two scans of one person: per cell (mm) a sum of modes, each with a
+ * coefficient of variance 1, and a rest. */
 struct model_basis {
-    uint32_t n;         /* modes, 0..MODEL_MODES; the rest is 0 */
-    float rest[GRID_N]; /* standard deviation of what is left, mm; 0: no such cell */
+    uint32_t n;         /* modes, 0..MODEL_MODES; the others are 0 */
+    float rest[GRID_N]; /* standard deviation of the rest, mm; 0: the cell is not used */
     float mode[GRID_N][MODEL_MODES];
 };
 
 struct model {
     char name[MODEL_NAME_MAX + 1]; /* what it was learned from; printable ASCII */
     float mean[GRID_N];            /* height of the mean face, mm; NAN off the face */
-    float weight[GRID_N];      /* u(x, y), 0 or more; the mean of those above 0 is 1 */
-    float cap_mm;              /* what one cell can add to the disparity at most */
-    struct model_basis motion; /* of the gap at the true pose: registers */
-    struct model_basis change; /* of the gap at the pose found: is taken out */
-    struct decision decision;  /* the calibration that belongs to it */
+    float weight[GRID_N]; /* u(x, y), 0 or more; the mean of those above 0 is 1 */
+    float cap_mm;         /* at which the rest of a cell is capped in the score */
+    struct model_basis
+        motion; /* of gaps at true poses: for the last steps of alignment */
+    struct model_basis change; /* of gaps at poses found: taken out before the score */
+    struct decision decision;  /* its own calibration */
 };
 
 extern const struct model model_default;
 
-/* model_parse(text, len, out, line): from the text form (docs/model.md).  Every number is
- * an integer there, so that the same text is the same model everywhere.
+/* model_parse(text, len, out, line): a model from its text form (docs/model.md), in which
+ * every number is an integer: the same text is the same model everywhere.
  * out   filled on ST_OK; else unspecified
- * line  may be NULL; on failure where (from 1)
- * Returns ST_OK; ST_EVERSION another version; ST_ECORRUPT. */
+ * line  the number of the line that failed, from 1; may be NULL
+ * Returns ST_OK; ST_EVERSION another version of the text; ST_ECORRUPT. */
 enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line);
 
-/* model_write(m, buf, size): m as text, NUL-terminated, into buf; returns its length, or
- * one that is >= size when it did not fit (then buf is unspecified).  Numbers are rounded
- * to the text's units: model_parse() of it gives what will be used. */
+/* model_write(m, buf, size): write m as text, NUL-terminated, to buf.  Returns the text's
+ * length; if that is >= size the text did not fit and buf is unspecified.  Numbers are
+ * rounded to the text's units, so the model in use is model_parse() of the text. */
 size_t model_write(const struct model *m, char *buf, size_t size);
 
 #endif

@@ -1,8 +1,8 @@
 /* predicates.h -- exact signs for points of the lattice.
  * With |coordinate| <= LATTICE_MAX = 2^24 a difference has at most 25 bits plus sign, so
  * orient2d (< 2^52) is exact in 64-bit integers and incircle (< 2^104) in 128.  No
- * floating-point filter stands before them: on a 64-bit machine the exact determinant is a
- * dozen multiplications without a branch, no dearer than the filter would be. */
+ * floating-point filter comes first: on a 64-bit machine the exact determinant is a dozen
+ * multiplications without a branch, about the cost of the filter. */
 #ifndef CORE_PREDICATES_H
 #define CORE_PREDICATES_H
 #include <stdbool.h>
@@ -45,10 +45,10 @@ static inline predicates_i128 incircle_det(struct ivec2 a, struct ivec2 b, struc
 bool incircle_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
 
 /* incircle(a, b, c, d): does d lie inside the circle through the counter-clockwise
- * triangle abc?  Never undecided: of cocircular points the one first by x, then y counts
- * as lying deepest (its lift x^2 + y^2 is lowered by an infinitesimal that dwarfs those of
- * the points after it).  So cocircular points have one triangulation whatever their order:
- * the fan from the lexicographically first.
+ * triangle abc?  Cocircular points are decided by symbolic perturbation: the lift x^2 + y^2
+ * of each point is lowered by an infinitesimal, that of the first by x, then y, by far the
+ * most, and so on.  So cocircular points have one triangulation in any order: the fan from
+ * the lexicographically first.
  * False where d is a, b or c.  Precondition: abc counter-clockwise. */
 static inline bool incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c,
                             struct ivec2 d)

@@ -102,7 +102,8 @@ static double relief(const struct mesh *m)
     return sqrt(sum / m->nv / (1 + a * a + b * b));
 }
 
-/* Distance in height of vertex v from the plane through its neighbours, or -1. */
+/* The distance along the normal of vertex v from the plane through its neighbours, scaled to
+ * the noise's deviation; -1: there is no such plane. */
 static double ring_residual(const struct mesh *m, uint32_t v)
 {
     const uint32_t first = m->out[v];
@@ -121,12 +122,12 @@ static double ring_residual(const struct mesh *m, uint32_t v)
     } while (h != first);
     if (f.n < 4 || !plane_solve(&f, &a, &b, &c))
         return -1;
-    /* The plane's own error at v has about 1 / n of the noise's variance. */
+    /* The plane's own error at v adds about 1 / n of the noise's variance. */
     return fabs(c) / sqrt((1 + a * a + b * b) * (1 + 1 / f.n));
 }
 
-/* White noise along the surface normal, in lattice units: from the median residual, so
- * that edges and spikes do not count.  r has room for nv / QUALITY_NOISE_STRIDE + 1. */
+/* White noise along the surface normal, in lattice units, by the median residual, on which
+ * edges and spikes have no effect.  r has room for nv / QUALITY_NOISE_STRIDE + 1. */
 static double noise(const struct mesh *m, double *r)
 {
     size_t n = 0;
@@ -189,13 +190,14 @@ enum status quality_place(const struct frame *frame)
     const bool loose =
         frame->cost_mm > QUALITY_LOOSE_MM && frame->within < QUALITY_LOOSE_SHARE;
 
-    /* A likeness that is not known is a NAN, and below nothing. */
+    /* An unknown likeness is NAN, for which the comparison is false. */
     if (frame->cost_mm > QUALITY_APART_MM || loose || frame->likeness < QUALITY_LIKENESS)
         return ST_ENOTFACE;
     return ST_OK;
 }
 
-/* Is the face turned away from the scanner, whose axes the frame's pose leads from? */
+/* Is the face turned away from the scanner?  The frame's pose maps the scanner's axes to the
+ * face's. */
 static bool turned(const struct align_pose *p)
 {
     const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));

@@ -36,7 +36,7 @@ static void blur_along(const float *in, uint32_t step, uint32_t n, float *out)
     }
 }
 
-/* rough: what the blur over the covered cells takes from the rest. */
+/* rough: the rest minus the rest blurred over the covered cells. */
 static void roughness(const struct cells *c, const float *rest, float *rough)
 {
     float seen[GRID_N], half[GRID_N], sum[GRID_N];

@@ -1,12 +1,12 @@
-/* star.h -- a vertex out of a Delaunay triangulation: what fills its star.
- * When a vertex goes, only the triangles round it change, and what fills the polygon that
- * they leave has its corners on that polygon.  Heller's rule, to cut off the ear with the
+/* star.h -- remove a vertex from a Delaunay triangulation.
+ * Only the triangles round the vertex change: those that fill the polygon they leave have
+ * their corners on that polygon.  Heller's rule, to cut off the ear with the
  * smallest circle first, does not give the Delaunay triangulation; Devillers ("On Deletion
  * in Delaunay Triangulations", Int. J. Comput. Geom. Appl. 12, 2002) orders the ears by the
- * power of the vertex that goes.  Rings are short, and this needs no such order: the
- * circles through the ends of an edge, on one side of it, lie within each other, so the
- * corner that belongs to an edge is found by one pass over those of the polygon, and what
- * is left beside that triangle is filled in the same way.  With predicates.h's rule for
+ * power of the removed vertex.  Rings are short, and no such order is needed here: the
+ * circles through the ends of an edge, on one side of it, lie within each other, so one pass
+ * over the polygon finds the corner that belongs to an edge, and the parts on both sides of
+ * that triangle are filled in the same way.  With predicates.h's rule for
  * cocircular points the result is, triangle for triangle, what delaunay_build() makes of
  * the points without that one. */
 #ifndef CORE_STAR_H
@@ -16,7 +16,7 @@
 
 struct mesh; /* mesh.h */
 
-#define STAR_MAX  64 /* neighbours; with more a vertex is not taken out */
+#define STAR_MAX  64 /* neighbours; a vertex with more is not removed */
 #define STAR_NONE UINT32_MAX
 
 struct star {
@@ -30,14 +30,14 @@ struct star {
 };
 #define STAR_RING (UINT32_C(1) << 31)
 
-/* star_find(m, v, s): what would fill v's place; m is not changed.  false: v is on the
- * hull, is out already, or has more than STAR_MAX neighbours.  O(n^2), for n neighbours. */
+/* star_find(m, v, s): the triangles that would replace v; m is not changed.  Returns false if
+ * v is on the hull, was removed before, or has more than STAR_MAX neighbours.  O(n^2), for n neighbours. */
 bool star_find(const struct mesh *m, uint32_t v, struct star *s);
 
-/* star_remove(m, s): take s->v out: m->out of it becomes STAR_NONE.  The triangles of
- * s->edge[0 .. n-3] are used again for those that fill the polygon, in that order; the
- * last two belong to nothing any more (their corners are STAR_NONE).  nv and nt stay, so m
- * is no mesh_check() mesh, but its triangles that are left are one.  Precondition: s is
+/* star_remove(m, s): remove s->v: m->out of it becomes STAR_NONE.  The triangles of
+ * s->edge[0 .. n-3] become those that fill the polygon, in that order; the corners of the
+ * last two become STAR_NONE.  nv and nt stay, so mesh_check() would refuse m, though the
+ * triangles left are a Delaunay triangulation.  Precondition: s is
  * from star_find(m, ...), and m is as it was.  O(n). */
 void star_remove(struct mesh *m, const struct star *s);
 

@@ -1,6 +1,6 @@
 /* status.h -- the outcome of every call that can fail.
  * ST_OK is 0.  core returns a status and nothing else: it prints nothing and never exits;
- * db and server add text (db/errinfo.h).  HTTP codes exist only in server/errmap.c. */
+ * the other rooms add text (base/errinfo.h).  HTTP codes exist only in server/errmap.c. */
 #ifndef CORE_STATUS_H
 #define CORE_STATUS_H
 

@@ -1,6 +1,6 @@
 /* strips.h -- points put in the order in which delaunay.c divides and conquers them.
  * The plane is cut into vertical strips of about equal count; a strip's points are sorted
- * by y, then x.  A square cell of a strip then holds a few points, so the seams of
+ * by y, then x.  A square of a strip then holds a few points, so the seams of
  * all merges together stay short (Dwyer 1987; see delaunay.h).
  * Internal to core. */
 #ifndef CORE_STRIPS_H

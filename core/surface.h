@@ -17,20 +17,20 @@ struct scratch; /* mem.h */
 /* All zero is an empty one. */
 struct surface {
     struct mesh mesh; /* with its spanning tree; the spikes laid flat */
-    int32_t *raw;     /* [nv] heights as scanned, by which the surface is moved: what is a
-                         spike depends on the side that it is seen from */
-    float *spacing;   /* [nv] holes_spacing() */
-    uint8_t *bridge;  /* [nt] holes_mark() */
-    double measured;  /* area of the triangles that do not bridge, square lattice units */
-    void *block;      /* holds raw, spacing and bridge */
-    uint32_t cap;     /* points that block has room for */
+    int32_t *raw;    /* [nv] heights as scanned.  The surface is moved by these: what is a
+                         spike depends on the side it is seen from */
+    float *spacing;  /* [nv] holes_spacing() */
+    uint8_t *bridge; /* [nt] holes_mark() */
+    double measured; /* area of the triangles that do not bridge, square lattice units */
+    void *block;     /* holds raw, spacing and bridge */
+    uint32_t cap;    /* points that block has room for */
 };
 
 /* surface_prepare(pts, n, flatten, s, out): the surface through lattice points in any order.
- * flatten  lay the spikes flat (spikes.h); else the points have none, or have it behind them
+ * flatten  lay spikes flat (spikes.h)
  * out      empty, or a former surface, whose memory is used again; on failure
  *          out->mesh.nv is 0, and out may still hold memory
- * Cost  O(n log n), about twice a triangulation.  Returns ST_OK; as delaunay_build(). */
+ * Cost  O(n log n), about twice a triangulation.  Returns as delaunay_build(). */
 enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
                             struct scratch *s, struct surface *out);
 

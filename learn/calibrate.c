@@ -20,8 +20,8 @@ static void add_knot(const struct rates *r, double mm, struct decision *d)
     d->knot[d->n++] = (struct decision_knot){mm, rate};
 }
 
-/* From the first knot to the next one with four times its rate, or the last that is a
- * quantile. */
+/* How far the rate takes to halve: between the first knot and the next with four times its
+ * rate, or the last quantile. */
 static double halving(const struct decision *d)
 {
     uint32_t i = 0;

@@ -1,4 +1,4 @@
-/* calibrate.h -- a threshold and its table of rates from comparisons of different people. */
+/* calibrate.h -- a calibration (decision.h) from non-mated comparisons. */
 #ifndef LEARN_CALIBRATE_H
 #define LEARN_CALIBRATE_H
 #include <stdint.h>
@@ -7,16 +7,16 @@
 struct decision; /* decision.h */
 struct rates;    /* rates.h */
 
-/* calibrate_learn(r, fmr, d): the threshold and the table from comparisons of different
- * people.  The threshold is the largest score at which at most the share fmr of them is
- * accepted; the knots are quantiles that rest on five comparisons or more each, and the
- * threshold; below them the rate halves at the pace it has between the lowest ones, which
- * overstates it where the tail grows thinner, as tails do.
- * ST_ETOOFEW: too few comparisons for the rate, by the rule of 3. */
+/* calibrate_learn(r, fmr, d): the calibration from r's non-mated scores.  The threshold is the
+ * largest score with a false match rate of at most fmr.  The knots are the threshold and
+ * quantiles that rest on five comparisons or more each; below them the rate halves as fast as
+ * between the lowest ones, which overstates it where the tail falls faster, as tails do.
+ * Returns ST_OK; ST_ETOOFEW too few comparisons for the rate (rule of 3). */
 enum status calibrate_learn(const struct rates *r, double fmr, struct decision *d);
 
-/* calibrate_subjects(fmr): how many people with a template each it takes for as many pairs
- * as the rule of 3 asks for: the two comparisons of a pair say much the same. */
+/* calibrate_subjects(fmr): the number of subjects, with a template each, that have as many
+ * pairs as the rule of 3 asks for.  Both comparisons of a pair count once: they are nearly
+ * the same. */
 uint32_t calibrate_subjects(double fmr);
 
 #endif

@@ -1,17 +1,17 @@
-/* corpus.h -- a collection of scans to learn from or to evaluate on: which scans there are,
- * whose, of what kind.  Files are named here and not opened.
+/* corpus.h -- a collection of scans to learn from or to evaluate on: which scans it has, of
+ * which subject, of what kind.  The scans themselves are not opened.
  *
  * A folder of scans (*.ply *.obj *.xyz *.txt, small or capital letters; no subfolders),
- * named SUBJECT_KIND.ply: what comes before the first underscore is the subject, the rest
- * the kind (neither may be missing).  Those that cannot be taken are listed, with the reason,
- * and what else is in the folder is counted.  Or a manifest, a CSV file (csv.h); that of a folder is
- * called index.csv and is used when there is one.  Its columns, in any order:
+ * named SUBJECT_KIND.ply: the subject is what comes before the first underscore, the kind the
+ * rest; neither may be empty.  Scans that cannot be used are listed with the reason, other
+ * files are counted.  Or a manifest, a CSV file (csv.h); a folder's manifest is index.csv.
+ * Its columns, in any order:
  *   file                  the scan, relative to the manifest's folder
  *   subject, or else id   whose it is
  *   kind                  what it is, any word; optional
- *   population            impostors are taken within a population; optional
+ *   population            non-mated pairs are of one population; optional
  *   yaw pitch roll tx ty tz   the pose it was given, degrees and mm: all or none, optional
- * Others are passed over.  A file subjects.csv beside it is optional too: columns id and,
+ * Other columns are ignored.  A file subjects.csv beside it is optional too: columns id and,
  * both optional, population and relative_of (a close relative's id).
  *
  * Of each subject one scan is enrolled: the first of kind `enroll`, or else the first one
@@ -33,16 +33,16 @@ struct corpus_scan {
     uint32_t subject; /* of corpus.subject */
     uint32_t kind;    /* of corpus.kind */
     bool enrolled;
-    double
-        pose[6]; /* yaw, pitch, roll (degrees), tx, ty, tz (mm), if corpus.posed: a point
-                       p of the head was put to Rz Rx Ry p plus a shift; p from any
-                       point that is the same in all scans (train_motion_centre()) */
+    double pose
+        [6]; /* yaw, pitch, roll (degrees), tx, ty, tz (mm), if corpus.posed: a point p
+                       of the head is at Rz Rx Ry p plus the shift, p relative to some point
+                       that is the same in all scans (train_motion_centre()) */
 };
 
 struct corpus_subject {
     char *id;
     uint32_t enrolled;    /* of corpus.scan */
-    uint32_t nscan;       /* its own scans, the enrolled one too */
+    uint32_t nscan;       /* its scans, with the enrolled one */
     uint32_t population;  /* of corpus.population */
     uint32_t relative_of; /* of corpus.subject, or CORPUS_NONE; nsubject or above: of
                              somebody without scans */
@@ -75,7 +75,7 @@ struct corpus {
 enum status corpus_read(const char *path, struct corpus **out, struct errinfo *e);
 void corpus_free(struct corpus *c); /* NULL is allowed */
 
-/* How two subjects stand to each other. */
+/* What a pair of subjects is. */
 enum corpus_pair {
     CORPUS_GENUINE,  /* the same one */
     CORPUS_IMPOSTOR, /* two people of one population */

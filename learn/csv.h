@@ -1,6 +1,6 @@
 /* csv.h -- tables in text files as spreadsheets write them (RFC 4180): a heading, then rows.
  * Fields are separated by commas and may be quoted ("a, b", "say ""yes"""); lines end with
- * LF or CR LF; a byte order mark and empty lines are passed over.  Every byte is hostile. */
+ * LF or CR LF; a byte order mark and empty lines are skipped.  Any bytes are safe. */
 #ifndef LEARN_CSV_H
 #define LEARN_CSV_H
 #include <stdbool.h>
@@ -36,15 +36,16 @@ enum status csv_need(const struct csv *t, const char *name, int *column,
  * Returns ST_OK; ST_EINVAL malformed, or not as many fields as the heading has; ST_ELIMIT. */
 enum status csv_next(struct csv *t, bool *more, struct errinfo *e);
 
-/* csv_field(t, column): of the present row, without blanks round it; "" where column is
- * -1.  Valid until the next csv_next(). */
+/* csv_field(t, column): the field of the current row, without blanks round it; "" where
+ * column is -1.  Valid until the next csv_next(). */
 const char *csv_field(const struct csv *t, int column);
 
-/* csv_bad(t, column, e, what): ST_EINVAL, with a message that says file, line, the column's
- * name and what. */
+/* csv_bad(t, column, e, what): returns ST_EINVAL, with a message that names the file, the
+ * line and the column, and says what. */
 enum status csv_bad(const struct csv *t, int column, struct errinfo *e, const char *what);
 
-/* csv_number(t, column, out, e): the field as a finite number; ST_EINVAL: it is none. */
+/* csv_number(t, column, out, e): the field as a number; ST_EINVAL where it is not a finite
+ * number. */
 enum status csv_number(const struct csv *t, int column, double *out, struct errinfo *e);
 
 #endif

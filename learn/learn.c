@@ -22,7 +22,7 @@ void learn_sample(const struct cells *c, float *out)
 
 /* ---- the leading part of a covariance */
 
-/* In partial sums, so that additions need not wait for each other. */
+/* In four partial sums, which the processor adds in parallel. */
 static double dot(const double *a, const double *b)
 {
     double s[4] = {0, 0, 0, 0};
@@ -50,7 +50,7 @@ static double over(double x)
     return x > 0 ? 1 / x : 0;
 }
 
-/* Gram and Schmidt; a row that depends on those before it becomes 0. */
+/* Gram-Schmidt; a row that depends on those before it becomes 0. */
 static void orthonormal(double *v, uint32_t k)
 {
     for (uint32_t i = 0; i < k; i++) {
@@ -63,7 +63,7 @@ static void orthonormal(double *v, uint32_t k)
     }
 }
 
-/* What multiplies each of k rows by a covariance. */
+/* Multiplies each of k rows by a covariance. */
 typedef void times(const void *arg, const double *v, uint32_t k, double *out);
 
 /* leading(apply, arg, k, v, l): l^T l becomes the leading part, of rank k, of the
@@ -73,7 +73,7 @@ static void leading(times *apply, const void *arg, uint32_t k, double *v, double
 {
     double r[MODEL_MODES];
 
-    for (uint32_t i = 0; i < k; i++) /* a start without chance: rows all different */
+    for (uint32_t i = 0; i < k; i++) /* a fixed start: a hash of row and column */
         for (uint32_t c = 0; c < GRID_N; c++)
             v[(size_t)i * GRID_N + c] =
                 (double)((((i + 1) * 2654435761u) ^ (c * 40503u)) * 2246822519u >> 8) /
@@ -138,8 +138,8 @@ static void clip(const float *gap, bool mirror, const bool *used, float *out)
     }
 }
 
-/* Fill the missing cells of a sample by what p makes of the others; add the squares of
- * what p leaves of those to square, their number to count. */
+/* Fill in the missing cells of a sample by fitting p to the others; add the squares of the
+ * others' rest to square and their number to count. */
 static enum status fill(float *x, const struct fit_basis *p, struct scratch *s,
                         double *square, double *count)
 {
@@ -178,7 +178,7 @@ struct modes_work {
     bool used[GRID_N];
 };
 
-/* All samples anew, filled by b (0 where it has no modes yet); b->rest brought up to date. */
+/* Fill in all samples from gap by b (with 0 while it has no modes), and update b->rest. */
 static enum status fill_all(struct modes_work *w, const float *gap, size_t n,
                             struct model_basis *b)
 {
@@ -350,7 +350,7 @@ enum status learn_smooth(struct model_basis *b, double length_mm, double share,
 
 #define DESCENTS  400
 #define RIDGE     1e-3
-#define INTERCEPT 10.0 /* its feature: large, so that it moves as fast as the weights */
+#define INTERCEPT 10.0 /* its feature: large, so that it converges with the weights */
 #define RIGID_MM  0.6
 
 double learn_rigid(uint32_t cell)
@@ -361,7 +361,7 @@ double learn_rigid(uint32_t cell)
         const double x = fabs(grid_x(c)), y = grid_y(c);
         const double dx = grid_x(c) - grid_x(cell), dy = y - grid_y(cell);
         const double w = exp(-(dx * dx + dy * dy) / (2 * 8.0 * 8.0));
-        double mm = 1.2; /* what expressions move there: cheeks */
+        double mm = 1.2; /* that expressions move the cheeks; below, other places */
 
         if (y <= -14)
             mm = 1.5; /* mouth and jaw */

@@ -1,8 +1,8 @@
-/* rates.h -- error rates of comparisons, and how well they are known.
- * A comparison is accepted at a threshold when its score is at or below it (a disparity:
- * the smaller the more alike).  INFINITY, for one that says nothing (inconclusive), is never
- * accepted.  Terms as in ISO/IEC 19795-1: FMR, the share of impostor comparisons accepted;
- * FNMR, the share of genuine ones refused; TAR = 1 - FNMR; EER, where both are equal. */
+/* rates.h -- error rates of comparisons, with their uncertainty.
+ * A comparison matches at a threshold when its score is at or below it (the smaller the more
+ * alike).  INFINITY stands for an inconclusive comparison, which never matches.  Terms as in
+ * ISO/IEC 19795-1: FMR, the share of non-mated (impostor) comparisons that match; FNMR, the
+ * share of mated (genuine) ones that do not; TAR = 1 - FNMR; EER, where both are equal. */
 #ifndef LEARN_RATES_H
 #define LEARN_RATES_H
 #include <stdbool.h>
@@ -15,9 +15,9 @@ struct rates_score {
     uint32_t template, probe; /* whose; the same subject: a genuine comparison */
 };
 
-/* Rule of 3: of n independent comparisons without an error, the rate is below 3 / n with
- * 95 % confidence; so no smaller rate can be stated, nor a threshold for one be chosen.
- * rates_least(n) is 3 / n, INFINITY for none; rates_needed(rate) the n that support it. */
+/* Rule of 3: after n independent comparisons without an error the rate is below 3 / n with
+ * 95 % confidence, so n comparisons support no smaller rate.
+ * rates_least(n) is 3 / n, INFINITY for n = 0; rates_needed(rate) is the n that supports it. */
 double rates_least(size_t n);
 bool rates_supported(double rate, size_t n); /* rate >= 3 / n */
 size_t rates_needed(double rate);            /* 0 < rate <= 1 */
@@ -25,12 +25,11 @@ size_t rates_needed(double rate);            /* 0 < rate <= 1 */
 #define RATES_TARGETS 3
 extern const double rates_target[RATES_TARGETS]; /* FMR: 0.01, 0.001, 0.0001 */
 
-/* Rates that rest on nothing are NaN.  What the number of comparisons supports is for the
- * caller to ask. */
+/* A rate of no comparisons is NaN.  The caller asks rates_supported() what can be stated. */
 struct rates_figures {
     double eer,
-        eer_mm; /* linear between the scores round the crossing, of which eer_mm is
-                           the larger one; where more is inconclusive, the least FNMR */
+        eer_mm; /* linear between the two scores at the crossing, of which eer_mm is
+                           the larger; where more is inconclusive, the least FNMR */
     double tar[RATES_TARGETS]; /* at the largest score that keeps the FMR at the target */
     double tar_mm[RATES_TARGETS]; /* that score; -1: none does */
     double fmr, fnmr;             /* at the given threshold */
@@ -51,20 +50,20 @@ size_t rates_nimpostor(const struct rates *r);
 double rates_fmr(const struct rates *r, double mm);
 double rates_fnmr(const struct rates *r, double mm);
 
-/* rates_at(r, fmr): the largest score of any comparison, not INFINITY, at which the FMR is
- * at most that; -1 where there is none; O(n log n).  Of tied scores all are accepted or none. */
+/* rates_at(r, fmr): the largest finite score at which the FMR is at most fmr; -1: none.  Of
+ * equal scores all match or none.  O(log n). */
 double rates_at(const struct rates *r, double fmr);
 
 /* rates_figures(r, threshold_mm, out): O(n). */
 void rates_figures(const struct rates *r, double threshold_mm, struct rates_figures *out);
 
-/* rates_bootstrap(r, threshold_mm, replicates, seed, low, high): 95 % intervals of the
- * figures, the 2.5 and 97.5 per cent points over replicates in which the *subjects* are
- * drawn with replacement: a genuine comparison counts as often as its subject was drawn,
- * an impostor comparison as often as the one times as often as the other.  What one
- * person's scans have in common is so accounted for; what the errors never seen could be
- * is not: see the rule of 3.  eer_mm and tar_mm are bounded too.
- * Deterministic in its arguments; replicates where a figure rests on nothing are left out.
+/* rates_bootstrap(r, threshold_mm, replicates, seed, low, high): 95 % intervals of all
+ * figures: the 2.5 and 97.5 % quantiles over replicates, in which the *subjects* are drawn
+ * with replacement.  A mated comparison counts as often as its subject was drawn, a non-mated
+ * one as often as the product of both.  The intervals account for what scans of one person
+ * have in common, not for errors that never occurred (rule of 3).
+ * Deterministic in its arguments.  A replicate in which a figure has no comparisons is left
+ * out of it.
  * Cost  replicates x O(n).  Returns ST_OK, ST_EINVAL (no replicates), ST_ENOMEM. */
 #define RATES_REPLICATES 1000
 enum status rates_bootstrap(const struct rates *r, double threshold_mm,
@@ -76,9 +75,9 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
 enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
                                uint64_t seed, double *low, double *high);
 
-/* rates_random(state): splitmix64, for sampling that is the same everywhere. */
+/* rates_random(state): splitmix64: the same numbers on every machine. */
 uint64_t rates_random(uint64_t *state);
-/* rates_below(state, n): a number 0..n-1, each as likely; n > 0. */
+/* rates_below(state, n): uniform on 0..n-1; n > 0. */
 uint32_t rates_below(uint64_t *state, uint32_t n);
 
 #endif

@@ -61,7 +61,7 @@ struct train {
     struct pair *pair;
     size_t n, ngenuine; /* genuine ones first */
     float *gap;         /* [n][GRID_N] learn_sample() at the pose found */
-    double *mm;         /* [n] a model's disparity; INFINITY: inconclusive */
+    double *mm;         /* [n] score by a model; INFINITY: inconclusive */
 
     struct learner by[3];              /* both halves, and for cross-validation each */
     float *rest_all, *rest_halves;     /* [n][GRID_N]; by place of by[1] and by[2] */
@@ -82,14 +82,14 @@ __attribute__((format(printf, 2, 3))) static void tell(const struct train *t,
     t->say(t->arg, line);
 }
 
-/* ---- pairs, on all cores: each item fills its own place, so their order does not matter */
+/* ---- pairs, on all cores: each item writes its own place, so the order does not matter */
 
 static const struct face *face_at(const struct train *t, uint32_t scan)
 {
     return &t->set->face[scan];
 }
 
-/* The pose that is found, and the gap there. */
+/* The pose that face_compare() finds, and the gap there. */
 static enum status gap_found(void *arg, size_t i, struct face_work *w, struct errinfo *e)
 {
     struct train *t = arg;
@@ -110,7 +110,7 @@ static enum status gap_found(void *arg, size_t i, struct face_work *w, struct er
     return ST_OK;
 }
 
-/* By the base model, as a comparison does it. */
+/* The score by the base model. */
 static enum status judge_before(void *arg, size_t i, struct face_work *w,
                                 struct errinfo *e)
 {
@@ -135,8 +135,8 @@ static double disparity(const struct score *s, double overlap)
                : s->mm;
 }
 
-/* By the new model, as a comparison does it: the search, which knows nothing of change and
- * weight, would find the same pose again. */
+/* The score by the new model, at the pose found before: alignment does not depend on change
+ * and weight. */
 static enum status judge_after(void *arg, size_t i, struct face_work *w,
                                struct errinfo *e)
 {
@@ -214,7 +214,7 @@ static unsigned half_of(const struct train *t, size_t i)
     return t->set->corpus->scan[t->pair[i].probe].subject & 1;
 }
 
-/* Room for what is learned, and who learns from what. */
+/* Allocate what is learned, and divide the pairs among the learners. */
 static enum status make_room(struct train *t)
 {
     size_t n = 0;
@@ -319,8 +319,8 @@ static enum status fit_pair(const struct train *t, size_t i, const struct learne
     return st;
 }
 
-/* What a learner's change leaves of its own pairs: every pair twice, for both halves
- * together and for its own. */
+/* The rest of a pair by a learner that learned from it: every pair twice, by the learner of
+ * both halves and by that of its own half. */
 static enum status fit_own(void *arg, size_t i, struct face_work *w, struct errinfo *e)
 {
     struct train *t = arg;
@@ -354,7 +354,7 @@ static enum status learn_where(void *arg, size_t i, struct face_work *w,
                : errinfo_set(e, st, "learning the weight: %s", status_message(st));
 }
 
-/* A pair by what the other half of the subjects taught. */
+/* A pair's score by the learner of the other half of the subjects. */
 static enum status judge_other(void *arg, size_t i, struct face_work *w,
                                struct errinfo *e)
 {
@@ -373,7 +373,7 @@ static enum status judge_other(void *arg, size_t i, struct face_work *w,
     return ST_OK;
 }
 
-/* t->mm of the pairs that are judged, or of all pairs of different people. */
+/* The rates of the judged pairs, or of all non-mated pairs. */
 static enum status rates(const struct train *t, bool impostors, struct rates **out,
                          struct errinfo *e)
 {
@@ -407,7 +407,7 @@ static enum status figures(const struct train *t, struct rates_figures *out,
     return st;
 }
 
-/* The text form rounds; what is shipped and loaded is the rounded one. */
+/* Round m as its text form does: the rounded model is the one that is used. */
 static enum status as_text(struct model *m)
 {
     const size_t len = model_write(m, NULL, 0);

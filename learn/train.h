@@ -1,13 +1,13 @@
-/* train.h -- a model (core/model.h) learned from a collection of scans.
- *   1. The mean face and every face's frame: from the principal axes and noses of the
- *      enrolled scans, then laid on their mean again and again.
+/* train.h -- learn a model (core/model.h) from a collection of scans.
+ *   1. The mean face and every face's frame: first by principal axes and noses of the enrolled
+ *      scans, then by alignment to their mean, several times.
  *   2. The basis of motion: from all pairs of scans of one subject at their true poses, where
- *      the collection knows them (train_motion.h); else the base model's.
- *   3. The gaps per cell of all genuine pairs and of impostor pairs, each at the pose found.
- *   4. The basis of change from the genuine ones, smooth changes added; u(x, y) from what
- *      it leaves of both; the calibration from the impostors' disparities.
- * Steps 4's outcome for people it was not learned from is told by learning from one half
- * of the subjects and judging the other, and the other way round.
+ *      the collection has them (train_motion.h); else the base model's.
+ *   3. The gaps per cell of all mated pairs and of some non-mated pairs, at the poses found.
+ *   4. The basis of change from the mated pairs, with smooth changes added; u(x, y) from what
+ *      it leaves of all pairs; the calibration from the non-mated scores.
+ * Error rates for subjects that were not learned from: each half of the subjects is scored by
+ * what step 4 learned from the other half.
  * Deterministic: the same scans give the same model, on any number of threads. */
 #ifndef LEARN_TRAIN_H
 #define LEARN_TRAIN_H
@@ -22,9 +22,9 @@ struct train_set; /* train_set.h */
 
 #define TRAIN_MIN_SUBJECTS 20
 #define TRAIN_MIN_PROBES                                                                 \
-    250                 /* scans besides the enrolled ones: 12 impostors each, and 3000
-                                  are what a rate of 0.1 % takes (rule of 3) */
-#define TRAIN_FMR 0.001 /* the calibration's */
+    250 /* scans that are not enrolled: with 12 non-mated pairs each, the 3,000 pairs
+                  that a rate of 0.1 % needs (rule of 3) */
+#define TRAIN_FMR 0.001 /* of the calibration */
 
 struct train_report {
     size_t genuine, impostor; /* pairs */
@@ -33,17 +33,17 @@ struct train_report {
     double threshold_mm;
 };
 
-/* train_model(set, base, name, threads, say, arg, out, report, e): the faces' frames are set
- * anew, by the new mean.
- * base     its motion is used where no poses are known; compared with
- * name     what is written into the model; printable ASCII, cut at MODEL_NAME_MAX
- * threads  0: one a core
- * say      called with a line of text now and then, on the calling thread; may be NULL
- * out      as it will be read from its text: rounded
- * Memory: 16 kB a pair, of which there are 13 for each probe.  Cost: about two comparisons a
- * pair.
- * Returns ST_OK; ST_EINVAL: too few subjects, scans or pairs to learn from; ST_ECORRUPT:
- * what was learned is no model; ST_ENOMEM. */
+/* train_model(set, base, name, threads, say, arg, out, report, e): learn out from set.  Sets
+ * the faces' frames by the new mean.
+ * base     gives the basis of motion where no poses are known, and report->before
+ * name     the model's name; printable ASCII, cut at MODEL_NAME_MAX
+ * threads  0: one for each core
+ * say      called with a line of text after each step, on the calling thread; may be NULL
+ * out      rounded as its text form is
+ * Memory: 16 kB for each pair, of which each probe has 13.  Cost: about two comparisons for
+ * each pair.
+ * Returns ST_OK; ST_EINVAL too few subjects, scans or pairs; ST_ECORRUPT the result is not a
+ * valid model; ST_ENOMEM. */
 enum status train_model(const struct train_set *set, const struct model *base,
                         const char *name, unsigned threads,
                         void (*say)(void *arg, const char *line), void *arg,

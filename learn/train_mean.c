@@ -149,7 +149,7 @@ static void neutral(struct model *m)
 
         m->weight[c] = 1.0f;
         m->change.rest[c] = face ? (float)DEVIATION : 0.0f;
-        /* what keeps its shape: not mouth and jaw, and the sides less */
+        /* mouth and jaw change their shape, the sides a little */
         m->motion.rest[c] = face ? (float)(DEVIATION / sqrt(below * side)) : 0.0f;
     }
     m->motion.n = m->change.n = 0;
@@ -157,7 +157,7 @@ static void neutral(struct model *m)
     m->decision = (struct decision){1.0, 0.1, 2, {{1.0, 0.001}, {10.0, 1.0}}};
 }
 
-/* Enough of a mean to lay faces on. */
+/* Is the mean large enough to align faces to? */
 static bool is_face(const float *mean)
 {
     uint32_t n = 0;

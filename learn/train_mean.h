@@ -10,11 +10,12 @@ struct model;      /* model.h */
 struct surface;    /* surface.h */
 struct train_set;  /* train_set.h */
 
-/* train_mean(set, threads, m, e): m->mean, and the frames of all of the set's faces by it: from each
- * enrolled face's principal axes and nose at first, then by laying all on their mean,
- * TRAIN_MEAN_ROUNDS times.  The mean is symmetric, its nose tip at the origin, and upright:
- * 60 mm above and below the nose tip it is as high.  Everything else in m becomes neutral:
- * no modes, u = 1.  Returns ST_OK; ST_EINVAL: nothing in common; ST_ENOMEM. */
+/* train_mean(set, threads, m, e): set m->mean, and the frames of all faces of the set: first
+ * by each enrolled face's principal axes and nose, then by alignment to the mean,
+ * TRAIN_MEAN_ROUNDS times.  The mean is symmetric, its nose tip is at the origin, and it is
+ * upright: as high 60 mm above the nose tip as 60 mm below.  Everything else in m becomes
+ * neutral: no modes, u = 1.
+ * Returns ST_OK; ST_EINVAL the faces have no surface in common; ST_ENOMEM. */
 #define TRAIN_MEAN_ROUNDS 5
 enum status train_mean(const struct train_set *set, unsigned threads, struct model *m,
                        struct errinfo *e);
