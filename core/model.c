@@ -147,7 +147,7 @@ static bool usable(const struct model *m)
         if (isnan(m->weight[i]))
             return false;
     }
-    return face >= 200 && measured >= 200 && weighed >= 20;
+    return face >= MODEL_FACE_MIN && measured >= MODEL_FACE_MIN && weighed >= 20;
 }
 
 enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line)

@@ -12,6 +12,7 @@
 
 #define MODEL_MODES    72 /* at most; a multiple of 8 (fit.c) */
 #define MODEL_NAME_MAX 79
+#define MODEL_FACE_MIN 200 /* cells that a mean face must have: a sixth of the grid */
 
 /* The gap between two scans of one person: per cell (mm) a sum of modes, each with a
  * coefficient of variance 1, and a rest. */

@@ -33,10 +33,10 @@ struct corpus_scan {
     uint32_t subject; /* of corpus.subject */
     uint32_t kind;    /* of corpus.kind */
     bool enrolled;
-    double pose
-        [6]; /* yaw, pitch, roll (degrees), tx, ty, tz (mm), if corpus.posed: a point p
-                       of the head is at Rz Rx Ry p plus the shift, p relative to some point
-                       that is the same in all scans (train_motion_centre()) */
+    /* If corpus.posed: yaw, pitch, roll (degrees), tx, ty, tz (mm).  A point p of the head is
+     * at Rz Rx Ry p plus the shift, where p is relative to some point that is the same in all
+     * scans (train_motion_centre()). */
+    double pose[6];
 };
 
 struct corpus_subject {

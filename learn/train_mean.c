@@ -15,10 +15,9 @@
 #include "pool.h"
 #include "train_set.h"
 
-#define ENOUGH      0.4 /* share of the faces, and their mirror images, that cover a cell */
-#define LEAST_CELLS 200  /* of the mean: what model_parse() asks for */
-#define UPRIGHT_MM  60.0 /* above and below the nose tip the mean face is as high */
-#define DEVIATION   0.5  /* mm, before anything is known of change */
+#define ENOUGH     0.4 /* share of the faces, and their mirror images, that cover a cell */
+#define UPRIGHT_MM 60.0 /* above and below the nose tip the mean face is as high */
+#define DEVIATION  0.5  /* mm, before anything is known of change */
 
 void train_mean_map(const struct surface *face, const struct align_pose *pose,
                     float z[GRID_N])
@@ -164,7 +163,7 @@ static bool is_face(const float *mean)
 
     for (uint32_t c = 0; c < GRID_N; c++)
         n += isfinite(mean[c]) ? 1 : 0;
-    return n >= LEAST_CELLS;
+    return n >= MODEL_FACE_MIN;
 }
 
 struct placing {

@@ -1,5 +1,5 @@
-/* cloudfile.h -- scanner files in memory: PLY, OBJ and XYZ, vertex positions only.
- * Every byte is hostile.  Nothing is opened, nothing is fetched. */
+/* cloudfile.h -- the points of a scanner's file in memory: PLY, OBJ or XYZ.
+ * Any bytes are safe.  Nothing that a file names is opened or fetched. */
 #ifndef SCAN_CLOUDFILE_H
 #define SCAN_CLOUDFILE_H
 #include <stddef.h>
@@ -23,11 +23,11 @@ enum cloudfile_format {
  *       values on a line too many, or bytes after the last row are errors (elements that
  *       follow the vertices are not read).  No vertices at all is ST_OK with *n == 0.
  * OBJ   "v" with 3 to 8 numbers, the first three taken; a backslash continues a line;
- *       other keywords are passed over.
- * XYZ   separated by blanks, or by commas, or by semicolons, but not by a mixture (which
- *       would be a decimal comma); lines beginning with # or // are comments, and the
- *       first other line may be a heading (it begins with a letter or a quotation mark).
- * Numbers are read alike in every locale and correctly rounded.  Cost O(len) time; memory
+ *       other keywords are skipped.
+ * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
+ *       would be a decimal comma); lines that begin with # or // are comments, and the first
+ *       other line may be a heading, which begins with a letter or a quotation mark.
+ * Numbers do not depend on the locale and are correctly rounded.  Cost O(len) time; memory
  * at most 8 bytes per byte of input, whatever the header claims.
  * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE; ST_ELIMIT more than
  * max_points; ST_EVERSION a format variant not supported; ST_ENOMEM. */

@@ -265,8 +265,8 @@ static double load(const unsigned char *p, enum type type, bool swap)
     }
 }
 
-/* Pass over one row; axis values go to xyz where that is not NULL.  False: it is cut off,
- * or a list has a negative length. */
+/* Read one row; the coordinates go to xyz, unless that is NULL.  False: the row is cut off, or
+ * a list has a negative length. */
 static bool read_row(struct cloudtext *t, const struct header *h, const struct element *e,
                      double *xyz)
 {
@@ -294,7 +294,7 @@ static bool read_row(struct cloudtext *t, const struct header *h, const struct e
     return true;
 }
 
-/* The vertices' rows are all of one length: a column at a time. */
+/* Rows of one length: read column by column. */
 static void read_columns(const unsigned char *rows, const struct header *h, size_t n,
                          struct dvec3 *out)
 {
@@ -335,7 +335,7 @@ static enum status skip_element(struct cloudtext *t, const struct header *h,
     if (!e->lists) {
         if (e->stride != 0 && e->rows > (uint64_t)(t->end - t->p) / e->stride)
             return cloudtext_fail(t, ST_EINVAL, "the data ends before the vertices");
-        t->p += e->rows * e->stride; /* no rows of no bytes are walked */
+        t->p += e->rows * e->stride; /* in one step, however many rows of 0 bytes */
         return ST_OK;
     }
     for (uint64_t row = 0; row < e->rows; row++)
@@ -375,7 +375,7 @@ static enum status read_binary(struct cloudtext *t, const struct header *h, size
 
 /* ---- text data */
 
-/* One row on a line of its own; blank lines before it are passed over. */
+/* One row, on a line of its own; blank lines before it are skipped. */
 static enum status read_text_row(struct cloudtext *t, const struct header *h,
                                  const struct element *e, double *xyz)
 {
@@ -445,7 +445,7 @@ static enum status read_text(struct cloudtext *t, const struct header *h,
 
 /* ---- all of it */
 
-/* The vertices stand at t->p: can the bytes present hold as many as promised? */
+/* t->p is at the vertices: are there enough bytes for as many as the header says? */
 static enum status check_count(struct cloudtext *t, const struct header *h,
                                size_t max_points)
 {

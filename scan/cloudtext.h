@@ -1,5 +1,5 @@
-/* cloudtext.h -- a cursor over the hostile text of a scanner file: words, numbers, lines,
- * and errors that say where.  For cloudfile.c and the
+/* cloudtext.h -- a cursor over the text of a scanner's file: words, numbers, lines, and errors
+ * with their place.  Any text is safe.  For cloudfile.c and the
  * readers of each format. */
 #ifndef SCAN_CLOUDTEXT_H
 #define SCAN_CLOUDTEXT_H
@@ -25,29 +25,29 @@ struct cloudtext_points {
     size_t n, max;
 };
 
-/* cloudtext_fail(t, st, fmt, ...): fill *t->err for the byte at t->p; returns st. */
+/* cloudtext_fail(t, st, fmt, ...): fill *t->err, for the byte at t->p; returns st. */
 __attribute__((format(printf, 3, 4))) enum status
 cloudtext_fail(struct cloudtext *t, enum status st, const char *fmt, ...);
 
-/* cloudtext_blank(t): pass over blanks and tabs. */
+/* cloudtext_blank(t): skip blanks and tabs. */
 void cloudtext_blank(struct cloudtext *t);
 
 /* cloudtext_eol(t): does the line, or the text, end here? */
 bool cloudtext_eol(const struct cloudtext *t);
 
-/* cloudtext_newline(t): pass over one line end (LF, CR LF or CR), if it is here. */
+/* cloudtext_newline(t): skip one line end (LF, CR LF or CR), if there is one. */
 void cloudtext_newline(struct cloudtext *t);
 
-/* cloudtext_skip(t): pass over the rest of the line and its end. */
+/* cloudtext_skip(t): skip the rest of the line and its end. */
 void cloudtext_skip(struct cloudtext *t);
 
-/* cloudtext_word(t, len): the word here, up to a blank or the line's end, which is passed
- * over with the blanks before it; *len is 0 at the line's end. */
+/* cloudtext_word(t, len): skip blanks, then read a word, up to a blank or the line's end;
+ * *len is 0 at the line's end. */
 const char *cloudtext_word(struct cloudtext *t, size_t *len);
 bool cloudtext_is(const char *word, size_t len, const char *what);
 
-/* cloudtext_number(t, out): the finite number here, after blanks; after it must come a
- * blank, a comma, a semicolon or the line's end.
+/* cloudtext_number(t, out): read a finite number, after blanks; a blank, a comma, a semicolon
+ * or the line's end must follow it.
  * Returns ST_OK, ST_EINVAL (no number), ST_ENOTFINITE. */
 enum status cloudtext_number(struct cloudtext *t, double *out);
 
@@ -59,11 +59,11 @@ enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
 bool cloudtext_comment(const struct cloudtext *t);
 bool cloudtext_is_letter(char c); /* or an underscore */
 
-/* cloudtext_plain(t): is everything from p on text?  ST_EINVAL at the first control
+/* cloudtext_plain(t): check that everything from p on is text.  ST_EINVAL at the first control
  * character other than tab, line feed, form feed and carriage return. */
 enum status cloudtext_plain(struct cloudtext *t);
 
-/* cloudtext_lines(t): an upper bound of the lines from p on. */
+/* cloudtext_lines(t): an upper bound of the number of lines from p on. */
 size_t cloudtext_lines(const struct cloudtext *t);
 
 #endif

@@ -1,4 +1,4 @@
-/* faces.c -- the disparity-measure paper's figures 10 and 11: two face models before and
+/* faces.c -- the disparity-measure paper's figures 10 and 11: two faces before and
  * after alignment; and what the weight u(x, y) of its definition (1) does. */
 #include <math.h>
 #include <stdlib.h>

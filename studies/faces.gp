@@ -1,4 +1,4 @@
-# Two face models before and after alignment.
+# Two faces before and after alignment.
 array title[2] = ['the same person again', 'another person']
 do for [k = 1:2] {
     who = word('person other', k)

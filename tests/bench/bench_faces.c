@@ -34,7 +34,7 @@ enum row {
     MEASURE,
     HOLES,
     SUM,
-    STORED,  /* the same with side a decoded from a stored model */
+    STORED,  /* the same with side a decoded from a stored template */
     SCRATCH, /* our triangulation of the union from scratch */
     PEER_ONE,
     PEER_DELAUNAY,
@@ -68,7 +68,7 @@ static struct timing row[ROWS];
 static struct scratch scratch;
 static struct mesh general, whole;
 static uint32_t *b_vertex;
-static struct face model;
+static struct face decoded;
 static struct face_work *work;
 static struct disparity_vertex *vertex;
 
@@ -161,8 +161,8 @@ static double stored(struct pair *p)
     const double start = timing_now_ms();
     double mm;
 
-    must(codec_decode(p->blob, p->blob_size, work, &model, NULL));
-    a.own = model.surface;
+    must(codec_decode(p->blob, p->blob_size, work, &decoded, NULL));
+    a.own = decoded.surface;
     must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
     must(mst_build(&b->own.mesh, &scratch));
     must(surface_derive(&b->own, &scratch));
@@ -173,11 +173,11 @@ static double stored(struct pair *p)
 
 static void store(struct pair *p)
 {
-    model.surface = p->a.own;
+    decoded.surface = p->a.own;
     p->blob_size = codec_size(&p->a.own.mesh);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&model, p->blob);
-    model.surface = (struct surface){0};
+    codec_encode(&decoded, p->blob);
+    decoded.surface = (struct surface){0};
 }
 
 static void scratch_union(const struct pair *p)

@@ -1,4 +1,4 @@
-/* Face models: what is accepted and refused, and that a model depends on the points alone. */
+/* Faces: what is accepted and refused, and that a face depends on its points alone. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>

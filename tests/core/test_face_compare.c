@@ -1,5 +1,5 @@
-/* Comparing face models: what is found depends on the two models alone, and the decision on
- * what is found and the threshold. */
+/* Comparing faces: pose, disparity and score depend on the two faces alone, the decision on
+ * these and the threshold. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
