@@ -56,7 +56,7 @@ static int run_import(struct ctl *c)
     ctl_out_number(c->out, "subjects_new", (double)m.new_subjects);
     ctl_out_number(c->out, "templates_new", (double)m.new_templates);
     ctl_out_number(c->out, "subjects_erased", (double)m.erased);
-    ctl_out_number(c->out, "templates_stale", (double)m.outdated);
+    ctl_out_number(c->out, "templates_to_reencode", (double)m.outdated);
     ctl_out_flag(c->out, "imported", !c->dry_run);
     if (c->json)
         return EXIT_FINE;

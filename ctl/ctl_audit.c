@@ -1,6 +1,7 @@
 /* The audit log: shown, verified, signed, written to a file that can be verified without the
  * database; and who was erased. */
 #include <inttypes.h>
+#include <math.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,8 +42,7 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
     ctl_out_text(c->out, "at", a->at);
     ctl_out_text(c->out, "kind", a->kind);
     ctl_out_text(c->out, "actor", a->actor);
-    if (a->subject[0] != '\0')
-        ctl_out_text(c->out, "subject", a->subject);
+    ctl_out_text(c->out, "subject", a->subject[0] != '\0' ? a->subject : NULL);
     ctl_out_text(c->out, "subject_ref", a->ref);
     ctl_out_text(c->out, "template_id", a->template_id);
     ctl_out_text(c->out, "outcome", a->outcome);
@@ -427,10 +427,9 @@ static int run_verify(struct ctl *c)
     ctl_out_flag(c->out, "ok", found.problems == 0);
     ctl_out_number(c->out, "entries", (double)found.entries);
     ctl_out_number(c->out, "checkpoints", (double)found.checkpoints);
-    if (public_key[0] != '\0')
-        ctl_out_text(c->out, "public_key", public_key);
-    if (found.problems > 0)
-        ctl_out_number(c->out, "first_entry", (double)found.first);
+    ctl_out_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
+    ctl_out_number(c->out, "first_entry",
+                   found.problems > 0 ? (double)found.first : (double)NAN);
     if (!c->json)
         (void)printf("%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64
                      " problems%s%s\n",

@@ -161,5 +161,5 @@ const struct ctl_command ctl_config_check = {
     .summary = "find what is wrong with the daemon's settings",
     .help =
         "Each problem is printed with its place.  Nothing is written; a running daemon keeps the\n"
-        "settings that it has.  What certificates hold is checked by surfaced --check-config.",
+        "settings that it has.  surfaced itself also checks what certificates hold.",
     .example = "surfacectl config check --config new.conf"};

@@ -13,7 +13,7 @@ static bool due_given; /* --due */
 static void out_receipt(struct ctl_out *o, const struct store_receipt *r)
 {
     ctl_out_text(o, "subject", r->subject);
-    ctl_out_number(o, "templates_deleted", r->templates);
+    ctl_out_number(o, "templates_removed", r->templates);
     ctl_out_array(o, "template_ids");
     for (uint32_t i = 0; i < r->templates; i++)
         ctl_out_text(o, NULL, r->template_id[i]);

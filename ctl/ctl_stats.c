@@ -7,16 +7,16 @@ static enum status stats(struct ctl *c, struct store *s)
 {
     struct store_stats t;
     char text[32];
-    uint64_t stale = 0;
+    uint64_t other = 0;
     enum status st;
 
     store_use_model(s, c->model);
     if ((st = store_stats(s, &t, &c->e)) != ST_OK ||
-        (st = store_reencode_count(s, &stale, &c->e)) != ST_OK)
+        (st = store_reencode_count(s, &other, &c->e)) != ST_OK)
         return st;
     ctl_out_number(c->out, "subjects", (double)t.subjects);
     ctl_out_number(c->out, "templates", (double)t.templates);
-    ctl_out_number(c->out, "stale", (double)stale);
+    ctl_out_number(c->out, "to_reencode", (double)other);
     ctl_out_number(c->out, "points", (double)t.points);
     ctl_out_number(c->out, "template_bytes", (double)t.template_bytes);
     ctl_out_number(c->out, "file_bytes", (double)t.file_bytes);
@@ -27,9 +27,9 @@ static enum status stats(struct ctl *c, struct store *s)
         return ST_OK;
     (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
     (void)printf("templates    %llu", (unsigned long long)t.templates);
-    if (stale > 0)
+    if (other > 0)
         (void)printf(", %llu by another engine (template reencode)",
-                     (unsigned long long)stale);
+                     (unsigned long long)other);
     (void)printf("\n");
     (void)printf("points       %llu\n", (unsigned long long)t.points);
     (void)printf("models       %s\n", ctl_bytes(t.template_bytes, text));

@@ -11,7 +11,7 @@
 
 #define PAGE 1000 /* subjects read at a time */
 
-static const char *reference, *purpose; /* --reference, --purpose */
+static const char *consent, *purpose; /* --consent, --purpose */
 
 /* What stands beside an id in a list. */
 static const char *state_of(const struct store_subject *one)
@@ -126,7 +126,7 @@ static enum status set(struct ctl *c, struct store *s)
     char text[STORE_RULES_TIME];
     const char *id = c->args[0], *expires = expiry(c, text);
     const struct store_subject_change what = {
-        .reference = reference, .purpose = purpose, .expires = expires};
+        .reference = consent, .purpose = purpose, .expires = expires};
     enum status st = store_subject_set(s, CTL_ACTOR, id, &what, &c->e);
 
     if (st == ST_OK)
@@ -134,12 +134,12 @@ static enum status set(struct ctl *c, struct store *s)
     if (st != ST_ENOTFOUND)
         return st;
     (void)snprintf(new.id, sizeof new.id, "%s", id);
-    if ((reference != NULL && strlen(reference) >= sizeof new.reference) ||
+    if ((consent != NULL && strlen(consent) >= sizeof new.reference) ||
         (purpose != NULL && strlen(purpose) >= sizeof new.purpose))
-        return errinfo_set(&c->e, ST_EINVAL, "a reference or a purpose is up to %d bytes",
+        return errinfo_set(&c->e, ST_EINVAL, "a consent or a purpose is up to %d bytes",
                            STORE_NOTE_MAX);
     (void)snprintf(new.reference, sizeof new.reference, "%s",
-                   reference != NULL ? reference : "");
+                   consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
     st = store_subject_add(s, CTL_ACTOR, &new, &c->e);
@@ -186,8 +186,8 @@ static enum status release(struct ctl *c, struct store *s)
 
 static int run_set(struct ctl *c)
 {
-    if (reference == NULL && purpose == NULL && !c->expires.given)
-        return ctl_usage(c, "subject set needs --reference, --purpose or --expires");
+    if (consent == NULL && purpose == NULL && !c->expires.given)
+        return ctl_usage(c, "subject set needs --consent, --purpose or --expires");
     return ctl_key_run(c, STORE_WRITE, set);
 }
 
@@ -220,7 +220,7 @@ const struct ctl_command ctl_subject_set = {
     .shared = CTL_EXPIRES,
     .options =
         (const struct ctl_option[]){
-            CTL_OPTION("reference", "TEXT", ctl_option_text, &reference,
+            CTL_OPTION("consent", "TEXT", ctl_option_text, &consent,
                        "where the consent is: a number, a file; '' for none"),
             CTL_OPTION("purpose", "TEXT", ctl_option_text, &purpose,
                        "what the consent is for; '' for none"),
@@ -232,7 +232,7 @@ const struct ctl_command ctl_subject_set = {
         "template: the consent often comes before the first scan.  After its expiry a subject is\n"
         "not verified, and purge erases it.",
     .example =
-        "surfacectl --db faces.db subject set alice --reference C-17 --expires 2027-01-31"};
+        "surfacectl --db faces.db subject set alice --consent C-17 --expires 2027-01-31"};
 
 const struct ctl_command ctl_subject_rename = {
     .name = "subject rename",

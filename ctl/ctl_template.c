@@ -15,10 +15,10 @@
 
 void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
-    const bool stale = !face_same_engine(t->engine, c->engine);
+    const bool other = !face_same_engine(t->engine, c->engine);
 
     describe_template(ctl_out_document(c->out), t, NULL);
-    ctl_out_flag(c->out, "stale", stale);
+    ctl_out_flag(c->out, "to_reencode", other);
     if (c->json)
         return;
     (void)printf("template  %s\n", t->id);
@@ -26,7 +26,7 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
     if (t->label[0] != '\0')
         (void)printf("  label     %s\n", t->label);
     (void)printf("  created   %s by %s%s\n", t->created, t->engine,
-                 stale ? " (stale)" : "");
+                 other ? " (to re-encode)" : "");
     (void)printf("  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
                  t->quality.density_mm);
     (void)printf("  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
@@ -55,7 +55,7 @@ static enum status list_one(struct ctl *c, struct store *s, const char *subject,
         (void)printf("%-32s  %-24s  %7u  %7.2f  %s%s%s%s\n", t[i].id, t[i].created,
                      t[i].points, t[i].quality.score, t[i].subject,
                      t[i].label[0] != '\0' ? "  " : "", t[i].label,
-                     face_same_engine(t[i].engine, c->engine) ? "" : "  (stale)");
+                     face_same_engine(t[i].engine, c->engine) ? "" : "  (to re-encode)");
     }
     if (st == ST_OK)
         *total += n;
@@ -155,7 +155,7 @@ static int delete_one(struct ctl *c, struct store *s, const struct store_templat
     if ((st = store_template_delete(s, CTL_ACTOR, t->id, &c->e)) != ST_OK)
         return ctl_fail(c, st);
     ctl_out_text(c->out, "template_id", t->id);
-    ctl_out_number(c->out, "templates_deleted", 1);
+    ctl_out_number(c->out, "templates_removed", 1);
     if (!c->json)
         (void)printf("deleted template %s of %s\n", t->id, t->subject);
     return EXIT_FINE;

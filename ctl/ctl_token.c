@@ -14,7 +14,12 @@ static const char *state_of(const struct store_token *t)
     return t->revoked ? "revoked" : t->expired ? "expired" : "valid";
 }
 
-/* A token as fields of the JSON; a time that is not set is left out. */
+/* A time; null where it is not set. */
+static void out_time(struct ctl *c, const char *key, const char *time)
+{
+    ctl_out_text(c->out, key, time[0] != '\0' ? time : NULL);
+}
+
 static void out_token(struct ctl *c, const struct store_token *t)
 {
     char name[STORE_SCOPES_MAX];
@@ -29,12 +34,9 @@ static void out_token(struct ctl *c, const struct store_token *t)
         }
     ctl_out_close(c->out);
     ctl_out_text(c->out, "created", t->created);
-    if (t->expires[0] != '\0')
-        ctl_out_text(c->out, "expires", t->expires);
-    if (t->used[0] != '\0')
-        ctl_out_text(c->out, "last_used", t->used);
-    if (t->old_until[0] != '\0')
-        ctl_out_text(c->out, "old_secret_until", t->old_until);
+    out_time(c, "expires_at", t->expires);
+    out_time(c, "last_used", t->used);
+    out_time(c, "old_secret_until", t->old_until);
     ctl_out_text(c->out, "state", state_of(t));
     ctl_out_flag(c->out, "revoked", t->revoked);
 }

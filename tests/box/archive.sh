@@ -105,7 +105,7 @@ is "she is there already" "$CODE $(said '.subjects_new, .templates_new' | tr '\n
 on "$TO" subject erase --yes ann
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "she does not come back" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 0 2 "
-on "$TO" subject set alice --reference new
+on "$TO" subject set alice --consent new
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "nor by somebody of that id" "$CODE $(said '.templates_new, .subjects_erased' |
     tr '\n' ' ')" "0 0 2 "
@@ -118,7 +118,7 @@ on "$T/third" enroll carol "$T/s1.ply"
 on "$T/third" subject erase --yes carol
 on "$T/third" import "$T/all" --archive-key "$T/phrase"
 is "an id that was erased" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 2 1 "
-on "$T/third" subject set carol --reference back
+on "$T/third" subject set carol --consent back
 on "$T/third" import "$T/all" --archive-key "$T/phrase"
 is "until it is there again" "$CODE $(said '.templates_new, .subjects_erased' | tr '\n' ' ')" "0 1 0 "
 

@@ -127,7 +127,7 @@ sqlite3 "$T/copy.db" "DELETE FROM erased; UPDATE events SET at = '2026-01-01T00:
 is "what the database does not know of it" "$? $(said '.problems | length')" '1 2'
 ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"
-is "the command gives one too" "$CODE $(receipt '[.subject, .templates_deleted, .audit.seq] | @csv')" \
+is "the command gives one too" "$CODE $(receipt '[.subject, .templates_removed, .audit.seq] | @csv')" \
     '0 "bob",0,12'
 is "with its digest" "$(receipt .digest)" \
     "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"

@@ -23,7 +23,7 @@ conf "db = $DB" "key = $T/the.key" 'queue = 9'
 try 0 --config "$T/conf" init
 ok "the key is where the file says" test -s "$T/the.key" -a ! -e "$DB.key"
 export SURFACED_CONFIG="$T/conf"
-try 0 subject set alice --reference C-1
+try 0 subject set alice --consent C-1
 try 0 subject show alice
 is "found by the file" "$(said .consent)" C-1
 try 77 --key "$T/conf" subject list

@@ -107,7 +107,7 @@ has err -- --yes
 expect 0 "delete a template" "$ctl" template delete "$id" --yes
 expect 66 "it is gone" "$ctl" template show "$id"
 expect 0 "delete a subject" "$ctl" --yes --json subject erase alice
-has out '"templates_deleted":.*1'
+has out '"templates_removed":.*1'
 expect 66 "no such subject" "$ctl" verify alice a1.ply
 has err 'no subject alice'
 

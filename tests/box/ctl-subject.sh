@@ -15,7 +15,7 @@ ctl_exits 0 token create test
 AUTH=$(said .token)
 
 # ---- the consent
-ctl_exits 0 subject set alice --reference C-17 --purpose 'the front door' --expires 2031-02-28
+ctl_exits 0 subject set alice --consent C-17 --purpose 'the front door' --expires 2031-02-28
 is "it is noted" "$(said '[.consent, .purpose, .expires_at] | join("|")')" \
     'C-17|the front door|2031-02-28T00:00:00.000Z'
 ctl_exits 0 subject set alice --purpose ''
@@ -23,7 +23,7 @@ ctl_exits 0 subject show alice
 is "it is shown" "$(said '[.subject, .consent, .purpose, .expires_at, .hold, .templates[0].label]
     | map(tostring) | join("|")')" 'alice|C-17|null|2031-02-28T00:00:00.000Z|false|first'
 ok "seen when it was enrolled" test "$(said .last_seen)" = "$(said .templates[0].created)"
-ctl_exits 0 subject set carol --reference C-18 --expires never
+ctl_exits 0 subject set carol --consent C-18 --expires never
 ctl_exits 0 subject show carol
 is "somebody without a scan" "$(said '[.consent, (.templates | length)] | join("|")')" 'C-18|0'
 ctl_exits 64 subject set alice
@@ -34,8 +34,8 @@ ctl_exits 0 subject set alice --expires 2032-02-29
 is "a leap day" "$(said .expires_at)" 2032-02-29T00:00:00.000Z
 ctl_exits 0 subject set alice --expires 2100-03-01
 is "no leap year" "$(said .expires_at)" 2100-03-01T00:00:00.000Z
-ctl_exits 65 subject set alice --reference "$(printf 'a\nb')"
-ctl_exits 65 subject set 'a b' --reference x
+ctl_exits 65 subject set alice --consent "$(printf 'a\nb')"
+ctl_exits 65 subject set 'a b' --consent x
 "$BUILD/surfacectl" --db "$DB" subject list >"$T/text"
 is "a list" "$(awk 'NR > 1 { print $1, $2 }' "$T/text" | tr '\n' ' ')" 'alice 1 bob 1 carol 0 '
 
@@ -174,7 +174,7 @@ if command -v bash >/dev/null 2>&1; then
     completes 'simplify subject stats' s
     completes 'list show set rename disable enable hold release erase' subject ''
     completes 'rename release' --db x subject re
-    completes '--reference' subject set alice --r
+    completes '--consent' subject set alice --cons
     completes 'mm cm m' verify --units ''
     completes "$T/a.ply $T/a2.ply" verify alice "$T/a"
     completes "$T/a.ply $T/a2.ply" --key "$T/a"

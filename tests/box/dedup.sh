@@ -23,7 +23,7 @@ ctl_exits 0 dedup
 is "alone" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '1 0 0 '
 for n in 2 3 4 5; do ctl_exits 0 enroll s$n "$T/s$n.ply"; done
 ctl_exits 0 enroll s1 "$T/s1.ply" --label 'the same again'
-"$BUILD/surfacectl" --db "$DB" subject set nobody --reference none >"$T/text"
+"$BUILD/surfacectl" --db "$DB" subject set nobody --consent none >"$T/text"
 ctl_exits 0 dedup
 is "different people" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '5 10 10 '
 is "there is no pair" "$(who)" ''

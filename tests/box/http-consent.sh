@@ -63,7 +63,7 @@ is "nothing to change" "$STATUS" 200
 is "and no event" "$(sqlite3 "$DB" 'SELECT count(*) FROM events')" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
 is "plain JSON, a day" "$STATUS $(get .expires_at)" '200 2031-01-31T00:00:00.000Z'
-admin subject set alice --expires never --reference C-1 >/dev/null
+admin subject set alice --expires never --consent C-1 >/dev/null
 noted '["C-1",null,null,false,false]'
 
 # ---- refused, and nothing changed

@@ -41,19 +41,19 @@ answers "$T/again"
 ok "another run, from the database" diff -r "$T/one" "$T/again"
 
 # What surfacectl says in JSON is what the daemon says, names and digits.
-ctl() { "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/said" 2>"$T/err"; }
-same() { is "$1" "$(jq -cS 'del(.timing_ms, .stale)' "$T/said")" "$(jq -cS 'del(.timing_ms)' "$T/body")"; }
+ctl() { "$BUILD/surfacectl" --json "$@" >"$T/said" 2>"$T/err"; }
+same() { is "$1" "$(jq -cS 'del(.timing_ms, .to_reencode)' "$T/said")" "$(jq -cS 'del(.timing_ms)' "$T/body")"; }
 send POST "/v1/subjects/s1/verify?detail=measure" "$PLY" "$T/p1.ply"
-ctl verify s1 "$T/p1.ply"
+ctl --db "$DB" verify s1 "$T/p1.ply"
 same "verify"
 id=$(get .template_id)
 req GET "/v1/templates/$id"
-ctl template show "$id"
+ctl --db "$DB" template show "$id"
 same "a template"
-ctl subject set s1 --reference C-17
+ctl --db "$DB" subject set s1 --consent C-17
 req GET /v1/subjects/s1
-ctl subject show s1
-jq '.templates[] |= del(.stale)' "$T/said" >"$T/bare" && mv "$T/bare" "$T/said"
+ctl --db "$DB" subject show s1
+jq '.templates[] |= del(.to_reencode)' "$T/said" >"$T/bare" && mv "$T/bare" "$T/said"
 same "a subject"
 scan 1 0 "$T/a.xyz"
 scan 1 0 "$T/a.json"

@@ -51,13 +51,13 @@ ctl_exits 0 init
 for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
 ctl_exits 0 enroll dan "$T/hollow.xyz" --model "$T/hollow.model"
 ctl_exits 0 template list
-is "all are stale" "$(said '[.templates[].stale] | join(" ")')" 'true true true'
+is "all are of another engine" "$(said '[.templates[].to_reencode] | join(" ")')" 'true true true'
 alice=$(said '.templates[0].template_id') dan=$(said '.templates[2].template_id')
-jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl" >"$T/kept"
+jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl" >"$T/kept"
 ctl_exits 0 template list --model "$T/raised.model"
-is "but by their own model" "$(said '[.templates[].stale] | join(" ")')" 'false false true'
+is "but by their own model" "$(said '[.templates[].to_reencode] | join(" ")')" 'false false true'
 ctl_exits 0 stats
-is "stats" "$(said '.templates, .stale' | tr '\n' ' ')" '3 3 '
+is "stats" "$(said '.templates, .to_reencode' | tr '\n' ' ')" '3 3 '
 ctl_exits 1 doctor
 ok "doctor" grep -q 'template reencode' "$T/ctl"
 ctl_exits 0 verify alice "$T/alice-later.ply"
@@ -77,7 +77,7 @@ ok "and the log says why" grep -q 'template passed over.*cannot make it anew' "$
 ctl_exits 65 template reencode --dry-run
 is "a dry run" "$(counts)" '3 2 0 1 0'
 ctl_exits 0 stats
-is "changes nothing" "$(said .stale)" 3
+is "changes nothing" "$(said .to_reencode)" 3
 ctl_exits 0 template reencode "$alice"
 is "one" "$(counts)" '1 1 0 0 0'
 ctl_exits 65 template reencode --threads 2
@@ -95,7 +95,7 @@ is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'reprocess' AND outcome = 'renewed' AND actor = 'surfacectl'")" 2
 ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"
-is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .stale, .triangles)]' "$T/ctl")" \
+is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl")" \
     "$(cat "$T/kept")"
 ctl_exits 0 check
 stop_daemon
@@ -126,7 +126,7 @@ ctl_exits 0 export alice -o "$T/a" --archive-key "$T/akey"
 from=$DB DB=$T/third.db
 ctl_exits 0 init
 ctl_exits 0 import "$T/a" --archive-key "$T/akey"
-is "is taken, and stale" "$(said '.templates_new, .templates_stale' | tr '\n' ' ')" '1 1 '
+is "is taken, to be re-encoded" "$(said '.templates_new, .templates_to_reencode' | tr '\n' ' ')" '1 1 '
 ctl_exits 0 verify alice "$T/alice-later.ply"
 is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/wanted" | head -1)"
 
@@ -148,7 +148,7 @@ kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
 ctl_exits 0 check
 ctl_exits 0 stats
-left=$(said .stale)
+left=$(said .to_reencode)
 is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'reprocess'")" "$((enrolled - left))"
 ctl_exits 0 template reencode
