@@ -1,11 +1,11 @@
-/* access.h -- the log's line of a request. */
+/* access.h -- the access log: a line for each request. */
 #ifndef SERVER_ACCESS_H
 #define SERVER_ACCESS_H
 
 struct request;
 
-/* access_log(r, http, ms): its id, route, status and times, the token's id, and what is behind
- * a 5xx; no subject.  http, ms: as for metrics_request(). */
+/* access_log(r, http, ms): its id, route, status and times, the token's id, and the fault
+ * behind a 5xx; no subject.  http, ms: as for metrics_request(). */
 void access_log(const struct request *r, int http, double ms);
 
 #endif

@@ -10,7 +10,7 @@
 #include "face.h"
 #include "store.h"
 
-#define ROOM 64 /* ids that may wait: what is asked for later comes too late anyway */
+#define ROOM 64 /* queued ids: one behind so many would be loaded too late anyway */
 
 struct ahead {
     const struct app *app;

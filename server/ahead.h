@@ -1,5 +1,5 @@
-/* ahead.h -- templates are loaded while the probe they will be compared with is still being
- * read and prepared, so that a verification waits for the disk as little as it can. */
+/* ahead.h -- a thread that loads templates while a worker still parses and builds the probe
+ * they will be compared with, so that the verification seldom waits for the disk. */
 #ifndef SERVER_AHEAD_H
 #define SERVER_AHEAD_H
 
@@ -8,8 +8,8 @@ struct app;
 
 struct ahead *ahead_start(const struct app *app); /* its thread; NULL: out of memory */
 
-/* ahead_ask(a, id): have template id in app's cache soon, if it is not (cache_load()).  Never
- * waits; when too much is asked for already, nothing is done: who holds it then loads it. */
+/* ahead_ask(a, id): queue template id for cache_load().  Never blocks; when the queue is full
+ * the template is not queued, and cache_hold() loads it. */
 void ahead_ask(struct ahead *a, const char *id);
 void ahead_stop(struct ahead *a); /* NULL is allowed */
 

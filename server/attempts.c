@@ -53,8 +53,8 @@ int64_t attempts_wait_ms(const struct attempts *a, uint32_t failures, int64_t ag
     return age_ms < wait_s * 1000 ? wait_s * 1000 - age_ms : 0;
 }
 
-/* How many have failed; false: r->response is set, because it cannot be known or the subject
- * has to wait. */
+/* *failures: the failed verifications in a row.  False: r->response is set: the subject is
+ * locked out, or the count cannot be read. */
 static bool look(struct attempts *a, struct request *r, const char *subject,
                  uint32_t *failures)
 {
@@ -70,9 +70,10 @@ static bool look(struct attempts *a, struct request *r, const char *subject,
     wait_ms = attempts_wait_ms(a, s.failures, s.age_ms);
     if (wait_ms == 0)
         return true;
-    request_problem(r, ERRMAP_ATTEMPTS,
-                    "the subject's last %u verifications failed; it has to wait",
-                    s.failures);
+    request_problem(
+        r, ERRMAP_ATTEMPTS,
+        "the subject's last %u verifications failed: it is locked out for now",
+        s.failures);
     r->response.retry_after = (unsigned)((wait_ms + 999) / 1000);
     return false;
 }
@@ -97,7 +98,9 @@ bool attempts_settle(struct attempts *a, struct request *r, const char *subject,
     (void)pthread_mutex_lock(&a->lock);
     told = look(a, r, subject, &failures);
     if (told && !passed && store_attempts_fail(a->store, subject, &e) != ST_OK) {
-        request_fail(r, &e); /* what is not counted is not told, or there is no limit */
+        request_fail(
+            r,
+            &e); /* an uncounted failure must not be reported: there would be no limit */
         told = false;
     } else if (told && passed && failures > 0 &&
                store_attempts_clear(a->store, subject, &e) != ST_OK) {

@@ -8,18 +8,18 @@ struct request;
 struct response;
 
 /* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
- * r->token.  Without a usable one r->response is set.  Does not look at the store. */
+ * r->token.  Without a usable one r->response is set.  Does not read the store. */
 void auth_take(struct request *r, const char *header);
 
-/* auth_admit(r): true: the token may be looked at.  False: too many wrong ones came from
- * r->address, and r->response is set.  Does not look at the store. */
+/* auth_admit(r): true: the token may be checked.  False: r->address is rate-limited for wrong
+ * tokens, and r->response is set.  Does not read the store. */
 bool auth_admit(struct request *r);
 
 /* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
  * is its id, else r->response is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
-/* auth_may(r, scopes): has r's token one of these scopes, or is no token asked for?  False:
+/* auth_may(r, scopes): has r's token one of these scopes, or is no token needed?  False:
  * r->response is a 403 that names them.  After auth_check(). */
 bool auth_may(struct request *r, unsigned scopes);
 

@@ -11,12 +11,12 @@
 
 #define SETTLE_MS 50.0 /* for handshakes that are half done */
 
-/* TCP's flags are at byte 13 of its header: let nothing in that has SYN without ACK. */
+/* TCP's flags are at byte 13 of its header: drop a segment with SYN and without ACK. */
 static struct sock_filter no_syn[] = {
     BPF_STMT(BPF_LD | BPF_B | BPF_ABS, 13),
     BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0x12), /* SYN, ACK */
     BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0x02, 0, 1),
-    BPF_STMT(BPF_RET | BPF_K, 0), /* drop it */
+    BPF_STMT(BPF_RET | BPF_K, 0), /* drop */
     BPF_STMT(BPF_RET | BPF_K, UINT32_MAX),
 };
 
@@ -28,7 +28,7 @@ void backlog_empty(int fd, double ms)
     double busy = log_clock_ms();
     struct pollfd p = {.fd = fd, .events = POLLIN};
 
-    /* Without the filter (the kernel may lack it) there is only less certainty. */
+    /* Without the filter, which a kernel may lack, a new connection may still be reset. */
     (void)setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program);
     for (double now = busy; now < end && now < busy + SETTLE_MS; now = log_clock_ms()) {
         if (poll(&p, 1, 0) > 0)

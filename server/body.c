@@ -72,7 +72,7 @@ bool body_unpack(struct request *r)
     if (r->coding == INFLATE_NONE || r->len == 0)
         return true;
     st = inflate_body(r->coding, r->body, r->len, r->app->max_body, &body, &len, &e);
-    free(r->body); /* what it took, http.c counts until the request's end */
+    free(r->body); /* its bytes stay counted in http.c until the request ends */
     r->body = body;
     r->len = len;
     r->coding = INFLATE_NONE;

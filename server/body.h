@@ -1,4 +1,4 @@
-/* body.h -- which bodies a route takes, and unpacking them. */
+/* body.h -- checks whether a route accepts a body, and decompresses it. */
 #ifndef SERVER_BODY_H
 #define SERVER_BODY_H
 #include <stdbool.h>
@@ -8,15 +8,15 @@ struct request;
 
 #define BODY_LENGTH_UNKNOWN UINT64_MAX /* it comes in chunks */
 
-/* body_check(r, has_length, length): set r->response where r->route does not take a body of
- * which the headers say this: its length, media type and coding.  has_length: they give one,
- * or announce chunks. */
+/* body_check(r, has_length, length): sets r->response if r->route does not accept a body of
+ * this length and of r's media type and coding.  has_length: the headers give a length or
+ * announce chunks. */
 void body_check(struct request *r, bool has_length, uint64_t length);
 
 /* body_refuse_size(r): the response to a body over the limit. */
 void body_refuse_size(struct request *r);
 
-/* body_unpack(r): unpack r->body, if it is compressed, within the limit for bodies.  On a
+/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies.  On a
  * worker: it computes.  False: r->response is set: damaged, too large, empty. */
 bool body_unpack(struct request *r);
 

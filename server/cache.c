@@ -25,7 +25,7 @@ struct entry {
 
 struct cache {
     pthread_mutex_t lock;
-    pthread_cond_t loaded; /* ahead, or in vain */
+    pthread_cond_t loaded; /* a load ahead has ended, well or not */
     struct entry *loads;
     struct entry *bucket[NBUCKETS];
     struct entry *newest, *oldest;
@@ -185,8 +185,8 @@ static enum status load(struct cache *c, struct store *s, const char *id, bool a
     }
     x->bytes = face_bytes(&x->face);
     c->state.renewed += store_template_outdated(s, &t);
-    /* What was deleted since it was read must not come in behind cache_forget()'s back: it
-     * would stay until it is the oldest.  Whoever else is hit by this loads once more. */
+    /* A template that was deleted since it was read must not be kept after its
+     * cache_forget(): it would stay until evicted.  Other templates are then loaded again. */
     if (forgets == c->forgets)
         take_in(c, x);
     *out = x;

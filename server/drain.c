@@ -45,7 +45,7 @@ static void take_fresh(struct drain *l, struct pool *p)
     (void)pthread_mutex_unlock(&l->lock);
 }
 
-/* Throw away what is there; false when the client has closed. */
+/* Reads and discards what is there; false when the client has closed. */
 static bool throw_away(int fd)
 {
     char waste[65536];

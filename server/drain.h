@@ -1,7 +1,7 @@
 /* drain.h -- close a connection whose client is still sending (RFC 9112 section 9.6).
- * A socket closed with unread bytes in it is reset, and the client may lose the answer that
- * it has not read yet.  So it is kept a while: shut down for writing, what comes is thrown
- * away, and it is closed when the client closes or its time is over. */
+ * A socket closed with unread bytes in it is reset, and the client may lose the response
+ * that it has not read yet.  So it is kept open for a while: shut down for writing, and read
+ * from without keeping the bytes, until the client closes it or its time is over. */
 #ifndef SERVER_DRAIN_H
 #define SERVER_DRAIN_H
 

@@ -77,8 +77,8 @@ static void read_and_enroll(struct request *r, struct worker *w)
         enroll(r, w, label, force);
 }
 
-/* What an answer tells that is given again must still be true: a template that has been
- * deleted since is not told of any more, and not enrolled by a late retry either. */
+/* A response that is sent again must still be true: a template that was deleted since is not
+ * reported any more, and a late retry does not enrol it again. */
 static void check_replayed(struct request *r)
 {
     struct store_template t;

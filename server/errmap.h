@@ -9,7 +9,7 @@ enum errmap_kind {
     ERRMAP_ROUTE = ST_COUNT, /* no such path */
     ERRMAP_METHOD,           /* the path has no such method */
     ERRMAP_TARGET,           /* the path and query are too long */
-    ERRMAP_HEADERS,          /* the headers are */
+    ERRMAP_HEADERS,          /* the headers are too large */
     ERRMAP_VERSION,          /* not HTTP/1.0 or 1.1 */
     ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
     ERRMAP_BODY_SIZE,  /* the body is over the limit */
@@ -17,13 +17,13 @@ enum errmap_kind {
     ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
     ERRMAP_PACKED,     /* the body cannot be unpacked */
     ERRMAP_KEY_REUSED, /* an Idempotency-Key with another request */
-    ERRMAP_KEY_BUSY,   /* its first request is being done */
+    ERRMAP_KEY_BUSY,   /* its first request is not finished */
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
-    ERRMAP_SCOPE,      /* a token that is not for this */
-    ERRMAP_DISABLED,   /* the subject is not to be verified */
-    ERRMAP_EXPIRED,    /* nor this one any more */
-    ERRMAP_TOKENS,     /* too many wrong tokens from the address */
-    ERRMAP_ATTEMPTS,   /* too many verifications of the subject failed */
+    ERRMAP_SCOPE,      /* the token lacks the scope */
+    ERRMAP_DISABLED,   /* the subject is disabled */
+    ERRMAP_EXPIRED,    /* it has expired */
+    ERRMAP_TOKENS,     /* the address is rate-limited for wrong tokens */
+    ERRMAP_ATTEMPTS,   /* the subject is locked out */
     ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */
     ERRMAP_NOT_READY,  /* /readyz: the daemon cannot work now */

@@ -1,7 +1,7 @@
 /* guard.h -- how many connections there may be, in all and from one address, and how long
  * each may take over what it does.  libmicrohttpd's own timeout starts again with every byte,
  * so a client that sends or reads one now and then could stay for ever; here each step of a
- * request has an end.  A thread shuts down the sockets of those that are late, and
+ * request has a deadline.  A thread shuts down the sockets that are past theirs, and
  * libmicrohttpd then closes them as if the client had gone. */
 #ifndef SERVER_GUARD_H
 #define SERVER_GUARD_H
@@ -22,7 +22,7 @@ struct guard_rules {
     unsigned timeout_s;
 };
 
-/* A body and an answer may take timeout_s and besides it a second for each: */
+/* A body and a response may take timeout_s, and a second more for each: */
 #define GUARD_BYTES_PER_S 8192.0
 /* An open connection without a request is kept this many times timeout_s. */
 #define GUARD_IDLE_FACTOR 3
@@ -41,7 +41,7 @@ struct guard_state {
     unsigned open;               /* connections now */
     uint64_t refused_total;      /* closed at once: too many in all */
     uint64_t refused_address;    /* too many from one address */
-    uint64_t late[GUARD_NSTEPS]; /* closed for want of time, by step */
+    uint64_t late[GUARD_NSTEPS]; /* closed past a deadline, by step */
 };
 
 /* guard_start(rules, out, e): the limit of open files is raised to what is needed; where that
@@ -63,7 +63,7 @@ void guard_close(struct guard *l, struct guard_peer *p);
  * after GUARD_REQUEST changes nothing. */
 void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step);
 
-/* guard_more(l, p, bytes): the step has to do with so many bytes more. */
+/* guard_more(l, p, bytes): the step transfers so many bytes more. */
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes);
 
 void guard_look(struct guard *l, struct guard_state *out);

@@ -9,7 +9,7 @@
 #include "render.h"
 #include "request.h"
 
-/* What anybody may know of the reason; the log has all of it. */
+/* The part of the reason that is public; the log has all of it. */
 static const char *reason(enum status st)
 {
     switch (st) {

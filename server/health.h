@@ -1,15 +1,15 @@
-/* health.h -- is the daemon there, and may requests be sent to it? */
+/* health.h -- is the daemon alive, and is it ready for requests? */
 #ifndef SERVER_HEALTH_H
 #define SERVER_HEALTH_H
 
 struct request;
 struct worker;
 
-/* health_live(r, w): 200 as long as the I/O thread answers. */
+/* health_live(r, w): 200 as long as the I/O thread runs. */
 void health_live(struct request *r, struct worker *w);
 
-/* health_ready(r, w): 200 and the calibration in force, or 503 and the reason.  It waits in
- * the queue like any other, so that an answer means that a worker serves it. */
+/* health_ready(r, w): 200 and the calibration in force, or 503 and the reason.  It goes
+ * through the queue like any other request, so that 200 means that a worker has served it. */
 void health_ready(struct request *r, struct worker *w);
 
 #endif

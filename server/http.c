@@ -43,19 +43,19 @@
 /* Connections that are being closed still count with libmicrohttpd. */
 #define CONNECTIONS_CLOSING 64
 #define PER_ADDRESS         64
-/* On a stop: for the connections to be accepted, and for a client that was answered just
- * before it to have sent its next request. */
+/* On a stop: time to accept the backlog, and for a client that got a response just before to
+ * send its next request. */
 #define BACKLOG_MS 1000.0
 #define QUIET_MS   100.0
-/* The bodies of all requests may together take this many times the limit of one. */
+/* The bodies of all requests together take at most this many times the limit of one. */
 #define BODIES_AT_ONCE 8
 
 enum state {
     ARRIVED,  /* the headers are there, nothing has been decided */
     ADMITTED, /* suspended: a worker checks the token */
     COLLECTING,
-    WORKING,  /* suspended: a worker makes the answer; or it is there already */
-    RESPONDED /* the answer is on its way out */
+    WORKING,  /* suspended: a worker handles it; or the response is ready already */
+    RESPONDED /* the response is being sent */
 };
 
 /* A request and its connection. */
@@ -71,7 +71,7 @@ struct exchange {
     bool body_sent;   /* the client sends a body, or says so */
     size_t cap;       /* of r.body */
     double queued_ms; /* log_clock_ms() when it was last handed to the workers */
-    int drain_fd;     /* answered before the body was read; -1: not */
+    int drain_fd;     /* responded to before the body was read; -1: not */
 };
 
 struct http {
@@ -86,7 +86,7 @@ struct http {
     unsigned long serial;
 };
 
-/* ---- answers */
+/* ---- responses */
 
 static bool closing(const struct exchange *x)
 {
@@ -114,9 +114,9 @@ static const struct sockaddr *client_address(const struct exchange *x)
     return info == NULL ? NULL : info->client_addr;
 }
 
-/* Answer before the body is read.  A client that still sends it, or is about to, may lose
- * the answer unless the socket is kept open beside libmicrohttpd (drain.h).  Where there is
- * no body, the answer waits for the next call, so that the connection can be used again. */
+/* Respond before the body is read.  A client that still sends it, or is about to, may lose
+ * the response unless the socket is kept open past libmicrohttpd (drain.h).  If there is no
+ * body, the response waits for the next call, so that the connection can be used again. */
 static enum MHD_Result send_early(struct exchange *x)
 {
     if (!x->body_sent) {
@@ -154,7 +154,7 @@ static void finish(struct exchange *x)
     request_free(&x->r);
 }
 
-/* ---- what libmicrohttpd refuses by itself */
+/* ---- requests that libmicrohttpd refuses by itself */
 
 static void explain(struct request *r, unsigned status)
 {
@@ -254,7 +254,7 @@ static bool make_room(struct exchange *x, size_t n)
     if (need <= cap)
         return true;
     if (cap == 0 && x->length != BODY_LENGTH_UNKNOWN && x->length < (1 << 20))
-        cap = (size_t)x->length + 1; /* what it says, where that costs little */
+        cap = (size_t)x->length + 1; /* as announced, if that costs little */
     while (cap < need)
         cap = cap < 65536 ? 65536 : 2 * cap;
     if (x->http->buffered - x->cap + cap > BODIES_AT_ONCE * (x->http->app->max_body + 1))
@@ -278,7 +278,7 @@ static enum MHD_Result collect(struct exchange *x, const char *data, size_t *siz
         return send_amid(x);
     }
     if (r->route->body == ROUTE_NO_BODY) {
-        r->len += *size; /* counted against the limit, and not looked at */
+        r->len += *size; /* counted against the limit, and not kept */
     } else if (make_room(x, *size)) {
         memcpy(r->body + r->len, data, *size);
         r->len += *size;
@@ -307,7 +307,7 @@ static enum MHD_Result body_complete(struct exchange *x)
 
 /* ---- libmicrohttpd's callbacks */
 
-/* The client may ask: are the path's id and the query well-formed, and the body one to read? */
+/* The token is good: are the path's id, the query and the body's headers? */
 static enum MHD_Result admit(struct exchange *x)
 {
     route_read_id(&x->r);
@@ -322,9 +322,9 @@ static enum MHD_Result admit(struct exchange *x)
     return MHD_YES;
 }
 
-/* Content-Length twice, or beside Transfer-Encoding: who stands in front may see another end
- * of the body, and then another request (RFC 9112 section 11.2).  libmicrohttpd would take
- * one of them. */
+/* Content-Length twice, or beside Transfer-Encoding: a proxy in front may see another end of the
+ * body, and then another request (RFC 9112 section 11.2).  libmicrohttpd would accept one of
+ * them. */
 static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char *name,
                                  const char *value)
 {

@@ -17,7 +17,7 @@ enum state { FREE, RUNNING, DONE };
 struct entry {
     enum state state;
     unsigned char key[DIGEST];     /* of token and key */
-    unsigned char request[DIGEST]; /* of what was asked */
+    unsigned char request[DIGEST]; /* of the request */
     char subject[STORE_SUBJECT_MAX + 1];
     double since_ms;
     uint32_t next;            /* in its bucket */
@@ -102,7 +102,7 @@ static void forget(struct idempotency *m, struct entry *x)
     *x = (struct entry){.state = FREE};
 }
 
-/* Take the oldest out of the ring while it is free, over its time, or in the way. */
+/* Removes the oldest from the ring while it is free, has expired, or takes needed room. */
 static void sweep(struct idempotency *m, double now_ms)
 {
     while (m->used > 0) {
@@ -182,7 +182,7 @@ static bool copy_response(const struct response *from, struct response *to)
     return true;
 }
 
-/* The answer to a key that is known. */
+/* The response to a key that is known. */
 static void respond_again(struct request *r, const struct entry *x, bool same)
 {
     if (!same) {
@@ -190,12 +190,12 @@ static void respond_again(struct request *r, const struct entry *x, bool same)
                         "this Idempotency-Key was used for another request");
     } else if (x->state == RUNNING) {
         request_problem(r, ERRMAP_KEY_BUSY,
-                        "the first request of this Idempotency-Key is not answered yet");
+                        "the first request of this Idempotency-Key is not finished yet");
         r->response.retry_after = 1;
     } else if (copy_response(&x->response, &r->response)) {
         r->response.replayed = true;
     } else {
-        request_problem(r, ST_ENOMEM, "no memory for the answer");
+        request_problem(r, ST_ENOMEM, "no memory for the response");
     }
 }
 

@@ -1,6 +1,6 @@
-/* inflate.h -- request bodies that were sent compressed (RFC 9110 section 8.4): gzip
- * (RFC 1952, all members of the file) and zstd (RFC 8878, all frames).  Bodies come from
- * strangers: what they unpack to is bounded before it is there. */
+/* inflate.h -- decompresses request bodies (RFC 9110 section 8.4): gzip
+ * (RFC 1952, all members of the file) and zstd (RFC 8878, all frames).  Bodies are
+ * untrusted: their size is bounded while they are decompressed. */
 #ifndef SERVER_INFLATE_H
 #define SERVER_INFLATE_H
 #include <stddef.h>

@@ -28,8 +28,8 @@
 #include "tls.h"
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
-#define STALLED_MS 60000.0 /* without an answer from any worker: something is wrong */
-#define FLUSH_MS   2000.0  /* for the answers that are ready by then */
+#define STALLED_MS 60000.0 /* without a response from any worker: something is wrong */
+#define FLUSH_MS   2000.0  /* for the responses that are ready by then */
 
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
@@ -77,7 +77,7 @@ static void stop(struct app *app, struct http *http)
     free(app->model);
 }
 
-/* A calibration that does not hold is a change that nobody may have asked for. */
+/* A calibration that is ignored changes decisions: the operator must learn of it. */
 static void warn_of_calibration(struct store *s)
 {
     struct store_calibration k;
@@ -92,7 +92,7 @@ static void warn_of_calibration(struct store *s)
     log_end(&l);
 }
 
-/* They cost time at each first use until somebody has them made anew. */
+/* Each costs time at its first use, until the templates are re-encoded. */
 static void warn_of_stale(struct store *s)
 {
     struct log_entry l;
@@ -223,7 +223,7 @@ int main(int argc, char **argv)
     sig = service_wait(&(struct service_hooks){reload, healthy, &d});
     say_stopping(sig);
     http_quiesce(http, GRACE_MS);
-    queue_stop(app.queue); /* what is still queued gets its answer */
+    queue_stop(app.queue); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
     stop(&app, http);
     log_line("info", "stopped");

@@ -125,7 +125,7 @@ void metrics_lost_event(struct metrics *m)
     count(&m->lost_events, 1);
 }
 
-/* ---- telling */
+/* ---- exposition */
 
 static uint64_t value(const counter *c)
 {
@@ -192,7 +192,7 @@ static void print_requests(FILE *f, const struct metrics *m)
                         route_pattern(route_at(m, i)), route_method(route_at(m, i)), s,
                         value(&m->route[i].status[s]));
     head(f, "surfaced_http_request_duration_seconds", "histogram",
-         "From the request line to the end of the answer.");
+         "From the request line to the end of the response.");
     for (size_t i = 0; i <= m->nroutes; i++) {
         (void)snprintf(labels, sizeof labels, "route=\"%s\",method=\"%s\"",
                        route_pattern(route_at(m, i)), route_method(route_at(m, i)));
@@ -200,7 +200,7 @@ static void print_requests(FILE *f, const struct metrics *m)
                         &m->route[i].duration);
     }
     head(f, "surfaced_stage_duration_seconds", "histogram",
-         "What the time of requests is spent on; queue: waiting for a worker; total: all "
+         "Time of requests by stage; queue: waiting for a worker; total: all "
          "of a request with a face, sending and receiving too.");
     for (size_t i = 0; i <= REQUEST_STAGES; i++) {
         (void)snprintf(labels, sizeof labels, "stage=\"%s\"",

@@ -1,4 +1,4 @@
-/* metrics.h -- what Prometheus is told (exposition format 0.0.4).  Any thread may count.
+/* metrics.h -- metrics for Prometheus (exposition format 0.0.4).  Any thread may count.
  * Base units (seconds, bytes); no label names a person, a token or an address. */
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H
@@ -31,8 +31,8 @@ enum metrics_enrollment {
 
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome);
 
-/* metrics_database_error(m, st): counted where st is the store's failure, and not what a
- * client asked for in vain. */
+/* metrics_database_error(m, st): counts st if it is a failure of the store (and not, say,
+ * ST_ENOTFOUND). */
 void metrics_database_error(struct metrics *m, enum status st);
 
 /* metrics_lost_event(m): an event could not be written to the store. */

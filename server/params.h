@@ -1,5 +1,5 @@
 /* params.h -- the query parameters.  Each returns false when the parameter is malformed, or
- * not for this token: then r->response says so.  One that is absent leaves *out as it was. */
+ * needs a scope that the token lacks: then r->response says so.  One that is absent leaves *out as it was. */
 #ifndef SERVER_PARAMS_H
 #define SERVER_PARAMS_H
 #include <stdbool.h>
@@ -12,7 +12,7 @@ bool params_flag(struct request *r, const char *name, bool *out); /* true, false
 /* params_units(r, mm): units=mm|cm|m as millimetres per unit. */
 bool params_units(struct request *r, double *mm);
 
-enum params_detail {                 /* what a comparison tells beside its decision */
+enum params_detail {                 /* what the response to a comparison contains */
                      PARAMS_BRIEF,   /* nothing from which a template could be rebuilt */
                      PARAMS_MEASURE, /* the measure, the pose and the regions */
                      PARAMS_HEATMAP  /* and the gap at each point */

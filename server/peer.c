@@ -33,7 +33,7 @@ struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn
 
     if (p != NULL)
         p->place = guard_open(host->guard, fd, addr);
-    if (p == NULL || p->place == NULL) { /* and nothing would ever end it */
+    if (p == NULL || p->place == NULL) { /* or it would have no deadline */
         (void)shutdown(fd, SHUT_RDWR);
         free(p);
         return NULL;
@@ -81,11 +81,12 @@ void peer_set_current(struct peer *p, void *current)
 
 /* ---- responses */
 
-/* What cannot be read as HTTP, libmicrohttpd (0.9.75) refuses before it calls anything here, in
- * HTML, without a media type, sometimes with its head sent twice, and has no option for any of
- * it.  But it queues that response by a call of its own public function, which goes through
- * the dynamic linker: this one, which the program exports, is called, and only then.  Where a
- * build of the library binds its calls to itself, the response is HTML again. */
+/* libmicrohttpd (0.9.75) responds by itself to what it cannot parse as HTTP: with HTML, without
+ * a media type, sometimes with the status line sent twice, and there is no option to change
+ * that.  But it queues this response by calling its own public MHD_queue_response() through
+ * the dynamic linker, which finds the one below first, because the program exports it; the
+ * program itself calls the library's by queue_response.  In a build of the library that binds
+ * its own calls, these responses are HTML again. */
 static enum MHD_Result (*queue_response)(struct MHD_Connection *conn, unsigned status,
                                          struct MHD_Response *resp);
 
@@ -171,9 +172,9 @@ static bool peer_send(const struct peer *p, const void *data, size_t len)
     return send(p->fd, data, len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)len;
 }
 
-/* libmicrohttpd takes an answer before or after the body, not amid it.  So that a body of
- * unknown length can be refused as soon as it is over the limit, this one answer is written
- * by hand.  The socket's buffer is empty, so that it fits in or the client is not there. */
+/* libmicrohttpd accepts a response before or after the body, not amid it, so this one is
+ * written by hand.  The socket's buffer is empty: the response fits in, or the client is
+ * gone. */
 bool peer_respond_amid(struct peer *p, const struct response *a, const char *id)
 {
     char head[512], retry[32] = "";

@@ -9,7 +9,7 @@ struct process_state {
     uint64_t open_fds, max_fds;
 };
 
-/* process_look(out): what cannot be found out is 0.  Some 100 us. */
+/* process_look(out): what cannot be read is 0.  Some 100 us. */
 void process_look(struct process_state *out);
 
 #endif

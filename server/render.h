@@ -15,8 +15,8 @@ struct face;
 struct face_result;
 struct frame;
 
-/* render_problem(m, detail, request_id, mismatch): RFC 9457; mismatch may be NULL: the
- * comparison that is told with it. */
+/* render_problem(m, detail, request_id, mismatch): RFC 9457; mismatch: the comparison behind
+ * it, or NULL. */
 char *render_problem(const struct errmap *m, const char *detail, const char *request_id,
                      const struct face_result *mismatch);
 

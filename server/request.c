@@ -149,7 +149,7 @@ static void set_body(struct request *r, int http, const char *type, char *body)
 void request_text(struct request *r, const char *type, char *text)
 {
     if (text == NULL)
-        request_problem(r, ST_ENOMEM, "no memory for the answer");
+        request_problem(r, ST_ENOMEM, "no memory for the response");
     else
         set_body(r, 200, type, text);
 }
@@ -157,7 +157,7 @@ void request_text(struct request *r, const char *type, char *text)
 void request_respond(struct request *r, int http, char *json)
 {
     if (json == NULL)
-        request_problem(r, ST_ENOMEM, "no memory for the answer");
+        request_problem(r, ST_ENOMEM, "no memory for the response");
     else
         set_body(r, http, "application/json", json);
 }

@@ -1,6 +1,6 @@
-/* request.h -- one HTTP request and its answer, without HTTP's machinery (http.h).
- * Made and released by http.c.  It belongs to the I/O thread, but while it waits for or is
- * with a worker (queue.h) to that worker: never to two threads at once. */
+/* request.h -- one HTTP request and its response, without the I/O (http.h).
+ * Made and released by http.c.  It belongs to the I/O thread, except from when it is
+ * queued (queue.h) until its worker is done: never to two threads at once. */
 #ifndef SERVER_REQUEST_H
 #define SERVER_REQUEST_H
 #include <stdbool.h>
@@ -116,10 +116,10 @@ void request_stage(struct request *r, enum request_stage stage, double ms);
 /* request_stage_name(stage): "queue", "parse", ... */
 const char *request_stage_name(enum request_stage stage);
 
-/* The kinds of answer; each sets r->response, replacing one that was there. */
+/* Kinds of response; each sets r->response and replaces one that was set before. */
 
 /* request_respond(r, http, json): json: heap text, taken; NULL: out of memory, which
- * becomes the answer. */
+ * becomes the response. */
 void request_respond(struct request *r, int http, char *json);
 
 /* request_written(r, http, json): as request_respond(), for a request that changes something:

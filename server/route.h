@@ -1,4 +1,4 @@
-/* route.h -- what a route is, and which of them a request takes.  The table is routes.c's. */
+/* route.h -- what a route is, and finding that of a request.  The table is in routes.c. */
 #ifndef SERVER_ROUTE_H
 #define SERVER_ROUTE_H
 #include <stdbool.h>

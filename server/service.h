@@ -1,6 +1,6 @@
 /* service.h -- the daemon's life by signals and by the protocol of a service manager
- * (systemd's sd_notify(3), its watchdog, sockets that it passes).  Where there is none, the
- * signals alone count.  From the main thread. */
+ * (systemd's sd_notify(3), its watchdog, sockets that it passes).  Without one, the signals
+ * alone work.  From the main thread. */
 #ifndef SERVER_SERVICE_H
 #define SERVER_SERVICE_H
 #include <stdbool.h>
@@ -11,7 +11,7 @@ struct errinfo;
 /* What service_wait() calls, with arg. */
 struct service_hooks {
     void (*reload)(void *arg);  /* on SIGHUP */
-    bool (*healthy)(void *arg); /* false: the watchdog is not told that all is well */
+    bool (*healthy)(void *arg); /* false: the watchdog is not notified */
     void *arg;
 };
 
@@ -28,8 +28,8 @@ void service_begin(void);
 void service_ready(const char *url);
 
 /* service_wait(hooks): until SIGTERM or SIGINT, which it returns; the manager knows then that
- * the daemon stops.  Meanwhile SIGHUP reloads, and the watchdog hears of a healthy daemon
- * twice in its time. */
+ * the daemon stops.  Meanwhile SIGHUP reloads, and a healthy daemon notifies the
+ * watchdog twice in each of its periods. */
 int service_wait(const struct service_hooks *hooks);
 
 #endif

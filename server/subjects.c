@@ -56,8 +56,8 @@ void subjects_list(struct request *r, struct worker *w)
     free(s);
 }
 
-/* 200 with the subject as it is now; answer: request_respond() or request_written(). */
-static void show(struct request *r, void (*answer)(struct request *, int, char *))
+/* 200 with the subject as it is now; respond: request_respond() or request_written(). */
+static void show(struct request *r, void (*respond)(struct request *, int, char *))
 {
     struct store_subject s;
     struct store_template *t = NULL;
@@ -68,7 +68,7 @@ static void show(struct request *r, void (*answer)(struct request *, int, char *
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        answer(r, 200, render_subject(&s, t, n));
+        respond(r, 200, render_subject(&s, t, n));
     free(t);
 }
 

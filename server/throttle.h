@@ -1,9 +1,8 @@
-/* throttle.h -- wrong tokens cost who sends them time: so many a minute from one address,
- * and beyond that no token from there is looked at for a while.  But for those that were
- * right before, from the same address: behind a proxy, whoever guesses shuts out no client
- * that is already at work.
+/* throttle.h -- rate-limits failed authentication per address: after so many wrong tokens in a
+ * minute, no token from that address is checked for a while, except those that were right
+ * before: behind a proxy, a client that guesses does not lock out those at work.
  * In memory alone and of fixed size: with more addresses at once than there is room for,
- * those that have to wait least are forgotten.  Safe on any thread. */
+ * those closest to their limit's end are forgotten.  Safe on any thread. */
 #ifndef SERVER_THROTTLE_H
 #define SERVER_THROTTLE_H
 #include <stdbool.h>
@@ -22,12 +21,12 @@ void throttle_free(struct throttle *t); /* NULL is allowed */
  * are; NULL: without. */
 void throttle_address(const struct sockaddr *addr, unsigned char out[THROTTLE_ADDRESS]);
 
-/* throttle_wait(t, address, token, now_ms): seconds until this token from there is looked
- * at; 0: now.  now_ms: log_clock_ms(). */
+/* throttle_wait(t, address, token, now_ms): seconds until this token from there may be
+ * checked; 0: now.  now_ms: log_clock_ms(). */
 unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
                        const char *token, double now_ms);
 
-/* throttle_note(t, address, token, good, now_ms): it was looked at. */
+/* throttle_note(t, address, token, good, now_ms): it was checked. */
 void throttle_note(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
                    const char *token, bool good, double now_ms);
 

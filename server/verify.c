@@ -66,7 +66,7 @@ bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *
     return admit == ADMIT_YES;
 }
 
-/* May the subject be verified at all?  *one: what is known of it. */
+/* Is the subject there, admitted and not locked out?  *one: as it was read. */
 static bool admit(struct request *r, const char *subject, struct store_subject *one)
 {
     struct errinfo e = {0};

@@ -12,11 +12,11 @@ struct worker;
 void verify_subject(struct request *r, struct worker *w);
 void verify_template(struct request *r, struct worker *w);
 
-/* verify_admitted(r, admit, e): as admit_subject() said; false: r->response tells why not. */
+/* verify_admitted(r, admit, e): as admit_subject() said; false: r->response says why not. */
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e);
 
 /* verify_event(r, kind, subject, template_id, decision): count the decision, and append
- * the event; when that fails the answer stands, and the log says that it is missing. */
+ * the event; when that fails the response stands, and the log says that it is missing. */
 void verify_event(struct request *r, const char *kind, const char *subject,
                   const char *template_id, enum face_decision decision);
 

@@ -1,4 +1,4 @@
-/* worker.h -- what one worker thread owns, and uses again for each request. */
+/* worker.h -- what one worker thread owns and reuses for each request. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
 #include "face.h"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: who tries faces, or tokens, has to wait; nobody else does, a restart forgets nothing,
+# Goal: trying faces or tokens is rate-limited; others are not affected, a restart forgets nothing,
 # and many tries at once are no way round it.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
