@@ -47,10 +47,13 @@ fi
 chmod 711 "$dir"
 as_user true || fail "no user to run PostgreSQL as"
 [ "$(id -u)" -ne 0 ] || chown nobody "$dir"
-as_user "$bin/initdb" -D "$dir/data" -U surface --locale=C -E UTF8 -A trust >"$dir/log" 2>&1 &&
-    as_user "$bin/pg_ctl" -D "$dir/data" -w -l "$dir/data/log" \
-        -o "-c listen_addresses= -c unix_socket_directories=$dir -c fsync=off" \
-        start >>"$dir/log" 2>&1 || fail "PostgreSQL does not start:
+start_postgres() {
+    as_user "$bin/initdb" -D "$dir/data" -U surface --locale=C -E UTF8 -A trust &&
+        as_user "$bin/pg_ctl" -D "$dir/data" -w -l "$dir/data/log" \
+            -o "-c listen_addresses= -c unix_socket_directories=$dir -c fsync=off" start
+}
+
+start_postgres >"$dir/log" 2>&1 || fail "PostgreSQL does not start:
 $(cat "$dir/log")"
 sql() {
     "$bin/psql" -X -q -h "$dir" -U surface -d postgres "$@" 2>&1

@@ -1,0 +1,351 @@
+/* What a verification reads and writes: all of one moment, in one transaction each. */
+/* link: -Wl,--wrap=sql_begin */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "errinfo.h"
+#include "model.h"
+#include "sql.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+static unsigned reads, writes;
+
+enum status __real_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why);
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why);
+
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why)
+{
+    reads += how == SQL_READ;
+    writes += how != SQL_READ;
+    return __real_sql_begin(d, how, t, why);
+}
+
+static void assert_transactions(unsigned read, unsigned written)
+{
+    assert_int_equal(reads, read);
+    assert_int_equal(writes, written);
+    reads = writes = 0;
+}
+
+/* A caller's part: which models it wants, and which it has got. */
+struct caller {
+    const struct store *store;
+    unsigned listed, used;
+    const char *has; /* a template that is in its cache */
+    bool end;        /* when all is listed */
+    enum status fail;
+    char got[4][STORE_ID_LEN + 1];
+};
+
+static enum status listed(void *arg, const struct store_admission *a, struct errinfo *why)
+{
+    struct caller *c = arg;
+
+    assert_true(a->n > 0);
+    assert_int_equal(c->used, 0); /* before any model is read */
+    c->listed++;
+    return c->end ? errinfo_set(why, ST_EHELD, "no more") : ST_OK;
+}
+
+static bool wanted(void *arg, const struct store_template *t)
+{
+    const struct caller *c = arg;
+
+    return c->has == NULL || strcmp(c->has, t->id) != 0;
+}
+
+static enum status use(void *arg, const struct store_template *t, const void *model,
+                       size_t len, struct errinfo *why)
+{
+    struct caller *c = arg;
+    struct face f = {0};
+
+    assert_int_equal(store_template_decode(c->store, t, model, len, tempdb_work, &f, why),
+                     ST_OK);
+    assert_int_equal(f.surface.mesh.nv, t->points);
+    face_free(&f);
+    memcpy(c->got[c->used++], t->id, sizeof t->id);
+    return c->fail != ST_OK ? errinfo_set(why, c->fail, "not this one") : ST_OK;
+}
+
+static struct store_template t[3]; /* two of alice, one of bob */
+
+static struct store *make(void)
+{
+    struct store *s = tempdb_fresh();
+
+    tempdb_enroll(s, "alice", "left", &tempdb_face[0], &t[0]);
+    tempdb_enroll(s, "alice", "right", &tempdb_face[1], &t[1]);
+    tempdb_enroll(s, "bob", "", &tempdb_face[2], &t[2]);
+    reads = writes = 0;
+    return s;
+}
+
+static void test_admit(void **state)
+{
+    struct store *s = make();
+    struct caller c = {.store = s};
+    struct store_admit what = {
+        .subject = "alice", .listed = listed, .wanted = wanted, .use = use, .arg = &c};
+    struct store_admission a;
+
+    (void)state;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_transactions(1, 0);
+    assert_string_equal(a.subject.id, "alice");
+    assert_int_equal(a.subject.templates, 2);
+    assert_false(a.subject.expired || a.subject.disabled);
+    assert_string_equal(a.attempts.subject, "alice");
+    assert_int_equal(a.attempts.failures, 0);
+    assert_int_equal(a.calibration, 0);
+    assert_int_equal(a.n, 2);
+    assert_memory_equal(&a.t[0], &t[0], sizeof t[0]);
+    assert_memory_equal(&a.t[1], &t[1], sizeof t[1]);
+    assert_int_equal(c.listed, 1);
+    assert_int_equal(c.used, 2);
+    assert_string_equal(c.got[0], t[0].id);
+    assert_string_equal(c.got[1], t[1].id);
+    free(a.t);
+
+    c = (struct caller){.store = s, .has = t[0].id};
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(c.used, 1);
+    assert_string_equal(c.got[0], t[1].id);
+    free(a.t);
+
+    /* One template, and who it is of. */
+    c = (struct caller){.store = s};
+    what.subject = NULL;
+    what.template_id = t[2].id;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_string_equal(a.subject.id, "bob");
+    assert_int_equal(a.n, 1);
+    assert_memory_equal(&a.t[0], &t[2], sizeof t[2]);
+    assert_int_equal(c.used, 1);
+    free(a.t);
+
+    /* Without callbacks nothing but the lists. */
+    what = (struct store_admit){.subject = "bob"};
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(a.n, 1);
+    free(a.t);
+    store_close(s);
+}
+
+/* A callback's status ends it, and nothing is left to be freed. */
+static void test_ended(void **state)
+{
+    struct store *s = make();
+    struct caller c = {.store = s, .end = true};
+    struct store_admit what = {
+        .subject = "alice", .listed = listed, .wanted = wanted, .use = use, .arg = &c};
+    struct store_admission a;
+
+    (void)state;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    assert_string_equal(e.msg, "no more");
+    assert_null(a.t);
+    assert_int_equal(c.used, 0);
+    c = (struct caller){.store = s, .fail = ST_EVERSION};
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_EVERSION);
+    assert_null(a.t);
+    assert_int_equal(c.used, 1);
+    what.subject = "nobody";
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    what.subject = "no body";
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_EINVAL);
+    what.subject = NULL;
+    what.template_id = "00000000000000000000000000000000";
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    assert_int_equal(store_subject_delete(s, "test", "bob", NULL, &e), ST_OK);
+    what.template_id = t[2].id;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    store_close(s);
+}
+
+static void test_state(void **state)
+{
+    const struct store_subject_change over = {.expires = "2020-01-01"};
+    struct store *s = make();
+    struct store_admit what = {.subject = "alice"};
+    struct store_admission a;
+    struct store_calibration k = {.fmr = 0.001,
+                                  .low_mm = 0.1,
+                                  .high_mm = 0.9,
+                                  .decision = store_model(s)->decision};
+
+    (void)state;
+    assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
+    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
+    reads = writes = 0;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_transactions(1, 0);
+    assert_true(a.subject.expired);
+    assert_int_equal(a.attempts.failures, 1);
+    assert_in_range(a.attempts.age_ms, 0, 60000);
+    assert_int_equal(a.calibration, 1);
+    assert_int_equal(a.k.version, 1);
+    assert_true(a.k.fmr == k.fmr);
+    free(a.t);
+    /* A caller that has it is not told again. */
+    what.calibration = 1;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(a.calibration, 1);
+    assert_int_equal(a.k.version, 0);
+    free(a.t);
+    /* The clock was set back: the last failure is now, for good. */
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
+    reads = writes = 0;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_transactions(1, 1);
+    assert_int_equal(a.attempts.age_ms, 0);
+    free(a.t);
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_transactions(1, 0);
+    free(a.t);
+    /* By a damaged calibration nobody may decide. */
+    tempdb_sql("UPDATE calibrations SET threshold_mm = threshold_mm + 1");
+    what.calibration = 0;
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_ECORRUPT);
+    store_close(s);
+}
+
+static bool few(void *arg, const struct store_attempts *now)
+{
+    unsigned *failures = arg;
+
+    *failures = now->failures;
+    return now->failures < 2;
+}
+
+static struct store_audit_entry last_event(struct store *s)
+{
+    const struct store_audit_filter last = {.newest = true, .limit = 1, .names = true};
+    struct store_audit_entry *list, one;
+    size_t n;
+
+    assert_int_equal(store_audit_list(s, &last, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    one = list[0];
+    free(list);
+    return one;
+}
+
+static void test_settle(void **state)
+{
+    struct store *s = make();
+    struct store_subject alice;
+    unsigned failures = 9;
+    struct store_settle what = {.subject = &alice,
+                                .as = STORE_SETTLE_FAILED,
+                                .actor = "tester",
+                                .kind = "verify",
+                                .template_id = t[0].id,
+                                .outcome = "no_match",
+                                .may = few,
+                                .arg = &failures};
+    struct errinfo lost = {ST_OK, ""};
+    struct store_settled out = {.lost = &lost};
+    struct store_attempts a;
+    uint64_t seq;
+
+    (void)state;
+    tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
+    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    reads = writes = 0;
+    for (unsigned i = 0; i < 2; i++) {
+        assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+        assert_transactions(0, 1);
+        assert_true(out.may);
+        assert_int_equal(failures, i);
+    }
+    assert_string_equal(last_event(s).outcome, "no_match");
+    assert_string_equal(last_event(s).subject, "alice");
+    assert_string_equal(last_event(s).actor, "tester");
+    seq = last_event(s).seq;
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
+                     1);
+    /* No more: and nothing is written. */
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_false(out.may);
+    assert_int_equal(last_event(s).seq, seq);
+    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
+    assert_int_equal(a.failures, 2);
+    what.may = NULL;
+    what.as = STORE_SETTLE_UNCOUNTED;
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
+    assert_int_equal(a.failures, 2);
+    assert_int_equal(last_event(s).seq, seq + 1);
+    what.as = STORE_SETTLE_PASSED;
+    what.outcome = "match";
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
+    assert_int_equal(a.failures, 0);
+    assert_string_equal(last_event(s).outcome, "match");
+    assert_int_equal(lost.code, ST_OK);
+    assert_int_equal(tempdb_check(s).problems, 0);
+    /* A subject that was seen just now is not written again. */
+    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
+                     0);
+    store_close(s);
+}
+
+/* Where the audit log takes no more, attempts count all the same. */
+static void test_no_event(void **state)
+{
+    struct store *s = make();
+    struct store_subject bob;
+    struct store_settle what = {.subject = &bob,
+                                .as = STORE_SETTLE_FAILED,
+                                .actor = "",
+                                .kind = "verify",
+                                .template_id = "",
+                                .outcome = "no_match"};
+    struct errinfo lost = {ST_OK, ""};
+    struct store_settled out = {.lost = &lost};
+    struct store_attempts a;
+
+    (void)state;
+    assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
+    tempdb_sql("UPDATE events_end SET seq = 1");
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_true(out.may);
+    assert_int_equal(lost.code, ST_ECORRUPT);
+    assert_int_equal(store_attempts_get(s, "bob", &a, &e), ST_OK);
+    assert_int_equal(a.failures, 1);
+    out.lost = NULL;
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    what.kind = "";
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_EINVAL);
+    what.kind = "verify";
+    tempdb_sql("DELETE FROM subjects");
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_ENOTFOUND);
+    assert_false(out.may);
+    store_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_admit),    cmocka_unit_test(test_ended),
+        cmocka_unit_test(test_state),    cmocka_unit_test(test_settle),
+        cmocka_unit_test(test_no_event),
+    };
+
+    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+}
