@@ -37,7 +37,7 @@ struct archive {
     FILE *file;
     unsigned char header[HEADER];
     bool begun, ended;
-    unsigned char *record, *sealed; /* room bytes each, and OVER more */
+    unsigned char *record, *encrypted; /* room bytes each, and OVER more */
     size_t room, used;
 };
 
@@ -82,7 +82,7 @@ void archive_close(struct archive *a)
     if (a->record != NULL)
         sodium_memzero(a->record, a->used);
     free(a->record);
-    free(a->sealed);
+    free(a->encrypted);
     sodium_memzero(a, sizeof *a);
     free(a);
 }
@@ -91,16 +91,17 @@ static enum status need_room(struct archive *a, size_t n, struct errinfo *e)
 {
     unsigned char *p;
 
-    if (a->sealed != NULL && n <= a->room)
+    if (a->encrypted != NULL && n <= a->room)
         return ST_OK;
     if (a->record != NULL)
         sodium_memzero(a->record, a->used);
     a->used = 0;
     free(a->record);
     a->room = 0;
-    if ((a->record = malloc(n + 1)) == NULL || (p = realloc(a->sealed, n + OVER)) == NULL)
+    if ((a->record = malloc(n + 1)) == NULL ||
+        (p = realloc(a->encrypted, n + OVER)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    a->sealed = p;
+    a->encrypted = p;
     a->room = n;
     return ST_OK;
 }
@@ -159,13 +160,13 @@ enum status archive_write(struct archive *a, const void *data, size_t n, bool la
     if ((st = need_room(a, n, e)) != ST_OK)
         return st;
     bytes_set(length, n, 4);
-    /* The first record proves the header, the others follow on it. */
-    (void)crypto_secretstream_xchacha20poly1305_push(&a->state, a->sealed, NULL, data, n,
-                                                     a->begun ? NULL : a->header,
+    /* The first record authenticates the header, the others follow on it. */
+    (void)crypto_secretstream_xchacha20poly1305_push(&a->state, a->encrypted, NULL, data,
+                                                     n, a->begun ? NULL : a->header,
                                                      a->begun ? 0 : HEADER, tag);
     a->begun = true;
     if ((st = put_bytes(a, length, sizeof length, e)) == ST_OK)
-        st = put_bytes(a, a->sealed, n + OVER, e);
+        st = put_bytes(a, a->encrypted, n + OVER, e);
     return st;
 }
 
@@ -229,11 +230,11 @@ enum status archive_read(struct archive *a, const unsigned char **data, size_t *
         return damaged(a, "a record's length", e);
     if ((st = need_room(a, *n, e)) != ST_OK)
         return st;
-    if (fread(a->sealed, 1, *n + OVER, a->file) != *n + OVER)
+    if (fread(a->encrypted, 1, *n + OVER, a->file) != *n + OVER)
         return damaged(a, "it ends too early", e);
     a->used = *n;
     if (crypto_secretstream_xchacha20poly1305_pull(
-            &a->state, a->record, NULL, &tag, a->sealed, *n + OVER,
+            &a->state, a->record, NULL, &tag, a->encrypted, *n + OVER,
             a->begun ? NULL : a->header, a->begun ? 0 : HEADER) != 0)
         return a->begun ? damaged(a, "a record is not what was written", e)
                         : errinfo_set(e, ST_EDENIED,

@@ -1,4 +1,4 @@
-/* archive.h -- a file of sealed records, one after the other: libsodium's secretstream
+/* archive.h -- a file of encrypted records, one after the other: libsodium's secretstream
  * (XChaCha20-Poly1305), so that none can be changed, left out, moved or cut off.  What the
  * records say is store_archive.h's.  Layout: db/FORMAT.md. */
 #ifndef DB_ARCHIVE_H
@@ -25,7 +25,7 @@ enum status archive_write(struct archive *a, const void *data, size_t n, bool la
 /* archive_open(from, k, out, e): ST_ECORRUPT: no archive; ST_EVERSION: of a newer version;
  * ST_EDENIED: it needs the other sort of key.
  * archive_read(a, data, n, last, e): the next record, which is the archive's until the next
- * call.  ST_EDENIED: the first one is not sealed with this key; ST_ECORRUPT: one is damaged,
+ * call.  ST_EDENIED: the first one is not encrypted with this key; ST_ECORRUPT: one is damaged,
  * or the file ends before the last or goes on after it; ST_EIO, ST_ENOMEM. */
 enum status archive_open(FILE *from, const struct keyfile *k, struct archive **out,
                          struct errinfo *e);

@@ -94,7 +94,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     struct store_attempts *a = out;
-    struct store_seal_key k = {0};
+    struct row_crypt_key k = {0};
     struct store_subject who;
     const bool ok = row_subject_who(x, r, 2, &who, &k);
     int64_t at;

@@ -7,7 +7,7 @@
 #include "errinfo.h"
 #include "store_column.h"
 #include "store_rules.h"
-#include "store_seal.h"
+#include "row_crypt.h"
 #include "store_txn.h"
 
 static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
@@ -86,7 +86,7 @@ enum status row_event_add(struct store_txn *t, const struct store_act *by,
                           const char *kind, const char *subject, const char *template_id,
                           const char *outcome, struct errinfo *e)
 {
-    unsigned char ref[STORE_SEAL_REF], hash[STORE_CHAIN_HASH];
+    unsigned char ref[ROW_CRYPT_REF], hash[STORE_CHAIN_HASH];
     struct store_chain_entry entry = {.at = by->at,
                                       .kind = kind,
                                       .actor = by->actor,
@@ -99,7 +99,7 @@ enum status row_event_add(struct store_txn *t, const struct store_act *by,
         return st;
     entry.seq++;
     if (subject[0] != '\0') {
-        store_seal_ref(t->vault, subject, ref);
+        row_crypt_ref(t->vault, subject, ref);
         entry.nsubject = sizeof ref;
     }
     store_chain_next(hash, &entry, hash);

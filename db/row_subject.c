@@ -20,17 +20,17 @@ enum { /* the columns of ROW_SUBJECT_WHO, from the first of them on */
 };
 
 static bool read_key(const struct store_txn *t, const struct sql_rows *r, int col,
-                     struct store_seal_key *k)
+                     struct row_crypt_key *k)
 {
-    unsigned char uid[STORE_SEAL_UID], wrapped[VAULT_WRAPPED];
+    unsigned char uid[ROW_CRYPT_UID], wrapped[VAULT_WRAPPED];
 
     return store_column_bytes(r, col + COL_UID, uid, sizeof uid) &&
            store_column_bytes(r, col + COL_KEY, wrapped, sizeof wrapped) &&
-           store_seal_key(t->vault, uid, wrapped, k);
+           row_crypt_key(t->vault, uid, wrapped, k);
 }
 
 bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int col,
-                     struct store_subject *s, struct store_seal_key *k)
+                     struct store_subject *s, struct row_crypt_key *k)
 {
     uint32_t hold = 0, disabled = 0;
     const void *about;
@@ -42,14 +42,13 @@ bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int co
         !store_column_text_or(r, col + COL_SEEN, s->seen, sizeof s->seen) ||
         !store_column_count(r, col + COL_HOLD, 1, &hold) ||
         !store_column_count(r, col + COL_DISABLED, 1, &disabled) ||
-        (about = store_column_blob(r, col + COL_ABOUT, 1, STORE_SEAL_ABOUT, &n)) ==
-            NULL ||
+        (about = store_column_blob(r, col + COL_ABOUT, 1, ROW_CRYPT_ABOUT, &n)) == NULL ||
         !read_key(t, r, col, k))
         return false;
     s->hold = hold != 0;
     s->disabled = disabled != 0;
     memcpy(s->uid, k->uid, sizeof s->uid);
-    return store_seal_open_subject(k, about, n, s);
+    return row_crypt_decrypt_subject(k, about, n, s);
 }
 
 static enum status damaged(int64_t row, struct errinfo *e)
@@ -62,7 +61,7 @@ enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     struct store_subject *s = out;
-    struct store_seal_key k = {0};
+    struct row_crypt_key k = {0};
     uint32_t templates;
     const int64_t row = sql_column(r, 0).i;
     const bool ok = row_subject_who(t, r, 2, s, &k) &&
@@ -79,7 +78,7 @@ enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
 struct sql_value row_subject_lookup(const struct store_txn *t, const char *subject,
                                     unsigned char out[VAULT_HASH])
 {
-    store_seal_lookup(t->vault, subject, out);
+    row_crypt_lookup(t->vault, subject, out);
     return sql_blob(out, VAULT_HASH);
 }
 
@@ -166,15 +165,15 @@ enum status row_subject_read(struct store_txn *t, const char *subject,
 enum status row_subject_add(struct store_txn *t, const struct store_subject *about,
                             struct row_subject *p, struct errinfo *e)
 {
-    unsigned char lookup[VAULT_HASH], wrapped[VAULT_WRAPPED], about_it[STORE_SEAL_ABOUT];
+    unsigned char lookup[VAULT_HASH], wrapped[VAULT_WRAPPED], about_it[ROW_CRYPT_ABOUT];
     struct sql_rows *r;
     size_t n;
     enum status st;
 
-    store_seal_new(t->vault,
-                   sodium_is_zero(about->uid, sizeof about->uid) ? NULL : about->uid,
-                   &p->key, wrapped);
-    n = store_seal_subject(&p->key, about, about_it);
+    row_crypt_new(t->vault,
+                  sodium_is_zero(about->uid, sizeof about->uid) ? NULL : about->uid,
+                  &p->key, wrapped);
+    n = row_crypt_encrypt_subject(&p->key, about, about_it);
     st = SQL_QUERY(
         t->sql, &r, e,
         "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
@@ -192,8 +191,8 @@ enum status row_subject_add(struct store_txn *t, const struct store_subject *abo
 enum status row_subject_write(struct store_txn *t, const struct row_subject *p,
                               const struct store_subject *one, struct errinfo *e)
 {
-    unsigned char lookup[VAULT_HASH], about[STORE_SEAL_ABOUT];
-    const size_t n = store_seal_subject(&p->key, one, about);
+    unsigned char lookup[VAULT_HASH], about[ROW_CRYPT_ABOUT];
+    const size_t n = row_crypt_encrypt_subject(&p->key, one, about);
 
     return SQL_RUN(t->sql, e,
                    "UPDATE subjects SET lookup = $2, about = $3, expires = $4, "

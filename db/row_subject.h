@@ -2,7 +2,7 @@
 #ifndef DB_ROW_SUBJECT_H
 #define DB_ROW_SUBJECT_H
 #include "sql.h"
-#include "store_seal.h"
+#include "row_crypt.h"
 #include "store_types.h"
 
 struct store_txn; /* store_txn.h */
@@ -22,7 +22,7 @@ struct store_txn; /* store_txn.h */
  * row_subject_row(t, r, s, e): from a row of ROW_SUBJECT_COLUMNS; t is a void * for
  * store_column_list(). */
 bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int col,
-                     struct store_subject *s, struct store_seal_key *k);
+                     struct store_subject *s, struct row_crypt_key *k);
 enum status row_subject_row(void *t, const struct sql_rows *r, void *s,
                             struct errinfo *e);
 
@@ -32,7 +32,7 @@ struct sql_value row_subject_lookup(const struct store_txn *t, const char *subje
 
 struct row_subject { /* a subject in a transaction; to be wiped */
     int64_t row;
-    struct store_seal_key key;
+    struct row_crypt_key key;
 };
 
 /* row_subject_find(t, subject, p, e): ST_ENOTFOUND; ST_ECORRUPT: damaged; then *p has the row

@@ -32,7 +32,7 @@ enum { /* the columns of COLUMNS */
 
 /* Nothing of the row is trusted but what its subject's key authenticates; *k is that key. */
 static enum status read_row(const struct store_txn *x, const struct sql_rows *r,
-                            struct store_template *t, struct store_seal_key *k,
+                            struct store_template *t, struct row_crypt_key *k,
                             struct errinfo *e)
 {
     struct store_subject who;
@@ -47,8 +47,8 @@ static enum status read_row(const struct store_txn *x, const struct sql_rows *r,
          store_column_count(r, COL_POINTS, MESH_MAX_POINTS, &t->points) &&
          store_column_count(r, COL_TRIANGLES, 2 * (int64_t)t->points, &t->triangles) &&
          row_subject_who(x, r, COL_WHO, &who, k) &&
-         (about = store_column_blob(r, COL_ABOUT, 1, STORE_SEAL_ABOUT, &n)) != NULL &&
-         store_seal_open_template(k, about, n, t);
+         (about = store_column_blob(r, COL_ABOUT, 1, ROW_CRYPT_ABOUT, &n)) != NULL &&
+         row_crypt_decrypt_template(k, about, n, t);
     if (!ok)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its row is damaged",
                            store_id_valid(t->id) ? t->id : "?");
@@ -59,7 +59,7 @@ static enum status read_row(const struct store_txn *x, const struct sql_rows *r,
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
-    struct store_seal_key k;
+    struct row_crypt_key k;
     const enum status st = read_row(x, r, out, &k, e);
 
     sodium_memzero(&k, sizeof k);
@@ -67,7 +67,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
 }
 
 static enum status use_model(const struct sql_rows *r, const struct store_template *t,
-                             const struct store_seal_key *k, row_template_use *use,
+                             const struct row_crypt_key *k, row_template_use *use,
                              void *arg, struct errinfo *e)
 {
     size_t len;
@@ -79,7 +79,7 @@ static enum status use_model(const struct sql_rows *r, const struct store_templa
         return errinfo_set(e, ST_ECORRUPT, "template %s: its model is missing", t->id);
     if ((model = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (store_seal_open_model(k, t, stored, len, model))
+    if (row_crypt_decrypt_model(k, t, stored, len, model))
         st = use(arg, t, model, len - VAULT_OVER, e);
     else
         st = errinfo_set(e, ST_ECORRUPT, "template %s: its model is damaged", t->id);
@@ -96,7 +96,7 @@ static enum status not_found(const char *id, struct errinfo *e)
 }
 
 enum status row_template_key(struct store_txn *x, const char *id,
-                             struct store_template *t, struct store_seal_key *k,
+                             struct store_template *t, struct row_crypt_key *k,
                              struct errinfo *e)
 {
     struct sql_rows *r;
@@ -114,7 +114,7 @@ enum status row_template_key(struct store_txn *x, const char *id,
 enum status row_template_get(struct store_txn *x, const char *id,
                              struct store_template *t, struct errinfo *e)
 {
-    struct store_seal_key k;
+    struct row_crypt_key k;
     const enum status st = row_template_key(x, id, t, &k, e);
 
     sodium_memzero(&k, sizeof k);
@@ -125,7 +125,7 @@ enum status row_template_load(struct store_txn *x, const char *id,
                               struct store_template *t, row_template_use *use, void *arg,
                               struct errinfo *e)
 {
-    struct store_seal_key k = {0};
+    struct row_crypt_key k = {0};
     struct sql_rows *r;
     bool found;
     enum status st =
@@ -208,7 +208,7 @@ enum status row_template_same(struct store_txn *x, const struct row_subject *p,
     struct sql_rows *r;
     enum status st;
 
-    store_seal_same(x->vault, p->key.uid, digest, same);
+    row_crypt_same(x->vault, p->key.uid, digest, same);
     st = SQL_QUERY(x->sql, &r, e,
                    "SELECT " COLUMNS FROM " WHERE t.subject_key = $1 AND t.same = $2",
                    sql_int(p->row), sql_blob(same, sizeof same));
@@ -223,15 +223,15 @@ enum status row_template_add(struct store_txn *x, const struct row_subject *p,
                              const struct store_template *t, const void *model,
                              size_t len, struct errinfo *e)
 {
-    unsigned char about[STORE_SEAL_ABOUT], same[VAULT_HASH];
-    const size_t n = store_seal_template(&p->key, t, about);
+    unsigned char about[ROW_CRYPT_ABOUT], same[VAULT_HASH];
+    const size_t n = row_crypt_encrypt_template(&p->key, t, about);
     unsigned char *stored = malloc(len + VAULT_OVER);
     enum status st;
 
     if (stored == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    store_seal_model(&p->key, t, model, len, stored);
-    store_seal_same(x->vault, p->key.uid, t->digest, same);
+    row_crypt_encrypt_model(&p->key, t, model, len, stored);
+    row_crypt_same(x->vault, p->key.uid, t->digest, same);
     st = SQL_RUN(x->sql, e,
                  "INSERT INTO templates (id, subject_key, same, created, engine, points, "
                  "triangles, about, model) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)",
@@ -243,17 +243,17 @@ enum status row_template_add(struct store_txn *x, const struct row_subject *p,
     return st;
 }
 
-enum status row_template_write(struct store_txn *x, const struct store_seal_key *k,
+enum status row_template_write(struct store_txn *x, const struct row_crypt_key *k,
                                const struct store_template *t, const void *model,
                                size_t len, struct errinfo *e)
 {
-    unsigned char about[STORE_SEAL_ABOUT], *stored = malloc(len + VAULT_OVER);
-    const size_t n = store_seal_template(k, t, about);
+    unsigned char about[ROW_CRYPT_ABOUT], *stored = malloc(len + VAULT_OVER);
+    const size_t n = row_crypt_encrypt_template(k, t, about);
     enum status st;
 
     if (stored == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    store_seal_model(k, t, model, len, stored);
+    row_crypt_encrypt_model(k, t, model, len, stored);
     st = SQL_RUN(x->sql, e,
                  "UPDATE templates SET engine = $2, triangles = $3, about = $4, "
                  "model = $5 WHERE id = $1",
@@ -289,7 +289,7 @@ enum status row_template_each(struct store *s, unsigned part, unsigned parts,
                               void (*report)(void *arg, const char *line), void *arg,
                               struct errinfo *e)
 {
-    struct store_seal_key k = {0};
+    struct row_crypt_key k = {0};
     struct store_template t;
     struct store_txn x;
     struct errinfo why;

@@ -18,7 +18,7 @@ typedef enum status row_template_use(void *arg, const struct store_template *t,
 enum status row_template_get(struct store_txn *x, const char *id,
                              struct store_template *t, struct errinfo *e);
 enum status row_template_key(struct store_txn *x, const char *id,
-                             struct store_template *t, struct store_seal_key *k,
+                             struct store_template *t, struct row_crypt_key *k,
                              struct errinfo *e);
 enum status row_template_load(struct store_txn *x, const char *id,
                               struct store_template *t, row_template_use *use, void *arg,
@@ -46,7 +46,7 @@ enum status row_template_same(struct store_txn *x, const struct row_subject *p,
 enum status row_template_add(struct store_txn *x, const struct row_subject *p,
                              const struct store_template *t, const void *model,
                              size_t len, struct errinfo *e);
-enum status row_template_write(struct store_txn *x, const struct store_seal_key *k,
+enum status row_template_write(struct store_txn *x, const struct row_crypt_key *k,
                                const struct store_template *t, const void *model,
                                size_t len, struct errinfo *e);
 enum status row_template_delete(struct store_txn *x, const char *id, struct errinfo *e);

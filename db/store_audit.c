@@ -31,7 +31,7 @@ enum { /* the columns of COLUMNS, and of a checkpoint behind them */
 /* An entry in the form that it is hashed in as well: ref has the subject's bytes. */
 struct row {
     struct store_audit_entry entry;
-    unsigned char ref[STORE_SEAL_REF], hash[STORE_CHAIN_HASH];
+    unsigned char ref[ROW_CRYPT_REF], hash[STORE_CHAIN_HASH];
     size_t nref;
 };
 
@@ -113,15 +113,15 @@ static enum status read_name(void *arg, const struct sql_rows *r, void *out,
                              struct errinfo *e)
 {
     const struct store_txn *t = arg;
-    unsigned char ref[STORE_SEAL_REF];
+    unsigned char ref[ROW_CRYPT_REF];
     struct name *name = out;
-    struct store_seal_key k;
+    struct row_crypt_key k;
     struct store_subject who;
 
     (void)e;
     memset(name, 0, sizeof *name);
     if (row_subject_who(t, r, 0, &who, &k)) {
-        store_seal_ref(t->vault, who.id, ref);
+        row_crypt_ref(t->vault, who.id, ref);
         (void)sodium_bin2hex(name->ref, sizeof name->ref, ref, sizeof ref);
         memcpy(name->subject, who.id, sizeof name->subject);
     }
@@ -182,7 +182,7 @@ static enum status list(struct store_txn *t, const struct store_audit_filter *f,
     const int64_t after = f->after <= INT64_MAX ? (int64_t)f->after : INT64_MAX;
     const int64_t limit =
         f->limit != 0 && f->limit < INT64_MAX ? (int64_t)f->limit : INT64_MAX;
-    unsigned char ref[STORE_SEAL_REF];
+    unsigned char ref[ROW_CRYPT_REF];
     struct sql_value v[] = {
         sql_int(after), sql_null(), sql_text_or_null(f->kind != NULL ? f->kind : ""),
         sql_text_or_null(f->since != NULL ? f->since : ""), sql_int(limit)};
@@ -190,7 +190,7 @@ static enum status list(struct store_txn *t, const struct store_audit_filter *f,
     enum status st;
 
     if (f->subject != NULL) {
-        store_seal_ref(t->vault, f->subject, ref);
+        row_crypt_ref(t->vault, f->subject, ref);
         v[1] = sql_blob(ref, sizeof ref);
     }
     if (f->newest)

@@ -1,7 +1,7 @@
 /* store_chain.h -- the chain of events: each entry's hash is of the entry and of the hash
  * before it, so that none can be removed, changed or moved without all that follow.  The
  * first follows 32 zero bytes.  Marks are places in the chain that are signed: they bind it
- * for who has no key but the public one.  Layout of what is hashed: db/FORMAT.md. */
+ * for verifiers that have the public key alone.  Layout of what is hashed: db/FORMAT.md. */
 #ifndef DB_STORE_CHAIN_H
 #define DB_STORE_CHAIN_H
 #include <stdbool.h>
@@ -19,7 +19,7 @@
 struct store_chain_entry {
     uint64_t seq; /* 1, 2, ... */
     const char *at, *kind, *actor;
-    const unsigned char *subject; /* a reference, store_seal_ref(), or none */
+    const unsigned char *subject; /* a reference, row_crypt_ref(), or none */
     size_t nsubject;
     const char *template_id, *outcome;
 };
@@ -29,7 +29,7 @@ void store_chain_next(const unsigned char before[STORE_CHAIN_HASH],
                       const struct store_chain_entry *entry,
                       unsigned char out[STORE_CHAIN_HASH]);
 
-/* store_chain_end(v, seq, hash, mac): proves that the chain ends there. */
+/* store_chain_end(v, seq, hash, mac): the MAC of the chain's end. */
 void store_chain_end(const struct vault *v, uint64_t seq,
                      const unsigned char hash[STORE_CHAIN_HASH],
                      unsigned char mac[STORE_CHAIN_HASH]);

@@ -25,7 +25,7 @@ struct checking { /* what all threads have in common */
     struct store_check *found;
     void (*report)(void *arg, const char *line);
     void *arg;
-    pthread_mutex_t lock; /* of found->problems, and of whoever is reported to */
+    pthread_mutex_t lock; /* of found->problems, and of report() */
 };
 
 struct share { /* of the templates */

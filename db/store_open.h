@@ -6,8 +6,8 @@
 /* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
  * for {.make = VAULT_FILE}.  A key's file that is missing is made with a new database.
  * ST_EDENIED: not the database's key; or the database is plaintext although a path or a key
- * is given, or there is OF.key: whoever can write the file could otherwise put one of their
- * own in its place; the same for a transaction that meets another key record.
+ * is given, or there is OF.key: with access to the file alone another one could be put
+ * in its place; the same for a transaction that meets another key record.
  * ST_EVERSION: of another version than this program's; STORE_MIGRATE upgrades an older one in
  * one transaction, of which a verified copy is kept: PATH.v1.bak for version 1. */
 enum status store_open(const char *path, enum store_mode mode,

@@ -21,7 +21,7 @@ static enum status write_row(struct store_txn *x, const struct store_act *by,
                              const struct store_template *t, const void *model,
                              size_t len, bool *done, struct errinfo *e)
 {
-    struct store_seal_key k = {0};
+    struct row_crypt_key k = {0};
     struct store_template now;
     enum status st = row_template_key(x, t->id, &now, &k, e);
 

@@ -15,7 +15,7 @@
 #include "sql_file.h"
 #include "store_column.h"
 #include "store_rules.h"
-#include "store_seal.h"
+#include "row_crypt.h"
 #include "store_txn.h"
 
 struct files {
@@ -102,13 +102,13 @@ static enum status make_vault(struct store_txn *t, const struct store_rekey *to,
 static enum status wrap(struct store_txn *t, const struct vault *next,
                         const struct sql_rows *row, struct errinfo *e)
 {
-    unsigned char uid[STORE_SEAL_UID], wrapped[VAULT_WRAPPED];
+    unsigned char uid[ROW_CRYPT_UID], wrapped[VAULT_WRAPPED];
     const int64_t number = sql_column(row, 0).i;
-    struct store_seal_key k;
+    struct row_crypt_key k;
 
     if (!store_column_bytes(row, 1, uid, sizeof uid) ||
         !store_column_bytes(row, 2, wrapped, sizeof wrapped) ||
-        !store_seal_key(t->vault, uid, wrapped, &k))
+        !row_crypt_key(t->vault, uid, wrapped, &k))
         return errinfo_set(e, ST_ECORRUPT, "a subject's key is damaged (row %lld)",
                            (long long)number);
     vault_wrap(next, uid, k.key, wrapped);

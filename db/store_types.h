@@ -80,8 +80,8 @@ struct store_subject_change {        /* what is NULL stays as it is */
     const bool *hold, *disabled;
 };
 
-/* What is left of a subject that was erased, for whoever asked for it: signed, so that it
- * can be shown to somebody else (db/FORMAT.md). */
+/* What is left of a subject that was erased, for the person who asked for it: signed, so
+ * that others can verify it (db/FORMAT.md). */
 struct store_receipt {
     char subject[STORE_SUBJECT_MAX + 1];
     char at[32];
@@ -201,8 +201,9 @@ struct store_copied { /* what is in a copy that was verified */
 };
 
 struct store_restored {
-    struct store_copied backup; /* as it was verified, before anybody was erased again */
-    bool was_there;             /* there was a database, and it is PATH.before-restore */
+    struct store_copied
+        backup;     /* as it was verified, before subjects were erased again */
+    bool was_there; /* there was a database, and it is PATH.before-restore */
     uint64_t had_subjects, had_templates; /* it had so many */
     uint64_t lost;    /* subjects of it that the backup does not have */
     uint64_t erased;  /* subjects of the backup that were erased since */

@@ -111,7 +111,7 @@ bool store_vault_fits(const char *path, const struct vault_root *r)
     return fits;
 }
 
-/* Somebody may have changed the key and not put it in its place yet, or just now. */
+/* Another process may have changed the key and not put it in its place yet, or just now. */
 static enum status open_by_files(const char *path, const struct vault_root *r,
                                  struct vault **out, struct errinfo *e)
 {
@@ -132,7 +132,7 @@ static enum status open_by_files(const char *path, const struct vault_root *r,
     return st;
 }
 
-/* A plaintext root carries its own master key, so anybody who can write the file can make
+/* A plaintext root carries its own master key, so that a process which can write the file can make
  * one.  It is accepted only where nothing says that the database has a key. */
 static enum status allow_plaintext(const struct store_vaults *v, struct errinfo *e)
 {

@@ -34,16 +34,16 @@ struct vault {
 
 _Static_assert(sizeof(struct secrets) == VAULT_SECRETS, "no padding");
 
-void vault_seal(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
-                const void *in, size_t n, unsigned char *out)
+void vault_encrypt(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
+                   const void *in, size_t n, unsigned char *out)
 {
     randombytes_buf(out, NONCE);
     (void)crypto_aead_xchacha20poly1305_ietf_encrypt(out + NONCE, NULL, in, n, about,
                                                      nabout, NULL, out, key);
 }
 
-_Bool vault_unseal(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
-                   const void *in, size_t n, unsigned char *out)
+_Bool vault_decrypt(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
+                    const void *in, size_t n, unsigned char *out)
 {
     const unsigned char *bytes = in;
 
@@ -54,8 +54,8 @@ _Bool vault_unseal(const unsigned char key[VAULT_KEY], const void *about, size_t
 
 /* ---- the root */
 
-/* All that a root says but its secrets, which are sealed with it: nothing of it can be
- * changed by who has no master key. */
+/* All that a root says but its secrets, which are encrypted with it as associated data:
+ * nothing of it can be changed without the master key. */
 #define ROOT_ABOUT (16 + 4 + 8 + 4 + 4 + VAULT_SALT + VAULT_KEY + VAULT_KEY)
 
 static void root_about(const struct vault_root *r, unsigned char out[ROOT_ABOUT])
@@ -134,8 +134,8 @@ static enum status make(enum vault_kind kind, int64_t version, const struct secr
     v->secrets = *s;
     (void)crypto_sign_seed_keypair(root->public, v->sign, v->secrets.seed);
     root_about(root, about);
-    vault_seal(v->master, about, sizeof about, &v->secrets, sizeof v->secrets,
-               root->secrets);
+    vault_encrypt(v->master, about, sizeof about, &v->secrets, sizeof v->secrets,
+                  root->secrets);
     *out = v;
     return ST_OK;
 }
@@ -176,8 +176,8 @@ enum status vault_open(const struct vault_root *root, const void *secret, size_t
         goto fail;
     root_about(root, about);
     st = ST_EDENIED;
-    if (!vault_unseal(v->master, about, sizeof about, root->secrets, sizeof root->secrets,
-                      (unsigned char *)&v->secrets)) {
+    if (!vault_decrypt(v->master, about, sizeof about, root->secrets,
+                       sizeof root->secrets, (unsigned char *)&v->secrets)) {
         (void)errinfo_set(
             e, st, "not the key of this database: give its own, or restore a backup");
         goto fail;
@@ -216,7 +216,7 @@ void vault_wrap(const struct vault *v, const unsigned char uid[16],
     unsigned char about[WRAP_ABOUT];
 
     wrap_about(uid, about);
-    vault_seal(v->master, about, sizeof about, key, VAULT_KEY, out);
+    vault_encrypt(v->master, about, sizeof about, key, VAULT_KEY, out);
 }
 
 _Bool vault_unwrap(const struct vault *v, const unsigned char uid[16],
@@ -226,7 +226,7 @@ _Bool vault_unwrap(const struct vault *v, const unsigned char uid[16],
     unsigned char about[WRAP_ABOUT];
 
     wrap_about(uid, about);
-    return vault_unseal(v->master, about, sizeof about, wrapped, VAULT_WRAPPED, key);
+    return vault_decrypt(v->master, about, sizeof about, wrapped, VAULT_WRAPPED, key);
 }
 
 /* ---- hashes and signatures */

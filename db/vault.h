@@ -1,11 +1,11 @@
-/* vault.h -- the keys of a database, and what they seal.
+/* vault.h -- the keys of a database, and what they encrypt.
  *
  *   master key, kept outside     wraps the root's secrets and every subject's key
- *   root: lookup, mac, signing   find a subject without storing its id; prove the audit log
- *   a subject's own random key   seals all that is known of the subject; erasing it erases
+ *   root: lookup, mac, signing   find a subject without storing its id; authenticate the audit log
+ *   a subject's own random key   encrypts all that is known of the subject; erasing it erases
  *                                the subject, in whatever copy of the rows is left
  *
- * Sealed is XChaCha20-Poly1305 (libsodium) under a random nonce, which stands first; the
+ * Encrypted with XChaCha20-Poly1305 (libsodium) under a random nonce, which stands first; the
  * associated data say which row and what in it, so that nothing can be moved or exchanged.
  * Keys lie in locked memory with guard pages and are wiped when they go.  Nothing here is
  * for printing.  Calls are safe from any number of threads: a vault never changes. */
@@ -19,8 +19,8 @@ struct errinfo;
 struct vault;
 
 #define VAULT_KEY        32                       /* bytes of any key */
-#define VAULT_OVER       40                       /* more bytes sealed than open */
-#define VAULT_WRAPPED    (VAULT_KEY + VAULT_OVER) /* a sealed key */
+#define VAULT_OVER       40                       /* more bytes encrypted than plain */
+#define VAULT_WRAPPED    (VAULT_KEY + VAULT_OVER) /* an encrypted key */
 #define VAULT_HASH       32                       /* of lookups and macs */
 #define VAULT_SIGN       64                       /* a signature: Ed25519 */
 #define VAULT_SALT       16
@@ -28,8 +28,9 @@ struct vault;
 #define VAULT_SECRET_MAX 1024 /* bytes of a passphrase */
 
 enum vault_kind { /* where the master key comes from; stored, so never renumbered */
-                  VAULT_OPEN = 0, /* the root itself: whoever has the database reads it */
-                  VAULT_FILE = 1, /* 256 random bits in a file */
+                  VAULT_OPEN =
+                      0, /* the root itself: the database alone suffices to read it */
+                  VAULT_FILE = 1,      /* 256 random bits in a file */
                   VAULT_PASSPHRASE = 2 /* by Argon2id */
 };
 
@@ -66,13 +67,13 @@ void vault_free(struct vault *v); /* wiped; NULL is allowed */
 
 int64_t vault_version(const struct vault *v); /* of its root */
 
-/* vault_seal(key, about, nabout, in, n, out): n + VAULT_OVER bytes to out.
- * vault_unseal(key, about, nabout, in, n, out): n - VAULT_OVER bytes to out; false: other
- * bytes than were sealed, under another key or about something else, and out is undefined. */
-void vault_seal(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
-                const void *in, size_t n, unsigned char *out);
-_Bool vault_unseal(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
+/* vault_encrypt(key, about, nabout, in, n, out): n + VAULT_OVER bytes to out.
+ * vault_decrypt(key, about, nabout, in, n, out): n - VAULT_OVER bytes to out; false: other
+ * bytes than were encrypted, under another key or about something else, and out is undefined. */
+void vault_encrypt(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
                    const void *in, size_t n, unsigned char *out);
+_Bool vault_decrypt(const unsigned char key[VAULT_KEY], const void *about, size_t nabout,
+                    const void *in, size_t n, unsigned char *out);
 
 /* A subject's key, bound to the subject's 16 random bytes.  vault_unwrap(): false as above. */
 void vault_wrap(const struct vault *v, const unsigned char uid[16],
@@ -83,7 +84,7 @@ _Bool vault_unwrap(const struct vault *v, const unsigned char uid[16],
 
 /* vault_lookup(v, what, data, n, out): a keyed hash of n bytes to find a row by; the same
  * for another master key.  what: a word that keeps one use from another.
- * vault_mac(v, data, n, out): a keyed hash that proves who wrote the bytes. */
+ * vault_mac(v, data, n, out): a MAC of the bytes. */
 void vault_lookup(const struct vault *v, const char *what, const void *data, size_t n,
                   unsigned char out[VAULT_HASH]);
 void vault_mac(const struct vault *v, const void *data, size_t n,

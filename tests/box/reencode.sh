@@ -71,7 +71,7 @@ ok "as if enrolled now, to the last digit" cmp "$T/wanted" "$T/before"
 is "made anew in memory" "$(metric surfaced_templates_renewed_total)" 2
 send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
 is "never compared where that cannot be" "$STATUS" 500
-ok "and the log says why" grep -q 'template passed over.*cannot make it anew' "$LOG"
+ok "and the log says why" grep -q 'template passed over.*cannot re-encode it' "$LOG"
 
 # ---- for good, beside the daemon
 ctl_exits 65 template reencode --dry-run

@@ -15,7 +15,7 @@
 #include "errinfo.h"
 #include "keyfile.h"
 #include "store_chain.h"
-#include "store_seal.h"
+#include "row_crypt.h"
 #include "vault.h"
 
 static char dir[64], path[96];
@@ -37,28 +37,28 @@ static void test_sealed(void **state)
 
     (void)state;
     randombytes_buf(key, sizeof key);
-    vault_seal(key, about, sizeof about, text, sizeof text, in);
-    assert_true(vault_unseal(key, about, sizeof about, in, sizeof in, out));
+    vault_encrypt(key, about, sizeof about, text, sizeof text, in);
+    assert_true(vault_decrypt(key, about, sizeof about, in, sizeof in, out));
     assert_memory_equal(out, text, sizeof text);
-    vault_seal(key, about, sizeof about, text, sizeof text, other);
+    vault_encrypt(key, about, sizeof about, text, sizeof text, other);
     assert_memory_not_equal(in, other, sizeof in); /* another nonce */
     for (size_t bit = 0; bit < 8 * sizeof in; bit++) {
         memcpy(other, in, sizeof in);
         other[bit / 8] ^= (unsigned char)(1U << bit % 8);
-        assert_false(vault_unseal(key, about, sizeof about, other, sizeof in, out));
+        assert_false(vault_decrypt(key, about, sizeof about, other, sizeof in, out));
     }
     for (size_t bit = 0; bit < 8 * sizeof about; bit++) {
         memcpy(elsewhere, about, sizeof about);
         elsewhere[bit / 8] ^= (char)(1U << bit % 8);
-        assert_false(vault_unseal(key, elsewhere, sizeof about, in, sizeof in, out));
+        assert_false(vault_decrypt(key, elsewhere, sizeof about, in, sizeof in, out));
     }
     for (size_t bit = 0; bit < 8 * sizeof key; bit++) {
         key[bit / 8] ^= (unsigned char)(1U << bit % 8);
-        assert_false(vault_unseal(key, about, sizeof about, in, sizeof in, out));
+        assert_false(vault_decrypt(key, about, sizeof about, in, sizeof in, out));
         key[bit / 8] ^= (unsigned char)(1U << bit % 8);
     }
     for (size_t n = 0; n < sizeof in; n++)
-        assert_false(vault_unseal(key, about, sizeof about, in, n, out));
+        assert_false(vault_decrypt(key, about, sizeof about, in, n, out));
 }
 
 static void test_root(void **state)
@@ -205,8 +205,8 @@ static void test_rows(void **state)
 {
     struct vault_root root;
     struct vault *v;
-    struct store_seal_key k, other;
-    unsigned char wrapped[VAULT_WRAPPED], in[STORE_SEAL_ABOUT], model[8 + VAULT_OVER],
+    struct row_crypt_key k, other;
+    unsigned char wrapped[VAULT_WRAPPED], in[ROW_CRYPT_ABOUT], model[8 + VAULT_OVER],
         out[8];
     struct store_subject s = {.id = "alice",
                               .reference = "consent",
@@ -230,39 +230,39 @@ static void test_rows(void **state)
     memset(s.purpose, 'c', STORE_NOTE_MAX);
     memset(f.label, 'd', STORE_LABEL_MAX);
     memset(f.digest, '7', 64);
-    store_seal_new(v, NULL, &k, wrapped);
-    assert_true(store_seal_key(v, k.uid, wrapped, &other));
+    row_crypt_new(v, NULL, &k, wrapped);
+    assert_true(row_crypt_key(v, k.uid, wrapped, &other));
     assert_memory_equal(&k, &other, sizeof k);
-    n = store_seal_subject(&k, &s, in);
-    assert_true(n <= STORE_SEAL_ABOUT);
+    n = row_crypt_encrypt_subject(&k, &s, in);
+    assert_true(n <= ROW_CRYPT_ABOUT);
     t = s;
     memset(t.id, 0, sizeof t.id);
-    assert_true(store_seal_open_subject(&k, in, n, &t));
+    assert_true(row_crypt_decrypt_subject(&k, in, n, &t));
     assert_memory_equal(&s, &t, sizeof s);
     t.disabled = true;
-    assert_false(store_seal_open_subject(&k, in, n, &t));
+    assert_false(row_crypt_decrypt_subject(&k, in, n, &t));
     for (size_t cut = 0; cut < n; cut++)
-        assert_false(store_seal_open_subject(&k, in, cut, &s));
+        assert_false(row_crypt_decrypt_subject(&k, in, cut, &s));
 
-    n = store_seal_template(&k, &f, in);
+    n = row_crypt_encrypt_template(&k, &f, in);
     g = f;
     memset(g.label, 0, sizeof g.label);
     memset(g.digest, 0, sizeof g.digest);
-    assert_true(store_seal_open_template(&k, in, n, &g));
+    assert_true(row_crypt_decrypt_template(&k, in, n, &g));
     assert_string_equal(g.label, f.label);
     assert_string_equal(g.digest, f.digest);
     assert_true(g.quality.density_mm == f.quality.density_mm);
-    store_seal_model(&k, &f, "the face", 8, model);
-    assert_true(store_seal_open_model(&k, &f, model, sizeof model, out));
+    row_crypt_encrypt_model(&k, &f, "the face", 8, model);
+    assert_true(row_crypt_decrypt_model(&k, &f, model, sizeof model, out));
     assert_false(
-        store_seal_open_template(&k, model, sizeof model, &g)); /* the other part */
+        row_crypt_decrypt_template(&k, model, sizeof model, &g)); /* the other part */
     g.points++;
-    assert_false(store_seal_open_model(&k, &g, model, sizeof model, out));
+    assert_false(row_crypt_decrypt_model(&k, &g, model, sizeof model, out));
     g = f;
     g.id[0] = '1';
-    assert_false(store_seal_open_model(&k, &g, model, sizeof model, out));
-    store_seal_new(v, NULL, &other, wrapped);
-    assert_false(store_seal_open_model(&other, &f, model, sizeof model, out));
+    assert_false(row_crypt_decrypt_model(&k, &g, model, sizeof model, out));
+    row_crypt_new(v, NULL, &other, wrapped);
+    assert_false(row_crypt_decrypt_model(&other, &f, model, sizeof model, out));
     vault_free(v);
 }
 

@@ -1,4 +1,4 @@
-#include "store_seal.h"
+#include "row_crypt.h"
 
 #include <sodium.h>
 #include <string.h>
@@ -10,35 +10,35 @@
 
 /* ---- finding */
 
-void store_seal_lookup(const struct vault *v, const char *subject,
-                       unsigned char out[VAULT_HASH])
+void row_crypt_lookup(const struct vault *v, const char *subject,
+                      unsigned char out[VAULT_HASH])
 {
     vault_lookup(v, "subject", subject, strlen(subject), out);
 }
 
-void store_seal_ref(const struct vault *v, const char *subject,
-                    unsigned char out[STORE_SEAL_REF])
+void row_crypt_ref(const struct vault *v, const char *subject,
+                   unsigned char out[ROW_CRYPT_REF])
 {
     unsigned char hash[VAULT_HASH];
 
     vault_lookup(v, "event", subject, strlen(subject), hash);
-    memcpy(out, hash, STORE_SEAL_REF);
+    memcpy(out, hash, ROW_CRYPT_REF);
 }
 
-void store_seal_same(const struct vault *v, const unsigned char uid[STORE_SEAL_UID],
-                     const char *digest, unsigned char out[VAULT_HASH])
+void row_crypt_same(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
+                    const char *digest, unsigned char out[VAULT_HASH])
 {
-    unsigned char data[STORE_SEAL_UID + 2 * DIGEST];
+    unsigned char data[ROW_CRYPT_UID + 2 * DIGEST];
 
-    memcpy(data, uid, STORE_SEAL_UID);
-    memcpy(data + STORE_SEAL_UID, digest, 2 * DIGEST);
+    memcpy(data, uid, ROW_CRYPT_UID);
+    memcpy(data + ROW_CRYPT_UID, digest, 2 * DIGEST);
     vault_lookup(v, "template", data, sizeof data, out);
 }
 
 /* ---- keys */
 
-void store_seal_new(const struct vault *v, const unsigned char *uid,
-                    struct store_seal_key *k, unsigned char wrapped[VAULT_WRAPPED])
+void row_crypt_new(const struct vault *v, const unsigned char *uid,
+                   struct row_crypt_key *k, unsigned char wrapped[VAULT_WRAPPED])
 {
     randombytes_buf(k, sizeof *k);
     if (uid != NULL)
@@ -46,22 +46,22 @@ void store_seal_new(const struct vault *v, const unsigned char *uid,
     vault_wrap(v, k->uid, k->key, wrapped);
 }
 
-bool store_seal_key(const struct vault *v, const unsigned char uid[STORE_SEAL_UID],
-                    const unsigned char wrapped[VAULT_WRAPPED], struct store_seal_key *k)
+bool row_crypt_key(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
+                   const unsigned char wrapped[VAULT_WRAPPED], struct row_crypt_key *k)
 {
-    memcpy(k->uid, uid, STORE_SEAL_UID);
+    memcpy(k->uid, uid, ROW_CRYPT_UID);
     return vault_unwrap(v, uid, wrapped, k->key);
 }
 
 /* ---- subjects */
 
-static size_t about_subject(const struct store_seal_key *k, const struct store_subject *s,
-                            unsigned char out[STORE_SEAL_ABOUT])
+static size_t about_subject(const struct row_crypt_key *k, const struct store_subject *s,
+                            unsigned char out[ROW_CRYPT_ABOUT])
 {
     unsigned char *to = out;
 
     bytes_put(&to, "surface who   1", 16);
-    bytes_put(&to, k->uid, STORE_SEAL_UID);
+    bytes_put(&to, k->uid, ROW_CRYPT_UID);
     bytes_put_text(&to, s->created);
     bytes_put_text(&to, s->expires);
     bytes_put_number(&to, s->hold, 1);
@@ -69,10 +69,11 @@ static size_t about_subject(const struct store_seal_key *k, const struct store_s
     return (size_t)(to - out);
 }
 
-size_t store_seal_subject(const struct store_seal_key *k, const struct store_subject *s,
-                          unsigned char out[STORE_SEAL_ABOUT])
+size_t row_crypt_encrypt_subject(const struct row_crypt_key *k,
+                                 const struct store_subject *s,
+                                 unsigned char out[ROW_CRYPT_ABOUT])
 {
-    unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT];
     const size_t n = about_subject(k, s, about);
     unsigned char *to = open;
     size_t len;
@@ -81,21 +82,21 @@ size_t store_seal_subject(const struct store_seal_key *k, const struct store_sub
     bytes_put_text(&to, s->reference);
     bytes_put_text(&to, s->purpose);
     len = (size_t)(to - open);
-    vault_seal(k->key, about, n, open, len, out);
+    vault_encrypt(k->key, about, n, open, len, out);
     sodium_memzero(open, len);
     return len + VAULT_OVER;
 }
 
-bool store_seal_open_subject(const struct store_seal_key *k, const void *in, size_t n,
-                             struct store_subject *s)
+bool row_crypt_decrypt_subject(const struct row_crypt_key *k, const void *in, size_t n,
+                               struct store_subject *s)
 {
-    unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT];
     const size_t nabout = about_subject(k, s, about);
     struct bytes b = {open, open};
     bool ok;
 
-    if (n < VAULT_OVER || n > STORE_SEAL_ABOUT ||
-        !vault_unseal(k->key, about, nabout, in, n, open))
+    if (n < VAULT_OVER || n > ROW_CRYPT_ABOUT ||
+        !vault_decrypt(k->key, about, nabout, in, n, open))
         return false;
     b.end += n - VAULT_OVER;
     ok = bytes_get_text(&b, s->id, sizeof s->id) && store_subject_valid(s->id) &&
@@ -107,15 +108,15 @@ bool store_seal_open_subject(const struct store_seal_key *k, const void *in, siz
 
 /* ---- templates */
 
-static size_t about_template(const struct store_seal_key *k,
+static size_t about_template(const struct row_crypt_key *k,
                              const struct store_template *t, char part,
-                             unsigned char out[STORE_SEAL_ABOUT])
+                             unsigned char out[ROW_CRYPT_ABOUT])
 {
     unsigned char *to = out;
 
     bytes_put(&to, "surface face  1", 16);
     bytes_put_number(&to, (unsigned char)part, 1);
-    bytes_put(&to, k->uid, STORE_SEAL_UID);
+    bytes_put(&to, k->uid, ROW_CRYPT_UID);
     bytes_put_text(&to, t->id);
     bytes_put_text(&to, t->created);
     bytes_put_text(&to, t->engine);
@@ -124,10 +125,11 @@ static size_t about_template(const struct store_seal_key *k,
     return (size_t)(to - out);
 }
 
-size_t store_seal_template(const struct store_seal_key *k, const struct store_template *t,
-                           unsigned char out[STORE_SEAL_ABOUT])
+size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
+                                  const struct store_template *t,
+                                  unsigned char out[ROW_CRYPT_ABOUT])
 {
-    unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT], digest[DIGEST];
+    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT], digest[DIGEST];
     const size_t n = about_template(k, t, 'a', about);
     unsigned char *to = open;
     size_t len;
@@ -140,21 +142,21 @@ size_t store_seal_template(const struct store_seal_key *k, const struct store_te
     bytes_put_real(&to, t->quality.density_mm);
     bytes_put_real(&to, t->quality.noise_mm);
     len = (size_t)(to - open);
-    vault_seal(k->key, about, n, open, len, out);
+    vault_encrypt(k->key, about, n, open, len, out);
     sodium_memzero(open, len);
     return len + VAULT_OVER;
 }
 
-bool store_seal_open_template(const struct store_seal_key *k, const void *in, size_t n,
-                              struct store_template *t)
+bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, size_t n,
+                                struct store_template *t)
 {
-    unsigned char about[STORE_SEAL_ABOUT], open[STORE_SEAL_ABOUT], digest[DIGEST];
+    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT], digest[DIGEST];
     const size_t nabout = about_template(k, t, 'a', about);
     struct bytes b = {open, open};
     bool ok;
 
-    if (n < VAULT_OVER || n > STORE_SEAL_ABOUT ||
-        !vault_unseal(k->key, about, nabout, in, n, open))
+    if (n < VAULT_OVER || n > ROW_CRYPT_ABOUT ||
+        !vault_decrypt(k->key, about, nabout, in, n, open))
         return false;
     b.end += n - VAULT_OVER;
     ok = bytes_get_text(&b, t->label, sizeof t->label) &&
@@ -168,20 +170,22 @@ bool store_seal_open_template(const struct store_seal_key *k, const void *in, si
     return ok;
 }
 
-void store_seal_model(const struct store_seal_key *k, const struct store_template *t,
-                      const void *in, size_t n, unsigned char *out)
+void row_crypt_encrypt_model(const struct row_crypt_key *k,
+                             const struct store_template *t, const void *in, size_t n,
+                             unsigned char *out)
 {
-    unsigned char about[STORE_SEAL_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT];
     const size_t nabout = about_template(k, t, 'm', about);
 
-    vault_seal(k->key, about, nabout, in, n, out);
+    vault_encrypt(k->key, about, nabout, in, n, out);
 }
 
-bool store_seal_open_model(const struct store_seal_key *k, const struct store_template *t,
-                           const void *in, size_t n, unsigned char *out)
+bool row_crypt_decrypt_model(const struct row_crypt_key *k,
+                             const struct store_template *t, const void *in, size_t n,
+                             unsigned char *out)
 {
-    unsigned char about[STORE_SEAL_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT];
     const size_t nabout = about_template(k, t, 'm', about);
 
-    return vault_unseal(k->key, about, nabout, in, n, out);
+    return vault_decrypt(k->key, about, nabout, in, n, out);
 }
