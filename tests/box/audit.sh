@@ -20,16 +20,16 @@ ctl verify bob "$T/b.ply"
 ctl audit checkpoint
 is "signed" "$CODE $(said .checkpoint)" "0 8"
 # As they are in the file: the subject's key, and some of the model.
-sealed=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
+encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
     JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
-for one in $sealed; do
+for one in $encrypted; do
     ok "what is looked for is found" holds "$one" "$DB" "$DB-wal"
 done
 req DELETE /v1/subjects/alice
 cp "$T/body" "$T/receipt"
 ctl backup "$T/backup"
 is "a backup afterwards" $CODE 0
-for one in $sealed; do
+for one in $encrypted; do
     if holds "$one" "$DB" "$DB-wal" "$T/backup"; then found=yes; else found=no; fi
     is "the key and the model are nowhere any more" "$found" no
 done

@@ -164,7 +164,7 @@ static void test_every_byte(void **state)
     face_free(&g);
 }
 
-static void seal(unsigned char *buf, size_t len)
+static void put_checksum(unsigned char *buf, size_t len)
 {
     const uint64_t sum = XXH3_64bits(buf, len - 8);
 
@@ -205,7 +205,7 @@ static void assert_safe(const struct mesh *m)
 
 /* With the checksum made right again only the proof stands between the bytes and us.  The
  * mark is test_frame()'s: another one has the frame found anew, which takes a millisecond. */
-static void test_sealed(void **state)
+static void test_checked(void **state)
 {
     struct brute_rng r = {brute_seed("sealed")};
     struct face f = {0}, g = {0};
@@ -225,7 +225,7 @@ static void test_sealed(void **state)
                 continue;
             for (unsigned change = 1; change < 256; change += 1 + change / 4) {
                 buf[i] ^= (unsigned char)change;
-                seal(buf, len);
+                put_checksum(buf, len);
                 if (decode(buf, len, &g, &e) == ST_OK) {
                     assert_safe(&g.surface.mesh);
                     accepted++;
@@ -288,10 +288,10 @@ static void test_golden(void **state)
     codec_encode(&f, again);
     assert_memory_equal(buf, again, len);
     buf[4] = 2; /* a version to come */
-    seal(buf, len);
+    put_checksum(buf, len);
     assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
     buf[4] = 0;
-    seal(buf, len);
+    put_checksum(buf, len);
     assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
     face_free(&f);
 }
@@ -334,7 +334,7 @@ static void test_no_mark(void **state)
 
     (void)state;
     memset(buf + MARK, 0, 4);
-    seal(buf, len);
+    put_checksum(buf, len);
     assert_int_equal(decode(buf, len, &g, &e), ST_OK);
     assert_same(&f.surface.mesh, &g.surface.mesh);
     assert_int_equal(f.frame.mean_id, g.frame.mean_id);
@@ -364,19 +364,19 @@ static void test_frame(void **state)
     assert_memory_equal(&f.frame.pose, &g.frame.pose, sizeof f.frame.pose);
     for (size_t i = 0; i < 12; i++) /* a motion, but not this face's: who would know? */
         put_double(buf + FRAME + 8 * i, i == 0 || i == 4 || i == 8 ? 1 : 0);
-    seal(buf, len);
+    put_checksum(buf, len);
     assert_int_equal(decode(buf, len, &g, &e), ST_OK);
     assert_true(g.frame.pose.r[0] == 1 && g.frame.pose.t[1] == 0);
     memcpy(other, buf, len);
     other[MARK] ^= 1;
-    seal(other, len);
+    put_checksum(other, len);
     assert_int_equal(decode(other, len, &g, &e), ST_OK);
     assert_int_equal(f.frame.mean_id, g.frame.mean_id);
     check_close(&f.frame.pose, &g.frame.pose);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         memcpy(other, buf, len);
         put_double(other + FRAME + 8 * bad[i].at, bad[i].value);
-        seal(other, len);
+        put_checksum(other, len);
         assert_int_equal(decode(other, len, &g, &e), ST_ECORRUPT);
         assert_non_null(strstr(e.msg, "frame"));
     }
@@ -465,7 +465,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_every_byte),
-        cmocka_unit_test(test_sealed),     cmocka_unit_test(test_golden),
+        cmocka_unit_test(test_checked),    cmocka_unit_test(test_golden),
         cmocka_unit_test(test_no_mark),    cmocka_unit_test(test_frame),
         cmocka_unit_test(test_digest),     cmocka_unit_test(test_no_memory),
     };

@@ -332,7 +332,7 @@ static void test_erased_while_read(void **state)
 }
 
 /* What is stored of a person cannot be read by who has the file alone. */
-static void test_sealed(void **state)
+static void test_encrypted(void **state)
 {
     struct store *s = tempdb_fresh();
     struct store_subject who = {
@@ -369,7 +369,7 @@ int main(void)
         cmocka_unit_test(test_templates),     cmocka_unit_test(test_enroll_after),
         cmocka_unit_test(test_subjects),      cmocka_unit_test(test_events),
         cmocka_unit_test(test_bad_arguments), cmocka_unit_test(test_erased),
-        cmocka_unit_test(test_sealed),        cmocka_unit_test(test_erased_while_read),
+        cmocka_unit_test(test_encrypted),     cmocka_unit_test(test_erased_while_read),
     };
 
     return cmocka_run_group_tests_name("store", tests, tempdb_begin_faces,

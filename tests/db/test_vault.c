@@ -1,4 +1,4 @@
-/* Keys and what they seal: only the right key opens, only what was sealed, only where it was. */
+/* Keys and what they encrypt: only the right key decrypts, only what was encrypted, only in its place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,8 +27,8 @@ static void make(struct vault_root *root, struct vault **v)
     assert_int_equal(vault_make(VAULT_FILE, master, sizeof master, root, v, &e), ST_OK);
 }
 
-/* Each bit of the key, of what it is about and of the sealed bytes counts. */
-static void test_sealed(void **state)
+/* Each bit of the key, of what it is about and of the encrypted bytes counts. */
+static void test_encrypted(void **state)
 {
     const char text[] = "the volume between two surfaces", about[] = "row 7, column 3";
     unsigned char key[VAULT_KEY], in[sizeof text + VAULT_OVER], out[sizeof text];
@@ -312,9 +312,9 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sealed), cmocka_unit_test(test_root),
-        cmocka_unit_test(test_change), cmocka_unit_test(test_keyfile),
-        cmocka_unit_test(test_rows),   cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_encrypted), cmocka_unit_test(test_root),
+        cmocka_unit_test(test_change),    cmocka_unit_test(test_keyfile),
+        cmocka_unit_test(test_rows),      cmocka_unit_test(test_chain),
     };
 
     return cmocka_run_group_tests_name("vault", tests, set_up, tear_down);

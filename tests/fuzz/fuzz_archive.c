@@ -1,6 +1,6 @@
 /* Archives of export.  The first byte says what the others are: 0 modulo 3, a record as it is
- * once it is unsealed; 1, a whole archive as it is; 2, records, each a length (u16) and its
- * bytes, sealed here as an archive, so that what follows the seal is tried too.  Nothing may
+ * once it is decrypted; 1, a whole archive as it is; 2, records, each a length (u16) and its
+ * bytes, encrypted here as an archive, so that what follows decryption is tried too.  Nothing may
  * be accepted after the last record, and a record that is accepted must be within its limits. */
 #include "fuzz.h"
 
@@ -55,7 +55,7 @@ static void try_archive(FILE *from)
     archive_close(a);
 }
 
-static void try_sealed(const uint8_t *data, size_t size)
+static void try_encrypted(const uint8_t *data, size_t size)
 {
     struct errinfo e = {ST_OK, ""};
     struct archive *a = NULL;
@@ -104,7 +104,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         (void)fclose(from);
         break;
     default:
-        try_sealed(copy, size - 1);
+        try_encrypted(copy, size - 1);
     }
     free(copy);
     return 0;

@@ -1,4 +1,4 @@
-/* A database that somebody changed who has no key.  The input says how a small sealed one is
+/* A database that was changed without its key.  The input says how a small encrypted one is
  * changed: rows first (values, other rows' values, rows taken away or said twice, the schema),
  * then bytes of the file.  Whatever is asked of it then is an error or the truth: no face is
  * loaded for somebody who did not enroll it, no token opens that did not.

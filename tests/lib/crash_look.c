@@ -99,10 +99,6 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
         say(&t, "none");
         return true;
     }
-    if (st == ST_OK && look.version < look.newest) {
-        say(&t, "version %d", look.version);
-        return true;
-    }
     if (st != ST_OK || (st = store_open(path, STORE_READ, NULL, &s, &e)) != ST_OK) {
         say(&t, "cannot be opened: %s", e.msg);
         return false;
@@ -132,7 +128,7 @@ size_t crash_secrets(const char *dir, struct crash_secret *out, size_t max)
         return 0;
     if (sqlite3_open_v2(path, &db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
         exit(2);
-    for (size_t i = 0; i < 2; i++) { /* an older version has no keys */
+    for (size_t i = 0; i < 2; i++) {
         if (sqlite3_prepare_v2(db, sql[i], -1, &stmt, NULL) != SQLITE_OK)
             continue;
         while (n < max && sqlite3_step(stmt) == SQLITE_ROW)

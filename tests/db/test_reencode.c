@@ -133,7 +133,7 @@ static void test_spikes(void **state)
 /* What another engine made, as if this one had made it. */
 static void test_engines(void **state)
 {
-    static struct bytes theirs, ours, renewed;
+    static struct bytes theirs, ours, again;
 
     (void)state;
     for (int i = SHIFTED; i <= HOLDS; i++) {
@@ -147,8 +147,8 @@ static void test_engines(void **state)
         assert_memory_not_equal(ours.b, theirs.b, ours.n);
         assert_int_equal(codec_decode(theirs.b, theirs.n, work[SHIPPED], &f, &e), ST_OK);
         assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
-        encode(&f, &renewed);
-        assert_same(&ours, &renewed);
+        encode(&f, &again);
+        assert_same(&ours, &again);
         assert_memory_equal(&f.quality, &g.quality, sizeof f.quality);
         face_free(&f);
         face_free(&g);
@@ -217,7 +217,7 @@ static void test_store(void **state)
     struct face f = {0};
     char(*due)[STORE_ID_LEN + 1];
     struct store *s;
-    bool renewed;
+    bool done;
     size_t n;
 
     (void)state;
@@ -241,9 +241,8 @@ static void test_store(void **state)
         free(due);
 
         assert_int_equal(
-            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
-            ST_OK);
-        assert_true(renewed);
+            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e), ST_OK);
+        assert_true(done);
         assert_string_equal(is.engine, store_made_by(s));
         assert_int_equal(store_template_get(s, was.id, &is, &e), ST_OK);
         assert_string_equal(is.engine, store_made_by(s));
@@ -254,9 +253,8 @@ static void test_store(void **state)
         assert_same(&ours, &loaded);
         assert_int_equal(count(s), 0);
         assert_int_equal(
-            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
-            ST_OK);
-        assert_false(renewed);
+            store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e), ST_OK);
+        assert_false(done);
         assert_int_equal(tempdb_check(s).problems, 0);
         store_close(s);
         tempdb_remove();
@@ -271,7 +269,7 @@ static void test_stays(void **state)
     struct store_template was, is;
     struct face f = {0};
     struct store *s = open_for(HOLLOW);
-    bool renewed = true;
+    bool done = true;
 
     (void)state;
     make(3, 0, -1, HOLLOW, &f);
@@ -284,10 +282,9 @@ static void test_stays(void **state)
                      ST_EVERSION);
     assert_non_null(strstr(e.msg, was.id));
     assert_int_equal(f.surface.mesh.nv, 0);
-    assert_int_equal(
-        store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &renewed, &e),
-        ST_EVERSION);
-    assert_false(renewed);
+    assert_int_equal(store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e),
+                     ST_EVERSION);
+    assert_false(done);
     assert_int_equal(count(s), 1);
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
