@@ -18,29 +18,19 @@ void measure_work_free(struct measure_work *w)
     memset(w, 0, sizeof *w);
 }
 
-/* take(block, at, n, size): the next n objects of the block, each array on its own cache
- * line; with block NULL only the size is counted. */
-static void *take(unsigned char *block, size_t *at, size_t n, size_t size)
-{
-    unsigned char *p = block == NULL ? NULL : block + *at;
-
-    *at += mem_round(n * size);
-    return p;
-}
-
 /* layout(w, na, nb, block): w's arrays for a template of na points and a probe of nb;
  * returns the bytes needed. */
 static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char *block)
 {
     size_t at = 0;
 
-    w->tmpl_in_moved = take(block, &at, na, sizeof *w->tmpl_in_moved);
-    w->moved_in_tmpl = take(block, &at, nb, sizeof *w->moved_in_tmpl);
-    w->tmpl_other = take(block, &at, na, sizeof *w->tmpl_other);
-    w->moved_other = take(block, &at, nb, sizeof *w->moved_other);
-    w->b_vertex = take(block, &at, nb, sizeof *w->b_vertex);
-    w->vertex = take(block, &at, na + nb, sizeof *w->vertex);
-    w->ground = take(block, &at, na + nb, sizeof *w->ground);
+    w->tmpl_in_moved = mem_take(block, &at, na, sizeof *w->tmpl_in_moved);
+    w->moved_in_tmpl = mem_take(block, &at, nb, sizeof *w->moved_in_tmpl);
+    w->tmpl_other = mem_take(block, &at, na, sizeof *w->tmpl_other);
+    w->moved_other = mem_take(block, &at, nb, sizeof *w->moved_other);
+    w->b_vertex = mem_take(block, &at, nb, sizeof *w->b_vertex);
+    w->vertex = mem_take(block, &at, na + nb, sizeof *w->vertex);
+    w->ground = mem_take(block, &at, na + nb, sizeof *w->ground);
     return at;
 }
 

@@ -4,42 +4,33 @@
 
 #include "mem.h"
 
-/* mesh_layout(n, m, block): point m's arrays into block for n points; returns the bytes
- * needed.  With block == NULL only the size is computed. */
-static size_t mesh_layout(uint32_t n, struct mesh *m, unsigned char *block)
+/* m's arrays in block for n points; returns the bytes needed. */
+static size_t layout(struct mesh *m, size_t n, unsigned char *block)
 {
-    const size_t points = n, halfedges = 6 * points;
-    const size_t xy = 0;
-    const size_t org = xy + mem_round(points * sizeof *m->xy);
-    const size_t twin = org + mem_round(halfedges * sizeof *m->org);
-    const size_t z = twin + mem_round(halfedges * sizeof *m->twin);
-    const size_t out = z + mem_round(points * sizeof *m->z);
-    const size_t parent = out + mem_round((points + 1) * sizeof *m->out);
+    size_t at = 0;
 
-    if (block != NULL) {
-        m->xy = (struct ivec2 *)(void *)(block + xy);
-        m->org = (uint32_t *)(void *)(block + org);
-        m->twin = (uint32_t *)(void *)(block + twin);
-        m->z = (int32_t *)(void *)(block + z);
-        m->out = (uint32_t *)(void *)(block + out);
-        m->parent = (uint32_t *)(void *)(block + parent);
-    }
-    return parent + mem_round(points * sizeof *m->parent);
+    m->xy = mem_take(block, &at, n, sizeof *m->xy);
+    m->org = mem_take(block, &at, 6 * n, sizeof *m->org);
+    m->twin = mem_take(block, &at, 6 * n, sizeof *m->twin);
+    m->z = mem_take(block, &at, n, sizeof *m->z);
+    m->out = mem_take(block, &at, n + 1, sizeof *m->out);
+    m->parent = mem_take(block, &at, n, sizeof *m->parent);
+    return at;
 }
 
 enum status mesh_reserve(struct mesh *m, uint32_t n)
 {
-    unsigned char *block;
+    struct mesh larger = {0};
 
     if (n > MESH_MAX_POINTS)
         return ST_ELIMIT;
     if (m->block == NULL || n > m->cap) {
-        if ((block = mem_array(mesh_layout(n, m, NULL), 1)) == NULL)
+        if ((larger.block = mem_array(layout(&larger, n, NULL), 1)) == NULL)
             return ST_ENOMEM;
+        (void)layout(&larger, n, larger.block);
+        larger.cap = n;
         mem_free(m->block);
-        m->block = block;
-        m->cap = n;
-        (void)mesh_layout(n, m, block);
+        *m = larger;
     }
     m->nv = m->nt = 0;
     return ST_OK;

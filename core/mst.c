@@ -37,23 +37,18 @@ struct forest {
     struct link *link;   /* [nv] edges of the spanning tree */
 };
 
+/* f's arrays in block for n vertices; returns the bytes needed. */
 static size_t layout(struct forest *f, size_t n, unsigned char *block)
 {
-    const size_t sorted = mem_round(2 * n * sizeof *f->edge);
-    const size_t best = sorted + mem_round((n + n / 2) * sizeof *f->sorted);
-    const size_t next = best + mem_round(n * sizeof *f->best);
-    const size_t mark = next + mem_round(n * sizeof *f->next);
-    const size_t link = mark + mem_round((n + 1) * sizeof *f->mark);
+    size_t at = 0;
 
-    if (block != NULL) {
-        f->edge = (struct edge *)(void *)block;
-        f->sorted = (struct edge *)(void *)(block + sorted);
-        f->best = (struct best *)(void *)(block + best);
-        f->next = (uint32_t *)(void *)(block + next);
-        f->mark = (uint32_t *)(void *)(block + mark);
-        f->link = (struct link *)(void *)(block + link);
-    }
-    return link + mem_round(n * sizeof *f->link);
+    f->edge = mem_take(block, &at, 2 * n, sizeof *f->edge);
+    f->sorted = mem_take(block, &at, n + n / 2, sizeof *f->sorted);
+    f->best = mem_take(block, &at, n, sizeof *f->best);
+    f->next = mem_take(block, &at, n, sizeof *f->next);
+    f->mark = mem_take(block, &at, n + 1, sizeof *f->mark);
+    f->link = mem_take(block, &at, n, sizeof *f->link);
+    return at;
 }
 
 static inline uint64_t length2(struct ivec2 a, struct ivec2 b)

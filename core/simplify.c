@@ -312,30 +312,21 @@ static enum status finish(const struct state *s, struct scratch *scratch,
     return st;
 }
 
-/* take_array(block, at, n, size): as in measure.c. */
-static void *take_array(unsigned char *block, size_t *at, size_t n, size_t size)
-{
-    unsigned char *p = block == NULL ? NULL : block + *at;
-
-    *at += mem_round(n * size);
-    return p;
-}
-
 static size_t layout(struct state *s, unsigned char *block)
 {
     const size_t nv = s->m->nv, nt = s->m->nt;
     size_t at = 0;
 
-    s->gap = take_array(block, &at, nv, sizeof *s->gap);
-    s->was = take_array(block, &at, nv, sizeof *s->was);
-    s->share = take_array(block, &at, nv, sizeof *s->share);
-    s->volume = take_array(block, &at, nt, sizeof *s->volume);
-    s->key = take_array(block, &at, nv, sizeof *s->key);
-    s->first = take_array(block, &at, nt, sizeof *s->first);
-    s->next = take_array(block, &at, nv, sizeof *s->next);
-    s->heap = take_array(block, &at, nv, sizeof *s->heap);
-    s->at = take_array(block, &at, nv, sizeof *s->at);
-    s->counts = take_array(block, &at, nt, sizeof *s->counts);
+    s->gap = mem_take(block, &at, nv, sizeof *s->gap);
+    s->was = mem_take(block, &at, nv, sizeof *s->was);
+    s->share = mem_take(block, &at, nv, sizeof *s->share);
+    s->volume = mem_take(block, &at, nt, sizeof *s->volume);
+    s->key = mem_take(block, &at, nv, sizeof *s->key);
+    s->first = mem_take(block, &at, nt, sizeof *s->first);
+    s->next = mem_take(block, &at, nv, sizeof *s->next);
+    s->heap = mem_take(block, &at, nv, sizeof *s->heap);
+    s->at = mem_take(block, &at, nv, sizeof *s->at);
+    s->counts = mem_take(block, &at, nt, sizeof *s->counts);
     return at;
 }
 

@@ -9,25 +9,32 @@
 #include "mst.h"
 #include "spikes.h"
 
+/* s's arrays in block for n points; returns the bytes needed. */
+static size_t layout(struct surface *s, size_t n, unsigned char *block)
+{
+    size_t at = 0;
+
+    s->raw = mem_take(block, &at, n, sizeof *s->raw);
+    s->spacing = mem_take(block, &at, n, sizeof *s->spacing);
+    s->bridge = mem_take(block, &at, 2 * n, sizeof *s->bridge);
+    return at;
+}
+
 enum status surface_derive(struct surface *out, struct scratch *s)
 {
     const struct mesh *m = &out->mesh;
-    const size_t nv = m->nv, spacing = mem_round(nv * sizeof *out->raw);
-    const size_t bridge = spacing + mem_round(nv * sizeof *out->spacing);
-    unsigned char *block;
+    const size_t nv = m->nv;
+    struct surface larger = {0};
     enum status st;
 
     if (out->block == NULL || out->cap < nv) {
-        if ((block = mem_array(bridge + 2 * nv, 1)) == NULL)
+        if ((larger.block = mem_array(layout(&larger, nv, NULL), 1)) == NULL)
             return ST_ENOMEM;
         mem_free(out->block);
-        out->block = block;
+        out->block = larger.block;
         out->cap = (uint32_t)nv;
     }
-    block = out->block;
-    out->raw = (int32_t *)(void *)block;
-    out->spacing = (float *)(void *)(block + spacing);
-    out->bridge = block + bridge;
+    (void)layout(out, nv, out->block);
     memcpy(out->raw, m->z, nv * sizeof *out->raw);
     if ((st = holes_spacing(m, s, out->spacing)) != ST_OK)
         return st;
