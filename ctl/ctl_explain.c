@@ -12,9 +12,11 @@
 #include "explain_text.h"
 #include "verdict.h"
 
-/* A from the database: the template of a subject that decides, or the template named. */
+/* A from the database: the template of a subject that decides, or the template named.
+ * *none: there is neither. */
 static enum status template_stored(struct ctl *c, struct face_work *w,
-                                   struct explanation *x, struct store_template *t)
+                                   struct explanation *x, struct store_template *t,
+                                   bool *none)
 {
     struct ctl_nearest best;
     struct store *s;
@@ -25,13 +27,14 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
     st = ctl_face_nearest(c, s, x->a, &x->probe, w, &best);
     if (st == ST_ENOTFOUND && store_id_valid(x->a))
         st = ctl_face_template(c, s, x->a, &x->probe, w, &best);
+    *none = st == ST_ENOTFOUND;
     if (st == ST_OK) {
         x->compared = best.nearest.compared;
         x->result = best.nearest.result;
         st = store_template_load(s, best.tmpl.id, t, w, &x->tmpl, &c->e);
+        x->subject = t->subject;
+        x->template_id = t->id;
     }
-    x->subject = t->subject;
-    x->template_id = t->id;
     if (st == ST_OK)
         st = store_event(s, "explain", CTL_ACTOR, t->subject, t->id,
                          verdict_decision(x->result.decision), &c->e);
@@ -42,13 +45,19 @@ static enum status template_stored(struct ctl *c, struct face_work *w,
 static enum status compare(struct ctl *c, struct face_work *w, struct explanation *x,
                            struct store_template *t)
 {
+    bool scan = true; /* A is one */
     enum status st = ctl_scan_points(c, x->b, &x->pts, &x->n);
 
     if (st == ST_OK)
         st = ctl_scan_build(c, x->b, x->pts, x->n, w, &x->probe);
-    if (st == ST_OK && c->db != NULL) {
-        st = template_stored(c, w, x, t);
-    } else if (st == ST_OK) {
+    if (st == ST_OK && c->db != NULL && store_subject_valid(x->a)) {
+        bool none = false;
+
+        st = template_stored(c, w, x, t, &none);
+        scan = none && access(x->a, F_OK) == 0;
+        st = scan ? ST_OK : st;
+    }
+    if (st == ST_OK && scan) {
         st = ctl_scan_read(c, x->a, w, &x->tmpl);
         if (st == ST_OK)
             st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
@@ -136,7 +145,8 @@ const struct ctl_command ctl_explain = {
     .run = run,
     .summary = "compare two scans and show where they differ",
     .help =
-        "B is moved onto A.  A is a scan, or, with a database, a subject or a template of it.\n"
+        "B is moved onto A.  A is a subject or a template of the database, where one is named\n"
+        "and has it, or else a scan (./FILE is always a scan).\n"
         "These files are written into the folder --out (./explanation): explain.txt and\n"
         "explain.json, explain.ply (the points of B), and by gnuplot explain.png: the gap as\n"
         "measured beside what decided.  They are biometric data: only their owner can read them.",

@@ -173,6 +173,19 @@ expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply --out db
 has out "$id"
 is "the events" "$(sqlite3 faces.db \
     "SELECT count(*) FROM events WHERE kind = 'explain' AND template_id = '$id' AND outcome = 'match'")" 2
+SURFACED_DB=faces.db
+export SURFACED_DB
+expect 0 "a subject of SURFACED_DB" "$ctl" explain alice a1.ply --out db --json
+is "it is a template" "$(jq -r .template_id out)" "$id"
+expect 0 "a scan, for there is no such subject" "$ctl" explain a0.ply a1.ply --out db --json
+is "it is none" "$(jq -r .template_id out)" null
+expect 66 "no scan either" "$ctl" explain nobody a1.ply --out db
+cp a0.ply alice
+expect 0 "the subject before the file" "$ctl" explain alice a1.ply --out db --json
+is "so it is" "$(jq -r .template_id out)" "$id"
+expect 0 "the file" "$ctl" explain ./alice a1.ply --out db --json
+is "as one says" "$(jq -r .template_id out)" null
+unset SURFACED_DB
 expect 66 "no such subject" "$ctl" --db faces.db explain bob a1.ply --out bob
 expect 66 "no such template" "$ctl" --db faces.db explain 00000000000000000000000000000000 \
     a1.ply --out bob
