@@ -25,7 +25,7 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
         (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
                      a->turn_deg, a->shift_mm);
     else
-        (void)printf("how well it is known cannot be told\n");
+        (void)printf("its uncertainty is not known\n");
     (void)printf("scan         %u points, quality %.2f", f->surface.mesh.nv,
                  f->quality.score);
     ctl_face_reasons(stdout, f);

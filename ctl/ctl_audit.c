@@ -465,7 +465,7 @@ static int run_erased(struct ctl *c)
     }
     ctl_out_close(c->out);
     if (!c->json && n == 0)
-        (void)printf("%s\n", subject == NULL ? "nobody was erased" : "not erased");
+        (void)printf("%s\n", subject == NULL ? "no subject was erased" : "not erased");
     free(list);
     return subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
 }

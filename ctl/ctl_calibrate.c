@@ -15,7 +15,7 @@
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
-#define LEAST_LIMIT  20000.0 /* comparisons of different people: so many, or */
+#define LEAST_LIMIT  20000.0 /* non-mated comparisons: so many, or */
 #define ERRORS_LIMIT 60.0    /* as many as give so many errors at the wanted rate */
 #define SUSPICIOUS                                                                       \
     1e-4            /* false match rate by the shipped table, below which two people
@@ -34,7 +34,7 @@ struct result {
     struct ctl_cross cross;
     struct rates *rates;
     struct store_calibration k;
-    size_t pairs; /* of people that were compared, at least */
+    size_t pairs; /* of subjects that were compared, at least */
     double fnmr, fnmr_low, fnmr_high;
     double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
     struct suspect *suspect;
@@ -61,7 +61,7 @@ static int by_mm(const void *x, const void *y)
     return a->mm != b->mm ? (a->mm > b->mm) - (a->mm < b->mm) : by_pair(x, y);
 }
 
-/* Pairs of people who are too alike, each once, the most alike first. */
+/* Pairs of subjects that are too alike, each once, the most alike first. */
 static enum status find_suspects(const struct ctl *c, struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
@@ -258,7 +258,7 @@ static void print_result(const struct ctl *c, const struct result *r)
 
     (void)printf("subjects     %u%s, %u templates\n", p->nsubject,
                  p->nenrolled > p->nsubject ? " of more, drawn" : "", p->ntemplate);
-    (void)printf("impostors    %llu comparisons of %zu pairs of people\n",
+    (void)printf("non-mated    %llu comparisons of %zu pairs of subjects\n",
                  (unsigned long long)k->impostors, r->pairs);
     (void)printf("threshold    %.4f mm for a false match rate of %g %%\n",
                  d->threshold_mm, 100 * k->fmr);
@@ -270,19 +270,18 @@ static void print_result(const struct ctl *c, const struct result *r)
                  100 * r->shipped_fmr);
     if (k->genuine > 0)
         (void)printf(
-            "genuine      %llu comparisons: %.3g %% refused, 95 %% interval %.3g to "
+            "mated        %llu comparisons: %.3g %% do not match, 95 %% interval %.3g to "
             "%.3g %%; %.3g %% by the shipped threshold\n",
             (unsigned long long)k->genuine, 100 * r->fnmr, 100 * r->fnmr_low,
             100 * r->fnmr_high, 100 * r->shipped_fnmr);
     else
-        (void)printf("genuine      none: how many of the right people it refuses is not "
-                     "known\n");
+        (void)printf("mated        none: the false non-match rate is not known\n");
     if (p->outside + p->refused > 0)
         (void)printf(
-            "scans        %zu are of nobody here or enrolled themselves, %zu are "
+            "scans        %zu are of other subjects or enrolled themselves, %zu are "
             "refused\n",
             p->outside, p->refused);
-    (void)printf("\n  false match rate  disparity\n");
+    (void)printf("\n  false match rate      score\n");
     for (uint32_t i = 0; i < d->n; i++)
         (void)printf("  %14.4g %%  %6.4f mm\n", 100 * d->knot[i].rate, d->knot[i].mm);
     print_suspects(r);

@@ -261,7 +261,7 @@ enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit
             }
         }
     }
-    st = do_trials(c, p, "different people", trial, n);
+    st = do_trials(c, p, "non-mated", trial, n);
     free(trial);
     return st;
 }
@@ -277,7 +277,7 @@ enum status ctl_cross_genuine(struct ctl *c, struct ctl_cross *p)
     for (uint32_t i = 0; i < p->nsubject; i++)
         for (uint32_t k = 0; k < p->subject[i].n && p->subject[i].n > 1; k++)
             trial[n++] = (struct trial){i, p->subject[i].first + k};
-    st = do_trials(c, p, "same people", trial, n);
+    st = do_trials(c, p, "mated", trial, n);
     free(trial);
     return st;
 }

@@ -28,7 +28,7 @@ struct ctl_cross {
 
     struct rates_score *score; /* subjects are indices of subject */
     size_t nscore;
-    size_t outside; /* of the manifest: scans of nobody here, or that are templates */
+    size_t outside; /* of the manifest: scans of other subjects, or that are templates */
     size_t refused; /* scans that are no face */
 };
 

@@ -145,7 +145,7 @@ static void count_pairs(struct dedup *d)
     }
 }
 
-/* The largest disparity whose false match rate is at most fmr. */
+/* The largest score whose false match rate is at most fmr. */
 static enum status threshold_for(struct dedup *d, double fmr)
 {
     const struct decision *k = &d->calibration.decision;
@@ -290,7 +290,7 @@ static enum status estimate(struct dedup *d)
     return st;
 }
 
-/* ---- what is told */
+/* ---- output */
 
 static int by_subjects(const void *p, const void *q)
 {
@@ -372,7 +372,7 @@ static void tell_pair(const struct dedup *d, const struct pair *p)
 static void tell_found(const struct dedup *d)
 {
     if (!d->c->json && d->nfound > 0)
-        (void)printf("%9s  %8s  %s\n", "DISPARITY", "FMR", "SUBJECTS");
+        (void)printf("%9s  %8s  %s\n", "SCORE", "FMR", "SUBJECTS");
     ctl_out_array(d->c->out, "duplicates");
     for (size_t i = 0; i < d->nfound; i++)
         tell_pair(d, &d->found[i]);

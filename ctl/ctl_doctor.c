@@ -23,7 +23,7 @@ struct doctor {
     unsigned troubles;
     char key[PATH_MAX],
         next[PATH_MAX]; /* the key's file, and where rekey puts a new one */
-    bool used;          /* somebody has the database open */
+    bool used;          /* another process has the database open */
 };
 
 /* One finding, and what to do about it. */
@@ -131,7 +131,7 @@ static void look_at_log(struct doctor *d)
             (long long)sb.st_size);
 }
 
-/* What commands that were killed have left, or that came to their end and nobody removed. */
+/* Files that commands left: killed ones, or completed ones for a person to remove. */
 static void look_at_left(struct doctor *d)
 {
     static const struct {
@@ -140,7 +140,7 @@ static void look_at_left(struct doctor *d)
         {".part", "is what a restore or an upgrade that was killed had written",
          "nothing: the next one writes over it; or delete it while none is running"},
         {".before-restore", "is the database from before a restore",
-         "delete it when all is well: it has people in it who may be erased by now"},
+         "delete it when all is well: it may hold subjects that are erased by now"},
         {".before-restore.part", "is what a restore that was killed had copied",
          "nothing: the next one writes over it; or delete it while none is running"},
     };

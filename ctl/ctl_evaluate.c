@@ -1,4 +1,4 @@
-/* surfacectl evaluate: how well the scans of a collection are told apart. */
+/* surfacectl evaluate: error rates on a collection of scans. */
 #include <string.h>
 #include <time.h>
 #include <unistd.h>

@@ -136,7 +136,7 @@ void ctl_face_alignment(FILE *to, const struct align_result *a)
         (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
                       a->turn_deg, a->shift_mm);
     else
-        (void)fprintf(to, "how well it is known cannot be told");
+        (void)fprintf(to, "its uncertainty is not known");
     if (isfinite(a->rival_mm))
         (void)fprintf(to, "; mean gap %.2f mm, %.2f mm at the next best", a->cost_mm,
                       a->rival_mm);

@@ -1,4 +1,4 @@
-/* ctl_face.h -- a face compared with a subject's templates, and what is told of that. */
+/* ctl_face.h -- a face compared with a subject's templates, and the comparison as text. */
 #ifndef CTL_FACE_H
 #define CTL_FACE_H
 #include <stdio.h>

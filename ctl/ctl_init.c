@@ -6,8 +6,7 @@
 #include "ctl_command.h"
 #include "ctl_key.h"
 
-/* The file of a key that was made, or NULL: it is told where it is, since the database is
- * lost without it. */
+/* Say where the key is, since the database is lost without it. */
 static void tell_key(struct ctl *c, const char *path, bool made)
 {
     ctl_out_text(c->out, "key", path);

@@ -1,4 +1,4 @@
-/* audit receipt: is what somebody shows as the receipt of an erasure true? */
+/* audit receipt: is the receipt of an erasure true? */
 #include <errno.h>
 #include <inttypes.h>
 #include <sodium.h>
@@ -29,7 +29,7 @@ static void problem(struct review *v, const char *text)
         (void)printf("%s\n", text);
 }
 
-/* ---- the file: as DELETE over HTTP answers, or subject erase --json */
+/* ---- the file: as the response to DELETE over HTTP, or subject erase --json */
 
 static enum status read_file(struct ctl *c, char **out)
 {

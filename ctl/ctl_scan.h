@@ -11,7 +11,7 @@ struct face_work; /* face.h */
 
 /* ctl_scan_read(c, path, w, out): the scan in a file ("-": standard input), in c->units.
  * Every failure is in c->e, with the path.
- * ctl_scan_points(), ctl_scan_build(): the same in two steps, for who needs the points too:
+ * ctl_scan_points(), ctl_scan_build(): the same in two steps, for callers that need the points too:
  * in millimetres, in the file's order, a new array released by mem_free() (NULL on
  * failure). */
 enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,

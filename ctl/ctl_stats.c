@@ -80,6 +80,6 @@ const struct ctl_command ctl_stats_vacuum = {
     .summary = "give the room of deleted rows back to the disk",
     .help =
         "The database is written again, so it takes as much room once more while this runs, and\n"
-        "nobody else can write: a running daemon answers 503 to an enrolment that would wait\n"
+        "nobody else can write: a running daemon responds with 503 to an enrolment that would wait\n"
         "more than 5 seconds.",
     .example = "surfacectl --db faces.db vacuum"};

@@ -1,4 +1,4 @@
-/* ctl_table.h -- the commands of surfacectl: they are found, told of in help texts and
+/* ctl_table.h -- the commands of surfacectl: they are found, described in help texts and
  * completed by this table. */
 #ifndef CTL_TABLE_H
 #define CTL_TABLE_H

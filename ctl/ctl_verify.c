@@ -17,10 +17,11 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
-    (void)printf("disparity    %.3f mm (threshold %.3f mm)\n", r->score_mm,
+    (void)printf("score        %.3f mm (threshold %.3f mm)\n", r->score_mm,
                  r->threshold_mm);
-    (void)printf("impostors    a share of %.2g would score this low or lower\n",
-                 r->fmr_at_score);
+    (void)printf(
+        "false match  a share of %.2g of other people would score this low or lower\n",
+        r->fmr_at_score);
     (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
                  100 * r->disparity.overlap, 100 * r->weight_overlap);
     (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
