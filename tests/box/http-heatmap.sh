@@ -75,8 +75,8 @@ ok "explain's figures" holds --slurpfile m "$T/body" \
     | ($gap | map(fabs) | sort) as $size
     | $g.points == ($m[0].heatmap | length) and $g.compared == $n
       and ($g.median_mm | near(($gap | sort)[($n / 2 | ceil) - 1]))
-      and ($g.share_beyond_1_mm | near(($gap | map(select(fabs > 1)) | length) / $n))
-      and all($g.size_quantiles[]; .share as $p | .mm | near($size[($p * $n | ceil) - 1]))' "$T/why.json"
+      and ($g.share_beyond | near(($gap | map(select(fabs > 1)) | length) / $n))
+      and all($g.amount_quantiles[]; .share as $p | .mm | near($size[($p * $n | ceil) - 1]))' "$T/why.json"
 
 # Both are described alike.
 req GET /openapi.json
