@@ -1,6 +1,7 @@
 #!/bin/sh
 # check_deps.sh: a room includes only headers of its own and of the rooms that the Makefile
-# lists for it (SEES_*).  core uses libc and libm only, does not print or exit, and allocates
+# lists for it (SEES_*); the modules of a room include one another in no circle, and each .c has
+# a .h of its name.  core uses libc and libm only, does not print or exit, and allocates
 # memory only in mem.c.  SQLite, cJSON and libmicrohttpd are included only where the calls of
 # only() below allow it.
 set -u
@@ -37,12 +38,38 @@ own() {
     done <"$list"
 }
 
+# circles FOLDER: its modules (a .c and .h of one name) that include one another in a circle
+circles() {
+    grep -H '^# *include *"' "$1"/*.[ch] |
+        sed -n 's|^[^:]*/\([a-z_0-9]*\)\.[ch]:[^"]*"\([a-z_0-9]*\)\.h".*|\1 \2|p' |
+        while read -r module name; do
+            if [ "$module" != "$name" ] && [ -f "$1/$name.h" ]; then
+                echo "$module $name"
+            fi
+        done | tsort 2>&1 >/dev/null | sed 's/^tsort: //' | tr '\n' ' '
+}
+
+# alone FOLDER: its files without a header of their name: a program's main file, and those
+# that each hold one command of surfacectl and are declared by the table of commands
+alone() {
+    for source in "$1"/*.c; do
+        case $source in
+        */main.c | */*_main.c | ctl/ctl_*) ;;
+        *) [ -f "${source%.c}.h" ] || echo "$source" ;;
+        esac
+    done
+}
+
 rooms=''
 make -s layers >"$list.rooms"
 while read -r room sees; do
     rooms="$rooms $room"
     # shellcheck disable=SC2086 # rooms
     own "$room" "$room" $sees "$build/gen"
+    circle=$(circles "$room")
+    [ -z "$circle" ] || complain "a circle of modules in $room/: $circle"
+    headless=$(alone "$room")
+    [ -z "$headless" ] || complain "no header of its name: $headless"
 done <"$list.rooms"
 rm -f "$list.rooms"
 own studies studies tests/lib tools scan base core
