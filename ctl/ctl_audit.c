@@ -490,7 +490,8 @@ const struct ctl_command ctl_audit_show = {
     .summary = "list who did what, and when",
     .help =
         "The newest entries of the audit log, oldest first.  The actor is a token's id or a\n"
-        "program.  Erased subjects have no name in the log, but --subject finds their entries.",
+        "program.  Erased subjects have no name in the log, but --subject finds their entries;\n"
+        "of a subject that was renamed it also finds those under its former ids.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_verify = {

@@ -172,8 +172,24 @@ static bool since_valid(const char *since)
     return true;
 }
 
+/* What the subject was called before: the ref of each former id, and the entries between
+ * which it was this subject's.  A rename is two entries, of the former id and of the new. */
+#define FORMER                                                                           \
+    "WITH RECURSIVE former(ref, since, until) AS ("                                      \
+    "SELECT DISTINCT subject, CAST(0 AS bigint), 9223372036854775807 "                   \
+    "FROM events WHERE subject = $2 "                                                    \
+    "UNION SELECT o.subject, "                                                           \
+    "coalesce((SELECT max(d.seq) FROM events d WHERE d.subject = o.subject "             \
+    "AND d.seq < o.seq AND (d.kind = 'delete_subject' OR d.outcome = 'renamed')), 0), "  \
+    "n.seq FROM former JOIN events n ON n.subject = former.ref "                         \
+    "AND n.seq > former.since AND n.seq < former.until "                                 \
+    "AND n.kind = 'rename_subject' AND n.outcome = 'named' "                             \
+    "JOIN events o ON o.seq = n.seq - 1 AND o.outcome = 'renamed') "
+
 #define WANTED                                                                           \
-    " FROM events e WHERE e.seq > $1 AND e.subject = coalesce($2, e.subject) "           \
+    " FROM events e WHERE e.seq > $1 AND (e.subject = coalesce($2, e.subject) "          \
+    "OR EXISTS (SELECT 1 FROM former WHERE former.ref = e.subject "                      \
+    "AND e.seq > former.since AND e.seq < former.until)) "                               \
     "AND e.kind = coalesce($3, e.kind) AND e.at >= coalesce($4, e.at) "
 
 static enum status list(struct store_txn *t, const struct store_audit_filter *f,
@@ -195,12 +211,12 @@ static enum status list(struct store_txn *t, const struct store_audit_filter *f,
     }
     if (f->newest)
         st = sql_query(t->sql,
-                       "SELECT * FROM (SELECT " COLUMNS WANTED
-                       "ORDER BY e.seq DESC LIMIT $5) AS newest ORDER BY seq",
+                       FORMER "SELECT * FROM (SELECT " COLUMNS WANTED
+                              "ORDER BY e.seq DESC LIMIT $5) AS newest ORDER BY seq",
                        v, sizeof v / sizeof *v, &r, e);
     else
-        st = sql_query(t->sql, "SELECT " COLUMNS WANTED "ORDER BY e.seq LIMIT $5", v,
-                       sizeof v / sizeof *v, &r, e);
+        st = sql_query(t->sql, FORMER "SELECT " COLUMNS WANTED "ORDER BY e.seq LIMIT $5",
+                       v, sizeof v / sizeof *v, &r, e);
     return store_column_list(r, st, read_entry, t, sizeof(struct store_audit_entry), out,
                              n, e);
 }

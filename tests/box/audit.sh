@@ -210,4 +210,23 @@ is "check finds it as well" "$CODE $(said '.problems | length')" "1 1"
 cp "$T/whole" "$DB"
 ctl check
 is "restored" "$CODE $(said .events)" "0 $last"
+
+# ---- an id that was changed: what is told of the subject under its former ids is shown too,
+# and nothing of others who had them
+DB=$T/renamed.db
+ctl init
+ctl subject set ann --consent A
+ctl subject erase ann --yes
+ctl subject set ann --consent B
+ctl subject rename ann bea
+ctl subject set ann --consent C
+ctl subject rename bea cleo
+ctl subject rename cleo bea
+ctl subject rename bea dora
+ctl audit show --subject dora
+is "under every id it had" "$(said '[.entries[].seq] | @csv')" 4,5,6,8,9,10,11,12,13
+ctl audit show --subject dora --limit 2
+is "the newest" "$(said '[.entries[].seq] | @csv')" 12,13
+ctl audit show --subject ann
+is "an id alone" "$(said '[.entries[].seq] | @csv')" 2,3,4,5,7
 finish
