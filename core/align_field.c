@@ -74,9 +74,9 @@ void align_field_make(const struct surface *s, const struct align_weight *u,
     }
 }
 
-/* walk(f, t, x, y): the triangle that contains (x, y), from triangle t; NULL when it lies outside
- * the hull.  *at becomes the last triangle seen.  The step limit matters only for a template
- * that is not a Delaunay triangulation. */
+/* walk(f, t, x, y): the triangle that contains (x, y), from triangle t; NULL when it lies
+ * outside the hull.  *at becomes the last triangle seen.  The step limit matters only for
+ * a template that is not a Delaunay triangulation. */
 static const struct align_triangle *walk(const struct align_field *f, uint32_t *at,
                                          int64_t x, int64_t y)
 {

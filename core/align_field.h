@@ -83,8 +83,8 @@ static inline double align_field_height(const struct align_triangle *c, double x
            (double)c->zy * (y - c->y[0] / LATTICE_PER_MM);
 }
 
-/* align_field_sum(f, pts, n, stride, pose, c, loss, sum): over the points 0, stride, 2 stride,
- * ... below n, moved by pose; updates where each one is.  Rotations in the normal
+/* align_field_sum(f, pts, n, stride, pose, c, loss, sum): over the points 0, stride, 2
+ * stride, ... below n, moved by pose; updates where each one is.  Rotations in the normal
  * equations are about c (template, mm). */
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,

@@ -41,14 +41,13 @@ bool asymmetry_conclusive(const struct asymmetry *a);
 
 /* asymmetry_find(s, start, m, upright, out): the plane with the least disparity between s and
  * its mirror image.
- * s      lattice units at LATTICE_PER_MM, with its spanning tree
- * start  a rigid motion (mm) that brings the plane to x = 0 and the view to z, to within 15
- *        degrees and 10 mm: a face's canonical frame
- * upright  s turned into its symmetry plane: a former surface's memory, or empty
+ * start    a rigid motion (mm) that brings the plane to x = 0 and the view to z, to within 15
+ *          degrees and 10 mm: a face's canonical frame
+ * upright  memory for s turned upright: empty, or a former surface
  * A surface and its mirror image have the same asymmetry to within 1 %.
  * With ALIGN_APART, or where a pose leaves the lattice, both disparities may be all zero.
- * Cost   six triangulations, two general triangulations, and up to some 100 robust sums
- *        over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
+ * Cost  six triangulations, two general triangulations, and up to some 100 robust sums
+ *       over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
 enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
                            struct measure_work *m, struct surface *upright,
                            struct asymmetry *out);

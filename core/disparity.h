@@ -86,7 +86,8 @@ struct disparity {
  *   bridged  else, a corner is where the other mesh only bridges missing points: strictly
  *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
  *            triangles bridge; or the triangle itself is too wide for the spacings at its
- *            corners (holes_wide()): then neither mesh has a point where the triangle has its gap;
+ *            corners (holes_wide()): then neither mesh has a point where the triangle has
+ *            its gap;
  *   common   else.  Only these count.
  * Sums are compensated (Neumaier) and in the order of the triangles, areas are whole
  * numbers.  O(general->nv). */

@@ -31,10 +31,10 @@ struct asymmetry; /* asymmetry.h */
 struct cells;     /* cells.h */
 struct model;     /* model.h */
 
-/* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", with the
- * first 8 hex digits of m's digest (NULL: model_default).  N is counted up with every change
- * that gives two scans another score, or the same points another face.  Scores and
- * calibrations of another N or another model are not comparable.  About 1 ms. */
+/* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
+ * with the first 8 hex digits of m's digest (NULL: model_default).  N is counted up with
+ * every change that gives two scans another score, or the same points another face.
+ * Scores and calibrations of another N or another model are not comparable.  About 1 ms. */
 void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1]);
 
 /* face_same_engine(a, b): are scores of the engines a and b comparable?  True where all but

@@ -1,7 +1,8 @@
 /* measure.h -- the exact disparity of two surfaces at a given pose: the papers' measure.
- * The probe is moved and prepared as a surface (paper 1, 3.1 and 3.3), each surface is located
- * in the other (3.3) and interpolated there (3.4), both triangulations are merged into the
- * general triangulation, and the volume between the surfaces is summed over it (3.5). */
+ * The probe is moved and prepared as a surface (paper 1, 3.1 and 3.3), each surface is
+ * located in the other (3.3) and interpolated there (3.4), both triangulations are merged
+ * into the general triangulation, and the volume between the surfaces is summed over it
+ * (3.5). */
 #ifndef CORE_MEASURE_H
 #define CORE_MEASURE_H
 #include <stdint.h>

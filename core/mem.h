@@ -28,9 +28,9 @@ static inline size_t mem_round(size_t bytes)
     return (bytes + 63) & ~(size_t)63;
 }
 
-/* mem_take(block, at, n, size): room for n objects of size bytes at *at in block, which begins
- * on a cache line; *at moves behind it.  With block NULL only *at moves: a layout is run once
- * for the size and once with the block. */
+/* mem_take(block, at, n, size): room for n objects of size bytes at *at in block, which
+ * begins on a cache line; *at moves behind it.  With block NULL only *at moves: a layout
+ * is run once for the size and once with the block. */
 static inline void *mem_take(unsigned char *block, size_t *at, size_t n, size_t size)
 {
     unsigned char *p = block == NULL ? NULL : block + *at;

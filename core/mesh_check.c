@@ -3,7 +3,8 @@
 #include "mesh.h"
 #include "predicates.h"
 
-/* Indices, twins and corners: a closed surface of triangles, at most one ghost corner each. */
+/* Indices, twins and corners: a closed surface of triangles, at most one ghost corner
+ * each. */
 static bool check_links(const struct mesh *m)
 {
     const uint32_t halves = 3 * m->nt;

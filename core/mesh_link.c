@@ -127,7 +127,8 @@ static inline uint64_t mix(const struct table *t, uint32_t v)
     return v * UINT64_C(0xd1342543de82ef95) + t->salt;
 }
 
-/* Pair the half-edge h from a to b, or put it into the table, or leave it for another round. */
+/* Pair the half-edge h from a to b, or put it into the table, or leave it for another
+ * round. */
 static inline void pair_half(struct table *t, uint32_t h, uint32_t a, uint32_t b,
                              uint64_t ma, uint64_t mb)
 {

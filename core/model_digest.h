@@ -5,8 +5,8 @@
 
 struct model;
 
-/* model_mean_id(m): identifies m's mean face, and with it the canonical frames that were found
- * by that mean face.  Never 0. */
+/* model_mean_id(m): identifies m's mean face, and with it the canonical frames that were
+ * found by that mean face.  Never 0. */
 uint32_t model_mean_id(const struct model *m);
 
 /* model_digest(m): identifies m: FNV-1a (64 bits) over everything that a score depends on,

@@ -1,5 +1,5 @@
-/* quality.h -- the quality of a scan: noise, density, coverage; and the gate that refuses what
- * is not a face, or too poor a scan of one. */
+/* quality.h -- the quality of a scan: noise, density, coverage; and the gate that refuses
+ * what is not a face, or too poor a scan of one. */
 #ifndef CORE_QUALITY_H
 #define CORE_QUALITY_H
 #include <stddef.h>

@@ -31,7 +31,8 @@ struct star {
 #define STAR_RING (UINT32_C(1) << 31)
 
 /* star_find(m, v, s): the triangles that would replace v; m is not changed.  Returns false if
- * v is on the hull, was removed before, or has more than STAR_MAX neighbours.  O(n^2), for n neighbours. */
+ * v is on the hull, was removed before, or has more than STAR_MAX neighbours.  O(n^2),
+ * for n neighbours. */
 bool star_find(const struct mesh *m, uint32_t v, struct star *s);
 
 /* star_remove(m, s): remove s->v: m->out of it becomes STAR_NONE.  The triangles of

@@ -50,7 +50,8 @@
  * stray points do not matter. */
 #define QUALITY_STRAY_IN 100
 
-/* Root mean square distance from the best plane, mm: below it there is no relief.  By hand. */
+/* Root mean square distance from the best plane, mm: below it there is no relief.  By
+ * hand. */
 #define QUALITY_RELIEF_MIN_MM 3
 
 /* White noise, mm: the limit, at which the score is 0 too.  Of scans of a good scanner 99 in

@@ -7,10 +7,11 @@
 struct decision; /* decision.h */
 struct rates;    /* rates.h */
 
-/* calibrate_learn(r, fmr, d): the calibration from r's non-mated scores.  The threshold is the
- * largest score with a false match rate of at most fmr.  The knots are the threshold and
- * quantiles that rest on five comparisons or more each; below them the rate halves as fast as
- * between the lowest ones, which overstates it where the tail falls faster, as tails do.
+/* calibrate_learn(r, fmr, d): the calibration from r's non-mated scores.  The threshold
+ * is the largest score with a false match rate of at most fmr.  The knots are the
+ * threshold and quantiles that rest on five comparisons or more each; below them the rate
+ * halves as fast as between the lowest ones, which overstates it where the tail falls
+ * faster, as tails do.
  * Returns ST_OK; ST_ETOOFEW too few comparisons for the rate (rule of 3). */
 enum status calibrate_learn(const struct rates *r, double fmr, struct decision *d);
 

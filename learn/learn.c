@@ -10,9 +10,9 @@
 #include "mem.h"
 
 #define EM_ROUNDS  3
-#define ITERATIONS 12   /* of orthogonal iteration, a round */
-#define LEAST_REST 0.02 /* mm */
-#define LEAST_TIE  1e12 /* in learning nothing is motion */
+#define ITERATIONS 12   /* of orthogonal iteration, in each round */
+#define LEAST_REST 0.02 /* mm: the least deviation of a cell */
+#define NO_MOTION  1e12 /* fit_solve()'s tie: nothing is explained as motion */
 
 void learn_sample(const struct cells *c, float *out)
 {
@@ -155,7 +155,7 @@ static enum status fill(float *x, const struct fit_basis *p, struct scratch *s,
             cells.gap[c] = x[c];
         }
     }
-    if ((st = fit_solve(p, &cells, LEAST_TIE, 0, s, &fit)) != ST_OK)
+    if ((st = fit_solve(p, &cells, NO_MOTION, 0, s, &fit)) != ST_OK)
         return st;
     for (uint32_t c = 0; c < GRID_N; c++) {
         if (!isnan(x[c])) {

@@ -17,7 +17,8 @@ struct rates_score {
 
 /* Rule of 3: after n independent comparisons without an error the rate is below 3 / n with
  * 95 % confidence, so n comparisons support no smaller rate.
- * rates_least(n) is 3 / n, INFINITY for n = 0; rates_needed(rate) is the n that supports it. */
+ * rates_least(n) is 3 / n, INFINITY for n = 0; rates_needed(rate) is the n that supports
+ * it. */
 double rates_least(size_t n);
 bool rates_supported(double rate, size_t n); /* rate >= 3 / n */
 size_t rates_needed(double rate);            /* 0 < rate <= 1 */

@@ -1,6 +1,6 @@
 /* train.h -- learn a model (core/model.h) from a collection of scans.
- *   1. The mean face and every face's frame: first by principal axes and noses of the enrolled
- *      scans, then by alignment to their mean, several times.
+ *   1. The mean face and every face's frame: first by principal axes and noses of the
+ *      enrolled scans, then by alignment to their mean, several times.
  *   2. The basis of motion: from all pairs of scans of one subject at their true poses, where
  *      the collection has them (train_motion.h); else the base model's.
  *   3. The gaps per cell of all mated pairs and of some non-mated pairs, at the poses found.

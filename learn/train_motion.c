@@ -16,7 +16,7 @@
 #include "pool.h"
 #include "train_set.h"
 
-#define MODES 32
+#define MODES 32   /* as good as 64 and half the work (docs/accuracy.md, "The pose") */
 #define TIE   1e-4 /* to the origin, 1 / mm^2: a nose is right to 1 mm, the centre to 100 */
 
 static const double pi = 3.14159265358979323846;

@@ -265,8 +265,8 @@ static double load(const unsigned char *p, enum type type, bool swap)
     }
 }
 
-/* Read one row; the coordinates go to xyz, unless that is NULL.  False: the row is cut off, or
- * a list has a negative length. */
+/* Read one row; the coordinates go to xyz, unless that is NULL.  False: the row is cut
+ * off, or a list has a negative length. */
 static bool read_row(struct cloudtext *t, const struct header *h, const struct element *e,
                      double *xyz)
 {

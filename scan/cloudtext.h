@@ -1,5 +1,5 @@
-/* cloudtext.h -- a cursor over the text of a scanner's file: words, numbers, lines, and errors
- * with their place.  Any text is safe.  For cloudfile.c and the
+/* cloudtext.h -- a cursor over the text of a scanner's file: words, numbers, lines, and
+ * errors with their place.  Any text is safe.  For cloudfile.c and the
  * readers of each format. */
 #ifndef SCAN_CLOUDTEXT_H
 #define SCAN_CLOUDTEXT_H
@@ -59,8 +59,8 @@ enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
 bool cloudtext_comment(const struct cloudtext *t);
 bool cloudtext_is_letter(char c); /* or an underscore */
 
-/* cloudtext_plain(t): check that everything from p on is text.  ST_EINVAL at the first control
- * character other than tab, line feed, form feed and carriage return. */
+/* cloudtext_plain(t): check that everything from p on is text.  ST_EINVAL at the first
+ * control character other than tab, line feed, form feed and carriage return. */
 enum status cloudtext_plain(struct cloudtext *t);
 
 /* cloudtext_lines(t): an upper bound of the number of lines from p on. */
