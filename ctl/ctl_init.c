@@ -94,10 +94,8 @@ static int run_migrate(struct ctl *c)
         (void)snprintf(backup, sizeof backup, "%s.v%d.bak", c->db, l.version);
         ctl_out_text(c->out, "backup", backup);
         if (!c->json)
-            (void)printf(
-                "The old database is %s.  What it holds unencrypted is still readable there: "
-                "delete it when all is well.\n",
-                backup);
+            (void)printf("The old database is kept as %s: delete it when all is well.\n",
+                         backup);
     }
     return EXIT_FINE;
 }
@@ -117,11 +115,10 @@ const struct ctl_command ctl_init = {
 const struct ctl_command ctl_init_migrate = {
     .name = "migrate",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT | CTL_DRY_RUN,
+    .shared = CTL_DRY_RUN,
     .run = run_migrate,
     .summary = "upgrade a database of an older version",
     .help =
-        "In one transaction.  What identifies people is encrypted from then on, as with init.\n"
-        "A verified copy of the old database is kept as PATH.v3.bak: what was unencrypted in it\n"
-        "still is.  Delete the copy when all is well.",
+        "In one transaction.  A verified copy of the old database is kept, as PATH.v1.bak for\n"
+        "version 1: delete it when all is well.",
     .example = "surfacectl --db faces.db migrate --dry-run"};

@@ -246,9 +246,8 @@ enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *
     *kind = VAULT_OPEN;
     if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
         return st;
-    if (sql_version(d) != sql_newest()) {
-        st =
-            errinfo_set(e, ST_EVERSION, "%s has schema version %d", path, sql_version(d));
+    if (sql_version(d) == 0) {
+        st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised", path);
     } else if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK &&
                (st = sql_end(t, store_vault_read(t, &root, e), e)) == ST_OK) {
         *kind = root.kind;

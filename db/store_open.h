@@ -15,7 +15,8 @@ enum status store_open(const char *path, enum store_mode mode,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
 
-/* store_kind(path, kind, e): how the database's master key is kept, which takes no key.
+/* store_kind(path, kind, e): how the database's master key is kept, which takes no key; also of
+ * an older version.
  * store_look(path, out, e): how old a database is, and how large, which takes no key. */
 enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e);

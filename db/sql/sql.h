@@ -1,6 +1,6 @@
 /* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.  What the
  * statements say is the caller's, in the subset that SQLite 3.40 and PostgreSQL 15 both know
- * (tests/box/statements.sh has both prepare every one); how they get there is a driver's.
+ * (scripts/check_statements.sh has both prepare every one); how they get there is a driver's.
  * The driver is sql_sqlite.c; what only a database in a file can do is in sql_file.h.
  *
  * Calls return ST_OK or fill *e (may be NULL): ST_ECORRUPT (damaged, or no database),

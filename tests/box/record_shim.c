@@ -1,7 +1,8 @@
 /* record_shim -- to be loaded into a program (LD_PRELOAD): what it asks of its database.
  * RECORD_STATEMENTS  a file that the text of each statement prepared by sqlite3_prepare_v3() is
- *                    added to, a line each: the store's, whose driver alone uses that call
- * RECORD_BEGINS      a file that each transaction's first statement is added to, as it runs */
+ *                    added to: the store's, whose driver alone uses that call
+ * RECORD_BEGINS      a file that each transaction's first statement is added to, as it runs
+ * A line each, which ends with a semicolon if it is whole. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -23,12 +24,11 @@ static void add_line(const char *variable, const char *text)
     if (path == NULL ||
         (fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666)) < 0)
         return;
-    n = snprintf(line, sizeof line, "%s\n", text);
+    n = snprintf(line, sizeof line, "\n%s;\n", text);
     /* A test of a full disk limits the size of files: this one has no part in it. */
-    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 &&
-        (rlim_t)lseek(fd, 0, SEEK_END) + sizeof line < limit.rlim_cur &&
-        (n >= (int)sizeof line || write(fd, line, (size_t)n) != n))
-        abort(); /* half a statement would be taken for one */
+    if (n < (int)sizeof line && getrlimit(RLIMIT_FSIZE, &limit) == 0 &&
+        (rlim_t)lseek(fd, 0, SEEK_END) + sizeof line < limit.rlim_cur)
+        n = (int)write(fd, line, (size_t)n);
     (void)close(fd);
 }
 
