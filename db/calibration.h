@@ -18,9 +18,9 @@ bool calibration_holds(const struct store *s, const struct store_calibration *k)
 
 /* calibration_in_force(s, k, e): *k is the newest one, or one of version 0 where there is
  * none; k->decision is what decides, and k->shipped tells whether it is the model's own
- * table; k->ignored, whether that is because the newest does not hold: whoever starts should
+ * table; k->ignored, whether that is because the newest does not hold: a program that starts should
  * say so.
- * ST_ECORRUPT: the newest is damaged; nobody should decide then. */
+ * ST_ECORRUPT: the newest is damaged; it must not be decided then. */
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
                                  struct errinfo *e);
 

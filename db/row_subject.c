@@ -85,7 +85,7 @@ struct sql_value row_subject_lookup(const struct store_txn *t, const char *subje
 /* What a row is found by is not authenticated with it: two may have been exchanged. */
 static enum status not_theirs(const char *subject, struct errinfo *e)
 {
-    return errinfo_set(e, ST_ECORRUPT, "subject %s: the row found is somebody else's",
+    return errinfo_set(e, ST_ECORRUPT, "subject %s: the row found is another subject's",
                        subject);
 }
 

@@ -33,7 +33,7 @@ struct store_admit {
 };
 
 /* store_admit(s, what, out, e): ST_ENOTFOUND: no such subject or template; ST_ECORRUPT, also of
- * the newest calibration, by which nobody may decide then.  On failure out->t is NULL.
+ * the newest calibration, then it must not be decided.  On failure out->t is NULL.
  * Attempts are read as by store_attempts_get(). */
 enum status store_admit(struct store *s, const struct store_admit *what,
                         struct store_admission *out, struct errinfo *e);

@@ -11,7 +11,7 @@ enum status store_attempts_get(struct store *s, const char *subject,
 
 /* store_attempts_fail(s, subject, e): one more, now.  store_attempts_clear(s, subject, e):
  * no more.  For speed neither waits for the disk, as store_event().
- * store_attempts_reset(s, actor, subject, e): no more, by somebody's order. */
+ * store_attempts_reset(s, actor, subject, e): no more, as actor asks; an event with it. */
 enum status store_attempts_fail(struct store *s, const char *subject, struct errinfo *e);
 enum status store_attempts_clear(struct store *s, const char *subject, struct errinfo *e);
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,

@@ -80,7 +80,7 @@ static enum status verify_template(struct reading *m, struct face_work *w, struc
     return ST_OK;
 }
 
-/* All of it, before anything is written: that takes the time, and nobody waits for it. */
+/* All of it, before anything is written: that takes the time, and no writer waits for it. */
 static enum status verify(struct reading *m, const struct model *model, struct errinfo *e)
 {
     struct face_work *w = face_work_new(model);

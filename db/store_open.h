@@ -38,7 +38,7 @@ const char *store_made_by(const struct store *s);
 enum status store_ready(struct store *s, struct errinfo *e);
 
 /* store_stats(s, out, e): counts and sizes.
- * store_vacuum(s, e): write the database anew, without the room that deleted rows left, while
+ * store_vacuum(s, e): rewrite the database without the room that deleted rows left, while
  * others read it; writers wait, up to 5 s. */
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
 enum status store_vacuum(struct store *s, struct errinfo *e);

@@ -8,7 +8,7 @@
  * committed and takes the place of PATH after: a program that opens the database finds it in
  * either, whatever happens in between.  A random key goes into PATH too; the file of an old key
  * that is not replaced is removed: it becomes PATH.new before the commit, because a plaintext
- * database is refused beside PATH.  What was plain before is written anew (VACUUM).
+ * database is refused beside PATH.  What was plain before is rewritten (VACUUM).
  * ST_EEXISTS: there is PATH.new of a change that was not made, PATH.old, or a PATH that is not
  * this database's key and would be replaced or in the way; nothing was changed.  After ST_EIO
  * the text says what was. */

@@ -344,7 +344,7 @@ static enum status goes_on_from(struct sql *held, const char *aside, bool *yes,
 }
 
 /* A restore that was killed before it replaced anything has left a copy of the database that
- * is there: nobody needs it.  What one that came to its end has put aside may be needed. */
+ * is there, which is not needed.  What one that came to its end has put aside may be needed. */
 static enum status clear_aside(struct sql *held, const char *aside, struct errinfo *e)
 {
     bool superfluous = false;

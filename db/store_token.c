@@ -167,7 +167,7 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
     return st;
 }
 
-/* Nobody is kept waiting for this to be noted: where it cannot be, the next request does. */
+/* No request waits for this: where it cannot be noted at once, the next one notes it. */
 static void note_use(struct store *s, struct store_token *t, int64_t ms)
 {
     char now[STORE_RULES_TIME];

@@ -42,7 +42,7 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
 enum status sql_file_replace(struct sql *to, struct sql *from, struct errinfo *e);
 enum status sql_file_fold(struct sql *d, struct errinfo *e);
 
-/* sql_file_compact(d, e): every page written anew (VACUUM), without free ones and with nothing
+/* sql_file_compact(d, e): every page rewritten (VACUUM), without free ones and with nothing
  * in them but rows.  Others read meanwhile; writers wait, up to 5 s. */
 enum status sql_file_compact(struct sql *d, struct errinfo *e);
 
