@@ -1,5 +1,5 @@
-/* ctl_enroll_folder.h -- enrolling a folder or a table of scans (corpus.h): on all cores; done again it goes
- * on where it was. */
+/* ctl_enroll_folder.h -- enrolling a folder or a table of scans (corpus.h): on all cores;
+ * done again, it goes on where it was. */
 #ifndef CTL_ENROLL_FOLDER_H
 #define CTL_ENROLL_FOLDER_H
 #include <stdbool.h>

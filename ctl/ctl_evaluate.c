@@ -162,5 +162,6 @@ const struct ctl_command ctl_evaluate = {
         "first, is enrolled in memory and compared with the subject's other scans and with other\n"
         "subjects'.  These files are written into the folder --out (./evaluation): report.html\n"
         "(with its pictures), report.md, report.json, scores.csv (every comparison), rates.csv,\n"
-        "and by gnuplot det and scores as .svg and .png.  With a database its calibration decides.  surfacectl(1) says more.",
+        "and by gnuplot det and scores as .svg and .png.  With a database its calibration\n"
+        "decides.  surfacectl(1) says more.",
     .example = "surfacectl evaluate scans --out evaluation"};

@@ -32,7 +32,7 @@ enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolme
 
 int ctl_face_exit(enum face_decision d);
 
-/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy, turned)". */
+/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)". */
 void ctl_face_regions(FILE *to, const struct face_result *r);
 void ctl_face_alignment(FILE *to, const struct align_result *a);
 void ctl_face_reasons(FILE *to, const struct face *f);

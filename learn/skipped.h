@@ -1,5 +1,5 @@
-/* skipped.h -- what of a folder is not read, counted by the endings of the names, to be
- * told of in one line. */
+/* skipped.h -- what of a folder is not read, counted by the endings of the names, and in one
+ * line of text. */
 #ifndef LEARN_SKIPPED_H
 #define LEARN_SKIPPED_H
 #include <stdbool.h>
@@ -17,8 +17,8 @@ struct skipped { /* all zero: nothing */
 /* skipped_add(s, name, folder): count it. */
 void skipped_add(struct skipped *s, const char *name, bool folder);
 
-/* skipped_text(s, out, size): "3 files (.stl 2, .csv 1), 1 folder"; "" where s is all
- * zero.  Cut off where it is longer. */
+/* skipped_text(s, out, size): "3 files (.stl 2, .csv 1), 1 folder"; "" where s is all zero.  Cut
+ * off if it is longer. */
 void skipped_text(const struct skipped *s, char *out, size_t size);
 
 #endif

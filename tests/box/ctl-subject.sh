@@ -202,6 +202,7 @@ while read -r command; do
     done
     ok "the manual has $command" grep -q "^\.It Ic $(echo "$command" | sed 's/ / Cm /')" \
         man/surfacectl.1
+    ok "help of $command is not too wide" test -z "$(sed '/^Example/,$d' "$T/text" | grep '.\{91\}')"
     # What its text and its example name is in its list of options, and that in the manual.
     sed -n '/^Options/,/^$/s/^  \(-[a-z]\), /  \1 \n  /p; /^Options/,/^$/p' "$T/text" |
         sed -n 's/^  \(-[-a-z]*\).*/\1/p' | sort -u >"$T/options"
