@@ -1,6 +1,6 @@
-/* Alignment: known poses are found again, from anywhere, through holes and spikes; the
- * answer does not hang on where the search began; surfaces apart are told; memory runs
- * out.  The faces are facegen's. */
+/* Alignment: the search finds known poses, from any start, despite holes and spikes; its
+ * result does not depend on the start; surfaces with nothing in common are reported; failed
+ * allocations.  The faces are facegen's. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -155,8 +155,8 @@ static void test_solve(void **state)
     }
 }
 
-/* A flat surface says nothing of shifts within it nor of the turn about its normal: those
- * unknowns stay, the others are found. */
+/* A flat surface does not determine shifts within it nor the turn about its normal: those
+ * unknowns stay 0, the others are found. */
 static void test_solve_plane(void **state)
 {
     struct align_normal a;
@@ -191,7 +191,7 @@ static void test_pose(void **state)
 
         align_pose_move(&pose, centre, x);
         after = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
-        /* the distance to the centre, which moved along, is kept */
+        /* the centre moves along; the point keeps its distance to it */
         assert_true(fabs(hypot(hypot(before.x - 5, before.y + 7), before.z + 80) -
                          hypot(hypot(after.x - 6, after.y + 5), after.z + 83)) < 1e-6);
     }
@@ -208,8 +208,8 @@ static void test_pose(void **state)
     assert_memory_equal(&pose, &back, sizeof pose);
 }
 
-/* One point at a time, thrown about: the gap against a scan of all triangles, and no gap
- * outside the hull. */
+/* Single points at random places: the gap is that found by searching all triangles; outside
+ * the hull there is none. */
 static void test_field(void **state)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -293,7 +293,7 @@ static void test_finds_pose(void **state)
     face_free(&b);
 }
 
-/* A third of the face missing and points thrown far off. */
+/* A third of the face is missing, and some points lie far off. */
 static void test_holes_and_spikes(void **state)
 {
     struct face a = {0}, b = {0};
@@ -328,8 +328,8 @@ static void test_holes_and_spikes(void **state)
     face_free(&b);
 }
 
-/* However the probe was held before, the same disparity to 2.5 um; between strangers, where
- * the valley is shallow, to 6 %. */
+/* Whatever the probe's pose, the disparity is the same to 2.5 um; in non-mated comparisons,
+ * where the minimum is shallow, to 6 %. */
 static void test_start_does_not_matter(void **state)
 {
     static const double poses[][6] = {{0, 0, 0, 0, 0, 0},       {8, 3, 0, 10, 0, 0},
@@ -340,8 +340,8 @@ static void test_start_does_not_matter(void **state)
 
     (void)state;
     for (uint64_t who = 0; who < 6; who++) {
-        const uint64_t subject = 40 + who % 3; /* itself; then a stranger, on
-                                                   whom no pose fits well */
+        const uint64_t subject = 40 + who % 3; /* mated, then non-mated: no pose
+                                                   fits well */
         struct facegen_scan s;
         double first = 0;
         size_t n;
@@ -371,7 +371,7 @@ static void test_start_does_not_matter(void **state)
     face_free(&b);
 }
 
-/* Mirrored together, or moved together, two faces are as alike as before. */
+/* Mirroring both faces, or moving both, does not change their disparity. */
 static void test_mirror_and_translation(void **state)
 {
     static const double maps[][3] = {{1, 0, 0}, {-1, 0, 0}, {1, 777.7, -333.3}};
@@ -403,9 +403,9 @@ static void test_mirror_and_translation(void **state)
     face_free(&f[1]);
 }
 
-/* Little of the exact gap is motion where the search, which samples it, ended (with a
- * stranger, where the valley is shallow, somewhat more); and the same input gives the same
- * bytes. */
+/* The search samples the gap.  At the pose where it ends, hardly any of the exact gap can be
+ * explained as motion (somewhat more in a non-mated comparison, where the minimum is
+ * shallow); and the same input gives the same bytes. */
 static void test_end(void **state)
 {
     struct face a = {0}, b = {0};
@@ -434,7 +434,7 @@ static void test_end(void **state)
     face_free(&b);
 }
 
-/* A start that is given is used: right at the end of a search only few steps are left. */
+/* A given start is used: from the end of a former search only few steps are left. */
 static void test_given_start(void **state)
 {
     struct face a = {0}, b = {0};
@@ -452,7 +452,7 @@ static void test_given_start(void **state)
     assert_int_equal(align_search(&a.surface, &b.surface,
                                   &(struct align_how){NULL, NULL, NULL}, &w, &r),
                      ST_OK);
-    assert_true(r.turn_deg == (double)INFINITY); /* nothing was said of what is change */
+    assert_true(r.turn_deg == (double)INFINITY); /* no model of the change was given */
     align_pose_from_matrix(r.transform, &end);
     assert_int_equal(align_search(&a.surface, &b.surface,
                                   &(struct align_how){&end, NULL, NULL}, &w, &again),
@@ -467,7 +467,7 @@ static void test_given_start(void **state)
     face_free(&b);
 }
 
-/* A template of which nothing was measured, and a pose off the lattice. */
+/* A template without measured area, and a pose off the lattice. */
 static void test_apart(void **state)
 {
     static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -495,7 +495,8 @@ static void test_apart(void **state)
     face_free(&a);
 }
 
-/* The brow and forehead alone fit many: too little of the template's weight to say. */
+/* Brow and forehead alone fit many subjects: they cover too little of the template's weight
+ * for a decision. */
 static void test_partial(void **state)
 {
     struct face a = {0}, b = {0};

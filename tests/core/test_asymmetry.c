@@ -1,5 +1,6 @@
-/* Asymmetry: exact cases by hand; a planted asymmetry is followed, over scans and poses, and
- * the plane is found; a face and its mirror image have the same; memory runs out. */
+/* Asymmetry: exact cases by hand; in scans of many poses the value follows the asymmetry that
+ * the generator put in, and the plane is found; a face and its mirror image have the same
+ * value; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -52,7 +53,7 @@ static struct asymmetry find(const struct dvec3 *p, uint32_t n)
     return out;
 }
 
-/* A rectangle of 100 x 80 mm, a point every 4 mm, z given. */
+/* A rectangle of 100 x 80 mm, a point every 4 mm, with the given heights. */
 static uint32_t sheet(double (*z)(double x, double y), struct dvec3 *p)
 {
     uint32_t n = 0;
@@ -121,7 +122,7 @@ static void test_step(void **state)
     close_to(a.normal[0], 1, 1e-4);
 }
 
-/* Turned and moved by an amount that is known, a symmetric surface tells it. */
+/* For a symmetric surface that was turned and shifted, the plane gives the turn and shift. */
 static void test_tilted(void **state)
 {
     static const double turns[][4] = {
@@ -203,7 +204,7 @@ static double gap_by_definition(const double n[3])
     return sum / count;
 }
 
-/* The least of it over the planes near x = 0, by trying. */
+/* Its minimum over the planes near x = 0, by trying many. */
 static double least_gap(const struct facegen_scan *s, double n[3])
 {
     struct facegen_face f;
@@ -273,7 +274,7 @@ static void test_planted(void **state)
 
         facegen_default(&s);
         s.subject = 1 + (uint64_t)i / LEVELS;
-        s.warp = 0.05; /* (A smooth error of the scanner's is an asymmetry too.) */
+        s.warp = 0.05; /* small: a smooth error of the scanner is an asymmetry too */
         s.symmetry = 1 - 0.5 * (i % LEVELS);
         truth = least_gap(&s, plane);
         for (int k = 0; k < SCANS; k++) {
@@ -331,7 +332,7 @@ static void test_mirrored(void **state)
     }
 }
 
-/* The same bytes in, the same out; and what is left of a face by one half is told. */
+/* The same input gives the same bytes; half a face gives an inconclusive result. */
 static void test_half(void **state)
 {
     struct facegen_scan s;

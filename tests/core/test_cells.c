@@ -1,6 +1,6 @@
-/* The gap per cell: constants come out as constants in any frame; exchanged surfaces turn
- * the sign; how densely a surface was sampled does not show; holes are not covered; the
- * quick sum is the exact one's. */
+/* The gap per cell: a constant gap is constant in any frame; exchanging the surfaces changes
+ * the sign; the sampling density does not matter; holes are not covered; the sampled mean
+ * agrees with the exact one. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -71,7 +71,7 @@ static bool inner(const struct cells *c, uint32_t i)
     return u * u + v * v < 1 && c->area[i] > 12.0f;
 }
 
-/* Planes at a right-angled distance of 0.7 mm, however they lie, in whatever frame. */
+/* Planes 0.7 mm apart along their normal, of any slope, in any frame. */
 static void test_constant(void **state)
 {
     static const struct plane planes[] = {{0, 0, 0}, {0.3, -0.2, 5}, {-1.0, 0.5, -3}};
@@ -105,13 +105,13 @@ static void test_constant(void **state)
                                  1) < 1e-4);
             }
             assert_true(covered > 300);
-            if (turn == 0) /* all that is common lies in the cells, seen along z */
+            if (turn == 0) /* seen along z, the cells cover the whole common area */
                 assert_true(fabs(area - d.area_mm2) < 0.03 * d.area_mm2);
         }
     }
 }
 
-/* Both surfaces turned together, and the frame back: the same cells. */
+/* Both surfaces turned alike, and the frame turned back: the same cells. */
 static void test_turned_together(void **state)
 {
     const double zero = 0, grown = 0.5;
@@ -149,7 +149,7 @@ static void test_turned_together(void **state)
     }
 }
 
-/* Template and probe exchanged: the gap the other way round. */
+/* Exchanging template and probe changes the sign of the gap. */
 static void test_exchange(void **state)
 {
     const double zero = 0, up = 0.4;
@@ -173,8 +173,8 @@ static void test_exchange(void **state)
     assert_true(n > 400 && sum / n < 0.02);
 }
 
-/* One curved surface, sampled sparsely and densely: chords of the sparse one cut across by
- * much more than what is left as a gap. */
+/* One curved surface, sampled sparsely and densely: the sparse one's triangles lie below the
+ * surface by much more than the gap that the cells show. */
 static void test_spacing(void **state)
 {
     static const uint32_t points[][2] = {{800, 12000}, {12000, 800}, {1000, 1000}};
@@ -237,7 +237,7 @@ static void test_holes(void **state)
     }
 }
 
-/* Cliffs and what lies off the grid do not count; without anything in common, nothing. */
+/* Cliffs and surface beyond the grid cover no cell, nor do surfaces with no common area. */
 static void test_left_out(void **state)
 {
     static const double far[16] = {1, 0, 0, 900, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -262,7 +262,7 @@ static void test_left_out(void **state)
         assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
 }
 
-/* The sum over samples says what the exact one says, where both surfaces are dense. */
+/* Where both surfaces are dense, the sampled gaps agree with the exact ones. */
 static void test_sample(void **state)
 {
     static struct align_point pts[20000];
@@ -297,7 +297,7 @@ static void test_sample(void **state)
     }
     printf("sampled: off by %.4f mm in the mean\n", sum / n);
     assert_true(n > 400 && sum / n < 0.03);
-    pts[0].area = 0.0f; /* a point of nothing but bridges says nothing */
+    pts[0].area = 0.0f; /* all of the point's triangles are bridges: it covers no cell */
     cells_sample(&field, pts, 1, &still, &still, &other);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(other.area[i] == 0.0f);

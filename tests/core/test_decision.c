@@ -1,4 +1,5 @@
-/* The decision's table: a distribution function, and the threshold where it says. */
+/* The decision's table is a distribution function, and the threshold is where its false match
+ * rate is the one asked for. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -29,7 +29,8 @@ static int by_xy(const void *a, const void *b)
     return (p->y > q->y) - (p->y < q->y);
 }
 
-/* Points at one place become one with the mean height, rounded down.  Sorts pts. */
+/* Merges points of the same x and y into one with the mean height, rounded down.  Sorts
+ * pts. */
 static size_t united(struct ivec3 *pts, size_t n)
 {
     size_t k = 0;
@@ -102,7 +103,7 @@ static void test_by_definition(void **state)
     }
 }
 
-/* Every set of 3, 4 and 5 points on a 3 x 3 grid that is not on one line. */
+/* Every set of up to 9 points on a 3 x 3 grid, if not all are on one line. */
 static void test_all_small_sets(void **state)
 {
     int lines = 0;
@@ -219,7 +220,7 @@ static void shuffle(struct ivec3 *pts, size_t n, struct brute_rng *r)
     }
 }
 
-/* Do the meshes agree byte for byte, but for a shift? */
+/* The meshes must agree byte for byte, except for a shift. */
 static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t dx,
                              int32_t dy)
 {
@@ -358,7 +359,7 @@ static void test_refused(void **state)
                      ST_ELIMIT);
     assert_int_equal(delaunay_build(pts, SIZE_MAX, &scratch, &m), ST_ELIMIT);
     assert_int_equal(delaunay_build(pts, 5, &scratch, &m),
-                     ST_OK); /* none the worse for it */
+                     ST_OK); /* the memory is still usable */
     assert_int_equal(m.nv, 5);
     mesh_free(&m);
 }
@@ -436,7 +437,7 @@ static void test_no_memory(void **state)
     }
 }
 
-/* mesh_check() must see what it is there to see. */
+/* mesh_check() must notice each kind of damage. */
 static void test_check_can_fail(void **state)
 {
     struct brute_rng r = {brute_seed("check")};

@@ -30,7 +30,7 @@ struct one {
     double other[MAX_POINTS];
 };
 
-/* Two surfaces, their general triangulation from scratch, and the measure of them. */
+/* Two surfaces, their general triangulation built from scratch, and their disparity. */
 struct both {
     struct one a, b;
     struct mesh general;
@@ -49,7 +49,7 @@ static void make_one(struct one *o, const struct ivec3 *pts, size_t n)
     scratch_free(&s);
 }
 
-/* As if nothing were ever missing: only the ghosts bridge. */
+/* Marks no triangle but the ghosts as a bridge: a surface without holes. */
 static void fill_holes(struct one *o)
 {
     int64_t twice = 0;
@@ -193,8 +193,8 @@ static void test_by_hand(void **state)
     }
 }
 
-/* The same points with other heights: the cells are both surfaces' own triangles, and the
- * measure is the volume of the overlay. */
+/* The same points with other heights: the cells are the triangles of both surfaces, and the
+ * disparity is exactly the volume of their overlay. */
 static void test_same_points(void **state)
 {
     struct brute_rng r = {seed + 2};
@@ -221,7 +221,7 @@ static void test_same_points(void **state)
         }
 }
 
-/* Two planes, whatever the points: the measure is exact over the common hull. */
+/* Two planes, whatever the points: the disparity is exact over the common hull. */
 static void test_planes(void **state)
 {
     struct brute_rng r = {seed + 3};
@@ -252,7 +252,8 @@ static void test_planes(void **state)
     }
 }
 
-/* Smooth surfaces densely sampled: near to the overlay of what they have in common. */
+/* Smooth surfaces densely sampled: the volume is close to that of the overlay over their
+ * common area. */
 static void test_smooth(void **state)
 {
     struct brute_rng r = {seed + 4};
@@ -276,7 +277,7 @@ static void test_smooth(void **state)
     drop(p);
 }
 
-/* Which surface comes first, where they lie, and left for right do not matter. */
+/* Exchanging, shifting and mirroring the surfaces does not matter. */
 static void test_symmetries(void **state)
 {
     struct brute_rng r = {seed + 5};
@@ -338,7 +339,7 @@ static size_t grid(struct ivec3 *out, int32_t side, struct ivec3 from, bool bloc
     return n;
 }
 
-/* Two grids half over each other: what is common, outside and overlapping, by hand. */
+/* Two grids that overlap by half: common area, area outside and overlap by hand. */
 static void test_overlap(void **state)
 {
     const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
@@ -350,7 +351,7 @@ static void test_overlap(void **state)
     assert_true(p->d.bridged_mm2 == 0);
     assert_true(p->d.overlap == 0.5);
     assert_true(close_to(p->d.plain_mm, 7));
-    p->a.surface.measured = 1; /* never above one */
+    p->a.surface.measured = 1; /* less than the common area: the overlap is at most 1 */
     measure(p, NULL, 1);
     assert_true(p->d.overlap == 1);
     p->a.surface.measured = 0;
@@ -365,7 +366,7 @@ static void test_overlap(void **state)
     drop(p);
 }
 
-/* What lies over a hole of the other does not count, on either side. */
+/* Surface over a hole of the other surface does not count, whichever has the hole. */
 static void test_hole(void **state)
 {
     (void)state;
@@ -385,7 +386,8 @@ static void test_hole(void **state)
                     p->d.area_mm2 + p->d.bridged_mm2 == 400 * 1e4);
         assert_true(p->d.overlap > (side == 0 ? 0.74 : 0.94));
         drop(p);
-        p = compare(side == 0 ? n : m, side == 0 ? m : n, false); /* it would have */
+        /* without the bridge marks the tower counts */
+        p = compare(side == 0 ? n : m, side == 0 ? m : n, false);
         assert_true(p->d.volume_mm3 > 1e8);
         drop(p);
     }
@@ -394,15 +396,15 @@ static void test_hole(void **state)
         struct both *p =
             compare(n, grid(pts_b, 21, (struct ivec3){50, 50, 9}, true), true);
 
-        /* both have the hole, at other points: the wide cells across it bridge */
+        /* both have the hole, with other points around it: the wide cells across bridge */
         assert_true(p->d.bridged_mm2 > 70 * 1e4);
         assert_true(close_to(p->d.plain_mm, 9));
         drop(p);
     }
 }
 
-/* A point all of whose triangles bridge is no surface, also where the other mesh has a
- * point too; one sound triangle makes it one. */
+/* A point whose triangles are all bridges has no gap, even where the other mesh has the same
+ * point; one measured triangle is enough. */
 static void test_lone_point(void **state)
 {
     const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
@@ -424,7 +426,7 @@ static void test_lone_point(void **state)
     drop(p);
 }
 
-/* A vertex has the spacing of its mesh, one of both meshes the larger one. */
+/* A vertex has the spacing of its mesh; if it is in both meshes, the larger one. */
 static void check_spacings(const struct both *p)
 {
     static bool shared[2 * MAX_POINTS];
@@ -443,7 +445,7 @@ static void check_spacings(const struct both *p)
         assert_true(shared[v] || p->vertex[v].spacing == p->a.surface.spacing[v]);
 }
 
-/* Every cell and vertex classified again, in the words of the header. */
+/* Every cell and vertex classified again by the definition in the header. */
 static double gap_again(const struct both *p, uint32_t v)
 {
     double gap = 0;
@@ -496,7 +498,7 @@ static void test_classes(void **state)
         if (round % 2 == 0) /* some points in both */
             for (size_t i = 0; i < na && i < nb; i += 3)
                 pts_b[i] = pts_a[i];
-        for (size_t i = 0; i < nb; i++) /* none twice in one */
+        for (size_t i = 0; i < nb; i++) /* no point twice in one mesh */
             for (size_t j = 0; j < i; j++)
                 if (pts_b[i].x == pts_b[j].x && pts_b[i].y == pts_b[j].y)
                     pts_b[j].x++, j = (size_t)-1;
@@ -554,7 +556,7 @@ static void test_compensated(void **state)
     for (; n < 900; n++)
         pts_a[n] = (struct ivec3){8000000 + brute_int(&r, 0, 800),
                                   8000000 + brute_int(&r, 0, 800), 0};
-    for (size_t i = 0; i < n; i++) /* none twice */
+    for (size_t i = 0; i < n; i++) /* no point twice */
         for (size_t j = 0; j < i; j++)
             if (pts_a[i].x == pts_a[j].x && pts_a[i].y == pts_a[j].y) {
                 pts_a[i--] = pts_a[--n];
@@ -583,7 +585,7 @@ static void test_compensated(void **state)
     want = (double)exact / 6;
     ulp = nextafter(want, INFINITY) - want;
     assert_true(fabs(p->d.volume_mm3 - want) <= 2 * ulp);
-    assert_true(fabs(naive / 6 - want) > 20 * ulp); /* or this test shows nothing */
+    assert_true(fabs(naive / 6 - want) > 20 * ulp); /* a plain sum would not do */
     drop(p);
 }
 

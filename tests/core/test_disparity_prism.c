@@ -1,4 +1,4 @@
-/* The volume over one cell: every sign case by hand, against exact overlays, and its
+/* The volume over one cell: every sign case by hand; compared with exact overlays; and its
  * symmetries to the last digit. */
 #include <math.h>
 #include <setjmp.h>

@@ -85,7 +85,7 @@ static void check_model(const struct face *f)
     assert_true(f->surface.measured > 0);
 }
 
-/* Scans good and not so good, small and large: all are accepted. */
+/* Scans of good and poor quality, with few and many points, are accepted. */
 static void test_accepted(void **state)
 {
     struct face f = {0};
@@ -153,11 +153,11 @@ static void refused(const struct cloud *c, enum status want)
     assert_int_equal(build(c, &f), want);
     assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
-    make(1, 1, &f); /* a former face, and memory that is used again */
+    make(1, 1, &f); /* now into a face that is in use: its memory is used again */
     assert_int_equal(build(c, &f), want);
     assert_int_equal(f.surface.mesh.nv, 0);
     scan(1, 1, POINTS, &other);
-    assert_int_equal(build(&other, &f), ST_OK); /* none the worse for it */
+    assert_int_equal(build(&other, &f), ST_OK); /* f is still usable */
     check_model(&f);
     face_free(&f);
 }
@@ -207,7 +207,7 @@ static void test_limit(void **state)
 {
     struct face f = {0};
 
-    (void)state; /* refused before any point is looked at */
+    (void)state; /* rejected before any point is read */
     assert_int_equal(face_build(cloud.pts, (size_t)MESH_MAX_POINTS + 1, work, &f, NULL),
                      ST_ELIMIT);
     assert_int_equal(face_build(cloud.pts, SIZE_MAX, work, &f, NULL), ST_ELIMIT);
@@ -246,7 +246,7 @@ static void test_units(void **state)
     }
 }
 
-/* Surfaces that are no face: planes, flat or tilted, with and without noise. */
+/* Surfaces that are not faces: planes, level or tilted, with and without noise. */
 static void test_not_face(void **state)
 {
     static struct cloud c;
@@ -274,7 +274,8 @@ static void test_noise(void **state)
     refused(&c, ST_EQUALITY);
 }
 
-/* Single points thrown far off are laid flat: the scan compares as if it had none. */
+/* Spikes (single points far off the surface) are flattened: the scan compares as if it had
+ * none. */
 static void test_spikes(void **state)
 {
     static struct cloud clean, spiky;
@@ -330,7 +331,7 @@ static void test_permutation(void **state)
     face_free(&b);
 }
 
-/* A model from its stored parts is the model that was stored. */
+/* A face made from its stored parts is the face that was stored. */
 static void test_adopt(void **state)
 {
     struct face a = {0}, b = {0};

@@ -44,7 +44,7 @@ static void make(uint64_t subject, uint64_t number, struct face *f)
     build(f);
 }
 
-/* Every figure but the clock's. */
+/* Every number except the times. */
 #define FIGURES (24 + 2 * GRID_REGIONS)
 
 static void figures(const struct face_result *r, double x[FIGURES])
@@ -121,7 +121,8 @@ static void test_identity(void **state)
         build(&b);
         assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
         assert_int_equal(r.decision, FACE_MATCH);
-        assert_true(r.score_mm < 0.12); /* another triangulation of the same points */
+        /* not 0: the moved points are triangulated differently */
+        assert_true(r.score_mm < 0.12);
         for (size_t i = 0; i < cloud.n; i++) {
             const double *t = r.align.transform, *m = moved;
             const struct dvec3 q = cloud.pts[i];
@@ -141,7 +142,7 @@ static void test_identity(void **state)
     face_free(&b);
 }
 
-/* The same person's scans are nearer than anybody else's, and the decision says so. */
+/* All mated scores are below all non-mated scores, and the decisions follow the threshold. */
 static void test_people(void **state)
 {
     enum { PEOPLE = 6 };
@@ -207,7 +208,7 @@ static void test_determinism(void **state)
     face_free(&c);
 }
 
-/* The threshold decides, nothing else changes. */
+/* The threshold changes the decision and nothing else. */
 static void test_threshold(void **state)
 {
     struct face a = {0}, b = {0};
@@ -222,7 +223,7 @@ static void test_threshold(void **state)
     assert_int_equal(face_compare(&a, &b, -1, NULL, work, &negative), ST_OK);
     assert_int_equal(usual.decision, FACE_MATCH);
     assert_int_equal(strict.decision, FACE_NO_MATCH);
-    assert_int_equal(loose.decision, FACE_MATCH); /* at the threshold is below it */
+    assert_int_equal(loose.decision, FACE_MATCH); /* a score equal to it matches */
     assert_true(strict.threshold_mm == 1e-6);
     assert_true(loose.threshold_mm == usual.score_mm);
     assert_true(strict.score_mm == usual.score_mm);
@@ -231,7 +232,7 @@ static void test_threshold(void **state)
     face_free(&b);
 }
 
-/* A probe that shows a small part of the face says nothing. */
+/* A probe of a small part of the face is inconclusive. */
 static void test_inconclusive(void **state)
 {
     struct face a = {0}, b = {0};
@@ -276,7 +277,7 @@ static void test_clock(void **state)
     face_free(&a);
 }
 
-/* What is given out per cell is what was decided on. */
+/* The values per cell add up to the score that was decided on. */
 static void test_field(void **state)
 {
     static struct face_field field;
@@ -329,7 +330,7 @@ static void test_heatmap(void **state)
     for (size_t i = 0; i < cloud.n; i++) {
         if (isnan(gap[i]))
             continue;
-        seen++; /* on the template's own points, but for those laid flat */
+        seen++; /* 2 mm at the template's own points, except at flattened spikes */
         assert_true(fabs(gap[i] - 2) < 0.0021 || fabs(gap[i] - 2) > 0.9);
     }
     assert_true(seen > cloud.n * 9 / 10);

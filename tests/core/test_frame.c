@@ -1,5 +1,5 @@
-/* The canonical frame: it moves with the face, the mean face's own is where it is, and a
- * map of heights in it is the mean face again. */
+/* The canonical frame: it moves with the face, the mean face's own frame is the identity, and
+ * a map of heights in it is the mean face again. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -56,7 +56,7 @@ static struct align_pose then(const struct align_pose *a, const struct align_pos
     return align_pose_after(&back, a);
 }
 
-/* The toy face scanned anywhere is found where it was before. */
+/* The frame of the toy face, scanned in any pose, is the inverse of that pose. */
 static void test_toy(void **state)
 {
     static const struct dvec3 corners[] = {
@@ -83,7 +83,7 @@ static void test_toy(void **state)
     }
 }
 
-/* A scan turned and shifted as a whole has its frame in the same place of the face. */
+/* Turning and shifting a whole scan leaves the frame at the same place of the face. */
 static void test_moves_along(void **state)
 {
     static struct dvec3 pts[POINTS], moved[POINTS];
@@ -122,7 +122,7 @@ static double scaled(const void *arg, double x, double y)
            x * (0.004 * x + 0.003 * y) - 0.006 * y * y;
 }
 
-/* The likeness sees neither a quadric nor a scale, and its sign tells a hollow face. */
+/* Neither a quadric nor a scale changes the likeness; for a hollow face it is negative. */
 static void test_likeness(void **state)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};

@@ -1,6 +1,6 @@
-/* The same bytes in, the same digits out: a few fixed comparisons against the digits in
- * tests/golden/digits.txt.  When a change of the measure is meant, make them anew:
- * build/digits > tests/golden/digits.txt, and raise FACE_ENGINE's measure. */
+/* A few fixed comparisons must give the digits of tests/golden/digits.txt.  After an intended
+ * change of the measure write the file again (build/digits > tests/golden/digits.txt) and
+ * raise the measure's number in FACE_ENGINE. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 #define GOLDEN "tests/golden/digits.txt"
 
-/* Line by line, so that what differs is told. */
+/* Line by line, so that a failure prints the line that differs. */
 static void test_digits(void **state)
 {
     FILE *in = fopen(GOLDEN, "r");

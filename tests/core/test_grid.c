@@ -1,4 +1,4 @@
-/* The grid: cells tile the frame, mirror and regions fit it. */
+/* The grid: its cells tile the frame, and mirror images and regions are consistent with it. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -54,7 +54,7 @@ static void test_mirror(void **state)
     }
 }
 
-/* Every region is there, the same on both sides, and where its name says. */
+/* Every region has cells, is symmetric, and lies where its name says. */
 static void test_regions(void **state)
 {
     static const struct {

@@ -54,8 +54,8 @@ static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
     return bridge[brute_locate(m, (struct ivec2){x, y}).he / 3] != 0;
 }
 
-/* The definition: sums over the tree's edges, spread twice to the neighbours; no more than
- * the limit. */
+/* The spacing by its definition: sums over the tree's edges, spread twice to the neighbours,
+ * at most the limit. */
 static void test_spacing(void **state)
 {
     struct brute_rng r = {seed};
@@ -108,7 +108,8 @@ static bool bridges(const struct mesh *m, const float *space, uint32_t a, uint32
     return holes_wide(m->xy[a], m->xy[b], m->xy[c], sum, &twice);
 }
 
-/* Marks agree with holes_wide() triangle by triangle, and the area with what is left. */
+/* The marks agree with holes_wide() triangle by triangle, and the measured area is that of
+ * the triangles without a mark. */
 static void test_marks(void **state)
 {
     struct brute_rng r = {seed + 1};
@@ -137,7 +138,7 @@ static void test_marks(void **state)
     }
 }
 
-/* A whole grid has no holes; a block cut out of it is one, and only the block. */
+/* A whole grid has no holes; where a block is missing, exactly the block is a hole. */
 static void test_block(void **state)
 {
     struct mesh m = {0};
@@ -165,7 +166,7 @@ static void test_block(void **state)
     mesh_free(&m);
 }
 
-/* A concave outline: an L, whose inner corner the hull closes. */
+/* A concave outline: an L, whose inner corner lies within the hull and is bridged. */
 static void test_outline(void **state)
 {
     struct mesh m = {0};
@@ -185,8 +186,8 @@ static void test_outline(void **state)
     mesh_free(&m);
 }
 
-/* Points wholly at random, far more uneven than a scan's: next to nothing is taken for
- * bridged away from the border.  Twice as large, the same triangles are. */
+/* Random points, far more uneven than a scan's: away from the border hardly any triangle is
+ * marked.  Scaling the points by 2 marks the same triangles. */
 static void test_random(void **state)
 {
     struct brute_rng r = {seed + 2};
@@ -217,7 +218,7 @@ static void test_random(void **state)
     mesh_free(&twice);
 }
 
-/* A dense block, and crumbs far from each other: these do not measure what is between them. */
+/* A dense block and some points far from each other: triangles between those are bridges. */
 static void test_crumbs(void **state)
 {
     struct mesh m = {0};

@@ -100,7 +100,7 @@ static void test_by_hand(void **state)
     mesh_free(&m);
 }
 
-/* A whole mesh at once is the same as point by point. */
+/* interpolate_mesh() gives the same heights as point by point. */
 static void test_interpolate(void **state)
 {
     struct brute_rng r = {seed + 2};

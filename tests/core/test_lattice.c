@@ -1,4 +1,4 @@
-/* Millimetres to lattice units: rounding, range, and who the offender was. */
+/* Millimetres to lattice units: rounding, range, and the index of the first bad point. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -62,7 +62,7 @@ static void test_range(void **state)
     assert_int_equal(refused(edge + 0.001), ST_ERANGE);
     assert_int_equal(refused(-edge - 0.001), ST_ERANGE);
     assert_int_equal(refused(1e12), ST_ERANGE);
-    assert_int_equal(refused(1e308), ST_ERANGE); /* finite, though not in lattice units */
+    assert_int_equal(refused(1e308), ST_ERANGE); /* infinite in lattice units */
     assert_int_equal(refused(-1e308), ST_ERANGE);
 }
 
@@ -92,7 +92,7 @@ static void test_array(void **state)
     assert_int_equal(lattice_from_mm(good, 0, LATTICE_PER_MM, out, &bad), ST_OK);
 }
 
-/* Each coordinate of each point in turn is refused, and its index told. */
+/* Whichever coordinate of whichever point is bad, the point's index is returned. */
 static void test_offender(void **state)
 {
     static const double wrong[] = {(double)NAN, (double)INFINITY, 16778, -16778};

@@ -1,4 +1,4 @@
-/* The library's public functions: that they say what face.h does, and their own errors. */
+/* The library's public functions: they give the results of face.h, and their own errors. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -151,7 +151,7 @@ static void test_refused(void **state)
     surface_face_free(NULL);
 }
 
-/* Each status has a phrase of its own; what is none has another. */
+/* Each status has a message of its own; a value that is no status has another. */
 static void test_messages(void **state)
 {
     (void)state;

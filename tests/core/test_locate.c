@@ -1,4 +1,4 @@
-/* Location by walking, against a scan of all triangles; heights at what was located. */
+/* Location by walking, compared with a search of all triangles; heights at the locations. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +30,8 @@ static struct mesh make(enum brute_shape shape, size_t n, struct brute_rng *r)
     return m;
 }
 
-/* Every second mesh is Delaunay no longer: location must do with any triangulation. */
+/* Flips edges in every second mesh, so that it is not Delaunay: location must work in any
+ * triangulation. */
 static void disturb(struct mesh *m, int round, struct brute_rng *r)
 {
     for (int i = 0; round % 2 != 0 && i < 100; i++)
@@ -42,7 +43,7 @@ static bool same_xy(struct ivec2 a, struct ivec2 b)
     return a.x == b.x && a.y == b.y;
 }
 
-/* Does `at` say truly where q lies?  The triangle's sides decide, nothing else. */
+/* q must lie where `at` says, by the sides of that triangle alone. */
 static void check_location(const struct mesh *m, struct location at, struct ivec2 q)
 {
     const struct location ref = brute_locate(m, q);
@@ -74,7 +75,7 @@ static void check_location(const struct mesh *m, struct location at, struct ivec
     }
 }
 
-/* Points worth asking for: vertices, middles of edges, inside, near and far outside. */
+/* The kinds of query points: vertices, middles of edges, inside, near and far outside. */
 static struct ivec2 query(const struct mesh *m, struct brute_rng *r)
 {
     const struct ivec2 a = m->xy[brute_rand(r) % m->nv], b = m->xy[brute_rand(r) % m->nv];
@@ -130,7 +131,7 @@ static void record(void *arg, uint32_t t)
 
     assert_in_range(t, 0, p->m->nt - 1);
     assert_false(mesh_is_ghost(p->m, t));
-    assert_false(p->seen[t]); /* a straight walk never comes back */
+    assert_false(p->seen[t]); /* a straight walk enters a triangle once */
     if (p->n > 0)
         assert_true(share_vertex(p->m, p->last, t));
     p->seen[t] = 1;
@@ -190,7 +191,7 @@ static void walk_and_check(const struct mesh *m, struct brute_rng *r)
     assert_true(p.n > 0);
     if (at.where != LOCATE_OUTSIDE)
         assert_int_equal(p.last, at.he / 3);
-    from = locate_point(m, from.he, p.from, p.q, NULL); /* the trace only watches */
+    from = locate_point(m, from.he, p.from, p.q, NULL); /* the same without a trace */
     assert_int_equal(from.he, at.he);
     assert_int_equal(from.where, at.where);
 }
@@ -211,7 +212,7 @@ static void test_point(void **state)
         }
 }
 
-/* For a point outside, the edge told does not depend on the way there. */
+/* For a point outside, the edge found does not depend on the start of the walk. */
 static void test_outside(void **state)
 {
     struct brute_rng r = {seed + 1};
@@ -272,14 +273,14 @@ static void test_mesh(void **state)
         }
 }
 
-/* A square cut by the diagonal 0-2, each answer by hand. */
+/* A square cut by the diagonal 0-2, each location by hand. */
 static void test_by_hand(void **state)
 {
     const struct ivec3 square[] = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
     const struct {
         struct ivec2 q;
         enum locate_where where;
-        struct ivec2 a, b; /* the edge told, or the vertex a */
+        struct ivec2 a, b; /* the edge found, or the vertex a */
     } want[] = {
         {{10, 10}, LOCATE_VERTEX, {10, 10}, {0, 0}},
         {{0, 0}, LOCATE_VERTEX, {0, 0}, {0, 0}},

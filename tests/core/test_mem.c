@@ -1,4 +1,4 @@
-/* Allocation: alignment, overflow, and that failure changes nothing. */
+/* Allocation: alignment, overflow, and that a failed one changes nothing. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,7 +65,7 @@ static void test_scratch(void **state)
     assert_ptr_equal(scratch_need(&s, 0), a);
     assert_int_equal(fail_alloc_count(), 0);
 
-    fail_alloc_at(1); /* growing fails: what was there stays */
+    fail_alloc_at(1); /* growing fails: the old block and its bytes stay */
     assert_null(scratch_need(&s, 2000));
     assert_null(scratch_need(&s, SIZE_MAX));
     assert_ptr_equal(s.block, a);
@@ -79,7 +79,7 @@ static void test_scratch(void **state)
     assert_null(s.block);
     assert_int_equal(s.size, 0);
     scratch_free(&s);
-    assert_non_null(scratch_need(&s, 0)); /* an empty one gives a block too */
+    assert_non_null(scratch_need(&s, 0)); /* a block even for no bytes */
     scratch_free(&s);
 }
 

@@ -79,7 +79,8 @@ static void pair_free(struct pair *p)
     free(p->b_vertex);
 }
 
-/* a's vertices first and untouched; each of b's at its place, new ones in b's order. */
+/* a's vertices come first, unchanged; b_vertex leads to a vertex at the place of each of b's,
+ * and the new ones are in b's order. */
 static void check_numbers(const struct pair *p)
 {
     uint32_t next = p->a.nv;
@@ -186,7 +187,7 @@ static void test_shared(void **state)
         }
 }
 
-/* b on the edges of a, inner ones and the hull's, and on the lines beyond their ends. */
+/* b's points on a's edges, inner and hull edges, and on the lines beyond their ends. */
 static void test_on_edges(void **state)
 {
     struct brute_rng r = {brute_seed("on edges")};
@@ -216,7 +217,7 @@ static void test_on_edges(void **state)
     }
 }
 
-/* Wholly outside (beside, across a corner, all round) and inside a single triangle. */
+/* b wholly outside a (beside, across a corner, all round) or inside one triangle of it. */
 static void test_apart(void **state)
 {
     static const int32_t shift[][2] = {
@@ -282,7 +283,7 @@ static void test_interleaved(void **state)
 static void make_fan(int32_t n)
 {
     first.n = second.n = 0;
-    add(&first, -6000, 100); /* on the outer side: in none of the fan's circles */
+    add(&first, -6000, 100); /* on the outer side, outside all circles of the fan */
     add(&first, -6500, 300);
     add(&first, -6300, -200);
     add(&first, -n, n * n); /* one point in common */
@@ -290,8 +291,8 @@ static void make_fan(int32_t n)
         add(&second, -t, t * t);
 }
 
-/* Quadratic work, which merge_build() must give up on.  That it did shows in the
- * allocations it makes for starting again. */
+/* Quadratic work: merge_build() must give up and triangulate the union from scratch, which is
+ * seen by its allocations. */
 static void test_work_limit(void **state)
 {
     (void)state;
@@ -315,9 +316,9 @@ static void test_steady_state(void **state)
     }
 }
 
-/* A square in a square that is turned against it, with spokes that are all aslant in one
- * direction: from the triangles between the squares a visibility walk to a point near the
- * centre goes round for ever. */
+/* A square in a rotated square, with edges between them that all lean the same way: a
+ * visibility walk from the triangles between the squares to a point near the centre never
+ * ends. */
 static void make_pinwheel(struct mesh *m)
 {
     static const struct ivec2 xy[8] = {{2, 2},  {-2, 2},  {-2, -2}, {2, -2},
@@ -338,8 +339,8 @@ static void make_pinwheel(struct mesh *m)
     assert_int_equal(mesh_check(m, true), ST_ECORRUPT); /* is not Delaunay */
 }
 
-/* The first point's flips put the triangle in which the second one was located among those
- * between the squares.  The alarm ends a walk without end. */
+/* The flips for the first point move the triangle in which the second one was located to
+ * between the squares.  The alarm kills the test if a walk does not end. */
 static void test_walk_limit(void **state)
 {
     struct pair p = {{0}, {0}, {0}, NULL, NULL};
@@ -378,7 +379,7 @@ static int64_t area(const struct mesh *m)
     return sum;
 }
 
-/* Where a is not Delaunay the result is a triangulation of all points all the same. */
+/* If a is not Delaunay, the result is still a triangulation of all points. */
 static void test_flipped(void **state)
 {
     struct brute_rng r = {brute_seed("flipped")};

@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=aligned_alloc */
-/* mesh_link(): what decoding proves.  Against delaunay_build()'s own twins, and, on meshes
- * that were damaged, against the conditions of mesh.h by definition. */
+/* mesh_link(), which checks decoded meshes.  Its twins are compared with delaunay_build()'s,
+ * and its verdict on damaged meshes with the conditions of mesh.h by definition. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -99,8 +99,8 @@ static bool tree_in_mesh(const struct mesh *m)
     return m->parent[0] == 0;
 }
 
-/* A sphere of triangles, each real one counter-clockwise, as large as the hull in all, over
- * distinct points: such triangles cannot overlap. */
+/* The triangles form a sphere over distinct points; each real one is counter-clockwise, and
+ * their areas add up to that of the hull.  Such triangles cannot overlap. */
 static bool valid(const struct mesh *m)
 {
     int64_t area = 0;
@@ -166,7 +166,8 @@ static bool flip(struct mesh *m, uint32_t h)
     return true;
 }
 
-/* Triangulations that are not Delaunay are safe too, and accepted; the tree must fit. */
+/* Triangulations that are not Delaunay are accepted too, if the tree's edges are edges of
+ * the mesh. */
 static void test_flipped(void **state)
 {
     struct brute_rng r = {brute_seed("flipped")};
@@ -196,7 +197,7 @@ static void test_flipped(void **state)
 
 static uint32_t refused, accepted;
 
-/* Link a damaged mesh: what is accepted must be valid. */
+/* Links a damaged mesh: if it is accepted, it must be valid. */
 static void try(const struct mesh *m, struct mesh *d)
 {
     enum status st;
@@ -288,8 +289,8 @@ static void test_damaged(void **state)
     mesh_free(&d);
 }
 
-/* A fan round one point whose rim goes round twice: edges pair, all is counter-clockwise,
- * the hull turns left at each corner; only it turns twice. */
+/* A fan whose rim goes round its centre twice: edges pair, all triangles are counter-clockwise
+ * and the hull turns left at each corner, but it makes two turns. */
 static void test_turns_twice(void **state)
 {
     static const struct ivec2 rim[5] = {
@@ -352,7 +353,8 @@ static void test_limits(void **state)
     mesh_free(&d);
 }
 
-/* Triangles in an order that keeps no neighbours together: more rounds, the same links. */
+/* Triangles in an order that separates neighbours: linking takes more rounds and gives the
+ * same links. */
 static void test_any_order(void **state)
 {
     struct brute_rng r = {brute_seed("order")};

@@ -1,5 +1,5 @@
-/* The model's text: written and read again it is the same; the shipped table is what is
- * compiled in; what is malformed is refused, with the line. */
+/* The model's text: writing and reading keeps every value; the shipped table is the compiled
+ * one; malformed text is rejected with the number of the line. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,14 +65,14 @@ static void test_round_trip(void **state)
     assert_int_equal(len, again);
     assert_memory_equal(text, second, len);
     free(second);
-    memset(text, 'x', len + 1); /* too small a buffer is not overrun */
+    memset(text, 'x', len + 1); /* nothing is written beyond a buffer that is too small */
     assert_int_equal(model_write(&model, text, 100), len);
     assert_int_equal(text[100], 'x');
     assert_int_equal(model_parse(text, 0, &got, NULL), ST_ECORRUPT);
     free(text);
 }
 
-/* A basis with all the modes that there is room for. */
+/* A basis with the largest number of modes. */
 static void test_full(void **state)
 {
     static struct model full;
@@ -94,7 +94,7 @@ static void test_full(void **state)
     free(text);
 }
 
-/* The table in the source tree and the constant made of it by the build. */
+/* The table in the source tree equals the constant that the build makes from it. */
 static void test_shipped(void **state)
 {
     FILE *in = fopen(SHIPPED, "rb");
@@ -131,8 +131,8 @@ static uint32_t line_at(const char *text, size_t at)
     return line;
 }
 
-/* refused(from, to, st, after): the first from behind the text `after` replaced by to is
- * refused there, in the line where it is. */
+/* refused(after, from, to, st): with the first `from` behind the text `after` replaced by
+ * `to`, parsing fails with st in that line. */
 static void refused(const char *after, const char *from, const char *to, enum status st)
 {
     size_t len, at, tail;
@@ -149,7 +149,7 @@ static void refused(const char *after, const char *from, const char *to, enum st
     memcpy(changed + at + strlen(to), found + strlen(from), tail);
     len = at + strlen(to) + tail;
     if (model_parse(changed, len, &got, &line) != st)
-        fail_msg("'%s' for '%s' after '%s' is not refused with %d", to, from, after, st);
+        fail_msg("'%s' for '%s' after '%s' does not fail with %d", to, from, after, st);
     if (line != line_at(changed, at))
         fail_msg("'%s' for '%s' after '%s': line %u, not %u", to, from, after, line,
                  line_at(changed, at));
@@ -201,7 +201,7 @@ static void test_malformed(void **state)
         refused(bad[i].after, bad[i].from, bad[i].to, bad[i].st);
 }
 
-/* What follows from several lines together has no better line than where it was seen. */
+/* Contradictions between lines are rejected too. */
 static void test_contradictions(void **state)
 {
     static struct model bad;
@@ -229,7 +229,7 @@ static void test_contradictions(void **state)
     }
 }
 
-/* Cut off anywhere it is refused, and so is anything that follows its end. */
+/* A text that is cut off anywhere, or followed by anything but white space, is rejected. */
 static void test_truncated(void **state)
 {
     size_t len;
@@ -238,7 +238,7 @@ static void test_truncated(void **state)
 
     (void)state;
     for (size_t n = 0; n < len - 1; n += n < 300 || n + 300 > len ? 1 : 977) {
-        char *cut = malloc(n + 1); /* ends where its bytes do, for the sanitizer */
+        char *cut = malloc(n + 1); /* of exact size: the sanitizer sees an overrun */
 
         assert_non_null(cut);
         memcpy(cut, text, n);
@@ -246,7 +246,8 @@ static void test_truncated(void **state)
         assert_true(line <= line_at(text, n));
         free(cut);
     }
-    assert_int_equal(model_parse(text, len - 1, &got, &line), ST_OK); /* but a newline */
+    assert_int_equal(model_parse(text, len - 1, &got, &line),
+                     ST_OK); /* no last newline */
     assert_non_null(longer);
     memcpy(longer, text, len);
     memcpy(longer + len, " \n\n", 3);
@@ -260,7 +261,7 @@ static void test_truncated(void **state)
     free(text);
 }
 
-/* The mark is the mean face's, and nothing else's. */
+/* The mark depends on the mean face and on nothing else. */
 static void test_mark(void **state)
 {
     static struct model other;

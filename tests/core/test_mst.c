@@ -33,7 +33,7 @@ static uint32_t vertex_at(const struct mesh *m, struct ivec2 p)
     return 0;
 }
 
-/* The same tree as Prim's, edge for edge, and a numbering that mesh.h promises. */
+/* The tree is Prim's, edge for edge, and the numbering is that of mesh.h. */
 static void check_tree(const struct mesh *m, const struct mesh *before)
 {
     assert_int_equal(m->nv, before->nv);
@@ -88,7 +88,8 @@ static void test_against_prim(void **state)
                 brute_points((enum brute_shape)shape, 3 + brute_rand(&r) % 90, &r, pts);
 
             brute_delaunay(pts, n, &m);
-            for (int i = 0; round % 2 != 0 && i < 100; i++) /* not Delaunay any more */
+            for (int i = 0; round % 2 != 0 && i < 100;
+                 i++) /* so that it is not Delaunay */
                 (void)brute_flip(&m, (uint32_t)(brute_rand(&r) % (3 * m.nt)));
             assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
             assert_int_equal(mst_build(&m, &s), ST_OK);
@@ -165,7 +166,8 @@ static void test_check(void **state)
     scratch_free(&s);
 }
 
-/* A tree as deep as there are points: along a line, ever farther apart; and a large one. */
+/* A tree as deep as its number of points (along a line with growing distances); and a large
+ * tree. */
 static void test_deep_and_large(void **state)
 {
     struct brute_rng r = {seed + 3};

@@ -1,5 +1,6 @@
-/* The predicates against determinants written another way: four rows, not translated, in
- * 128-bit integers, on grids round degenerate points; and the rule for cocircular points. */
+/* The predicates compared with determinants computed another way (four rows, not translated,
+ * in 128-bit integers), on grids round degenerate points; and the rule for cocircular
+ * points. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -52,7 +53,7 @@ static wide slow_incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct
     return lifted(p, lift);
 }
 
-/* The tie rule by its definition: the lift of the lexicographically first is lowered. */
+/* The tie rule by its definition: the lift of the lexicographically first point is lowered. */
 static bool slow_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
 {
     const struct ivec2 p[4] = {a, b, c, d};
@@ -82,7 +83,7 @@ static bool same(struct ivec2 a, struct ivec2 b)
     return a.x == b.x && a.y == b.y;
 }
 
-/* abc in any orientation; nothing is asked of three on a line. */
+/* abc in any orientation; three points on a line are not checked. */
 static void check_incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
 {
     const wide det = slow_incircle(a, b, c, d), turn = slow_orient(a, b, c);
@@ -160,7 +161,7 @@ static void test_incircle_grid(void **state)
                 }
 }
 
-/* The largest determinants there are: points at and near the corners of the lattice. */
+/* The largest possible determinants: points at and near the corners of the lattice. */
 static void test_extremes(void **state)
 {
     static const int32_t at[] = {-LATTICE_MAX,    1 - LATTICE_MAX, -1, 0, 1,
@@ -187,7 +188,7 @@ static void test_extremes(void **state)
     }
 }
 
-/* All small quadruples: every degenerate case of four points there is. */
+/* All small quadruples: every degenerate case of four points. */
 static void test_exhaustive_small(void **state)
 {
     (void)state;
@@ -246,7 +247,7 @@ static void test_one_diagonal(void **state)
     check_fan(twelve, 12);
 }
 
-/* Cocircular quadruples of a random circle: one diagonal, and through the first point. */
+/* Cocircular quadruples of a random circle: one diagonal, through the first point. */
 static void test_ties(void **state)
 {
     struct brute_rng r = {brute_seed("ties")};

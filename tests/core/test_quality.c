@@ -1,4 +1,4 @@
-/* quality.h: what is said of a scan that was laid on the mean face. */
+/* quality.h: the quality of a scan that was aligned to the mean face. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -107,8 +107,8 @@ static void test_words(void **state)
                                     quality_reason_name((enum quality_reason)k));
 }
 
-/* Surfaces of a face's size that are none: ripples lie on no mean face, the others do, and
- * have no face's relief. */
+/* Surfaces of a face's size that are not faces: ripples do not fit the mean face; the others
+ * fit but do not have a face's relief. */
 static double ripples(double x, double y)
 {
     return 10 * sin(x * 0.105) * cos(y * 0.105);
@@ -161,7 +161,7 @@ static void test_no_faces(void **state)
 
 enum part { UPSIDE_DOWN, WHOLE, LEFT, RIGHT, UPPER, LOWER, PARTS };
 
-/* part_of(pts, n, part): the points of a part of a frontal scan, or all turned over. */
+/* part_of(pts, n, part): the points of a part of a frontal scan, or all of them upside down. */
 static size_t part_of(struct dvec3 *pts, size_t n, enum part part)
 {
     size_t left = 0;
@@ -179,7 +179,8 @@ static size_t part_of(struct dvec3 *pts, size_t n, enum part part)
     return left;
 }
 
-/* A face passes, sparse or dense, and each half of it; upside down hardly one does. */
+/* A whole face and each half of one pass, sparse or dense; an upside-down face is nearly
+ * always rejected. */
 static void test_halves(void **state)
 {
     static const size_t points[] = {1000, 3000, 10000};

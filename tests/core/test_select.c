@@ -1,4 +1,4 @@
-/* Selection against sorting, on values chosen to be hard for it. */
+/* Selection compared with sorting, on values that are hard for selection. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -24,7 +24,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* value[0..n-1]: some ranks, the first, the middle and the last among them, and that v keeps
+/* Checks some ranks of value[0..n-1], among them the first, middle and last, and that v keeps
  * its values. */
 static void check(size_t n)
 {
@@ -35,7 +35,7 @@ static void check(size_t n)
     for (size_t k = 0; k < n; k += step) {
         memcpy(v, value, n * sizeof *value);
         assert_true(select_kth(v, n, k) == sorted[k]);
-        assert_true(select_kth(v, n, n - 1 - k) == sorted[n - 1 - k]); /* once more */
+        assert_true(select_kth(v, n, n - 1 - k) == sorted[n - 1 - k]); /* v reordered */
         assert_true(select_kth(v, n, n / 2) == sorted[n / 2]);
         qsort(v, n, sizeof *v, by_value);
         for (size_t i = 0; i < n; i++)
@@ -43,7 +43,7 @@ static void check(size_t n)
     }
 }
 
-/* One value of a kind: close together, of all sizes, few and many times, both signs. */
+/* A value of a kind: close together, of all magnitudes, many equal ones, both signs. */
 static double draw(int kind, struct brute_rng *r)
 {
     switch (kind) {
@@ -75,8 +75,8 @@ static void test_random(void **state)
         }
 }
 
-/* Sorted either way, all equal, an organ pipe, powers of 2; and a value for each bit, which
- * makes the most rounds. */
+/* Sorted either way, all equal, rising then falling, powers of 2; and a value for each bit,
+ * which takes the most rounds. */
 static void test_patterns(void **state)
 {
     const size_t n = 2000;
@@ -99,8 +99,8 @@ static void test_patterns(void **state)
     check(63);
 }
 
-/* value[]: in each round of a selection whose pivot stands in the middle, the pivot is the
- * least of what is left: quadratic for Hoare's. */
+/* Fills value[] such that the middle element of what is left is its minimum in each round:
+ * selection with that pivot (Hoare's) takes quadratic time. */
 static void make_killer(size_t n)
 {
     uint32_t *place = malloc(n * sizeof *place);
@@ -119,7 +119,7 @@ static void make_killer(size_t n)
     free(place);
 }
 
-/* The alarm ends what is quadratic: some 10^12 steps. */
+/* Quadratic selection would take some 10^12 steps: the alarm kills it. */
 static void test_killer(void **state)
 {
     (void)state;

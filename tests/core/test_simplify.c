@@ -1,6 +1,6 @@
-/* Taking points out: what fills a star is what triangulating the rest from scratch gives;
- * the greedy choice is the one by definition; no gap passes its limit; the disparity that
- * is told is that of the papers' general triangulation. */
+/* Removing points: filling a star gives the triangulation of the remaining points from
+ * scratch; the greedy choice is the one by definition; no gap exceeds its limit; the reported
+ * disparity is that over the papers' general triangulation. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -75,7 +75,7 @@ static void compact(const struct mesh *m, struct mesh *out)
             out->out[vertex[v]] = 3 * triangle[m->out[v] / 3] + m->out[v] % 3;
 }
 
-/* The points of m that are in. */
+/* The points of m that are kept. */
 static size_t remaining(const struct mesh *m, const uint8_t *in, struct ivec3 *out)
 {
     size_t n = 0;
@@ -144,7 +144,7 @@ static void test_crowded(void **state)
 
 /* ---- the greedy choice, by definition */
 
-/* The gaps of the surface of the points that are in; false where a hull point is out. */
+/* The gaps of the surface of the kept points; false if a hull point is removed. */
 static bool gaps(const struct mesh *m, const uint8_t *in, double *out)
 {
     static struct mesh now;
@@ -302,7 +302,7 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
     struct disparity out;
 
     for (size_t i = 0; i < MOST; i++)
-        spacing[i] = 1e7f; /* nothing is too wide */
+        spacing[i] = 1e7f; /* no triangle is a bridge */
     locate_mesh(b, a, la);
     locate_mesh(a, b, lb);
     interpolate_mesh(b, a, la, oa);
@@ -351,7 +351,7 @@ static void test_face(void **state)
     mesh_free(&out);
 }
 
-/* By the disparity it takes fewer points to keep within one; least is kept to. */
+/* A limit on the disparity keeps fewer points than one on the gap; `least` is obeyed. */
 static void test_limits(void **state)
 {
     struct mesh m = {0}, out = {0};
@@ -373,7 +373,7 @@ static void test_limits(void **state)
     mesh_free(&out);
 }
 
-/* A plane is kept by its outline; a pyramid by that and its tip. */
+/* A plane is simplified to its outline, a pyramid to its outline and tip. */
 static void test_by_hand(void **state)
 {
     struct mesh m = {0}, out = {0};
@@ -395,11 +395,11 @@ static void test_by_hand(void **state)
     limit.error = 3999;
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
     assert_true(r.kept > 40 && r.kept < 60 && r.error <= limit.error);
-    limit.error = 4000; /* one may do without the tip */
+    limit.error = 4000; /* the tip may be removed */
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
     assert_int_equal(r.kept, 40);
     close_to(r.error, 4000, 1e-9);
-    /* Its pyramid stood over six triangles of 0.5 mm^2, 4 mm high, out of 100 mm^2. */
+    /* The pyramid stood over six triangles of 0.5 mm^2, 4 mm high, out of 100 mm^2. */
     close_to(r.disparity, 40, 1e-9);
     mesh_free(&m);
     mesh_free(&out);

@@ -1,4 +1,4 @@
-/* Every code has a message of its own; what is no code is unknown. */
+/* Every code has a message of its own; any other value is "unknown". */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* One surface from points: prepared, moved, used again, out of memory. */
+/* One surface from points: prepared, moved, used again; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -74,7 +74,7 @@ static void test_prepare(void **state)
     assert_int_equal(surface_prepare(p, N, false, &scratch, &rough), ST_OK);
     assert_int_equal(laid_flat(&rough), 0);
     assert_memory_equal(rough.raw, s.raw, N * sizeof *s.raw);
-    /* What was prepared once is prepared again in the same memory, smaller or as large. */
+    /* The same memory serves a smaller surface and then one as large, without growing. */
     assert_int_equal(surface_prepare(p, N / 2, false, &scratch, &s), ST_OK);
     assert_int_equal(s.mesh.nv, N / 2);
     fail_alloc_at(0);
@@ -86,8 +86,8 @@ static void test_prepare(void **state)
     surface_free(NULL);
 }
 
-/* By the identity: the same to the last digit, spikes looked for again among the heights as
- * scanned; by a quarter turn about z: the same surface, turned. */
+/* Moving by the identity changes no digit, and spikes are found again among the scanned
+ * heights; a quarter turn about z gives the same surface, turned. */
 static void test_move(void **state)
 {
     static const double quarter[16] = {0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
