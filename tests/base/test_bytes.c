@@ -1,4 +1,4 @@
-/* Numbers and texts as bytes: by hand, and cut off at every place. */
+/* Numbers and texts as bytes: by hand, and truncated at every byte. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -69,7 +69,7 @@ static void test_cannot_be(void **state)
     char text[4] = "xyz";
 
     (void)state;
-    assert_false(bytes_get_text(&b, text, 3)); /* there is no room for its end */
+    assert_false(bytes_get_text(&b, text, 3)); /* no room for the terminating NUL */
     assert_string_equal(text, "");
     b = (struct bytes){zero_inside, zero_inside + sizeof zero_inside};
     assert_false(bytes_get_text(&b, text, 4));

@@ -1,5 +1,5 @@
 /* link: -Wl,--wrap=malloc -Wl,--wrap=calloc */
-/* JSON written and read: digits, texts, what is refused, and memory that runs out. */
+/* JSON written and read: digits, texts, what is rejected, and failed allocations. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -82,7 +82,7 @@ static void test_digits(void **state)
     check_number(json_rate, (double)NAN, "null");
 }
 
-/* Every value of 4 decimals is printed as itself, not as the 17 digits of a neighbour. */
+/* Every value of 4 decimals is printed with those, not with 17 digits. */
 static void test_shortest(void **state)
 {
     char want[32];
@@ -235,7 +235,7 @@ static void test_refused(void **state)
         n += (size_t)snprintf(many + n, sizeof many - n, "\"k%zu\":0%s", i,
                               i < JSON_MEMBERS ? "," : "}");
     bad(many, "more than 32 members in the document");
-    /* Within texts nothing of that counts. */
+    /* Brackets and commas within texts do not count towards the limits. */
     assert_int_equal(read_text("[\"\\\\u0000 [[[[[[[[[[[[[[[[[[,,,, \\\" \"]", 2), ST_OK);
     assert_int_equal(read_text("[[1],[2]]", 5), ST_OK);
     assert_int_equal(read_text("[[1],[2]]", 4), ST_ELIMIT);

@@ -1,5 +1,5 @@
 /* link: -Wl,--wrap=malloc -Wl,--wrap=strdup -Wl,--wrap=fsync */
-/* Files that are there whole or not at all. */
+/* New files appear complete or not at all. */
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -26,7 +26,7 @@ int __wrap_fsync(int fd);
 
 static int asked, failing; /* the allocation that fails; 0: none */
 static int synced;
-static bool full; /* the disk, as fsync() tells it */
+static bool full; /* fsync() fails: the disk is full */
 
 void *__wrap_malloc(size_t size)
 {
@@ -128,7 +128,7 @@ static void test_keep(void **state)
     }
 }
 
-/* Without a commit, or without room for it, what was there stays. */
+/* Without a commit, or if it fails for lack of space, the old file stays. */
 static void test_given_up(void **state)
 {
     (void)state;
@@ -145,7 +145,7 @@ static void test_given_up(void **state)
     assert_false(is_there("x"));
 }
 
-/* What a killed process has left is overwritten; what another writes is not. */
+/* A killed process's partial file is overwritten; one that is being written is ST_EBUSY. */
 static void test_part(void **state)
 {
     struct newfile other = NEWFILE_NONE;

@@ -88,7 +88,7 @@ static void test_half_way(void **state)
     check(text);
     text[len + 400] = '1';
     check(text);
-    memset(text, '9', 1500); /* far more digits than are kept before the point */
+    memset(text, '9', 1500); /* far more digits than are stored */
     text[1500] = 0;
     check(text);
     strcpy(text + 1500, "e-1600");
@@ -128,7 +128,7 @@ static void test_no_number(void **state)
         assert_null(number_read(texts[i], texts[i] + strlen(texts[i]), &value));
 }
 
-/* A number ends where it stops being one; nothing past `end` is looked at. */
+/* A number ends at the first byte that does not continue it; nothing past `end` is read. */
 static void test_ends(void **state)
 {
     static const char text[] = "12.5e+7", comma[] = "1,5", hex[] = "0x10";
@@ -141,7 +141,7 @@ static void test_ends(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char *copy = malloc(rows[i].given); /* so that asan sees a byte too far */
+        char *copy = malloc(rows[i].given); /* of exact size: asan sees an overrun */
 
         assert_non_null(copy);
         memcpy(copy, text, rows[i].given);

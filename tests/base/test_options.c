@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=calloc -Wl,--wrap=strdup */
-/* The daemon's settings: the table, what is there by default, what does not go together,
- * and memory that runs out. */
+/* The daemon's settings: the table, the defaults, settings that exclude each other, and
+ * failed allocations. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -34,7 +34,7 @@ char *__wrap_strdup(const char *s)
 static struct options o;
 static char path[] = "/tmp/options.XXXXXX", *said;
 
-/* The settings that a file of this text gives; the problems are in said. */
+/* Loads the settings from a file of this text; `said` gets the problems. */
 static bool load(const char *text, bool files)
 {
     FILE *out = fopen(path, "w"), *errors;

@@ -1,5 +1,5 @@
-/* Settings by name: what fills which member, who wins, and what is refused in which
- * words. */
+/* Settings by name: which member each fills, which source wins, and the message for each
+ * bad value. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -70,7 +70,7 @@ static void read_text(const char *text)
     (void)fclose(in);
 }
 
-/* The problems so far are these lines, and no others. */
+/* The problems so far are exactly these lines. */
 static void assert_said(unsigned n, const char *lines)
 {
     (void)fflush(errors);
@@ -172,7 +172,7 @@ static void test_refused(void **state)
                 "surfaced: --text a?b: a control character\n"
                 "surfaced: --listen 127.0.0.1:1: not here\n"
                 "surfaced: nor there\n");
-    settings_fill(s, &a); /* what was there before stays */
+    settings_fill(s, &a); /* bad values replace nothing */
     assert_int_equal(a.number, 4);
     assert_int_equal(a.choice, 0);
     assert_null(a.text);
@@ -189,7 +189,7 @@ static void test_malformed(void **state)
                 "surfaced: the.conf:7: neither NAME = VALUE nor a comment\n");
 }
 
-/* A line of 4,000 bytes is read, one more byte is not; with and without its end. */
+/* A line of 4,000 bytes is accepted, with or without a line feed; a longer one is not. */
 static void test_long_lines(void **state)
 {
     char line[4100] = "text = ";
@@ -221,7 +221,7 @@ static void test_credentials(void **state)
     assert_int_equal(settings_problems(s), 1);
     assert_int_equal(setenv("CREDENTIALS_DIRECTORY", "/run/c", 1), 0);
     settings_flag(s, KEY, "credential:tls.key");
-    settings_flag(s, TEXT, "credential:tls.key"); /* no path: nothing is looked up */
+    settings_flag(s, TEXT, "credential:tls.key"); /* not a path: taken literally */
     settings_fill(s, &a);
     assert_string_equal(a.file, "/run/c/tls.key");
     assert_string_equal(a.text, "credential:tls.key");

@@ -1,5 +1,5 @@
 /* link: -Wl,--wrap=clock_gettime */
-/* Times: printed and read, every day of them; what is no time; a clock out of range. */
+/* Times: printed and read, for every day; texts that are no time; a clock out of range. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,7 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *out)
     return rc;
 }
 
-/* The days counted one by one, by the calendar's rule, from 1970 to 9999. */
+/* Every day from 1970 to 9999, counted by the calendar's rules. */
 static void test_days(void **state)
 {
     static const int length[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};

@@ -7,7 +7,7 @@
 
 #include "utf8.h"
 
-/* The bytes of c as Unicode's table 3-6 says; 0: no character. */
+/* Encodes c by Unicode's table 3-6; returns the number of bytes, 0 if c is no character. */
 static size_t encode(uint32_t c, char *out)
 {
     if (c >= 0xd800 && c <= 0xdfff)
@@ -34,7 +34,7 @@ static size_t encode(uint32_t c, char *out)
     return 4;
 }
 
-/* Every character is valid, whole and not cut short. */
+/* Every character is valid if complete, and invalid if truncated. */
 static void test_characters(void **state)
 {
     char s[8];
@@ -54,8 +54,8 @@ static void test_characters(void **state)
     assert_int_equal(count, 0x110000 - 0x800);
 }
 
-/* Of all sequences of one to three bytes as many are valid as there are such characters;
- * of four, with the last one good. */
+/* The number of valid sequences of one to four bytes is the number of such characters; of
+ * four bytes only those that end in 0x80 are tried. */
 static void test_sequences(void **state)
 {
     size_t one = 0, two = 0, three = 0, four = 0;
@@ -73,7 +73,7 @@ static void test_sequences(void **state)
             s[0] = 0;
         }
         if ((unsigned char)s[0] < 0x80)
-            continue; /* what follows is counted by itself */
+            continue; /* a character of one byte, and others: counted separately */
         two += (c & 0xff) == 0 && utf8_valid(s, 2) == 2;
         three += utf8_valid(s, 3) == 3 && utf8_valid(s, 2) == 0;
         four += utf8_valid(s, 4) == 4 && utf8_valid(s, 3) == 0;

@@ -1,4 +1,4 @@
-/* Scanner files: every PLY type and byte order, OBJ, XYZ, and files that lie. */
+/* Scanner files: every PLY type and byte order, OBJ, XYZ, and malformed files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -139,7 +139,7 @@ static void end_row(struct buffer *b, int encoding, const char *eol)
         put_text(b, eol);
 }
 
-/* Values that tell the type apart: signs where it has them, fractions where it can. */
+/* Values that distinguish the types: negative and fractional ones where the type has them. */
 static double sample(size_t type, size_t i)
 {
     if (types[type].real)
@@ -149,8 +149,8 @@ static double sample(size_t type, size_t i)
     return (double)(200 + i % 50);
 }
 
-/* x, y and z of three types, with lists and other properties between, elements before and
- * after. */
+/* x, y and z of three types, with lists and other properties between them, and elements
+ * before and after the vertices. */
 static void make_ply(struct buffer *b, int encoding, const size_t axis[3], size_t count,
                      bool list_inside, const char *eol, double (*want)[3], size_t n)
 {
@@ -188,7 +188,7 @@ static void make_ply(struct buffer *b, int encoding, const size_t axis[3], size_
         end_row(b, encoding, eol);
     }
     for (size_t i = 0; i < n; i++) {
-        put_value(b, encoding, 6, NAN); /* a normal that is none does no harm */
+        put_value(b, encoding, 6, NAN); /* a bad normal does not matter */
         put_value(b, encoding, axis[1], want[i][1] = sample(axis[1], i + 1));
         if (list_inside) {
             put_value(b, encoding, count, (double)(i % 3));
@@ -253,7 +253,8 @@ static void test_ply_first_byte(void **state)
     }
 }
 
-/* Cut off anywhere before the last vertex is whole, it is an error and says so. */
+/* A file that is truncated before the end of its last vertex is an error; after it, it is
+ * not. */
 static void test_ply_truncated(void **state)
 {
     static struct buffer b;
@@ -375,9 +376,9 @@ static void test_ply_bad_header(void **state)
     expect_error("solid x\n", CLOUDFILE_PLY, ST_EINVAL, 1);
 }
 
-/* Counts far beyond what is there, of the vertices and of an element before them: an
- * error at once, without the memory promised; and too many for the caller. */
-static void test_ply_lying_counts(void **state)
+/* A count (of the vertices or of an element before them) far beyond the data is an error at
+ * once, and no memory is allocated for it; so is a count above the caller's limit. */
+static void test_ply_false_counts(void **state)
 {
     static const char *const counts[] = {"3", "4294967296", "99999999999999999",
                                          "999999999999999999999999"};
@@ -409,7 +410,7 @@ static void test_ply_lying_counts(void **state)
                 else
                     put(&b, (const unsigned char[24]){0}, 24);
                 if (before && i == 0 && (before == 2 || encoding == ASCII))
-                    continue; /* three rows of nothing could be there */
+                    continue; /* the data may hold three such rows */
                 assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_ANY, &pts, &n, &err),
                                  ST_EINVAL);
             }
@@ -417,7 +418,7 @@ static void test_ply_lying_counts(void **state)
     }
 }
 
-/* An element without properties is as many rows of nothing as it likes. */
+/* An element without properties takes no data, whatever its count. */
 static void test_ply_rows_of_nothing(void **state)
 {
     static const double want[2][3] = {{1, 2, 3}, {4, 5, 6}};
@@ -577,7 +578,7 @@ int main(void)
         cmocka_unit_test(test_ply_truncated),
         cmocka_unit_test(test_ply_bad_text),
         cmocka_unit_test(test_ply_bad_header),
-        cmocka_unit_test(test_ply_lying_counts),
+        cmocka_unit_test(test_ply_false_counts),
         cmocka_unit_test(test_ply_rows_of_nothing),
         cmocka_unit_test(test_ply_no_vertices),
         cmocka_unit_test(test_ply_binary_not_finite),

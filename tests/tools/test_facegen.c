@@ -1,5 +1,5 @@
-/* The face generator: faces of a face's size, scans that a scanner could have made, the
- * same from the same seeds, and people who differ more than two scans of one do. */
+/* The face generator: faces have realistic sizes, scans have no hidden points, the same seeds
+ * give the same scan, and different subjects differ more than two scans of one. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,8 +59,8 @@ static void test_size_of_a_face(void **state)
     }
 }
 
-/* Without noise, each point taken back through the pose lies on the face; and no two
- * points over nearly the same place are far apart in height: nothing hidden was seen. */
+/* Without noise, each point moved back by the pose lies on the face; and points close
+ * together in x and y differ little in height: no hidden point was sampled. */
 static void test_pose_and_visibility(void **state)
 {
     struct facegen_scan s;
@@ -111,8 +111,8 @@ static void test_holes_and_spikes(void **state)
     assert_true(n == 0 || n <= N);
 }
 
-/* Mean |difference| of two faces over the middle of the face, once the best plane is
- * taken out: about what alignment can do. */
+/* Mean |difference| of two faces over the middle of the face after subtracting the best
+ * plane: about what alignment can remove. */
 static double unlike(uint64_t p, double smile_p, uint64_t q, double smile_q)
 {
     struct facegen_face f, g;
@@ -164,7 +164,7 @@ static void test_people_differ(void **state)
             sum += d;
             n++;
         }
-        assert_true(unlike(p, 0, p, 1) > 0.1); /* a smile shows */
+        assert_true(unlike(p, 0, p, 1) > 0.1); /* a smile changes the face */
     }
     print_message("subjects differ by %.2f to %.2f mm, %.2f on average\n", least, most,
                   sum / n);
