@@ -1,4 +1,4 @@
-/* The threshold and the table of rates that comparisons of different people give. */
+/* The threshold and the table of rates learned from non-mated comparisons. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,8 +12,8 @@
 
 #define PEOPLE 100
 
-/* Every ordered pair's score: 1 mm and as many hundredths as its place, spread over the
- * people; some say nothing. */
+/* A score for every ordered pair of subjects: 0.5 to 4.5 mm, spread over the subjects, or
+ * inconclusive for the given share. */
 static struct rates *scores(uint32_t people, double inconclusive)
 {
     static struct rates_score s[PEOPLE * PEOPLE];
@@ -70,7 +70,7 @@ static void test_learned_from_little(void **state)
     assert_int_equal(calibrate_learn(r, 0.05, &d), ST_OK);
     assert_true(decision_valid(&d));
     rates_free(r);
-    r = scores(PEOPLE, 0.4); /* the rest cannot be compared */
+    r = scores(PEOPLE, 0.4); /* 40 % are inconclusive */
     assert_int_equal(calibrate_learn(r, 0.01, &d), ST_OK);
     assert_true(d.knot[d.n - 2].rate <= 0.6 && d.knot[d.n - 1].rate == 1);
     rates_free(r);

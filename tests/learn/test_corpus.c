@@ -1,4 +1,4 @@
-/* Which scans there are, whose, of what kind: by their names and by a manifest. */
+/* The scans of a corpus, their subjects and kinds: by file names and by a manifest. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,7 +53,7 @@ static void refuse(enum status want, const char *words)
     assert_int_equal(corpus_read(dir, &c, &e), want);
     assert_null(c);
     if (strstr(e.msg, words) == NULL)
-        fail_msg("'%s' says nothing of '%s'", e.msg, words);
+        fail_msg("'%s' lacks '%s'", e.msg, words);
 }
 
 static const char *kind(const struct corpus *c, uint32_t scan)
@@ -196,7 +196,7 @@ static void test_families(void **state)
     assert_int_equal(c->nsubject, 5);
     assert_int_equal(corpus_pair(c, 0, 1), CORPUS_RELATIVE);
     assert_int_equal(corpus_pair(c, 1, 0), CORPUS_RELATIVE);
-    assert_int_equal(corpus_pair(c, 2, 3), CORPUS_RELATIVE); /* both their mother's */
+    assert_int_equal(corpus_pair(c, 2, 3), CORPUS_RELATIVE); /* siblings */
     assert_int_equal(corpus_pair(c, 0, 2), CORPUS_IMPOSTOR);
     assert_int_equal(corpus_pair(c, 3, 4), CORPUS_FOREIGN);
     assert_int_equal(corpus_pair(c, 4, 4), CORPUS_GENUINE);
@@ -236,7 +236,7 @@ static void test_bad_tables(void **state)
     refuse(ST_EINVAL, "line 2, column relative_of: a subject is its own relative");
 }
 
-/* More subjects than the tables had room for at first. */
+/* More subjects than the tables' first capacity. */
 static void test_many(void **state)
 {
     const size_t room = 1 << 20;

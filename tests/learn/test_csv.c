@@ -1,4 +1,4 @@
-/* Tables as spreadsheets write them, and as an enemy would. */
+/* Tables as spreadsheets write them, and malformed ones. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -48,7 +48,7 @@ static void refuse(const char *text, size_t len, enum status want, const char *w
     assert_int_equal(st, want);
     assert_int_equal(e.code, want);
     if (strstr(e.msg, words) == NULL)
-        fail_msg("'%s' says nothing of '%s'", e.msg, words);
+        fail_msg("'%s' lacks '%s'", e.msg, words);
 }
 
 static void row(struct csv *t, const char *a, const char *b)
@@ -94,7 +94,7 @@ static void test_spreadsheet(void **state)
     assert_int_equal(csv_column(t, "file"), 0);
     row(t, "a, b", "say \"yes\"");
     row(t, "two\nlines", "");
-    row(t, "x\ry", "z"); /* a lone CR is no line's end; the last line needs none */
+    row(t, "x\ry", "z"); /* a lone CR does not end a line; the last line needs no end */
     end(t);
 }
 

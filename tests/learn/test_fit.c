@@ -1,5 +1,5 @@
-/* What of a gap is motion and change: against a dense solver by definition; known motions
- * and changes are found again, through outliers; too few cells; memory runs out. */
+/* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
+ * and changes are found, despite outliers; too few cells; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -21,13 +21,13 @@
 #define MOST (MODEL_MODES + 6)
 
 static struct model model;
-static struct fit_basis moved, changed; /* its bases, prepared */
+static struct fit_basis moved, changed; /* the model's bases, prepared */
 static struct scratch scratch;
 static struct cells cells;
 static struct fit fit, again;
 static uint64_t seed;
 
-/* All cells of the mean face covered, without a gap. */
+/* All cells of the mean face are covered, without a gap. */
 static void no_gap(struct cells *c)
 {
     static float sample[GRID_N];
@@ -37,8 +37,8 @@ static void no_gap(struct cells *c)
     learn_cells(sample, &model, c);
 }
 
-/* The unit normal of a cell, and what a motion x of the probe adds to its gap: the normal
- * part of the turn about the lever's point and of the shift. */
+/* What a motion x of the probe adds to the gap of cell i: the normal component of its turn
+ * about the lever's point and of its shift. */
 static double moves(const struct cells *c, uint32_t i, const double x[6])
 {
     const double p[3] = {grid_x(i), grid_y(i), (double)c->z[i] + POSE_LEVER_MM};
@@ -52,7 +52,7 @@ static double moves(const struct cells *c, uint32_t i, const double x[6])
     return (m[0] * d[0] + m[1] * d[1] + m[2] * d[2]) / len;
 }
 
-/* The gap of a probe that is off by the inverse of x and has changed by a. */
+/* Adds the gap of a probe that is off by the inverse of x and has changed by a. */
 static void add_known(struct cells *c, const double *a, const double x[6])
 {
     for (uint32_t i = 0; i < GRID_N; i++) {
@@ -90,8 +90,8 @@ static void gauss(double m[MOST][MOST + 1], uint32_t n, double *x)
     }
 }
 
-/* One row by definition: the modes, then minus what 1 mm at the lever's length of each turn
- * and 1 mm of each shift do. */
+/* One row by definition: the modes; then, negated, the effect of each turn by 1 mm at the
+ * lever's length and of each shift by 1 mm. */
 static void row_of(const struct model_basis *b, const struct cells *c, uint32_t i,
                    double *row)
 {
@@ -151,7 +151,8 @@ static void noisy(struct brute_rng *rng, double amount)
             cells.gap[i] += (float)(amount * (brute_real(rng) - 0.5));
 }
 
-/* Random gaps over random parts, random modes: the same coefficients, motion and rest. */
+/* Random gaps over random parts, and random modes: the coefficients, motion and rest are
+ * those of the dense solver. */
 static void test_against_naive(void **state)
 {
     struct brute_rng rng = {seed};
@@ -174,7 +175,7 @@ static void test_against_naive(void **state)
         noisy(&rng, 2);
         for (uint32_t i = 0; i < GRID_N; i++)
             if (brute_real(&rng) < 0.1 * (round % 5))
-                cells.area[i] = (float)(8 * brute_real(&rng)); /* some too little */
+                cells.area[i] = (float)(8 * brute_real(&rng)); /* some not covered */
         fit_prepare(&b, &p);
         assert_int_equal(fit_solve(&p, &cells, tie, passes, &scratch, &fit), ST_OK);
         naive(&b, &cells, tie, passes, y, rest);
@@ -194,7 +195,7 @@ static const double motion[6] = {0.004, -0.006, 0.005, 0.3, -0.4, 0.2};
 static const double change[6] = {1.2, -0.7, -1.5, 0.4, 0.8, -0.3};
 static const double nothing[6] = {0};
 
-/* A motion, a change, both: found again, and nothing is left. */
+/* A motion, a change, or both are found, and almost no rest is left. */
 static void test_known(void **state)
 {
     (void)state;
@@ -216,7 +217,7 @@ static void test_known(void **state)
     }
 }
 
-/* A tie holds the motion back. */
+/* A strong tie keeps the motion near 0. */
 static void test_tie(void **state)
 {
     (void)state;
@@ -227,7 +228,7 @@ static void test_tie(void **state)
         assert_true(fabs(fit.x[k]) < 1e-3);
 }
 
-/* A place of 3 mm that no mode makes: with reweighting it pulls much less. */
+/* An outlier region of 3 mm that no mode explains: reweighting reduces its influence. */
 static void test_outliers(void **state)
 {
     double off[2] = {0, 0};
@@ -248,7 +249,7 @@ static void test_outliers(void **state)
     assert_true(off[1] < 0.6 * off[0]);
 }
 
-/* What is white stays: averaging explains little of it. */
+/* White noise stays in the rest: motion and change explain little of it. */
 static void test_noise_stays(void **state)
 {
     struct brute_rng rng = {seed + 1};
@@ -291,8 +292,8 @@ static void test_few(void **state)
     assert_int_equal(fit.cells, 0);
 }
 
-/* The same bytes, with memory that held something else before too; also when the first
- * allocation fails. */
+/* The same input gives the same bytes, also in memory that was used before; a failed
+ * allocation leaves the memory usable. */
 static void test_determinism_and_memory(void **state)
 {
     struct scratch fresh = {0};

@@ -1,6 +1,6 @@
-/* What is learned from samples made for the purpose: modes of a family of few, through
- * missing cells; the smooth covariance by definition; weights where people differ; the
- * threshold and its rates. */
+/* Learning from generated samples: the modes of a family with few of them, despite missing
+ * cells; the smooth covariance by definition; weights where subjects differ; the threshold
+ * and its rates. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -23,7 +23,7 @@ static struct model model;
 static float sample[SAMPLES][GRID_N];
 static uint64_t seed;
 
-/* About normal. */
+/* Roughly normally distributed. */
 static double bell(struct brute_rng *rng)
 {
     double s = -6;
@@ -51,8 +51,7 @@ static void family(uint32_t n, double noise, struct brute_rng *rng)
     }
 }
 
-/* What two cells' gaps have in common by the modes of b; of the family, mirror images
- * being as likely, if b is NULL. */
+/* The covariance of the gaps of cells c and d by the first n modes of b. */
 static double covariance(const struct model_basis *b, uint32_t n, uint32_t c, uint32_t d)
 {
     double s = 0;
@@ -62,7 +61,7 @@ static double covariance(const struct model_basis *b, uint32_t n, uint32_t c, ui
     return s;
 }
 
-/* A disc of missing cells somewhere in each sample, and rows at the chin in most. */
+/* Removes a disc of cells at a random place of each sample, and rows at the chin in most. */
 static void lose(struct brute_rng *rng)
 {
     for (size_t i = 0; i < SAMPLES; i++) {
@@ -75,8 +74,8 @@ static void lose(struct brute_rng *rng)
     }
 }
 
-/* The toy's pairs are symmetric or the contrary, so the mirror images add nothing: the
- * covariance of what was put in comes out. */
+/* Each of the toy's modes is symmetric or antisymmetric, so learning from mirror images too
+ * does not change the covariance: it is that of the family. */
 static void test_modes(void **state)
 {
     static struct model_basis b;
@@ -113,7 +112,7 @@ static void test_modes(void **state)
         }
         print_message("covariance off by %.1f %%, rest %.4f mm\n",
                       100 * sqrt(error / whole), rest / cells);
-        assert_true(sqrt(error / whole) < 0.2); /* 200 samples: 1 / sqrt(200), thrice */
+        assert_true(sqrt(error / whole) < 0.2); /* 200 samples: 3 / sqrt(200) */
         assert_true(fabs(rest / cells - 0.05) < 0.01);
     }
     assert_int_equal(learn_modes(&sample[0][0], 7, 4, &b), ST_EINVAL);
@@ -121,7 +120,7 @@ static void test_modes(void **state)
     assert_int_equal(learn_modes(&sample[0][0], 0, 0, &b), ST_EINVAL);
 }
 
-/* One wild gap counts LEARN_MAX_GAP; and the same samples give the same bytes. */
+/* An outlier counts as LEARN_MAX_GAP; and the same samples give the same bytes. */
 static void test_modes_clipped(void **state)
 {
     static struct model_basis a, b;
@@ -136,7 +135,7 @@ static void test_modes_clipped(void **state)
     assert_memory_equal(&a, &b, sizeof a);
 }
 
-/* The kernel by definition, where the deviation that is scaled is the same everywhere. */
+/* The kernel by definition, with the same deviation in all cells. */
 static void test_smooth(void **state)
 {
     static struct model_basis b;
@@ -170,13 +169,14 @@ static void test_smooth(void **state)
     assert_true(worst < 1e-3);
 }
 
-/* What the fit would leave: 0.1 mm everywhere, 0.6 mm in one region of strangers. */
-static void strangers(enum grid_region where, uint8_t *genuine, struct brute_rng *rng)
+/* Rests as a fit would leave them: 0.1 mm everywhere, but 0.6 mm in one region of the
+ * non-mated samples. */
+static void non_mated(enum grid_region where, uint8_t *mated, struct brute_rng *rng)
 {
     for (size_t i = 0; i < SAMPLES; i++) {
-        genuine[i] = i % 2 == 0;
+        mated[i] = i % 2 == 0;
         for (uint32_t c = 0; c < GRID_N; c++) {
-            const double size = !genuine[i] && grid_region_of(c) == where ? 0.6 : 0.1;
+            const double size = !mated[i] && grid_region_of(c) == where ? 0.6 : 0.1;
 
             sample[i][c] = model.change.rest[c] > 0.0f && i % 37 != c % 37
                                ? (float)(size * bell(rng))
@@ -189,7 +189,7 @@ static void test_weight(void **state)
 {
     static const enum grid_region regions[] = {GRID_NOSE, GRID_FOREHEAD, GRID_EYES};
     static float u[GRID_N];
-    uint8_t genuine[SAMPLES];
+    uint8_t mated[SAMPLES];
     struct brute_rng rng = {seed + 2};
 
     (void)state;
@@ -197,8 +197,8 @@ static void test_weight(void **state)
         double in = 0, out = 0, sum = 0;
         uint32_t n_in = 0, n_out = 0, n = 0;
 
-        strangers(regions[r], genuine, &rng);
-        assert_int_equal(learn_weight(&sample[0][0], genuine, SAMPLES, &model, u), ST_OK);
+        non_mated(regions[r], mated, &rng);
+        assert_int_equal(learn_weight(&sample[0][0], mated, SAMPLES, &model, u), ST_OK);
         for (uint32_t c = 0; c < GRID_N; c++) {
             assert_true(u[c] >= 0.0f && u[c] == u[grid_mirror(c)]);
             assert_true(model.change.rest[c] > 0.0f || u[c] == 0.0f);
@@ -217,10 +217,10 @@ static void test_weight(void **state)
                       in / n_in, out / n_out);
         assert_true(in / n_in > 5 * out / n_out);
     }
-    memset(genuine, 1, sizeof genuine);
-    assert_int_equal(learn_weight(&sample[0][0], genuine, SAMPLES, &model, u), ST_EINVAL);
-    memset(genuine, 0, sizeof genuine);
-    assert_int_equal(learn_weight(&sample[0][0], genuine, SAMPLES, &model, u), ST_EINVAL);
+    memset(mated, 1, sizeof mated);
+    assert_int_equal(learn_weight(&sample[0][0], mated, SAMPLES, &model, u), ST_EINVAL);
+    memset(mated, 0, sizeof mated);
+    assert_int_equal(learn_weight(&sample[0][0], mated, SAMPLES, &model, u), ST_EINVAL);
 }
 
 static void test_rigid(void **state)
@@ -234,7 +234,7 @@ static void test_rigid(void **state)
     assert_true(learn_rigid(grid_cell(10, 62)) > learn_rigid(grid_cell(40, 0)));
 }
 
-/* A comparison as a sample and back. */
+/* Converting a comparison to a sample and back. */
 static void test_samples(void **state)
 {
     static struct cells c, back;
@@ -255,7 +255,7 @@ static void test_samples(void **state)
         assert_true(!covered || back.gap[i] == c.gap[i]);
         assert_true(back.normal[i][2] == 1.0f && !isnan(back.z[i]));
     }
-    /* the sides of the nose look outwards */
+    /* the normals at the sides of the nose point outwards */
     assert_true(back.normal[grid_cell(10, 10)][0] > 0.2f);
     assert_true(back.normal[grid_cell(-10, 10)][0] < -0.2f);
 }
@@ -265,10 +265,10 @@ static void test_memory(void **state)
     static struct model_basis b;
     static float u[GRID_N];
     struct brute_rng rng = {seed + 4};
-    uint8_t genuine[SAMPLES];
+    uint8_t mated[SAMPLES];
 
     (void)state;
-    strangers(GRID_NOSE, genuine, &rng);
+    non_mated(GRID_NOSE, mated, &rng);
     for (int what = 0; what < 3; what++) {
         enum status st = ST_ENOMEM;
         unsigned long n;
@@ -278,7 +278,7 @@ static void test_memory(void **state)
             fail_alloc_at(n);
             st = what == 0   ? learn_modes(&sample[0][0], 8, 2, &b)
                  : what == 1 ? learn_smooth(&b, 30, 0.5, 3)
-                             : learn_weight(&sample[0][0], genuine, 8, &model, u);
+                             : learn_weight(&sample[0][0], mated, 8, &model, u);
             fail_alloc_at(0);
             assert_true(st == ST_OK || st == ST_ENOMEM);
             if (what == 1 && st != ST_OK)

@@ -1,4 +1,4 @@
-/* Error rates against brute force, on cases made by hand, and how well they are known. */
+/* Error rates: by hand, by brute force, and their confidence intervals. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ static struct rates *rates(const struct rates_score *s, size_t n, uint32_t nsubj
     return r;
 }
 
-/* Genuine scores g and impostor scores i (of subjects 0 and 1), each ended by -1. */
+/* Mated scores g and non-mated scores i (of subjects 0 and 1), each list ended by -1. */
 static struct rates_figures figures(const double *g, const double *i, double threshold)
 {
     struct rates_score s[64] = {{0}};
@@ -51,16 +51,16 @@ static void test_by_hand(void **state)
     f = figures(LIST(1, 2, 3), LIST(4, 5), 3.5); /* apart */
     assert_true(f.eer == 0 && f.eer_mm == 3);
     assert_true(f.tar[0] == 1 && f.tar_mm[0] == 3 && f.fmr == 0 && f.fnmr == 0);
-    f = figures(LIST(4, 5), LIST(1, 2), 3); /* the wrong way round */
+    f = figures(LIST(4, 5), LIST(1, 2), 3); /* mated above non-mated */
     assert_true(f.eer == 1 && f.tar[0] == 0 && f.tar_mm[0] == -1);
     assert_true(f.fmr == 1 && f.fnmr == 1);
     f = figures(LIST(1, 3), LIST(2, 4), 2); /* crossing at a threshold */
     assert_true(f.eer == 0.5 && f.eer_mm == 2 && f.fmr == 0.5 && f.fnmr == 0.5);
-    f = figures(LIST(1, 1), LIST(1, 1), 1); /* all equal: a coin */
+    f = figures(LIST(1, 1), LIST(1, 1), 1); /* all equal */
     assert_true(f.eer == 0.5 && f.tar[0] == 0 && f.fmr == 1 && f.fnmr == 0);
     f = figures(LIST(0, 0), LIST(0), 0);
     assert_true(f.fmr == 1 && f.fnmr == 0 && f.eer == 0.5);
-    f = figures(LIST(1, 2, 2, 3), LIST(2, 5, 6, 7), 2); /* a tie across */
+    f = figures(LIST(1, 2, 2, 3), LIST(2, 5, 6, 7), 2); /* a tie of mated and non-mated */
     assert_true(f.fmr == 0.25 && f.fnmr == 0.25 && f.eer == 0.25);
     assert_true(f.tar[0] == 0.25 && f.tar_mm[0] == 1);
     f = figures(LIST(1), LIST(9), 5);
@@ -72,8 +72,8 @@ static void test_inconclusive(void **state)
     struct rates_figures f = figures(LIST(1, INF, INF, INF), LIST(2, INF), INF);
 
     (void)state;
-    assert_true(f.fmr == 0.5 && f.fnmr == 0.75); /* never accepted */
-    assert_true(f.eer == 0.75);                  /* they do not meet */
+    assert_true(f.fmr == 0.5 && f.fnmr == 0.75); /* inconclusive never matches */
+    assert_true(f.eer == 0.75);                  /* FMR and FNMR do not cross */
     f = figures(LIST(INF), LIST(INF), INF);
     assert_true(f.fmr == 0 && f.fnmr == 1 && f.tar_mm[0] == -1 && f.eer == 1);
 }
@@ -86,7 +86,7 @@ static void test_nothing(void **state)
 
     (void)state;
     assert_true(isnan(f.eer) && isnan(f.fmr) && isnan(f.fnmr) && isnan(f.tar[0]));
-    f = figures(LIST(1, 2), NOTHING, 1); /* one subject: no impostors */
+    f = figures(LIST(1, 2), NOTHING, 1); /* one subject: no non-mated scores */
     assert_true(isnan(f.eer) && isnan(f.fmr) && f.fnmr == 0.5 && isnan(f.tar[0]));
     f = figures(NOTHING, LIST(1, 2), 1);
     assert_true(isnan(f.eer) && f.fmr == 0.5 && isnan(f.fnmr) && isnan(f.tar[0]));
@@ -156,7 +156,7 @@ static void test_brute_force(void **state)
             if (best[t] >= 0)
                 assert_true(f.tar[t] == 1 - rates_fnmr(r, best[t]));
         }
-        if (g > 0 && i > 0) /* no threshold does better than about the EER */
+        if (g > 0 && i > 0) /* at each threshold the larger rate is the EER or more */
             assert_true(f.eer <= apart + 1e-12 && f.eer >= 0);
         rates_free(r);
     }
@@ -175,8 +175,9 @@ static void test_rule_of_3(void **state)
     assert_false(rates_supported(0, 1000000));
 }
 
-/* Subjects 0..n-1, one good and one bad genuine score each for the odd ones. */
-static struct rates *crowd(uint32_t n)
+/* Scores of subjects 0..n-1; of the two mated scores of each odd subject one is a false
+ * non-match at 2.5 mm. */
+static struct rates *subjects(uint32_t n)
 {
     struct rates_score *s = malloc((size_t)n * (n + 1) * sizeof *s);
     struct rates *r;
@@ -197,7 +198,7 @@ static struct rates *crowd(uint32_t n)
 
 static void test_bootstrap(void **state)
 {
-    struct rates *r = crowd(40);
+    struct rates *r = subjects(40);
     struct rates_figures low, high, again[2], f;
     double mm[2];
 
@@ -210,14 +211,14 @@ static void test_bootstrap(void **state)
     assert_memory_equal(&high, &again[1], sizeof high);
     assert_int_equal(rates_bootstrap(r, 2.5, 400, 8, &again[0], &again[1]), ST_OK);
     assert_memory_not_equal(&low, &again[0], sizeof low);
-    /* half of 40 people err in one of two: a share of 0.25, give or take 1.96 x 0.0395 */
+    /* half of 40 subjects have one error of two: a rate of 0.25 +- 1.96 x 0.0395 */
     assert_true(low.fnmr > 0.14 && low.fnmr < 0.20 && high.fnmr > 0.30 &&
                 high.fnmr < 0.36);
     assert_true(low.tar[0] < f.tar[0] && high.tar[0] > f.tar[0]);
-    assert_true(low.fmr == 0 && high.fmr == 0); /* the rule of 3 is the caller's */
+    assert_true(low.fmr == 0 && high.fmr == 0); /* no rule of 3 here */
     assert_int_equal(rates_bootstrap(r, 2.5, 0, 7, &low, &high), ST_EINVAL);
     rates_free(r);
-    r = crowd(40); /* of one threshold alone: the same draws, the same interval */
+    r = subjects(40); /* for one threshold alone: the same draws, the same interval */
     assert_int_equal(rates_at_bootstrap(r, rates_target[0], 400, 7, &mm[0], &mm[1]),
                      ST_OK);
     assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &low, &high), ST_OK);
@@ -226,17 +227,17 @@ static void test_bootstrap(void **state)
     assert_true(mm[0] <= rates_at(r, 0.5) && mm[1] >= rates_at(r, 0.5));
     assert_int_equal(rates_at_bootstrap(r, 0.5, 0, 7, &mm[0], &mm[1]), ST_EINVAL);
     rates_free(r);
-    r = crowd(1); /* one subject: the same every time */
+    r = subjects(1); /* one subject: every replicate is the same */
     assert_int_equal(rates_bootstrap(r, 2.5, 50, 7, &low, &high), ST_OK);
     assert_true(low.fnmr == 0 && high.fnmr == 0 && isnan(low.eer) && isnan(high.fmr));
     rates_free(r);
 }
 
-/* With every subject drawn once, the bootstrap's figures are the figures themselves; the
- * intervals of one replicate are that replicate. */
+/* A replicate that draws every subject once has the original figures; the interval of one
+ * replicate is that replicate. */
 static void test_one_replicate(void **state)
 {
-    struct rates *r = crowd(12);
+    struct rates *r = subjects(12);
     struct rates_figures low, high;
 
     (void)state;

@@ -1,4 +1,4 @@
-/* The disparity that decides: what it is of known gaps. */
+/* The score of known gaps. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@
 #include "tuning.h"
 
 static struct model model;
-static struct fit_basis changed; /* its change, prepared */
+static struct fit_basis changed; /* the model's change, prepared */
 static struct scratch scratch;
 static struct cells cells;
 static struct fit fit;
@@ -38,8 +38,8 @@ static struct score score(void)
     return s;
 }
 
-/* mm up and down in blocks of three cells by three, which no motion or change explains, and
- * which is too wide for noise. */
+/* Adds +mm and -mm in blocks of three cells by three: no motion or change explains them, and
+ * they are too wide for noise. */
 static void chequered(double mm, int region)
 {
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -48,8 +48,8 @@ static void chequered(double mm, int region)
                 (float)((i % GRID_NX / 3 + i / GRID_NX / 3) % 2 == 0 ? mm : -mm);
 }
 
-/* What the rest at cell i differs by from the mean of the covered cells round it, weighted
- * by a bell curve of one cell, cut off at three. */
+/* The difference of the rest at cell i from the mean over the covered cells round it, with
+ * Gaussian weights (sigma one cell, up to three cells away). */
 static double rough(uint32_t i)
 {
     const int x = (int)(i % GRID_NX), y = (int)(i / GRID_NX);
@@ -68,7 +68,7 @@ static double rough(uint32_t i)
     return (double)fit.rest[i] - sum / weights;
 }
 
-/* The disparity by definition, of a region or of all (-1), from the rest in fit. */
+/* The score by definition, of a region or of the whole face (-1), from the rest in fit. */
 static double defined(int region)
 {
     const double cap = (double)model.cap_mm;
@@ -106,7 +106,7 @@ static void test_identical(void **state)
     assert_true(fabs(sum - 1) < 1e-12);
 }
 
-/* By definition, from the rest that the fit left; a motion alone is no difference. */
+/* The score agrees with its definition; a motion alone gives 0. */
 static void test_definition(void **state)
 {
     struct score s;
@@ -125,13 +125,14 @@ static void test_definition(void **state)
         for (int r = 0; r < GRID_REGIONS; r++)
             assert_true(isnan(s.region_mm[r]) ||
                         fabs(s.region_mm[r] - defined(r)) < 1e-5);
-        for (uint32_t i = 0; i < GRID_N; i++) /* once more with holes */
+        for (uint32_t i = 0; i < GRID_N; i++) /* then with holes */
             if (i % 29 < 4 || i % 7 == 0)
                 cells.area[i] = cells.gap[i] = 0.0f;
     }
 }
 
-/* Noise from cell to cell says little, the same amount over wider places much more. */
+/* Noise from cell to cell adds little to the score; gaps of the same size over wider areas add
+ * much more. */
 static void test_noise(void **state)
 {
     struct score narrow, wide;
@@ -148,7 +149,7 @@ static void test_noise(void **state)
     assert_true(narrow.mm < 0.15 && wide.mm > narrow.mm);
 }
 
-/* However large the gap, a cell adds the cap at most. */
+/* A cell adds at most the cap, however large its gap is. */
 static void test_cap(void **state)
 {
     struct score s;
@@ -161,7 +162,7 @@ static void test_cap(void **state)
     assert_true(s.mm > 0.2 && s.mm <= (double)model.cap_mm);
 }
 
-/* A difference in one region shows in that region, and counts with its weight. */
+/* A difference in one region raises that region's value, and the score by its weight. */
 static void test_regions(void **state)
 {
     (void)state;
@@ -180,7 +181,7 @@ static void test_regions(void **state)
     }
 }
 
-/* Not covered: NAN for the region, and that much less of the weight. */
+/* A region that is not covered has NAN, and its weight is missing from the total. */
 static void test_covered(void **state)
 {
     struct score whole, s;
@@ -204,7 +205,7 @@ static void test_covered(void **state)
         assert_true(isnan(s.region_mm[r]));
 }
 
-/* Twice the weight everywhere is the same disparity. */
+/* Doubling all weights does not change the score. */
 static void test_scale_of_weight(void **state)
 {
     static struct model saved;

@@ -1,4 +1,4 @@
-/* The heights of a surface per cell of its frame. */
+/* The height of a surface in each cell of its frame. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ static double toy(const void *arg, double x, double y)
     return toy_height(x, y);
 }
 
-/* The map of the mean face is the mean face; where there is no surface it is empty. */
+/* The map of the mean face is the mean face; cells without surface are empty. */
 static void test_map(void **state)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};

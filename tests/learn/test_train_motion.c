@@ -1,4 +1,4 @@
-/* The point that heads were turned about, found from the frames and the turns. */
+/* Finding the point that heads were turned about from the scans' frames and turns. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -38,8 +38,8 @@ static struct dvec3 turn(struct dvec3 q, int axis, double degrees)
     return (struct dvec3){c * q.x - s * q.y, s * q.x + c * q.y, q.z};
 }
 
-/* Scans whose heads were turned about centre, with each subject's nose elsewhere; their
- * frames know where the noses are and nothing else. */
+/* Scans of heads that were turned about centre; each subject's nose is at another place, and
+ * a frame gives only the position of the nose. */
 static void make(struct made *m, struct dvec3 centre, double most_deg)
 {
     memset(m, 0, sizeof *m);
@@ -89,7 +89,7 @@ static void test_centre_is_found(void **state)
     assert_centre(&m, 5, -10, -80);
     make(&m, (struct dvec3){0, 0, 0}, 8);
     assert_centre(&m, 0, 0, 0);
-    /* scans that were refused say nothing */
+    /* scans without a face are ignored */
     make(&m, (struct dvec3){0, 0, -80}, 8);
     m.face[7].surface.mesh.nv = 0;
     m.face[7].frame.pose.t[0] = 1e4;

@@ -1,5 +1,5 @@
-/* A sample becomes a template if it fits those that are there, if it is forced, or if it is
- * the first; not of a subject that is disabled or has expired. */
+/* A sample becomes a template if it matches one of the subject's templates, if it is forced,
+ * or if it is the first; but not of a disabled or expired subject. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,9 +16,9 @@
 
 static struct store *store;
 static struct face model,
-    again; /* what is loaded; another scan of tempdb_face[0]'s person */
+    again; /* the loaded template; another scan of the subject of tempdb_face[0] */
 static struct errinfo e;
-static const struct face *rival; /* NULL: nobody does */
+static const struct face *rival; /* enrolled by release(); NULL: nothing */
 
 static enum status hold(void *arg, const char *id, struct face_work *w,
                         const struct face **out, struct errinfo *err)
@@ -30,7 +30,7 @@ static enum status hold(void *arg, const char *id, struct face_work *w,
     return store_template_load(store, id, &t, w, &model, err);
 }
 
-/* Another enrolment comes in between the comparison and the storing, once. */
+/* Enrols `rival` once: a concurrent enrolment between comparing and storing. */
 static void release(void *arg, const struct face *f)
 {
     struct store_template t;
@@ -106,7 +106,7 @@ static void test_fit(void **state)
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
 }
 
-/* What another enrols between the comparison and the storing is compared with too. */
+/* A template that is enrolled between comparing and storing is compared with too. */
 static void test_meanwhile(void **state)
 {
     struct enrolment_outcome out;

@@ -1,5 +1,5 @@
-/* Which template of a subject decides, in whatever order they come; those that are gone or of
- * another engine are left out; what fails ends it; every model is given back. */
+/* Which template of a subject decides, whatever their order; deleted templates and those of
+ * another engine are left out; other errors are returned; every model is released. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 
 #define POINTS 1500
 
-enum { /* a stranger's; of the probe's person; the middle of that face */
+enum { /* of another subject; two of the probe's subject; the middle of that face */
        OTHER,
        SAME,
        AGAIN,
@@ -24,7 +24,7 @@ enum { /* a stranger's; of the probe's person; the middle of that face */
        MODELS
 };
 
-static struct face model[MODELS], probe, part; /* part: of the probe's person */
+static struct face model[MODELS], probe, part; /* part: of the probe's subject */
 static struct store *store;
 static enum status fails[MODELS]; /* what hold() returns instead of a model */
 static int held, passed_over;
@@ -167,7 +167,7 @@ static void test_lowest(void **state)
     assert_decides("210", &probe, lower, FACE_MATCH);
 }
 
-/* Where no comparison says anything, the one with the greatest overlap is told. */
+/* If all comparisons are inconclusive, the one with the greatest overlap is returned. */
 static void test_inconclusive(void **state)
 {
     struct nearest out;
@@ -190,7 +190,7 @@ static void test_inconclusive(void **state)
     assert_decides("201", &part, widest, FACE_INCONCLUSIVE);
 }
 
-/* Although the disparity of the inconclusive comparisons is lower. */
+/* A conclusive comparison goes before inconclusive ones of a lower score. */
 static void test_conclusive_first(void **state)
 {
     (void)state;
@@ -233,7 +233,7 @@ static void test_failure(void **state)
     assert_string_equal(e.msg, "model 0");
 }
 
-/* A calibration that comes into force decides the next comparison. */
+/* A new calibration applies to the next comparison. */
 static void test_calibration(void **state)
 {
     struct store_calibration k = {.fmr = 0.5,

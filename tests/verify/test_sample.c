@@ -1,5 +1,5 @@
-/* Every reason why there is no face model is told with what was measured and what to do, in
- * few enough bytes. */
+/* The message of every failure to build a face has the measured value and a hint, and is not
+ * truncated. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,7 +36,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A scan in units of unit_mm, of which as many are taken for given_mm. */
+/* A scan in units of unit_mm whose unit is given as given_mm. */
 static void take(double unit_mm, double given_mm)
 {
     n = clouds_scan(1, 0, POINTS, pts);
@@ -54,7 +54,7 @@ static enum status build(double given_mm)
     return sample_build(&s, work, &f, &e);
 }
 
-/* text: what must stand in the message, which ends with a hint. */
+/* The scan is rejected with st and a whole message that contains text. */
 static void assert_refused(enum status st, double given_mm, const char *text)
 {
     assert_int_equal(build(given_mm), st);
@@ -62,7 +62,7 @@ static void assert_refused(enum status st, double given_mm, const char *text)
     assert_true(strncmp(e.msg, "points: ", 8) == 0);
     if (strstr(e.msg, text) == NULL)
         fail_msg("'%s' lacks '%s'", e.msg, text);
-    assert_true(strlen(e.msg) < sizeof e.msg - 1); /* whole */
+    assert_true(strlen(e.msg) < sizeof e.msg - 1); /* not truncated */
 }
 
 static void test_units(void **state)
@@ -78,8 +78,7 @@ static void test_units(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         take(known[i].real_mm, known[i].given_mm);
-        if (known[i].real_mm >
-            50000) { /* so small that it must be drawn out to be seen */
+        if (known[i].real_mm > 50000) { /* else too small for a triangulation */
             pts[0].x += 5;
             pts[1].y += 5;
         }
