@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=store_template_load */
-/* The template cache: its bound, who goes first, models that are dropped while they are
- * held, those loaded ahead, many threads at once, and templates that come and go meanwhile. */
+/* The template cache: its limit, eviction order, models that are dropped while in use, loading
+ * ahead, many threads, and templates that are enrolled and deleted meanwhile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,10 +33,10 @@ static struct store_template tmpl[FACES];
 static struct face_work *work;
 static struct errinfo e;
 
-/* What happens between a load from the store and what the cache does with it. */
+/* Actions between a load from the store and its return to the cache. */
 static struct cache *forgets_meanwhile;
 static atomic_int loads;
-static atomic_bool held_up; /* who loads waits until it is false */
+static atomic_bool held_up; /* loading threads wait until it is false */
 
 static void nap(void)
 {
@@ -132,7 +132,7 @@ static void test_hit(void **state)
     cache_free(NULL);
 }
 
-/* What was used longest ago goes first, and the bound holds throughout. */
+/* The least recently used model is evicted, and the limit is never exceeded. */
 static void test_bound(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
@@ -146,7 +146,7 @@ static void test_bound(void **state)
     assert_true(one > (size_t)POINTS * 60);
     cache_free(c);
 
-    c = cache_new(3 * one + one / 2); /* three fit, all being of about one size */
+    c = cache_new(3 * one + one / 2); /* room for three: all are about the same size */
     for (size_t i = 0; i < FACES; i++) {
         use(c, i);
         cache_look(c, &s);
@@ -168,7 +168,7 @@ static void test_bound(void **state)
     cache_free(c);
 }
 
-/* Without room every hold loads, and nothing stays. */
+/* Without room every hold loads, and nothing is kept. */
 static void test_off(void **state)
 {
     struct cache *c = cache_new(0);
@@ -185,7 +185,7 @@ static void test_off(void **state)
     cache_free(c);
 }
 
-/* A model that is dropped while it is held stays whole until it is given back. */
+/* A model that is dropped while it is held stays valid until it is released. */
 static void test_dropped_while_held(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
@@ -195,7 +195,7 @@ static void test_dropped_while_held(void **state)
     (void)state;
     cache_forget(c, tmpl[0].id);
     cache_forget(c, tmpl[0].id);
-    cache_forget(c, tmpl[1].id); /* never was there */
+    cache_forget(c, tmpl[1].id); /* was never loaded */
     cache_look(c, &s);
     assert_int_equal(s.entries, 0);
     assert_int_equal(s.bytes, 0);
@@ -206,7 +206,7 @@ static void test_dropped_while_held(void **state)
     cache_release(c, b);
     cache_free(c);
 
-    c = cache_new(1); /* nothing fits: every model is its holder's alone */
+    c = cache_new(1); /* no model fits: each belongs to its holder alone */
     a = hold(c, 0);
     cache_look(c, &s);
     assert_int_equal(s.entries, 0);
@@ -214,7 +214,8 @@ static void test_dropped_while_held(void **state)
     cache_free(c);
 }
 
-/* Deleted while a worker was loading it: the worker may use it, but it does not stay. */
+/* A template is deleted while a worker loads it: the worker may use it, but the cache does
+ * not keep it. */
 static void test_forgotten_while_loaded(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
@@ -246,9 +247,9 @@ static void test_unknown(void **state)
     cache_free(c);
 }
 
-/* ---- ahead of use */
+/* ---- loading ahead */
 
-/* The first hold is the use that the load was for: no hit. */
+/* The first hold of a model that was loaded ahead is not counted as a hit. */
 static void test_ahead(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
@@ -278,7 +279,7 @@ static void test_ahead(void **state)
     assert_int_equal(atomic_load(&loads), 2);
     cache_free(c);
 
-    c = cache_new(0); /* it would only be read twice */
+    c = cache_new(0); /* no room: loading ahead does nothing */
     cache_load(c, store, tmpl[0].id, work);
     assert_int_equal(atomic_load(&loads), 2);
     cache_free(c);
@@ -303,7 +304,7 @@ static void *let_go(void *arg)
     return arg;
 }
 
-/* Who wants what is being loaded ahead waits for it; a second load ahead does not. */
+/* A hold of a model that is being loaded ahead waits for it; a second load ahead does not. */
 static void test_ahead_waits(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
@@ -326,7 +327,8 @@ static void test_ahead_waits(void **state)
     cache_free(c);
 }
 
-/* More is asked for than has room, and it is stopped amid its work. */
+/* The thread loads what is asked for; then more is asked for than the queue has room for, and
+ * the thread is stopped while it loads. */
 static void test_ahead_thread(void **state)
 {
     struct app app = {.store = store, .cache = cache_new(SIZE_MAX)};
@@ -395,14 +397,14 @@ static void test_threads(void **state)
     cache_free(c);
 }
 
-/* ---- templates that come and go, by this process and by another */
+/* ---- templates enrolled and deleted meanwhile, by this process or another */
 
 static struct coming_and_going {
     struct cache *cache;
-    struct store *beside; /* another handle, as surfacectl has; NULL: not taking part */
-    atomic_int gone[WRITERS]; /* serial, kept as the label, of the last one deleted */
-    atomic_int writing;       /* how many writers are at it */
-    atomic_int next;          /* writer's number */
+    struct store *beside;     /* another handle, as surfacectl has; NULL: none */
+    atomic_int gone[WRITERS]; /* serial (it is the label) of the last one deleted */
+    atomic_int writing;       /* number of running writers */
+    atomic_int next;          /* the next writer's number */
 } going;
 
 static void *come_and_go(void *arg)
@@ -431,8 +433,8 @@ static void *come_and_go(void *arg)
     return (void *)bad;
 }
 
-/* What a verification does: ask the store which templates there are, then hold them.  One
- * whose deletion had ended before is never among them. */
+/* Does what a verification does: lists the subject's templates in the store, then holds them.
+ * A template whose deletion was complete before must not be among them. */
 static void *look_for_gone(void *arg)
 {
     struct face_work *w = face_work_new(NULL);
@@ -483,7 +485,8 @@ static void run_going(struct store *beside)
     }
 }
 
-/* Deleted by the daemon: it is in nobody's memory either, whoever was loading it then. */
+/* If this process deletes the templates, the cache keeps none of them, even of those that were
+ * being loaded. */
 static void test_gone(void **state)
 {
     struct cache_state s;

@@ -1,5 +1,5 @@
-/* Connections: how many there may be from where, and that those that are late are shut
- * down. */
+/* Connections: their number in all and by address, and that connections past their time
+ * limit are shut down. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <setjmp.h>
@@ -66,7 +66,7 @@ static void test_in_all(void **state)
     assert_int_equal(s.open, 3);
     assert_int_equal(s.refused_total, 2);
     assert_int_equal(s.refused_address, 0);
-    guard_close(g, p[1]); /* the one in the middle of the list */
+    guard_close(g, p[1]); /* from the middle of the list */
     assert_true(guard_admit(g, from("192.0.2.2")));
     guard_close(g, p[0]);
     guard_close(g, p[2]);
@@ -77,14 +77,15 @@ static void test_in_all(void **state)
 
 static void test_by_address(void **state)
 {
-    /* two connections, and whether a third address may come beside them */
+    /* the address of two open connections, and whether a third may connect */
     static const struct {
         const char *two, *third;
         bool local_too, ok;
     } cases[] = {
         {"192.0.2.1", "192.0.2.1", false, false},
         {"192.0.2.1", "192.0.2.2", false, true},
-        {"192.0.2.1", "::ffff:192.0.2.1", false, false}, /* the same, by an IPv6 socket */
+        {"192.0.2.1", "::ffff:192.0.2.1", false,
+         false}, /* the same as seen by an IPv6 socket */
         {"2001:db8::1", "2001:db8::ffff:1", false, false}, /* the same network */
         {"2001:db8::1", "2001:db8:0:1::1", false, true},
         {"127.0.0.1", "127.0.0.1", false, true},
@@ -112,7 +113,7 @@ static void test_by_address(void **state)
     }
 }
 
-/* The other side sees the end; fails by the test's own time where it does not. */
+/* The other side reads the end of the connection; if it never ends, the test times out. */
 static void wait_for_end(int fd)
 {
     char c;
@@ -148,7 +149,7 @@ static void test_late(void **state)
         guard_begin(g, work, GUARD_WORK);
         guard_begin(g, patient, GUARD_BODY);
         guard_more(g, patient, (size_t)(3600 * GUARD_BYTES_PER_S));
-        guard_begin(g, late, GUARD_IDLE); /* a request was answered */
+        guard_begin(g, late, GUARD_IDLE); /* a request is complete */
         guard_begin(g, late, steps[i]);
         wait_for_end(a[1]);
         assert_false(has_ended(b[1]));

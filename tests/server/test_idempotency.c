@@ -1,6 +1,6 @@
-/* Keys of requests without HTTP: how they are read from the head, and when the answer comes
- * again: same key and request, another request, another token, in the middle, after a day,
- * with a full table, after an erasure.  Also the other fields of headers.h. */
+/* Idempotency keys, without HTTP: how the header is parsed, and when the response is replayed:
+ * same key and request, another request, another token, while the first is processed, after a
+ * day, with a full table, after an erasure.  Also the other fields of headers.h. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -100,7 +100,7 @@ static void test_coding(void **state)
     assert_int_equal(r.coding, INFLATE_OTHER);
 }
 
-/* What came of a request, and the answer it got. */
+/* What became of a request: processed, replayed, or an error. */
 enum outcome { DONE, AGAIN, REUSED, BUSY, BAD };
 
 struct ask {
@@ -130,7 +130,8 @@ static enum outcome outcome(const struct request *r, bool begun)
     return r->response.http == 422 ? REUSED : r->response.http == 409 ? BUSY : BAD;
 }
 
-/* Ask; where it is to be done, answer with http and the text. */
+/* Sends a request; if it is to be processed, the response is http and the text, and if it is
+ * replayed, it must be those. */
 static enum outcome ask(struct idempotency *m, const struct ask *a, int http,
                         const char *text)
 {
@@ -169,7 +170,7 @@ static void test_again(void **state)
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 201, "one"), AGAIN);
     assert_int_equal(ask(m, &(struct ask){.key = ""}, 201, "no key"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = ""}, 201, "no key"), DONE);
-    /* token and key run into each other, but are not the same */
+    /* different actors and keys whose concatenations are equal */
     assert_int_equal(ask(m, &(struct ask){.key = "c", .actor = "ab"}, 201, "x"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "bc", .actor = "a"}, 201, "y"), DONE);
     idempotency_free(m);
@@ -221,7 +222,7 @@ static void test_full(void **state)
     idempotency_free(m);
 }
 
-/* One that takes long is in the way of nobody. */
+/* A request that takes long does not block others. */
 static void test_running(void **state)
 {
     struct idempotency *m = idempotency_new(4);

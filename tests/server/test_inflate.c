@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=realloc */
-/* Compressed bodies: round trips of every length near the bounds, several members and
- * frames, damage at every byte, truncation at every byte, bombs and what they may take. */
+/* Compressed bodies: round trips of every length near the limits, several members and frames,
+ * damage at every byte, truncation at every byte, and the memory that bombs can take. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #include "errinfo.h"
 #include "inflate.h"
 
-static size_t most; /* the largest block that was asked for by realloc() */
+static size_t most; /* the largest size passed to realloc() */
 
 void *__real_realloc(void *p, size_t n);
 void *__wrap_realloc(void *p, size_t n);
@@ -25,7 +25,7 @@ void *__wrap_realloc(void *p, size_t n)
     return __real_realloc(p, n);
 }
 
-/* in[0..len-1] packed into out, which has room for size bytes; returns how long it is. */
+/* Compresses in[0..len-1] to out, which has room for size bytes; returns the length. */
 static size_t pack(enum inflate_coding coding, const unsigned char *in, size_t len,
                    unsigned char *out, size_t size)
 {
@@ -54,7 +54,7 @@ static size_t pack(enum inflate_coding coding, const unsigned char *in, size_t l
     return n;
 }
 
-/* Text that packs to about a fifth. */
+/* Text that compresses to about a fifth. */
 static unsigned char *make_text(size_t len)
 {
     unsigned char *text = malloc(len + 1);
@@ -75,7 +75,7 @@ static void check(enum inflate_coding coding, const unsigned char *in, size_t le
     struct errinfo e = {0};
     size_t got = 99;
 
-    assert_non_null(exact); /* so that the sanitizer sees a read beyond the end */
+    assert_non_null(exact); /* of exact size: the sanitizer sees an overrun */
     memcpy(exact, in, len);
     assert_int_equal(inflate_body(coding, exact, len, limit, &out, &got, &e), want);
     if (want == ST_OK) {
@@ -126,7 +126,7 @@ static void test_several(void **state)
     for (int c = 0; c < 2; c++) {
         size_t len = pack(both[c], text, 1000, packed, 3000);
 
-        len += pack(both[c], text, 0, packed + len, 3000); /* an empty one amid */
+        len += pack(both[c], text, 0, packed + len, 3000); /* an empty one between */
         len += pack(both[c], text + 1000, 2000, packed + len, 3000);
         check(both[c], packed, len, 3000, ST_OK, text, 3000);
         check(both[c], packed, len, 2999, ST_ELIMIT, NULL, 0);
@@ -138,7 +138,7 @@ static void test_several(void **state)
     free(text);
 }
 
-/* Frames of zstd that carry nothing for us. */
+/* Skippable frames of zstd, and frames of an old version. */
 static void test_skippable(void **state)
 {
     unsigned char packed[600] = {0x5a, 0x2a, 0x4d, 0x18, 5, 0, 0, 0, 1, 2, 3, 4, 5};
@@ -166,8 +166,8 @@ static void test_window(void **state)
     check(INFLATE_ZSTD, packed, sizeof packed, 10, ST_EINVAL, NULL, 0);
 }
 
-/* Cut short anywhere it is refused; with any bit turned it is refused or, where the bit
- * carries nothing (a time, a name, the system), gives the same text. */
+/* Truncated anywhere the body is rejected; with any bit flipped it is rejected or, if the bit
+ * is part of the metadata (time, name, system), gives the same text. */
 static void test_damage(void **state)
 {
     unsigned char *text = make_text(700), packed[1000];
@@ -199,7 +199,7 @@ static void test_damage(void **state)
     free(text);
 }
 
-/* A hundred megabytes of nothing, and what it may take of memory. */
+/* A hundred megabytes of zeros are rejected, with bounded memory. */
 static void test_bomb(void **state)
 {
     const size_t size = 100 << 20, limit = 1 << 20;

@@ -1,5 +1,5 @@
-/* Who has to wait, and for how long: wrong tokens by address, at times of our own, and
- * failures of a subject by their number and age. */
+/* Rate limit and lock-out: failed authentication by address, with a clock of the test's own,
+ * and a subject's failed verifications by their number and age. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +54,7 @@ static void test_address(void **state)
     assert_true(same("192.0.2.1", "::ffff:192.0.2.1"));
     assert_true(same("2001:db8:1:2::1", "2001:db8:1:2:ffff::"));
     assert_false(same("2001:db8:1:2::1", "2001:db8:1:3::1"));
-    assert_false(same("192.0.2.1", "c000:201::")); /* the same bytes */
+    assert_false(same("192.0.2.1", "c000:201::")); /* the same first bytes */
     assert_false(same("0.0.0.0", "::"));
     throttle_address((const struct sockaddr *)&un, a);
     throttle_address(NULL, b);
@@ -83,7 +83,7 @@ static void test_wrong(void **state)
     now += 6.1 * S;
     throttle_note(t, a, "x", false, now);
     assert_int_equal(throttle_wait(t, a, "x", now), 6);
-    for (int i = 0; i < 20; i++) /* those that were under way are paid for too */
+    for (int i = 0; i < 20; i++) /* requests that passed the check before count too */
         throttle_note(t, a, "x", false, now);
     assert_int_equal(throttle_wait(t, a, "x", now), 126);
     assert_int_equal(throttle_wait(t, a, "x", now + 127 * S), 0);
@@ -105,7 +105,7 @@ static void test_good(void **state)
     throttle_note(t, b, "x", false, 0);
     assert_int_equal(throttle_wait(t, a, "theirs", 0), 60);
     assert_int_equal(throttle_wait(t, a, "mine", 0), 0);
-    assert_int_equal(throttle_wait(t, b, "mine", 0), 60); /* it was not from there */
+    assert_int_equal(throttle_wait(t, b, "mine", 0), 60); /* was good from a only */
     throttle_note(t, a, "mine", false, 0);                /* revoked */
     assert_int_equal(throttle_wait(t, a, "mine", 0), 120);
     throttle_free(t);
@@ -125,7 +125,7 @@ static void test_off(void **state)
     throttle_free(t);
 }
 
-/* More addresses than there is room for: who has sent the most is still known. */
+/* More addresses than the table has room for: the one with the most failures stays. */
 static void test_room(void **state)
 {
     struct throttle *t = throttle_new(10);

@@ -1,4 +1,4 @@
-/* The log's lines: whatever a value holds, it stays one line with its own fields. */
+/* Log lines: no value can break the line or add fields. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@ static void catch_stderr(void)
     assert_true(dup2(out[1], STDERR_FILENO) >= 0);
 }
 
-/* The line that was written since, without the time before `from`. */
+/* The line written since catch_stderr(), from the text `from` on (it follows the time). */
 static const char *caught(const char *from)
 {
     ssize_t n;
@@ -34,7 +34,8 @@ static const char *caught(const char *from)
     (void)close(out[0]);
     assert_true(n > 0);
     line[n] = '\0';
-    assert_ptr_equal(strchr(line, '\n'), line + n - 1); /* one, and at the end */
+    assert_ptr_equal(strchr(line, '\n'),
+                     line + n - 1); /* a single line feed, at the end */
     line[n - 1] = '\0';
     p = strstr(line, from);
     assert_non_null(p);
@@ -87,7 +88,7 @@ static void test_json(void **state)
     log_use(LOG_LOGFMT);
 }
 
-/* What is UTF-8 stays; what is not, is replaced byte for byte. */
+/* Valid UTF-8 stays; each other byte is replaced. */
 static void test_utf8(void **state)
 {
     static const struct {
@@ -112,7 +113,7 @@ static void test_utf8(void **state)
     }
 }
 
-/* A value is cut, and a field that does not fit is left out whole. */
+/* A long value is truncated; a field that does not fit at all is omitted. */
 static void test_long(void **state)
 {
     static char value[LOG_LINE_MAX + 1];

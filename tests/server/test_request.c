@@ -160,7 +160,7 @@ static void test_id(void **state)
     assert_string_equal(r.id + strlen(r.id) - 8, "00000005");
 }
 
-/* Every outcome has an entry, the code of a status is a machine word. */
+/* Every outcome has an entry, and every code consists of lower-case letters and '_'. */
 static void test_errmap(void **state)
 {
     (void)state;
