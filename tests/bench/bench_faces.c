@@ -1,5 +1,5 @@
 /* bench_faces.c -- the paper's Table 1 on 48 pairs of face-like clouds of 3,000 points, and
- * triangulation of inputs that are hard for triangulations; beside CGAL and Boost. */
+ * triangulation of hard inputs; compared with CGAL and Boost. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -154,7 +154,7 @@ static double table1(struct pair *p)
     return mm;
 }
 
-/* The same where a is a template that was stored: decoded, not triangulated. */
+/* The same if a is a stored template: decoded, not triangulated. */
 static double stored(struct pair *p)
 {
     struct side *b = &p->b, a = p->a;
@@ -188,7 +188,7 @@ static void scratch_union(const struct pair *p)
     (void)lap(SCRATCH, t);
 }
 
-/* The graph as the peer wants it, from our mesh. */
+/* The peer's graph, made from our mesh. */
 static void *peer_graph(const struct mesh *m)
 {
     uint32_t(*edges)[2] = timing_alloc(3 * (size_t)m->nv, sizeof *edges);
@@ -240,7 +240,7 @@ static void peer_pass(struct pair *p)
     peers->triangulation_free(both);
 }
 
-/* Do ours and the peers' compute the same?  Trees by length, heights by value. */
+/* Compares our results with the peers': trees by length, heights by value. */
 static void agree(struct pair *p)
 {
     const struct mesh *m = &p->b.own.mesh;
@@ -379,7 +379,7 @@ int main(void)
     vertex = timing_alloc(2 * POINTS, sizeof *vertex);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k);
-    for (size_t k = 0; k < PAIRS; k++) { /* all memory at its size, everything touched */
+    for (size_t k = 0; k < PAIRS; k++) { /* warm-up: memory grown, all pages touched */
         const double mm = table1(&pair[k]);
 
         store(&pair[k]);

@@ -108,7 +108,7 @@ struct Length {
     double length;
 };
 
-// Prim reads a compressed graph, Kruskal a list of edges: each the faster of what Boost has.
+// Prim reads a compressed graph, Kruskal a list of edges: the fastest of Boost's for each.
 struct Graph {
     using Rows =
         boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, Length>;

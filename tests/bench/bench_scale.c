@@ -1,5 +1,5 @@
 /* bench_scale.c -- the paper's Tables 2 to 4 and scaling to 1,000,000 points, on face-like
- * clouds; beside CGAL and Boost.  Many clouds of each size, in turn. */
+ * clouds; compared with CGAL and Boost.  Many clouds of each size, in turn. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -175,7 +175,7 @@ static void locations(size_t n, double paper_locate, double paper_interpolate)
     timing_free(&theirs);
 }
 
-/* Each size with about as many points in all; 1,000,000 points three times. */
+/* About as many points in all for each size; 1,000,000 points three times. */
 static void triangulations(void)
 {
     static const size_t size[] = {1000, 3000, 10000, 30000, 100000, 300000, 1000000};
@@ -230,8 +230,8 @@ static void triangulations(void)
     }
 }
 
-/* What a triangulation of 1,000,000 points allocates at its peak, with the points given:
- * everything it allocates it keeps until the end, so that the account then is the peak. */
+/* The peak allocation of a triangulation of 1,000,000 points, including the given points: it
+ * frees nothing before its end, so the peak is what is allocated then. */
 static void memory(void)
 {
     const size_t n = 1000000;

@@ -1,5 +1,5 @@
-/* bench_verify.c -- one verification and its parts: template load, alignment from 8 degrees
- * and 10 mm, the whole from bytes and points to the decision; memory of a comparison. */
+/* bench_verify.c -- one verification and its parts: loading the template, alignment from 8
+ * degrees and 10 mm, the whole from bytes and points to the decision; memory of a comparison. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,7 +40,7 @@ struct pair {
     size_t n_tmpl, n_probe, blob_size;
     struct face tmpl, probe;
     unsigned char *blob;
-    double moved[16]; /* what was done to the probe */
+    double moved[16]; /* the motion of the probe */
     void *points;     /* the template's, for the peer */
 };
 
@@ -90,7 +90,8 @@ static double lap(enum row r, double since)
     return now;
 }
 
-/* How far, root mean square over the probe, the found pose is from undoing what was done. */
+/* Root mean square distance, over the probe's points, of the pose found from the inverse of
+ * the motion. */
 static double pose_error(const struct pair *p, const double *t)
 {
     double sum = 0;
@@ -189,8 +190,8 @@ static void report(void)
                   timing_median(&row[COMPARE]) / one, 4, "units");
 }
 
-/* The pose error again where the scans have white noise alone: the smooth errors of two
- * scans are a difference of shape, which no pose takes away. */
+/* The pose error of scans with white noise alone: the smooth errors of two scans are a
+ * difference of shape, which no pose can remove. */
 static void white_noise_only(void)
 {
     struct timing error = {0};
@@ -221,7 +222,7 @@ static void white_noise_only(void)
     free(p.probe_pts);
 }
 
-/* Everything a comparison allocates: both models and the worker's memory, once steady. */
+/* Everything a comparison allocates in the steady state: both faces and the worker's memory. */
 static void memory(const struct pair *p)
 {
     const double before = timing_bytes();
@@ -254,7 +255,7 @@ int main(void)
     fit_prepare(&model_default.motion, &motion);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k);
-    for (size_t k = 0; k < PAIRS; k++) /* all memory at its size */
+    for (size_t k = 0; k < PAIRS; k++) /* warm-up: memory grown */
         pass(&pair[k]);
     for (size_t r = 0; r < ROWS; r++)
         row[r].n = 0;

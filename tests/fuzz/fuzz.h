@@ -1,7 +1,7 @@
-/* fuzz.h -- what every fuzzer includes.  Built by `make fuzz` a fuzzer is driven by
- * clang's libFuzzer; built as any other test it has the main() below, which runs the seed
- * corpus tests/fuzz/corpus/NAME (or the files given) and, for each file, some thousand changed
- * copies of it from a fixed seed: the same on every run, with any compiler. */
+/* fuzz.h -- included by every fuzzer.  `make fuzz` links a fuzzer with clang's libFuzzer; built
+ * like any other test it has the main() below, which runs the seed corpus
+ * tests/fuzz/corpus/NAME (or the given files) and some thousand changed copies of each file.
+ * The copies come from a fixed seed: they are the same on every run, with any compiler. */
 #ifndef TESTS_FUZZ_H
 #define TESTS_FUZZ_H
 #include <stddef.h>
@@ -31,7 +31,7 @@ static size_t fuzz_below(size_t n) /* splitmix64 */
     return (size_t)((z ^ (z >> 31)) % n);
 }
 
-/* Change data in place, which has room for twice its size; returns the new size. */
+/* Changes data in place; it has room for twice its size.  Returns the new size. */
 static size_t fuzz_change(uint8_t *data, size_t size)
 {
     static const uint8_t odd[] = {0,   1,   127,  128, 255, '-',
@@ -45,10 +45,10 @@ static size_t fuzz_change(uint8_t *data, size_t size)
     case 1:
         data[at] = odd[fuzz_below(sizeof odd)];
         return size;
-    case 2: /* cut a piece out */
+    case 2: /* remove a piece */
         memmove(data + at, data + at + len, size - at - len);
         return size - len;
-    case 3: /* say a piece twice */
+    case 3: /* duplicate a piece */
         memmove(data + at + len, data + at, size - at);
         return size + len;
     default:

@@ -1,7 +1,8 @@
-/* Archives of export.  The first byte says what the others are: 0 modulo 3, a record as it is
- * once it is decrypted; 1, a whole archive as it is; 2, records, each a length (u16) and its
- * bytes, encrypted here as an archive, so that what follows decryption is tried too.  Nothing may
- * be accepted after the last record, and a record that is accepted must be within its limits. */
+/* Archives of `surfacectl export`.  The first byte modulo 3 selects what the others are: 0, a
+ * decrypted record; 1, a whole archive; 2, records, each a length (u16) and its bytes, which
+ * are encrypted here as an archive, so that the code behind decryption is reached too.
+ * Nothing may be accepted after the last record, and an accepted record must be within its
+ * limits. */
 #include "fuzz.h"
 
 #include <stdio.h>
@@ -95,7 +96,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         memcpy(item.subject.id, "alice", sizeof "alice");
         try_record(copy, size - 1, &item);
         break;
-    case 1: /* a passphrase would take its time, and it is not what is tried here */
+    case 1: /* without passphrases: deriving their keys is slow */
         if (size - 1 > KIND_AT && copy[KIND_AT] == 2)
             break;
         if ((from = fmemopen(copy, size - 1, "rb")) == NULL)

@@ -1,4 +1,4 @@
-/* Scanner files: the first byte says in which format they are read. */
+/* Scanner files: the first byte selects the format. */
 #include "fuzz.h"
 
 #include <math.h>

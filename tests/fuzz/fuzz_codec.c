@@ -1,7 +1,6 @@
-/* Stored face models.  An odd first byte: the length and the checksum are put right, so
- * that the bytes between them are what is tried; even: as they are.  What is accepted must
- * encode to bytes that decode to themselves, and be safe to walk on: it is compared with
- * itself. */
+/* Stored face models.  If the first byte is odd, the length and the checksum are corrected, so
+ * that the bytes between them are parsed.  An accepted face must encode to bytes that decode
+ * and encode to themselves, and its mesh must be safe to walk: it is compared with itself. */
 #include "fuzz.h"
 
 #include <stdlib.h>
@@ -23,7 +22,7 @@ static void put_u64(uint8_t *p, uint64_t value)
 
 static void try_model(const uint8_t *block, size_t size)
 {
-    static struct face_work *w; /* kept: it takes longer to make than all else here */
+    static struct face_work *w; /* kept: making it takes longer than all the rest */
     struct face f = {0};
     struct face_result result;
     struct errinfo e = {ST_OK, ""};

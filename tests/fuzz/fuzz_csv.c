@@ -1,4 +1,4 @@
-/* Tables: whatever the bytes, every row has the heading's fields and they are text. */
+/* Tables: for any bytes, every row has as many fields as the heading, and they are text. */
 #include "fuzz.h"
 
 #include <math.h>

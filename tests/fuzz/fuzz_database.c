@@ -1,8 +1,8 @@
-/* A database that was changed without its key.  The input says how a small encrypted one is
- * changed: rows first (values, other rows' values, rows taken away or said twice, the schema),
- * then bytes of the file.  Whatever is asked of it then is an error or the truth: no face is
- * loaded for somebody who did not enroll it, no token opens that did not.
- * The database is made at the start, of random numbers that are always the same. */
+/* A database that was changed by somebody without the key.  The input gives the changes to a
+ * small encrypted one: first to rows (values, other rows' values, deleted or duplicated rows,
+ * the schema), then to bytes of the file.  Every query then fails or returns what was stored:
+ * no template is loaded for another subject, and no other token is valid.
+ * The database is made at the start from fixed random numbers. */
 #define FUZZ_ROUNDS 40
 #include "fuzz.h"
 
@@ -148,7 +148,7 @@ static void start(void)
     MUST(store_open(path, STORE_CREATE, &by_key, &s, &e) == ST_OK);
     fill(s);
     store_close(s);
-    /* Small pages leave few bytes that mean nothing.  Not in WAL mode: it is edited in memory. */
+    /* Small pages have few unused bytes.  Not in WAL mode: the file is edited in memory. */
     MUST(sqlite3_open(path, &db) == SQLITE_OK &&
          sqlite3_exec(db, "PRAGMA journal_mode=DELETE; PRAGMA page_size=512; VACUUM",
                       NULL, NULL, NULL) == SQLITE_OK);
@@ -159,14 +159,14 @@ static void start(void)
     (void)fclose(f);
 }
 
-/* ---- what is changed */
+/* ---- the changes */
 
 struct input {
     const uint8_t *at;
     size_t left;
 };
 
-static unsigned take(struct input *in) /* 0 when there is no more */
+static unsigned take(struct input *in) /* 0 at the end */
 {
     if (in->left == 0)
         return 0;
@@ -191,7 +191,7 @@ static size_t take_bytes(struct input *in, const uint8_t **out)
     return n;
 }
 
-/* The n-th name that a query gives, as often as it takes. */
+/* The n-th name that a query returns; beyond the last it begins again. */
 static bool nth(sqlite3 *db, const char *sql, unsigned n, char out[64])
 {
     char whole[256];
@@ -212,7 +212,7 @@ static bool nth(sqlite3 *db, const char *sql, unsigned n, char out[64])
     return found;
 }
 
-/* What may stand in the place of a value: @ is its column, # its table. */
+/* Replacements of a value: @ is its column, # its table. */
 static const char *const values[] = {
     "?1",
     "CAST(?1 AS TEXT)",
@@ -259,7 +259,7 @@ static void edit_row(sqlite3 *db, struct input *in)
     (void)snprintf(columns, sizeof columns, "SELECT name FROM pragma_table_info('%s')",
                    table);
     if (!nth(db, columns, take(in), column) || strcmp(column, "kind") == 0)
-        return; /* a passphrase would take its time */
+        return; /* without passphrases: deriving their keys is slow */
     if (what % 4 == 3)
         (void)snprintf(pattern, sizeof pattern,
                        "DELETE FROM # WHERE rowid = (SELECT rowid FROM # "
@@ -275,12 +275,12 @@ static void edit_row(sqlite3 *db, struct input *in)
         n = take_bytes(in, &bytes);
         (void)sqlite3_bind_blob(stmt, 1, bytes, (int)n, SQLITE_STATIC);
         (void)sqlite3_bind_int(stmt, 2, (int)take2(in));
-        (void)sqlite3_step(stmt); /* a rule of the schema may forbid it */
+        (void)sqlite3_step(stmt); /* may fail by a constraint of the schema */
     }
     (void)sqlite3_finalize(stmt);
 }
 
-/* The rows of the base as the input says, as a file in memory. */
+/* Applies the input's changes of rows; returns the database as a file in memory. */
 static unsigned char *edit_rows(struct input *in, unsigned edits, size_t *n)
 {
     unsigned char *bytes = sqlite3_malloc64(size), *out;
@@ -311,7 +311,7 @@ static void edit_bytes(unsigned char *file, size_t *n, struct input *in)
     size_t at = (take2(in) | (size_t)take(in) << 16) % *n, from, len;
 
     switch (what % 4) {
-    case 0: /* what the input says */
+    case 0: /* bytes of the input */
         len = take_bytes(in, &bytes);
         memcpy(file + at, bytes, len < *n - at ? len : *n - at);
         break;
@@ -346,7 +346,7 @@ static void make_file(struct input *in)
     sqlite3_free(file);
 }
 
-/* ---- what may be answered */
+/* ---- the checks */
 
 static void check_template(struct store *s, const char *subject,
                            const struct store_template *t)
@@ -442,7 +442,7 @@ static void ask(struct store *s)
     (void)store_check(s, ignore, NULL, &check, &e);
 }
 
-/* What is written into such a database is there, or it was not written. */
+/* A write to such a database fails, or it can be read back. */
 static void change(struct store *s)
 {
     struct store_template t, *list;

@@ -1,7 +1,7 @@
-/* Any points of the lattice: the triangulation, its spanning tree, and the merging of two
- * halves, which must be the triangulation of the whole.  The first byte says how the
- * others become coordinates, from a tiny grid with many cocircular and repeated points to
- * the ends of the lattice. */
+/* Any points of the lattice: the triangulation, its spanning tree, and the general
+ * triangulation of two halves, which must be the triangulation of all.  The first byte selects
+ * how the others become coordinates, from a tiny grid with many cocircular and repeated points
+ * to the whole lattice. */
 #define FUZZ_ROUNDS 500 /* slower than most */
 #include "fuzz.h"
 
@@ -39,8 +39,8 @@ static void require(int condition)
         abort();
 }
 
-/* The same triangles on the same points?  Vertices may be numbered differently, so each
- * half-edge of a must be found in b. */
+/* Whether both have the same triangles on the same points: vertices may be numbered
+ * differently, so each half-edge of a is searched in b. */
 static int same_triangles(const struct mesh *a, const struct mesh *b)
 {
     if (a->nv != b->nv || a->nt != b->nt)

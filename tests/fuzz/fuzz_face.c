@@ -1,6 +1,6 @@
-/* Any points as faces: the first byte is the scale, then six bytes a point.  Two models are
- * made, of the points as they are and of all but every third, and compared: every number of
- * the answer is finite and within its bounds, and the same when it is asked again. */
+/* Any points as faces: the first byte is the scale, then six bytes a point.  A face of all
+ * points is compared with one that lacks every third: every number of the result is finite and
+ * within its limits, and a second comparison gives the same. */
 #define FUZZ_ROUNDS 200 /* slower than most */
 #include "fuzz.h"
 
@@ -54,7 +54,7 @@ static void compare(const struct face *a, const struct face *b, struct face_work
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct face_work *w; /* kept: it takes longer to make than all else here */
+    static struct face_work *w; /* kept: making it takes longer than all the rest */
     struct dvec3 all[MAX_POINTS], some[MAX_POINTS];
     struct face a = {0}, b = {0};
     size_t n = 0, m = 0;

@@ -1,4 +1,4 @@
-/* Compressed bodies.  The first byte says which coding; what it gives is within the limit. */
+/* Compressed bodies.  The first byte selects the coding; the output is within the limit. */
 #include "fuzz.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Clouds as JSON.  The first byte says whether one cloud is read or two. */
+/* Clouds as JSON.  The first byte selects whether one cloud is read or two. */
 #include "fuzz.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Model texts: what is accepted is written as text that is read as the same again, has only
- * finite numbers, and a mean face that can be laid on or is refused. */
+/* Model texts: an accepted model survives writing and reading, has only finite numbers, and
+ * its mean face can be used for alignment or is rejected. */
 #define FUZZ_ROUNDS 400 /* texts are long */
 #include "fuzz.h"
 

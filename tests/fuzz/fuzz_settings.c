@@ -1,5 +1,5 @@
-/* Configuration files.  Each problem is one line; and what is printed of the settings, with
- * or without problems, is a file without any that says the same. */
+/* Configuration files.  Each problem is one line; and the printed settings, whether or not
+ * there were problems, are a file without problems that gives the same settings. */
 #include "fuzz.h"
 
 #include <stdbool.h>
@@ -47,7 +47,7 @@ static void close_memory(struct memory *m)
         abort();
 }
 
-/* What is printed of the settings; returns how many problems there were. */
+/* Reads the data and prints the settings; returns the number of problems. */
 static unsigned read_and_print(const void *data, size_t size, struct all *out,
                                struct memory *printed)
 {
@@ -82,7 +82,7 @@ static unsigned read_and_print(const void *data, size_t size, struct all *out,
     return problems;
 }
 
-/* The line after "NAME = ", without the comments that say where it came from. */
+/* Removes the comments, which name the source of each setting. */
 static char *without_comments(char *text)
 {
     char *to = text;
