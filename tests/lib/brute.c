@@ -250,7 +250,7 @@ static void add_triangle(struct mesh *m, struct edge_table *t, uint32_t a, uint3
     table_put(t, c, a, h + 2);
 }
 
-/* The point on the left of ab whose circle with ab is empty; nv if none is on the left. */
+/* The point on the left of ab whose circle through a and b is empty; nv if there is none. */
 static uint32_t apex(const struct mesh *m, uint32_t a, uint32_t b)
 {
     uint32_t best = m->nv;
@@ -363,7 +363,7 @@ static int by_corners(const void *a, const void *b)
     return 0;
 }
 
-/* The finite triangles, each from its first corner on, sorted. */
+/* The real triangles, each beginning with its first corner, sorted. */
 static struct corners *canonical(const struct mesh *m, size_t *n)
 {
     struct corners *c = allocate(m->nt + 1, sizeof *c);
@@ -495,10 +495,10 @@ struct location brute_locate(const struct mesh *m, struct ivec2 q)
 /* ---- volume by overlay */
 
 struct corner {
-    double x, y, g; /* g: whatever is being clipped by: >= 0 is kept */
+    double x, y, g; /* g: of the clipping line; corners with g >= 0 are kept */
 };
 
-/* Keep the part of the polygon p where g >= 0 (Sutherland-Hodgman). */
+/* Clips the polygon p to the part where g >= 0 (Sutherland-Hodgman). */
 static size_t clip(const struct corner *p, size_t n, struct corner *out)
 {
     size_t k = 0;

@@ -1,5 +1,5 @@
-/* brute.h -- the geometry by definition and by linear scan: slow, short, and independent of
- * core's algorithms, to compare them with.  Also the point sets that tests use. */
+/* brute.h -- the geometry by definition and by linear search: slow, short, and independent of
+ * core's algorithms, which are compared with it.  Also the tests' point sets. */
 #ifndef TESTS_BRUTE_H
 #define TESTS_BRUTE_H
 #include <stdbool.h>
@@ -13,7 +13,8 @@ struct brute_rng {
     uint64_t state;
 };
 
-/* brute_seed(name): the test's seed: SEED in the environment, else a fixed one; printed. */
+/* brute_seed(name): prints and returns the test's seed: SEED in the environment, else a fixed
+ * one. */
 uint64_t brute_seed(const char *name);
 uint64_t brute_rand(struct brute_rng *r);
 int32_t brute_int(struct brute_rng *r, int32_t lo,
@@ -33,42 +34,43 @@ enum brute_shape {
     BRUTE_SHAPES
 };
 
-/* brute_points(shape, n, r, out): at most n points, heights a bumpy surface plus noise;
- * returns how many.  n is 3 or more. */
+/* brute_points(shape, n, r, out): at most n points; the heights are a bumpy surface plus
+ * noise.  Returns the number of points.  n is 3 or more. */
 size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
                     struct ivec3 *out);
 const char *brute_shape_name(enum brute_shape shape);
 
-/* brute_delaunay(pts, n, out): the triangulation by definition: over each directed edge
- * the point on its left whose circle is empty, found by scanning all points. O(n^2). */
+/* brute_delaunay(pts, n, out): the triangulation by definition: each directed edge forms a
+ * triangle with the point on its left whose circle is empty, found by searching all points.
+ * O(n^2). */
 void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out);
 
-/* brute_flip(m, h): exchange the diagonal h of the two triangles beside it for the other
- * one, if both are real and the other one lies inside; a triangulation that is not
- * Delaunay any more.  Returns whether it did. */
+/* brute_flip(m, h): replaces h, a diagonal of the two triangles at it, by the other diagonal,
+ * if both triangles are real and the other diagonal lies within them.  The triangulation is
+ * then no longer Delaunay.  Returns whether it was flipped. */
 bool brute_flip(struct mesh *m, uint32_t h);
 
 /* brute_same(a, b): the same points and the same set of triangles, whatever the numbers. */
 bool brute_same(const struct mesh *a, const struct mesh *b);
 
-/* brute_prim(m): the least total of squared-length order, by Prim's rule with edges
- * ordered by length, then coordinates; parent[] indexed by vertex of m, rooted at the
- * lexicographically first point. O(nv^2). */
+/* brute_prim(m, parent): the minimum spanning tree by Prim's rule, with edges in the order of
+ * brute_edge_less(); parent[] is indexed by vertex of m, and the root is the lexicographically
+ * first point.  O(nv^2). */
 void brute_prim(const struct mesh *m, uint32_t *parent);
 
-/* brute_edge_less(a, b, c, d): is the edge ab before the edge cd: shorter or, of equal
- * length, lexicographically earlier by first end point, then by the other? */
+/* brute_edge_less(a, b, c, d): whether edge ab comes before edge cd: it is shorter or, with
+ * equal lengths, lexicographically first by its first end point, then by the other. */
 bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
 
-/* brute_locate(m, q): a correct location of q by scanning all triangles. */
+/* brute_locate(m, q): a correct location of q by searching all triangles. */
 struct location brute_locate(const struct mesh *m, struct ivec2 q);
 
-/* brute_distance2(m, he, q): from q to the edge he, squared. */
+/* brute_distance2(m, he, q): the squared distance from q to the edge he. */
 long double brute_distance2(const struct mesh *m, uint32_t he, struct ivec2 q);
 
-/* brute_volume(a, b, area): the integral of |height of b - height of a| over what both
- * hulls have in common, from the exact overlay of both triangulations: each triangle of a
- * is clipped against each of b.  *area: of what is common.  O(nv^2), lattice units. */
+/* brute_volume(a, b, area): the integral of |height of b - height of a| over the common area
+ * of both hulls, from the exact overlay of both triangulations: each triangle of a is clipped
+ * against each of b.  *area: the common area.  O(nv^2), lattice units. */
 double brute_volume(const struct mesh *a, const struct mesh *b, double *area);
 
 #endif

@@ -42,7 +42,7 @@ static size_t face(uint64_t k, size_t n, struct ivec3 *out)
     return got;
 }
 
-/* A wave for the heights where only (x, y) matters. */
+/* A point with a wave as its height, for kinds where only (x, y) matters. */
 static struct ivec3 lifted(int32_t x, int32_t y)
 {
     return (struct ivec3){x, y, (int32_t)(5000 * sin(x * 3e-5) * cos(y * 4e-5))};

@@ -1,5 +1,5 @@
-/* clouds.h -- point sets for the benchmarks: face-like scans, and inputs that are hard for
- * triangulations.  Everything follows from the seeds. */
+/* clouds.h -- point sets for the benchmarks: face-like scans, and inputs that are hard to
+ * triangulate.  Everything depends on the seeds alone. */
 #ifndef TESTS_CLOUDS_H
 #define TESTS_CLOUDS_H
 #include <stddef.h>
@@ -15,7 +15,7 @@ enum clouds_kind {
     CLOUDS_LINES,    /* on two lines that cross, and one point off them */
     CLOUDS_CLUSTERS, /* tight clusters far apart */
     CLOUDS_COLUMNS,  /* two points in every column */
-    CLOUDS_DUPLICATES, /* three times each place */
+    CLOUDS_DUPLICATES, /* three points at each place */
     CLOUDS_PARABOLA,   /* on half a parabola: one vertex in every triangle */
     CLOUDS_KINDS
 };
@@ -29,9 +29,9 @@ size_t clouds_make(enum clouds_kind kind, uint64_t k, size_t n, struct ivec3 *ou
 /* clouds_scan(subject, scan, n, out): a frontal scan in millimetres; n points or fewer. */
 size_t clouds_scan(uint64_t subject, uint64_t scan, size_t n, struct dvec3 *out);
 
-/* clouds_move(pts, n, k, degrees, mm, transform): turn the points by this angle about an
- * axis drawn by k, then shift them by mm in a direction drawn by k; transform (row-major
- * 4 x 4) is what was done. */
+/* clouds_move(pts, n, k, degrees, mm, transform): turns the points by this angle about a
+ * random axis, then shifts them by mm in a random direction, both drawn with seed k;
+ * transform: the motion (row-major 4 x 4). */
 void clouds_move(struct dvec3 *pts, size_t n, uint64_t k, double degrees, double mm,
                  double transform[16]);
 

@@ -21,7 +21,7 @@ static void put(struct text *t, const char *what, const double *x, size_t n)
 {
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "%s", what);
     for (size_t i = 0; i < n; i++)
-        if (isnan(x[i])) /* whose sign is anybody's guess */
+        if (isnan(x[i])) /* printf() may print a sign */
             t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, " none");
         else
             t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, " %.17g", x[i]);

@@ -1,10 +1,10 @@
-/* digits.h -- the numbers of a few fixed comparisons, to the last digit: the same whatever
- * the compiler and its optimisation. */
+/* digits.h -- the numbers of a few fixed comparisons, to the last digit: they must not depend
+ * on the compiler or its optimisation. */
 #ifndef TESTS_DIGITS_H
 #define TESTS_DIGITS_H
 #include <stddef.h>
 
-/* digits_text(size): as text of lines "what number...", to be released with free(). */
+/* digits_text(size): the numbers as lines "NAME NUMBER..."; release the text with free(). */
 char *digits_text(size_t *size);
 
 #endif

@@ -1,12 +1,12 @@
-/* peers.h -- public libraries to compare with, built by scripts/bench from bench_peers.cpp
- * into a shared object where their Debian packages are installed. */
+/* peers.h -- public libraries to compare with.  scripts/bench builds bench_peers.cpp as a
+ * shared object if their Debian packages are installed. */
 #ifndef TESTS_PEERS_H
 #define TESTS_PEERS_H
 #include <stddef.h>
 #include <stdint.h>
 #include "vec.h"
 
-/* What is not timed is prepared first: points, graphs and surfaces in the peer's types. */
+/* Points, graphs and surfaces are converted to the peer's types first, outside the timing. */
 struct peers {
     const char *name; /* libraries and versions */
 

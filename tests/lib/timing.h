@@ -1,7 +1,7 @@
 /* timing.h -- medians of interleaved measurements, rows of tables, and targets.
- * What is compared is measured in turn within one loop, so that drift of the machine hits
- * all alike; a median of many different inputs is taken, never one input again and again,
- * which the branch predictor would learn. */
+ * Compared programs are measured in turn within one loop, so that drift of the machine
+ * affects all alike; and over many different inputs, since the branch predictor would learn
+ * a repeated one. */
 #ifndef TESTS_TIMING_H
 #define TESTS_TIMING_H
 #include <stddef.h>
@@ -23,22 +23,22 @@ void timing_free(struct timing *t);
 
 double timing_now_ms(void); /* processor time of this thread: waiting does not count */
 
-/* timing_bytes(): bytes allocated at the moment, by the C library's own account. */
+/* timing_bytes(): bytes allocated at the moment, from mallinfo2(). */
 double timing_bytes(void);
 
 /* timing_peers(): the peers of the shared object $BENCH_PEERS, or NULL: not installed. */
 const struct peers *timing_peers(void);
 
-/* timing_alloc(n, size): zeroed memory, or the end of the program. */
+/* timing_alloc(n, size): zeroed memory; exits if there is none. */
 void *timing_alloc(size_t n, size_t size);
 
-/* timing_head(title, first), timing_row(what, first, ms, peer_ms): a table: a figure of its
- * own first, the time, a peer's time and the ratio to it; NAN: not there. */
+/* timing_head(title, first), timing_row(what, first, ms, peer_ms): print a table of a first
+ * figure (`first` is its heading), the time, a peer's time and the ratio; NAN: no value. */
 void timing_head(const char *title, const char *first);
 void timing_row(const char *what, double first, double ms, double peer_ms);
 
-/* timing_target(what, value, limit, unit): a figure of the last table of all, which
- * scripts/bench collects from the file $BENCH_TARGETS. */
+/* timing_target(what, value, limit, unit): adds a row to the table of targets, which
+ * scripts/bench prints at the end from the file $BENCH_TARGETS. */
 void timing_target(const char *what, double value, double limit, const char *unit);
 
 #endif

@@ -34,7 +34,7 @@ double toy_height(double x, double y)
            5 * hill(x, y, 0, -30, 18, 8) + 4 * hill(x, y, 0, -62, 14, 9);
 }
 
-/* The k-th of the model's changes. */
+/* The k-th mode of change of the model. */
 static double change(uint32_t k, double x, double y)
 {
     static const double at[6][5] = {{30, -20, 16, 1, 1.2}, {30, -20, 16, -1, 0.7},

@@ -1,5 +1,5 @@
-/* toy.h -- a small model and surfaces that owe nothing to people, for tests of what is
- * learned and measured: fixed numbers, + - * / alone. */
+/* toy.h -- a small made-up model and surfaces, for tests of learning and measuring: fixed
+ * numbers, computed with + - * / alone. */
 #ifndef TESTS_TOY_H
 #define TESTS_TOY_H
 #include <stddef.h>
@@ -21,17 +21,17 @@ double toy_height(double x, double y);
 
 typedef double toy_heights(const void *arg, double x, double y);
 
-/* toy_scan(z, arg, n, pose, rng, out): about n points of z, some spread evenly over an oval
- * of 55 by 70 mm half axes, moved by pose (NULL: as they are). */
+/* toy_scan(z, arg, n, pose, rng, out): the surface of about n points of z, spread roughly
+ * evenly over an oval of half axes 55 and 70 mm and moved by pose (NULL: not moved). */
 void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
               struct brute_rng *rng, struct surface *out);
 
-/* toy_surface(pts, n, out): of points in mm; no spikes are looked for.  out: as
- * surface_prepare() has it. */
+/* toy_surface(pts, n, out): the surface of points in mm, without a search for spikes.  out: as
+ * for surface_prepare(). */
 void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);
 
-/* toy_pose(yaw, pitch, roll, shift, p): degrees; about the point 80 mm behind the origin,
- * then the shift (mm). */
+/* toy_pose(yaw, pitch, roll, shift, p): the turn (degrees) about the point 80 mm behind the
+ * origin, then the shift (mm). */
 void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
               struct align_pose *p);
 
