@@ -1,9 +1,9 @@
-/* hold -- for the tests: many connections that do little.
+/* hold -- for the tests: many slow connections.
  *   hold IPv4:PORT N [--drip MS] [--deaf] < TEXT
- * Opens N connections and sends TEXT on each; with --drip then an "x" every MS milliseconds,
- * with --deaf nothing is read.  Prints "sent" when TEXT is out on all of them, "answered"
- * when something has come on all, and "closed K" whenever more have been closed by the other
- * side.  Ends when all have. */
+ * Opens N connections and sends TEXT on each.  --drip: then sends an "x" every MS
+ * milliseconds; --deaf: reads nothing.  Prints "sent" once TEXT is sent on all of them,
+ * "answered" once all have received something, and "closed K" whenever the number of
+ * connections that the other side has closed grows to K.  Ends when all are closed. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -68,11 +68,11 @@ static void connect_all(const struct sockaddr_in *in, const char *text, size_t l
     for (unsigned i = 0; i < n; i++) {
         int fd = socket(AF_INET, SOCK_STREAM, 0);
 
-        /* so that not much of an answer fits between the two */
+        /* a small buffer: little of a response fits into it */
         if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &small, sizeof small) != 0 ||
             connect(fd, (const struct sockaddr *)in, sizeof *in) != 0)
             fail("connect");
-        (void)send(fd, text, len, MSG_NOSIGNAL); /* it may be closed already */
+        (void)send(fd, text, len, MSG_NOSIGNAL); /* may fail: closed already */
         conn[i] = (struct pollfd){.fd = fd, .events = POLLIN};
     }
     say("sent", 0);
@@ -107,7 +107,7 @@ static void drip(void)
             close_one(i);
 }
 
-/* One round of waiting; deaf: only for the end. */
+/* Polls the connections once; deaf: only for their end. */
 static void look(int ms, bool deaf)
 {
     if (poll(conn, n, ms) < 0)
@@ -142,7 +142,7 @@ int main(int argc, char **argv)
         else if (strcmp(argv[i], "--deaf") == 0)
             deaf = true;
     }
-    (void)setrlimit(RLIMIT_NOFILE, &files); /* what it is may do */
+    (void)setrlimit(RLIMIT_NOFILE, &files); /* if it fails, the limit may be enough */
     to_address(argv[1], &in);
     connect_all(&in, text, len);
     for (unsigned i = 0; deaf && i < n; i++)

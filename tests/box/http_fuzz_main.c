@@ -1,8 +1,8 @@
-/* http_fuzz -- send a daemon requests that are changed at the level of bytes: request line,
- * headers, chunks, bodies.  The same on every run with the same seed.
+/* http_fuzz -- sends a daemon requests with changed bytes: request line, headers, chunks,
+ * bodies.  The same seed gives the same requests.
  * Usage: http_fuzz PORT COUNT SEED FILE...   each FILE one or more valid requests, raw
- * Prints how many answers had which status.  Exit status 1 when an answer is not HTTP or is
- * a 500, or a request is neither taken nor refused; 2 when nothing can be sent. */
+ * Prints the number of responses of each status.  Exit status: 1 if a response is not HTTP or
+ * is a 500, or a request is neither read nor rejected; 2 if nothing can be sent. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -66,7 +66,7 @@ static void read_file(const char *path)
 
 /* ---- changes */
 
-/* Replace del bytes at p by n others; what does not fit is left out. */
+/* Replaces del bytes at p by n others; bytes that do not fit are dropped. */
 static void splice(size_t p, size_t del, const void *with, size_t n)
 {
     if (del > work.len - p)
@@ -79,7 +79,7 @@ static void splice(size_t p, size_t del, const void *with, size_t n)
     work.len = work.len - del + n;
 }
 
-/* Words that parsers of HTTP and of the bodies look at. */
+/* Words that have a meaning in HTTP or in bodies. */
 static const char *const words[] = {
     "\r\n",
     "\n",
@@ -168,7 +168,7 @@ static void insert_many(size_t p)
 
 static void change(void)
 {
-    /* The head is short, and most of what there is to break is in it. */
+    /* Most changes hit the head: it is short, and most of the parsing is there. */
     size_t head = work.len < 400 ? work.len : 400;
     size_t p = below(below(10) < 7 ? head : work.len);
     size_t q = below(nfiles), from, n;
@@ -234,7 +234,7 @@ static int dial(const struct sockaddr_in *to)
     return fd;
 }
 
-/* Take what there is into got, from *len on; false at the end. */
+/* Appends the received bytes to got (*len); false at the end of the connection. */
 static bool take(int fd, char *got, size_t *len, size_t size)
 {
     char rest[4096];
@@ -246,9 +246,9 @@ static bool take(int fd, char *got, size_t *len, size_t size)
     return n > 0 || (n < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-/* Send in pieces while taking the answer, say that this was all, and take what comes still.
- * Half a request is not answered: the daemon waits for the rest as long as its time-outs
- * allow, and we do not.  False: it neither takes the request nor closes. */
+/* Sends the request in pieces while it reads the response, shuts down its side, and reads the
+ * rest.  A partial request gets no response before the daemon's time-out, which is not waited
+ * for.  False: the daemon neither reads the request nor closes the connection. */
 static bool exchange(int fd, char *got, size_t *len, size_t size)
 {
     size_t sent = 0, piece = below(3) == 0 ? 1 + below(50) : REQUEST_MAX;
@@ -277,7 +277,7 @@ static bool exchange(int fd, char *got, size_t *len, size_t size)
     }
 }
 
-/* The request that was answered so can be seen. */
+/* Prints the request and its response. */
 static void show(const char *what, unsigned long serial, const char *got, size_t len)
 {
     printf("request %lu: %s\n--- sent, %zu bytes:\n%.*s\n--- got:\n%.*s\n", serial, what,
@@ -295,13 +295,13 @@ static bool run_one(const struct sockaddr_in *to, unsigned long serial)
 
     make_request();
     fd = dial(to);
-    if (below(16) == 0) { /* gone before the answer */
+    if (below(16) == 0) { /* closed before the response */
         (void)send(fd, work.at, work.len, MSG_NOSIGNAL | MSG_DONTWAIT);
     } else {
         taken = exchange(fd, got, &len, sizeof got - 1);
     }
-    /* A reset: a connection that is only closed may wait for its time-out, and fill up the
-     * places for others. */
+    /* Resets the connection: after a mere close the daemon may wait for its time-out and run
+     * out of connections. */
     (void)setsockopt(fd, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
     (void)close(fd);
     got[len] = '\0';

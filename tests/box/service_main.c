@@ -1,8 +1,8 @@
-/* service -- for the tests: run a program as a service manager would.
+/* service -- for the tests: runs a program as a service manager would.
  *   service NOTES [--socket] [--watchdog USEC] COMMAND...
- * What the program notifies is appended to the file NOTES, a line a message, line breaks in
- * it as blanks.  --socket: it is passed a socket that listens on 127.0.0.1.  The program
- * replaces this one: it has its process id. */
+ * The program's notifications are appended to the file NOTES, one line each (line breaks
+ * become spaces).  --socket: the program gets a socket that listens on 127.0.0.1.  It is
+ * started by exec() and has this process's id. */
 #include <netinet/in.h>
 #include <arpa/inet.h>
 #include <stdio.h>
@@ -21,7 +21,7 @@ static void fail(const char *what)
     exit(1);
 }
 
-/* Write down what comes, until the program has ended. */
+/* Writes the messages to the file until the program has ended. */
 static void take_notes(int from, const char *path, pid_t program)
 {
     const struct timeval wait = {.tv_usec = 100000};
