@@ -1,43 +1,43 @@
 #!/bin/sh
-# Goal: people are told apart over HTTP: of ten, each probe's own template ranks first (at
-# least nine times) and matches; on generated faces, and on the scans of ../shared/faces (or
-# $FACES) when they are there.
+# Goal: recognition over HTTP: among ten subjects each probe's mated template ranks first and
+# matches, both at least nine times of ten; on generated faces, and on the scans of
+# ../shared/faces (or $FACES) if they are there.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 FACES=${FACES:-../shared/faces}
-people="0 1 2 3 4 5 6 7 8 9"
+subjects="0 1 2 3 4 5 6 7 8 9"
 
-# rank WHAT ENROLL PROBE: ENROLL and PROBE are file names with % for the person's number.
+# rank WHAT ENROLL PROBE: ENROLL and PROBE are file names with % for the subject's number.
 rank() {
-    first=0 accepted=0 false=0
-    for s in $people; do
+    first=0 mated=0 false=0
+    for s in $subjects; do
         file=$(printf '%s\n' "$2" | sed "s/%/$s/")
         send POST "/v1/subjects/$1-$s/templates" "$PLY" "$file"
         is "$1: enrolling $s" "$STATUS" 201
     done
-    for p in $people; do
+    for p in $subjects; do
         file=$(printf '%s\n' "$3" | sed "s/%/$p/")
         : >"$T/ranks"
-        for s in $people; do
+        for s in $subjects; do
             send POST "/v1/subjects/$1-$s/verify" "$PLY" "$file"
             [ "$STATUS" = 200 ] || is "$1: verifying $p against $s" "$STATUS" 200
             printf '%s %s\n' "$(get .disparity_mm)" "$s" >>"$T/ranks"
             case $(get .decision),$s in
-            "match,$p") accepted=$((accepted + 1)) ;;
+            "match,$p") mated=$((mated + 1)) ;;
             match,*) false=$((false + 1)) ;;
             esac
         done
         [ "$(sort -g "$T/ranks" | head -1 | cut -d' ' -f2)" != "$p" ] || first=$((first + 1))
     done
-    echo "$1: own template first $first of 10, accepted $accepted of 10, $false of 90 others"
-    ok "$1: own template first, $first of 10" test "$first" -ge 9
-    ok "$1: accepted, $accepted of 10" test "$accepted" -ge 9
-    ok "$1: others accepted, $false of 90" test "$false" -le 1
+    echo "$1: mated template first $first of 10; matches: $mated of 10 mated, $false of 90 non-mated"
+    ok "$1: mated template first, $first of 10" test "$first" -ge 9
+    ok "$1: mated matches, $mated of 10" test "$mated" -ge 9
+    ok "$1: non-mated matches, $false of 90" test "$false" -le 1
 }
 
 start_daemon --no-auth --attempts 0
-for s in $people; do
+for s in $subjects; do
     scan "$s" 0 "$T/e$s.ply"
     scan "$s" 1 "$T/p$s.ply" --pose 10 --shift 20 --noise 0.25
 done

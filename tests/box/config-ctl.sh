@@ -1,45 +1,44 @@
 #!/bin/sh
-# Goal: surfacectl works on the database that the daemon's configuration names, with its key,
-# unless another is named; config show tells the daemon's settings and where each comes from,
-# config check what is wrong with them.
+# Goal: surfacectl uses the database and key of the daemon's configuration unless others are
+# given; config show prints the daemon's settings and the source of each, config check the
+# problems in them.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_KEY SURFACED_MODEL CREDENTIALS_DIRECTORY
 
-# try CODE ARGUMENT...: without --db; JSON in $T/ctl, complaints in $T/ctl.err
+# try CODE ARGUMENT...: like ctl_exits, but without --db.
 try() {
     c_code=$1
     shift
     "$BUILD/surfacectl" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
     is "surfacectl $*" $? "$c_code"
 }
-says() { ok "$1: '$(cat "$T/ctl.err")' like '$2'" grep -Eq -e "$2" "$T/ctl.err"; }
-conf() { printf '%s\n' "$@" >"$T/conf"; }
+says() { contains "$1" "$T/ctl.err" "$2"; }
 
 # ---- which database
 try 64 subject list
-says "nobody names one" 'which database\?  no database: give --db PATH'
+says "no database is given" 'which database\?  no database: give --db PATH'
 conf "db = $DB" "key = $T/the.key" 'queue = 9'
 try 0 --config "$T/conf" init
-ok "the key is where the file says" test -s "$T/the.key" -a ! -e "$DB.key"
+ok "the key is where the configuration says" test -s "$T/the.key" -a ! -e "$DB.key"
 export SURFACED_CONFIG="$T/conf"
 try 0 subject set alice --consent C-1
 try 0 subject show alice
-is "found by the file" "$(said .consent)" C-1
+is "found by the configuration" "$(said .consent)" C-1
 try 77 --key "$T/conf" subject list
 try 0 --db "$T/other.db" init
 ok "another database has its own key" test -s "$T/other.db.key"
 try 0 --db "$T/other.db" subject list
-is "an option wins" "$(said '.subjects | length')" 0
+is "an option overrides it" "$(said '.subjects | length')" 0
 SURFACED_DB=$T/other.db
 export SURFACED_DB
 try 0 subject list
-is "the environment too" "$(said '.subjects | length')" 0
+is "so does the environment" "$(said '.subjects | length')" 0
 unset SURFACED_DB
 try 0 doctor
 conf "db = $DB" 'queue = many'
 try 64 subject list
-says "a file that is wrong" "conf:2: queue = many: not a number"
+says "a wrong configuration" "conf:2: queue = many: not a number"
 conf "db = $DB" 'key = credential:the.key' 'tls-key = credential:tls.key' 'tls-cert = credential:tls.crt'
 try 66 subject list
 says "a credential of the service" '/run/credentials/surfaced.service/the.key'
@@ -52,7 +51,7 @@ unset CREDENTIALS_DIRECTORY
 conf "db = $DB" "key = $T/the.key" 'queue = 9'
 SURFACED_WORKERS=3 "$BUILD/surfacectl" config show >"$T/text"
 SURFACED_WORKERS=3 "$BUILD/surfaced" --print-config >"$T/daemon"
-ok "as the daemon itself says" cmp "$T/text" "$T/daemon"
+ok "the same as the daemon prints" cmp "$T/text" "$T/daemon"
 SURFACED_WORKERS=3 try 0 config show
 is "from the file" "$(said '.settings.queue | [.value, .from] | join(" ")')" "9 $T/conf:3"
 is "from the environment" "$(said '.settings.workers | [.value, .from] | join(" ")')" '3 SURFACED_WORKERS'
@@ -66,7 +65,7 @@ says "no such file" 'No such file'
 
 # ---- check
 try 0 config check
-is "all is well" "$(said '[.ok, .problems] | tojson')" '[true,[]]'
+is "no problems" "$(said '[.ok, .problems] | tojson')" '[true,[]]'
 conf "db = $DB" 'queue = many' 'colour = red'
 try 1 config check
 is "every problem" "$(said '[.ok, (.problems | length)] | tojson')" '[false,2]'
@@ -76,12 +75,12 @@ is "as text" "$? $(grep -c conf: "$T/text")" '1 2'
 
 conf "db = $DB" "model = $T/conf"
 try 1 config check
-ok "what is no model" matches "$(said '.problems[0]')" "^$T/conf:2: model = .*line 1: not a model"
+ok "a file that is not a model" matches "$(said '.problems[0]')" "^$T/conf:2: model = .*line 1: not a model"
 
 # ---- without a daemon
 mkdir "$T/bin"
 cp "$BUILD/surfacectl" "$T/bin"
 conf "db = $DB" "key = $T/the.key"
 "$T/bin/surfacectl" --json subject show alice >"$T/ctl" 2>"$T/ctl.err"
-is "it is not asked" "$? $(said .subject)" '0 alice'
+is "the daemon's program is not needed" "$? $(said .subject)" '0 alice'
 finish

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Goal: bad input gets a clear error with its code, and the daemon lives and loses nothing.
+# Goal: bad input gets an error with a code and a clear detail; the daemon keeps running and
+# loses no data.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -10,7 +11,7 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is enroll "$STATUS" 201
 id=$(get .template_id)
 
-# bad TITLE STATUS CODE DETAIL TEXT: TEXT as a JSON body.
+# bad TITLE STATUS CODE DETAIL-PATTERN TEXT: TEXT as a JSON body gives this problem.
 bad() {
     printf '%s' "$5" >"$T/x"
     send POST /v1/subjects/alice/verify "$JSON" "$T/x"
@@ -20,7 +21,7 @@ bad() {
 # ---- JSON
 bad "truncated" 400 malformed 'ends too early' '{"points": [[1,2,3],'
 bad "malformed" 400 malformed 'byte 12' '{"points": [}'
-bad "something behind" 400 malformed 'byte 15' '{"points": []} {}'
+bad "trailing text" 400 malformed 'byte 15' '{"points": []} {}'
 bad "NaN" 400 malformed 'byte 17' '{"points": [[1,2,NaN]]}'
 bad "Infinity" 400 malformed 'byte 17' '{"points": [[1,2,-Infinity]]}'
 bad "a huge number" 422 not_finite 'points\[1\] is not three finite numbers' \
@@ -38,7 +39,7 @@ bad "another key twice" 400 malformed 'earlier' '{"x": 1, "points": [], "x": 2}'
 bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
 bad "a misspelt member" 400 malformed 'the body has points and units, not pts' '{"pts": []}'
 bad "another member" 400 malformed 'not threshold_mm' '{"points": [], "threshold_mm": 1e9}'
-bad "a long one, cut in a character" 400 malformed 'not xü*' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
+bad "a long one, truncated between characters" 400 malformed 'not xü*' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
 bad "points an object" 400 malformed 'points is not an array' '{"points": {}}'
 bad "an array" 400 malformed 'not an object' '[[1,2,3]]'
 bad "a number" 400 malformed 'not an object' '17'
@@ -50,7 +51,7 @@ bad "deep nesting of objects" 400 malformed '' \
 bad "not UTF-8" 400 malformed 'not UTF-8 at byte 12' "$(printf '{"points": "\377"}')"
 bad "many members" 400 malformed 'members' "{$(seq -s, -f '"k%.0f":1' 1 100)}"
 bad "few points" 422 too_few_points '100' '{"points": [[1,2,3]]}'
-bad "none" 422 too_few_points '' '{"points": []}'
+bad "an empty array" 422 too_few_points '' '{"points": []}'
 printf '{"points": []}\0{}' >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x"
 problem "a NUL in it" 400 malformed 'byte 14'
@@ -70,23 +71,23 @@ problem "no Content-Type" 415 unsupported_media_type
 send POST /v1/subjects/alice/verify 'Content-Type: application/x-www-form-urlencoded' "$T/a.json"
 problem "a form" 415 unsupported_media_type
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: gzip'
-problem "said to be compressed" 400 damaged_content_encoding
+problem "not compressed as declared" 400 damaged_content_encoding
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: br'
-problem "compressed in a way not known here" 415 unsupported_content_encoding
+problem "an unsupported coding" 415 unsupported_content_encoding
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.ply"
 problem "PLY sent as JSON" 400 malformed
 send POST /v1/subjects/alice/verify "$PLY" "$T/a.json"
 problem "JSON sent as PLY" 400 malformed
 
-# ---- scanner's files
-# ply LINE...: a PLY header of these lines, without any data.
+# ---- scanner files
+# ply LINE...: sends a PLY file of these lines.
 ply() {
     printf '%s\n' "$@" >"$T/x"
     send POST /v1/subjects/alice/verify "$PLY" "$T/x"
 }
 ply ply 'format ascii 1.0' 'element vertex 4000000000' 'property float x' \
     'property float y' 'property float z' end_header '1 2 3'
-ok "a lying count: $STATUS $(get .code)" test "$STATUS" -ge 400 -a "$STATUS" -lt 500
+ok "a false count: $STATUS $(get .code)" test "$STATUS" -ge 400 -a "$STATUS" -lt 500
 ply ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' \
     'property float z' end_header '1 2 3'
 problem "too few lines" 400 malformed
@@ -107,7 +108,7 @@ send POST /v1/subjects/alice/verify "$BYTES" "$T/x"
 problem "zeros" 400 malformed
 
 # ---- shapes
-# shape TITLE CODE AWK: points printed by an awk program, as text.
+# shape TITLE CODE AWK: sends the points that the awk statements print; the problem is 422 CODE.
 shape() {
     awk "BEGIN { $3 }" >"$T/x"
     send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
@@ -145,7 +146,7 @@ awk 'BEGIN { printf "{\"points\": [[1,2,3]"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x"
 problem "one point too many" 422 too_many_points 'points has 300001'
 
-# ---- over the limit: refused before it is all read
+# ---- over the limit: rejected before the whole body is read
 head -c 60000000 /dev/zero >"$T/big"
 for how in 'Expect: 100-continue' 'Expect:' 'Transfer-Encoding: chunked'; do
     send POST /v1/subjects/alice/verify "$BYTES" "$T/big" -H "$how"
@@ -153,12 +154,12 @@ for how in 'Expect: 100-continue' 'Expect:' 'Transfer-Encoding: chunked'; do
 done
 sent=$(curl -sS -m 5 --limit-rate 2M -o "$T/body" -w '%{http_code} %{size_upload}' -H "$BYTES" \
     -H 'Expect:' --data-binary "@$T/big" "$URL/v1/subjects/alice/verify" 2>/dev/null)
-ok "refused by the headers alone: $sent" test "${sent% *}" = 413 -a "${sent#* }" -lt 20000000
+ok "rejected by the headers alone: $sent" test "${sent% *}" = 413 -a "${sent#* }" -lt 20000000
 send GET /healthz "$BYTES" "$T/big" -H 'Expect:'
-problem "a large body where none belongs" 413 body_too_large
+problem "a large body of a GET request" 413 body_too_large
 rm "$T/big"
 
-# ---- clients that stop in the middle
+# ---- clients that disconnect in the middle
 clients=
 for _ in 1 2 3; do
     curl -sS -m 1 --limit-rate 2000 -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
@@ -170,7 +171,7 @@ for _ in 1 2 3; do
 done
 # shellcheck disable=SC2086 # a list
 wait $clients
-alive "clients that stop"
+alive "clients that disconnect"
 req GET /v1/subjects/alice
 is "nothing changed" "$(get '.templates | length')" 1
 
@@ -189,9 +190,9 @@ done
 req GET /v1/subjects/../../etc/passwd --path-as-is
 problem "dots" 404 no_such_route
 req GET "/healthz?$(printf '%08000d' 1)"
-problem "a long query, which is read" 400 invalid_parameter 'no query parameter 0{64} here'
+problem "a long query" 400 invalid_parameter 'no query parameter 0{64} here'
 req GET "/healthz?$(printf '%020000d' 1)"
-is "one that is too long" "$STATUS" 414
+is "a query that is too long" "$STATUS" 414
 for label in "$(printf '%0257d' 1)" %01 %FF %00 %; do
     send POST "/v1/subjects/bob/templates?label=$label" "$PLY" "$T/a.ply"
     is "label $label" "$STATUS" 400
@@ -209,26 +210,23 @@ sqlite3 "$DB" "UPDATE templates
 restart
 send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
 problem "a damaged model" 500 internal
-ok "tells nothing of the inside" sh -c "! grep -Eiq 'model|checksum|sqlite|corrupt|/tmp' '$T/body'"
-ok "the log tells" grep -Eq 'status=500 .*fault="' "$LOG"
+ok "the response reveals no internals" sh -c "! grep -Eiq 'model|checksum|sqlite|corrupt|/tmp' '$T/body'"
+ok "the log has the cause" grep -Eq 'status=500 .*fault="' "$LOG"
 alive "a damaged model"
 req GET "/v1/templates/$id"
-is "its description is there" "$STATUS" 200
+is "its description is served" "$STATUS" 200
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-ok "no enrolment beside it: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
+ok "enrolling beside it: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
 req DELETE /v1/subjects/alice
 is "it can be erased" "$STATUS" 200
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "and enrolled again" "$STATUS" 201
 stop_daemon
 
-# ---- databases that are none of ours
-# refused TITLE PATTERN: the daemon must not start on $DB, and say why.
+# ---- files that are not our databases
+# refused TITLE PATTERN: the daemon does not start on $DB.
 refused() {
-    timeout 20 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
-    is "$1: exit status" $? 1
-    ok "$1: '$(cat "$T/out")' like '$2'" grep -Eiq "$2" "$T/out"
-    ok "$1: before it listens" sh -c "! grep -q listening '$T/out'"
+    start_fails "$1" 1 "$2" --db "$DB" --listen 127.0.0.1:0
 }
 sqlite3 "$DB" 'PRAGMA user_version = 999' >/dev/null
 refused "a newer database" 'newer|version'

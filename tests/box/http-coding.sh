@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: what a client may say of how it sends and what it wants back.  Compressed bodies are
-# read within the limit, and damaged or unknown ones refused; return=minimal gives no body;
-# an Idempotency-Key gives the same answer again and nothing is done twice.
+# Goal: the headers by which a client chooses how a request is sent and answered.  Compressed
+# bodies are accepted up to the limit, damaged or unknown ones rejected; return=minimal gives no
+# body; a repeated Idempotency-Key gives the same response, and nothing is done twice.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -16,7 +16,7 @@ for file in a.ply a2.json b.ply; do
 done
 start_daemon --no-auth --max-body $LIMIT
 
-# ---- the same answers as to the plain bodies
+# ---- the same responses as to plain bodies
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enroll" "$STATUS" 201
 cp "$T/body" "$T/plain"
@@ -36,7 +36,7 @@ for coding in gz:gzip zst:zstd; do
             -H "Content-Encoding: ${coding#*:}" -H "$how"
         is "verify, ${coding#*:}, $how" "$STATUS" 200
         without_times "$T/body" >"$T/packed"
-        ok "the same answer" cmp -s "$T/plain" "$T/packed"
+        ok "the same response" cmp -s "$T/plain" "$T/packed"
     done
 done
 {
@@ -56,7 +56,7 @@ send POST /v1/compare "$JSON" "$T/x" -H "$GZ"
 is "compare" "$STATUS $(get .decision)" "200 match"
 
 # ---- damaged
-# bad TITLE CODING [DETAIL]: $T/x must be refused.
+# bad TITLE CODING [DETAIL-PATTERN]: $T/x is rejected as damaged.
 bad() {
     send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $2"
     problem "$1" 400 damaged_content_encoding "${3:-}"
@@ -66,19 +66,19 @@ for coding in gz:gzip zst:zstd; do
     cp "$T/a2.json" "$T/x"
     bad "not $name" "$name" "$name"
     head -c 20000 "$whole" >"$T/x"
-    bad "$name cut short" "$name" "ends too early"
+    bad "$name truncated" "$name" "ends too early"
     head -c 3 "$whole" >"$T/x"
-    bad "$name cut very short" "$name"
+    bad "$name truncated in its header" "$name"
     { head -c 9000 "$whole"; printf XXXX; tail -c +9005 "$whole"; } >"$T/x"
     bad "$name damaged" "$name"
     { cat "$whole"; echo behind; } >"$T/x"
-    bad "$name and something behind" "$name"
+    bad "$name with trailing bytes" "$name"
     : | case $name in gzip) gzip ;; *) zstd -q ;; esac >"$T/x"
     send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $name"
-    problem "$name of nothing" 400 malformed 'empty'
+    problem "$name of an empty body" 400 malformed 'empty'
     : >"$T/x"
     send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "Content-Encoding: $name"
-    problem "nothing as $name" 400 malformed 'empty'
+    problem "an empty body as $name" 400 malformed 'empty'
 done
 cp "$T/a2.json.zst" "$T/x"
 bad "zstd sent as gzip" gzip
@@ -88,9 +88,9 @@ printf '\050\265\057\375\000\210\011\000\000a' >"$T/x"
 bad "a window of 128 MB" zstd 'memory'
 gzip -c "$T/a2.json.gz" >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
-problem "packed twice, said once" 400 malformed
+problem "compressed twice, declared once" 400 malformed
 
-# ---- not read here
+# ---- unsupported codings
 for coding in br deflate compress 'gzip, gzip' 'zstd,gzip' 'gzip;q=1' aes128gcm '*'; do
     send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json" -H "Content-Encoding: $coding"
     problem "$coding" 415 unsupported_content_encoding 'gzip or zstd'
@@ -99,9 +99,10 @@ done
 send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json.gz" -H "$GZ" -H "$GZ"
 problem "gzip in two lines" 415 unsupported_content_encoding
 send GET /healthz "$JSON" "$T/a2.json.gz" -H 'Content-Encoding: br'
-is "no matter where no body belongs" "$STATUS" 200
+is "ignored for a GET request" "$STATUS" 200
 
-# ---- bombs: refused early, and without the memory they ask for
+# ---- bombs: rejected early and without using much memory
+# peak: the daemon's largest resident memory so far, KiB.
 peak() {
     awk '/^VmHWM/ { print $2 }' "/proc/$PID/status"
 }
@@ -115,12 +116,12 @@ for coding in gz:gzip zst:zstd; do
 done
 gzip -c "$T/bomb.zst" >"$T/x"
 send POST /v1/subjects/alice/verify "$BYTES" "$T/x" -H "$GZ"
-is "a bomb in a packet" "$STATUS" 400
+is "a compressed bomb" "$STATUS" 400
 if ! grep -aq __asan_init "$BUILD/surfaced"; then
     ok "no more than 40 MB for them" test $(($(peak) - before)) -lt 40000
 fi
 send POST /v1/subjects/alice/verify "$BYTES" "$T/bomb.zst"
-is "not said to be one" "$STATUS" 400
+is "a bomb without Content-Encoding" "$STATUS" 400
 head -c $LIMIT /dev/zero | tr '\0' ' ' | gzip >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
 problem "exactly the limit" 400 malformed
@@ -135,11 +136,11 @@ stop_daemon
 
 # ---- Prefer: return=minimal
 MIN='Prefer: return=minimal'
-TOKEN=$("$BUILD/surfacectl" --db "$DB" token create one 2>/dev/null)
-OTHER=$("$BUILD/surfacectl" --db "$DB" token create two 2>/dev/null)
+TOKEN=$(new_token one)
+OTHER=$(new_token two)
 AUTH=$TOKEN
 start_daemon
-# minimal TITLE STATUS: no body, and the preference is said to be applied.
+# minimal TITLE STATUS: the last response has no body and reports that the preference is applied.
 minimal() {
     is "$1" "$STATUS $(field Preference-Applied)" "$2 return=minimal"
     ok "$1: no body" test ! -s "$T/body"
@@ -156,9 +157,9 @@ send POST /v1/subjects/min/templates "$PLY" "$T/a.ply" -H 'Prefer: return=repres
 is "representation" "$STATUS $(get .subject) $(field Preference-Applied)" "200 min "
 send POST /v1/subjects/min/templates "$PLY" "$T/b.ply" -H "$MIN"
 problem "an error has its body" 409 sample_mismatch
-is "and no preference is applied" "$(field Preference-Applied)" ""
+is "no preference is applied" "$(field Preference-Applied)" ""
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H "$MIN"
-is "verify changes nothing, and answers" "$STATUS $(get .decision) $(field Preference-Applied)" \
+is "verify ignores it" "$STATUS $(get .decision) $(field Preference-Applied)" \
     "200 match "
 req DELETE "$first" -H "$MIN"
 minimal "delete the template" 204
@@ -169,7 +170,7 @@ is "it is erased" "$STATUS" 404
 
 # ---- Idempotency-Key
 KEY='Idempotency-Key: "8e03978e-40d5-43e8-bc93-6894a57f9324"'
-# enroll FILE [CURL-OPTION...]: into subject key.
+# enroll FILE [CURL-OPTION...]: enrols FILE as a sample of the subject `key`.
 enroll() {
     scan_file=$1
     shift
@@ -183,9 +184,9 @@ enroll "$T/a.ply" -H "$KEY"
 is "again" "$STATUS $(field Idempotent-Replayed) $(field Location)" "201 true $first"
 ok "the same body" cmp -s "$T/body" "$T/first"
 enroll "$T/a.ply.gz" -H "$KEY" -H "$GZ"
-is "packed, the same request" "$STATUS $(field Idempotent-Replayed)" "201 true"
+is "compressed, it is the same request" "$STATUS $(field Idempotent-Replayed)" "201 true"
 enroll "$T/a.ply" -H 'Idempotency-Key: 8e03978e-40d5-43e8-bc93-6894a57f9324'
-is "without quotes, the same key" "$STATUS $(field Idempotent-Replayed)" "201 true"
+is "without quotes, it is the same key" "$STATUS $(field Idempotent-Replayed)" "201 true"
 enroll "$T/a.ply" -H 'Idempotency-Key: "another"'
 is "another key" "$STATUS $(field Idempotent-Replayed)" "200 "
 enroll "$T/b.ply" -H "$KEY"
@@ -199,9 +200,9 @@ enroll "$T/a.ply" -H "$KEY"
 is "another token has keys of its own" "$STATUS $(field Idempotent-Replayed)" "200 "
 AUTH=$TOKEN
 enroll "$T/b.ply" -H 'Idempotency-Key: fails'
-problem "refused" 409 sample_mismatch
+problem "an error" 409 sample_mismatch
 enroll "$T/b.ply" -H 'Idempotency-Key: fails'
-is "refused again" "$STATUS $(get .code) $(field Idempotent-Replayed)" "409 sample_mismatch true"
+is "the same error again" "$STATUS $(get .code) $(field Idempotent-Replayed)" "409 sample_mismatch true"
 for key in '' '""' 'a b' '"a' "$(printf '%0256d' 1)"; do
     enroll "$T/a.ply" -H "Idempotency-Key;" -H "Idempotency-Key: $key"
     problem "the key '$key'" 400 invalid_parameter Idempotency-Key
@@ -211,7 +212,7 @@ problem "the key twice" 400 invalid_parameter
 req GET /v1/subjects/key
 is "one template in all" "$(get '.templates | length')" 1
 
-# Many at once: one is done, each of the others gets its answer or is told to wait.
+# Many at once: one is processed; each of the others gets its response or 409.
 scan 3 0 "$T/c.ply"
 clients=
 for i in 1 2 3 4 5 6 7 8; do
@@ -223,27 +224,27 @@ done
 # shellcheck disable=SC2086 # a list
 wait $clients
 is "201 or 409" "$(cat "$T"/s? | grep -vcE '^(201|409)$')" 0
-ok "one was done" grep -q 201 "$T"/s?
-is "409 by its code" "$(jq -r '.code // empty' "$T"/c? | sort -u | grep -v idempotency_key_in_use)" ""
+ok "one was processed" grep -q 201 "$T"/s?
+is "other codes of 409" "$(jq -r '.code // empty' "$T"/c? | sort -u | grep -v idempotency_key_in_use)" ""
 req GET /v1/subjects/together
-is "once" "$(get '.templates | length')" 1
+is "one template" "$(get '.templates | length')" 1
 
-# What has been erased is told of no more, and a late retry does not bring it back.
+# After an erasure the response is not replayed, and a late retry does not enrol again.
 req DELETE /v1/subjects/key
 is "erase" "$STATUS" 200
 enroll "$T/a.ply" -H "$KEY"
 problem "a late retry" 404 not_found 'deleted since'
-is "not the answer it was" "$(field Idempotent-Replayed)" ""
+is "no response is replayed" "$(field Idempotent-Replayed)" ""
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
-is "another's answer stays" "$STATUS" 201
+is "another subject's response stays" "$STATUS" 201
 "$BUILD/surfacectl" --db "$DB" template delete "$(get .template_id)" >/dev/null 2>&1 ||
     sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
-problem "deleted beside the daemon" 404 not_found
-enroll "$T/a.ply" -H 'Idempotency-Key: anew'
-is "enrolled anew" "$STATUS" 201
+problem "deleted by another process" 404 not_found
+enroll "$T/a.ply" -H 'Idempotency-Key: new'
+is "enrolled again with a new key" "$STATUS" 201
 stop_daemon
 start_daemon
-enroll "$T/a.ply" -H 'Idempotency-Key: anew'
-is "after a restart it is known by its content" "$STATUS" 200
+enroll "$T/a.ply" -H 'Idempotency-Key: new'
+is "after a restart its content is known" "$STATUS" 200
 finish

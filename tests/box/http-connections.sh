@@ -1,12 +1,12 @@
 #!/bin/sh
-# Goal: connections are limited in all and by address; who sends or reads too slowly is
-# closed, however often a byte comes; and others are served meanwhile.
+# Goal: the number of connections is limited in all and by address; the daemon closes
+# connections of slow senders and readers, even if bytes keep coming, and serves others meanwhile.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 HOLD=''
 
-# hold N TEXT [OPTION...]: connections that stay; TEXT as printf's format.  What it says is in
-# $T/held.
+# hold N FORMAT [OPTION...]: opens N connections that send printf's FORMAT and stay open; the
+# output of the program hold is in $T/held.
 hold() {
     h_n=$1
     # shellcheck disable=SC2059 # with \r\n in it
@@ -20,18 +20,22 @@ let_go() {
     kill "$HOLD" 2>/dev/null
     wait "$HOLD" 2>/dev/null
 }
-# shellcheck disable=SC2317 # called by soon
+# held TITLE LINE: the program hold prints LINE soon.
 held() {
-    grep -qx "$1" "$T/held"
+    ok "$1" soon grep -qx "$2" "$T/held"
 }
-# shellcheck disable=SC2317
-answers() {
+# shellcheck disable=SC2317 # called by soon
+serves() {
     req GET /healthz
     [ "$STATUS" = 200 ]
 }
-# shellcheck disable=SC2317
-files() {
-    [ "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -le "$1" ]
+# open_files: of the daemon.
+open_files() {
+    find "/proc/$PID/fd" -mindepth 1 | wc -l
+}
+# shellcheck disable=SC2317 # called by soon
+open_files_at_most() {
+    [ "$(open_files)" -le "$1" ]
 }
 idle='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
 headers='GET /healthz HTTP/1.1\r\nHost: x\r\nA: '
@@ -42,29 +46,29 @@ scan 1 1 "$T/p.ply" --pose 8 --shift 10
 # ---- how many
 start_daemon --no-auth --max-connections-per-address 5
 hold 5 "$idle"
-ok "five of one address" soon held answered
+held "five of one address" answered
 req GET /healthz
 is "a sixth" "$STATUS" 000
 let_go
-ok "and again when they are gone" soon answers
+ok "served again after they are closed" soon serves
 stop_daemon
 start_daemon --no-auth --max-connections 8
 hold 8 "$idle"
-ok "eight in all" soon held answered
+held "eight in all" answered
 req GET /healthz
 is "a ninth" "$STATUS" 000
 let_go
-ok "and again when they are gone" soon answers
+ok "served again after they are closed" soon serves
 req GET /metrics
 ok "the metrics count it" grep -Eq '^surfaced_connections_closed_total\{reason="too_many"\} [1-9]' "$T/body"
-ok "and those that are open" grep -Eq '^surfaced_connections [1-8]$' "$T/body"
+ok "and the open ones" grep -Eq '^surfaced_connections [1-8]$' "$T/body"
 hold 30 "$idle"
-ok "of thirty, those beyond eight are closed" soon held 'closed 22'
+held "of thirty, those beyond eight are closed" 'closed 22'
 let_go
-ok "the log says how many" grep -q 'connections closed.* too_many=[1-9]' "$LOG"
+ok "the log has their number" grep -q 'connections closed.* too_many=[1-9]' "$LOG"
 stop_daemon
 
-# ---- how long: each of them would stay for ever
+# ---- how long: each of these connections would stay open forever
 start_daemon --no-auth --timeout 1
 send POST /v1/subjects/a/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
@@ -74,20 +78,20 @@ for what in nothing headers body; do
     headers) hold 20 "$headers" --drip 100 ;;
     body) hold 20 "$body" --drip 100 ;;
     esac
-    ok "slow with its $what: closed" soon held 'closed 20'
+    held "slow with its $what: closed" 'closed 20'
     let_go
 done
 hold 20 "$idle"
-ok "idle: answered" soon held answered
-ok "idle: closed after a while" soon held 'closed 20'
+held "idle: served" answered
+held "idle: closed after a while" 'closed 20'
 let_go
-before=$(find "/proc/$PID/fd" -mindepth 1 | wc -l)
-answer='GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n'
+before=$(open_files)
+large='GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n'
 many=
-for _ in $(seq 200); do many=$many$answer; done
+for _ in $(seq 200); do many=$many$large; done
 hold 3 "$many" --deaf
-ok "asked for a lot" soon held sent
-ok "takes no answer: closed" soon files "$before"
+held "many requests for large responses" sent
+ok "the responses are not read: closed" soon open_files_at_most "$before"
 let_go
 ok "the log counts them" grep -q 'connections closed.* late=[1-9]' "$LOG"
 req GET /metrics
@@ -95,18 +99,18 @@ for reason in slow_headers slow_body slow_reader; do
     ok "so do the metrics: $reason" grep -Eq \
         "^surfaced_connections_closed_total\\{reason=\"$reason\"\\} [1-9]" "$T/body"
 done
-alive "the slow"
+alive "slow clients"
 stop_daemon
 
-# ---- work is not the client's time, and others are served beside the slow
+# ---- time in the queue and the workers does not count; others are served beside slow clients
 start_daemon --no-auth --timeout 60 --workers 2
 hold 200 "$headers" --drip 20
-ok "two hundred slow ones" soon held sent
+held "two hundred slow clients" sent
 for n in 1 2 3 4 5; do
     send POST /v1/subjects/a/verify "$PLY" "$T/p.ply"
     is "verified beside them ($n)" "$STATUS $(get .decision)" "200 match"
 done
-ok "they are still there" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -gt 200
+ok "they are still connected" test "$(open_files)" -gt 200
 let_go
 stop_daemon
 finish

@@ -1,15 +1,12 @@
 #!/bin/sh
-# Goal: what is noted of a subject is shown and changed over HTTP as by surfacectl: consent,
-# purpose, expiry, hold, disabled.  All of a change or nothing of it, by who may alone, in
-# force at once, and in the audit log with the token.  Who can only delete ends no hold.
+# Goal: a subject's consent, purpose, expiry, hold and disabled are shown and changed over HTTP
+# as by surfacectl.  A change is made in full or not at all, needs the scope manage, is in force
+# at once, and is in the audit log with its token.  The scope delete cannot end a hold.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 MERGE='Content-Type: application/merge-patch+json'
 
-# admin ARGUMENT...: surfacectl, whose JSON is printed.
-admin() { "$BUILD/surfacectl" --db "$DB" --json "$@" 2>"$T/err" </dev/null; }
-token() { admin token create "$1" --scope "$1" | jq -r .token; }
 
 # change SUBJECT JSON [CURL-OPTION...]
 change() {
@@ -18,55 +15,60 @@ change() {
     req PATCH "/v1/subjects/$c_subject" -H "$MERGE" --data-binary "$c_body" "$@"
 }
 
-# noted WANTED: what the daemon shows of alice
-noted() {
+# shows WANTED: the daemon shows these members of alice.
+shows() {
     req GET /v1/subjects/alice
     is "alice" "$(get '[.consent, .purpose, .expires_at, .hold, .disabled] | tojson')" "$1"
 }
 
-# events KIND: how many, and by whom the last
+# events KIND: their number in the audit log, and the last one's actor and subject.
 events() {
-    admin audit show --kind "$1" | jq -r '[.entries[]] | "\(length) \(last.actor) \(last.subject)"'
+    ctl audit show --kind "$1"
+    said '[.entries[]] | "\(length) \(last.actor) \(last.subject)"'
 }
 
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 5
 AUTH=
 start_daemon
-AUTH=$(admin token create all | jq -r .token)
-enroll=$(token enroll) delete=$(token delete) read=$(token read)
-id=$(admin token create manage --scope manage,verify,read | tee "$T/manage" | jq -r .id)
-manage=$(jq -r .token "$T/manage")
+AUTH=$(new_token all)
+enroll=$(new_token enroll --scope enroll)
+delete=$(new_token delete --scope delete)
+read=$(new_token read --scope read)
+ctl token create manage --scope manage,verify,read
+id=$(said .id)
+manage=$(said .token)
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
 template=$(get .template_id)
-noted '[null,null,null,false,false]'
-ok "seen when enrolled" matches "$(get .last_seen)" '^20[0-9-]*T[0-9:.]*Z$'
+shows '[null,null,null,false,false]'
+ok "last seen at the enrolment" matches "$(get .last_seen)" '^20[0-9-]*T[0-9:.]*Z$'
 
 # ---- changed
 AUTH=$manage
 change alice '{"consent": "C-17 \u00e4", "purpose": "front door", "expires_at": "2031-01-31T12:00:00+01:00"}'
 is "changed" "$STATUS $(get .subject)" '200 alice'
-is "the answer is the subject" "$(get '.consent + " " + (.templates | length | tostring)')" 'C-17 ä 1'
-noted '["C-17 ä","front door","2031-01-31T11:00:00.000Z",false,false]'
-is "as surfacectl has it" "$(admin subject show alice | jq -r '[.consent, .purpose, .expires_at] | join("|")')" \
+is "the response is the subject" "$(get '.consent + " " + (.templates | length | tostring)')" 'C-17 ä 1'
+shows '["C-17 ä","front door","2031-01-31T11:00:00.000Z",false,false]'
+ctl subject show alice
+is "as surfacectl shows it" "$(said '[.consent, .purpose, .expires_at] | join("|")')" \
     'C-17 ä|front door|2031-01-31T11:00:00.000Z'
-is "an event of it" "$(events set_subject)" "1 $id alice"
+is "its audit event" "$(events set_subject)" "1 $id alice"
 change alice '{"purpose": null, "hold": false}'
-noted '["C-17 ä",null,"2031-01-31T11:00:00.000Z",false,false]'
+shows '["C-17 ä",null,"2031-01-31T11:00:00.000Z",false,false]'
 change alice '{"consent": "", "expires_at": null}' -H 'Prefer: return=minimal'
-is "no body where none is preferred" "$STATUS $(field Preference-Applied)" '204 return=minimal'
-noted '[null,null,null,false,false]'
+is "no body if it is not wanted" "$STATUS $(field Preference-Applied)" '204 return=minimal'
+shows '[null,null,null,false,false]'
 before=$(sqlite3 "$DB" 'SELECT count(*) FROM events')
 change alice '{}'
 is "nothing to change" "$STATUS" 200
-is "and no event" "$(sqlite3 "$DB" 'SELECT count(*) FROM events')" "$before"
+is "no audit event" "$(sqlite3 "$DB" 'SELECT count(*) FROM events')" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
-is "plain JSON, a day" "$STATUS $(get .expires_at)" '200 2031-01-31T00:00:00.000Z'
-admin subject set alice --expires never --consent C-1 >/dev/null
-noted '["C-1",null,null,false,false]'
+is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T00:00:00.000Z'
+ctl subject set alice --expires never --consent C-1
+shows '["C-1",null,null,false,false]'
 
-# ---- refused, and nothing changed
+# ---- rejected changes change nothing
 long=$(printf '%0129d' 1)
 for body in '' '[]' 'null' '{' '{"hold": 1}' '{"disabled": null}' '{"consent": 17}' \
     '{"hold": true, "on_hold": true}' '{"hold": true, "subject": "bob"}' \
@@ -75,42 +77,42 @@ for body in '' '[]' 'null' '{' '{"hold": 1}' '{"disabled": null}' '{"consent": 1
     '{"hold": true, "purpose": "a\nb"}' '{"hold": true, "purpose": "a\u0000b"}' \
     "{\"hold\": true, \"purpose\": \"$long$long$long\"}"; do
     change alice "$body"
-    problem "refused: $body" 400 malformed
+    problem "rejected: $body" 400 malformed
 done
 change alice '{"on_hold": true}'
-ok "it says what can be changed" matches "$(get .detail)" 'not on_hold$'
+ok "the detail names the member" matches "$(get .detail)" 'not on_hold$'
 change nobody '{"hold": true}'
-problem "nobody" 404 not_found
+problem "an unknown subject" 404 not_found
 change a%20b '{"hold": true}'
-problem "not an id" 400 invalid_parameter
+problem "a malformed id" 400 invalid_parameter
 req PATCH /v1/subjects/alice -H "$PLY" --data-binary "@$T/a.ply"
 problem "a scan" 415 unsupported_media_type
 send POST /v1/subjects/alice/verify "$MERGE" "$T/a.ply"
-problem "a patch is no scan" 415 unsupported_media_type
-noted '["C-1",null,null,false,false]'
+problem "a patch as a scan" 415 unsupported_media_type
+shows '["C-1",null,null,false,false]'
 
-# ---- who may
+# ---- scopes
 for AUTH in $enroll $delete $read; do
     change alice '{"hold": true}'
-    problem "not for this" 403 insufficient_scope
+    problem "another scope" 403 insufficient_scope
 done
 AUTH=$manage
 req DELETE /v1/subjects/alice
-problem "who changes cannot erase" 403 insufficient_scope
+problem "the scope manage cannot erase" 403 insufficient_scope
 
 # ---- before the first scan
 AUTH=$enroll
 req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'
-is "made" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
+is "created" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
     '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T00:00:00.000Z"]'
-is "an event of it" "$(events add_subject | cut -d ' ' -f 1,3)" '1 d@ora:1'
+is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '1 d@ora:1'
 req POST /v1/subjects -H "$JSON" -d '{"subject": "alice"}'
-problem "there already" 409 exists
+problem "it exists" 409 exists
 for body in '{}' '{"subject": null}' '{"subject": "a b"}' '{"subject": "x", "hold": true}' \
     "{\"subject\": \"x\", \"consent\": \"$long\"}" '{"subject": "x", "expires_at": "soon"}' \
     "{\"subject\": \"x$long\"}" '{"subject": "x", "purpose": "a\nb"}'; do
     req POST /v1/subjects -H "$JSON" -d "$body"
-    problem "refused: $body" 400 malformed
+    problem "rejected: $body" 400 malformed
 done
 send POST /v1/subjects/d@ora:1/templates "$PLY" "$T/a.ply"
 is "enrolled then" "$STATUS" 201
@@ -122,17 +124,17 @@ AUTH=$manage
 # ---- on hold
 change alice '{"hold": true}'
 is "on hold" "$STATUS $(get .hold)" '200 true'
-is "an event of it" "$(events hold_subject)" "1 $id alice"
+is "its audit event" "$(events hold_subject)" "1 $id alice"
 AUTH=$delete
 for one in subjects/alice "templates/$template"; do
     req DELETE "/v1/$one"
     problem "DELETE $one" 409 on_hold
 done
 change alice '{"hold": false}'
-problem "not by who deletes" 403 insufficient_scope
+problem "the scope delete cannot end the hold" 403 insufficient_scope
 AUTH=$manage
 change alice '{"hold": false}'
-is "an event of it" "$(events release_subject)" "2 $id alice"
+is "its audit event" "$(events release_subject)" "2 $id alice"
 
 # ---- disabled, expired
 change alice '{"disabled": true}'
@@ -143,13 +145,14 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "expired" 403 subject_expired
 send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_expired
-is "it is due" "$(admin purge --due --dry-run | jq -r '.due[]')" alice
+ctl purge --due --dry-run
+is "it is due for erasure" "$(said '.due[]')" alice
 change alice '{"expires_at": "2031-01-01"}'
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified again" "$STATUS $(get .decision)" '200 match'
-is "events of it" "$(events disable_subject) $(events enable_subject)" "1 $id alice 1 $id alice"
+is "the audit events" "$(events disable_subject) $(events enable_subject)" "1 $id alice 1 $id alice"
 AUTH=$delete
 req DELETE /v1/subjects/alice
 is "erased" "$STATUS" 200
-ok "the log is whole" admin audit verify
+ctl_exits 0 audit verify
 finish

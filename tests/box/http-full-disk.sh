@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: when nothing more can be written, requests that write are refused with 503, keep no
-# half of what they were to do, and the others go on; with room again, so does all.
-# The full disk is a limit on the size of files, which every system has.
+# Goal: on a full disk requests that write get 503 and store nothing, while the others are
+# served; with room again all are served.
+# A limit on the size of files stands for the full disk.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -11,7 +11,7 @@ done
 start_daemon --no-auth
 send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
 is "enroll with room" "$STATUS" 201
-prlimit --pid "$PID" --fsize=600000 # once it runs: what a sanitizer sets up is larger
+prlimit --pid "$PID" --fsize=600000 # only now: a sanitizer's files at the start are larger
 stored=1
 STATUS=201
 for s in $(seq 2 12); do
@@ -23,16 +23,16 @@ problem "the disk is full (after $stored)" 503 storage
 is "Retry-After" "$(field Retry-After)" 1
 ok "the log says why" grep -Eq 'status=503 .*fault="' "$LOG"
 req GET "/v1/subjects/s$s"
-problem "nothing of it was kept" 404 not_found
+problem "the failed enrolment stored nothing" 404 not_found
 req GET '/v1/subjects?limit=100'
-is "all before it was" "$(get '.subjects | length')" "$stored"
+is "all enrolments before it are stored" "$(get '.subjects | length')" "$stored"
 send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
-is "verifying goes on" "$STATUS $(get .decision)" "200 match"
+is "verification is served" "$STATUS $(get .decision)" "200 match"
 alive "a full disk"
 stop_daemon
 
 start_daemon --no-auth
 send POST "/v1/subjects/s$s/templates" "$PLY" "$T/s$s.ply"
 is "enroll with room again" "$STATUS" 201
-is "the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
+is "the database is intact" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
 finish

@@ -1,16 +1,16 @@
 #!/bin/sh
-# Goal: whatever bytes are sent, the daemon answers well-formed HTTP or closes, never with
-# 500; it lives, stops cleanly, and has kept its database whole.
-# Usage: 33-http-fuzz.sh [REQUESTS [SEED]]: of each of four clients; the seed is printed.
-# Worth most on a build with sanitizers (make sanitize), whose reports and leaks fail it.
+# Goal: whatever bytes it receives, the daemon sends well-formed HTTP, but never 500, or closes
+# the connection; it keeps running, stops cleanly, and its database is intact.
+# Usage: http-fuzz.sh [REQUESTS [SEED]]: each of four clients sends REQUESTS; the seed is printed.
+# Most useful on a build with sanitizers (make sanitize): their reports and leaks fail the test.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 REQUESTS=${1:-600} SEED=${2:-33}
 [ -x "$BUILD/http_fuzz" ] || make -s BUILD="$BUILD" "$BUILD/http_fuzz" || exit 1
 
-# raw NAME METHOD TARGET [HEADER...] <BODY: a request, as it goes over the wire, into
-# $T/req.NAME.  With a Transfer-Encoding the body is cut into chunks.
-raw() {
+# record NAME METHOD TARGET [HEADER...] <BODY: writes the bytes of a request to $T/req.NAME.
+# With a Transfer-Encoding the body is sent in chunks.
+record() {
     r_name=$1 r_line="$2 $3 HTTP/1.1"
     shift 3
     cat >"$T/raw"
@@ -44,29 +44,29 @@ raw() {
 corpus() {
     for path in /healthz /readyz /metrics /openapi.json /docs /version \
         '/v1/subjects?limit=2&cursor=a' /v1/subjects/alice "/v1/templates/$id"; do
-        raw "get$(echo "$path" | tr -c 'a-z\n' _)" GET "$path" 'X-Request-Id: abc.1' </dev/null
+        record "get$(echo "$path" | tr -c 'a-z\n' _)" GET "$path" 'X-Request-Id: abc.1' </dev/null
     done
-    raw head HEAD /v1/subjects/b%40x 'Accept: */*' 'User-Agent: fuzz' </dev/null
-    raw erase DELETE /v1/subjects/b%40x 'Prefer: return=minimal, wait=5' </dev/null
-    raw delete DELETE "/v1/templates/$(printf '%032d' 0)" </dev/null
-    raw enroll POST '/v1/subjects/b%40x/templates?label=a%20b&force=true&units=mm' "$PLY" \
+    record head HEAD /v1/subjects/b%40x 'Accept: */*' 'User-Agent: fuzz' </dev/null
+    record erase DELETE /v1/subjects/b%40x 'Prefer: return=minimal, wait=5' </dev/null
+    record delete DELETE "/v1/templates/$(printf '%032d' 0)" </dev/null
+    record enroll POST '/v1/subjects/b%40x/templates?label=a%20b&force=true&units=mm' "$PLY" \
         'Idempotency-Key: "k-1"' <"$T/s.ply"
-    raw ply POST /v1/subjects/alice/verify "$PLY" 'Expect: 100-continue' <"$T/s.ply"
-    raw json POST '/v1/subjects/alice/verify?units=mm&detail=heatmap' \
+    record ply POST /v1/subjects/alice/verify "$PLY" 'Expect: 100-continue' <"$T/s.ply"
+    record json POST '/v1/subjects/alice/verify?units=mm&detail=heatmap' \
         "$JSON; charset=utf-8" <"$T/s.json"
-    raw obj POST "/v1/templates/$id/verify" 'Content-Type: model/obj' \
+    record obj POST "/v1/templates/$id/verify" 'Content-Type: model/obj' \
         'Transfer-Encoding: chunked' <"$T/s.obj"
-    raw xyz POST /v1/subjects/alice/verify 'Content-Type: text/plain' <"$T/s.xyz"
-    raw bytes POST /v1/subjects/alice/verify "$BYTES" 'Transfer-Encoding: chunked' <"$T/s.xyz"
-    gzip -c "$T/s.json" | raw gzip POST /v1/subjects/alice/verify "$JSON" \
+    record xyz POST /v1/subjects/alice/verify 'Content-Type: text/plain' <"$T/s.xyz"
+    record bytes POST /v1/subjects/alice/verify "$BYTES" 'Transfer-Encoding: chunked' <"$T/s.xyz"
+    gzip -c "$T/s.json" | record gzip POST /v1/subjects/alice/verify "$JSON" \
         'Content-Encoding: gzip'
-    zstd -qc "$T/s.ply" | raw zstd POST /v1/subjects/alice/verify "$PLY" \
+    zstd -qc "$T/s.ply" | record zstd POST /v1/subjects/alice/verify "$PLY" \
         'Content-Encoding: zstd' 'Transfer-Encoding: chunked'
-    jq -c '{a: ., b: .}' "$T/s.json" | raw compare POST /v1/compare "$JSON"
+    jq -c '{a: ., b: .}' "$T/s.json" | record compare POST /v1/compare "$JSON"
     cat "$T/req.get_healthz" "$T/req.xyz" "$T/req.head" >"$T/req.pipelined"
 }
 
-# fuzz TITLE SEED: four clients at once.
+# fuzz TITLE SEED: runs four clients at once.
 fuzz() {
     clients=
     for i in 0 1 2 3; do
@@ -78,8 +78,8 @@ fuzz() {
         is "$1: exit status of a client" $? 0
     done
     cat "$T"/fuzz.?
-    ok "$1: some were good" grep -q ' 200: ' "$T"/fuzz.?
-    ok "$1: some were bad" grep -q ' 400: ' "$T"/fuzz.?
+    ok "$1: some requests succeeded" grep -q ' 200: ' "$T"/fuzz.?
+    ok "$1: some requests failed" grep -q ' 400: ' "$T"/fuzz.?
 }
 
 for form in ply json obj xyz; do
@@ -94,12 +94,12 @@ fuzz "without tokens" "$SEED"
 alive "malformed requests"
 stop_daemon
 
-AUTH=$("$BUILD/surfacectl" --db "$DB" token create fuzz 2>/dev/null)
+AUTH=$(new_token fuzz)
 start_daemon
 corpus
 fuzz "with a token" $((SEED + 4))
 alive "malformed requests"
 ok "the log is printable" sh -c "! LC_ALL=C grep -q '[^ -~]' '$LOG'"
 stop_daemon
-is "the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
+is "the database is intact" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
 finish

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: detail=heatmap gives the signed gap at each point that was sent, in the order sent,
-# null where there is nothing to compare it with; the same from compare and from verify.  It
-# rebuilds the enrolled face, so a token without the scope detail gets nothing of that kind.
+# Goal: detail=heatmap gives the signed gap at each point of the request, in their order, null
+# where the template has no surface; compare and verify give the same.  The enrolled face can be
+# reconstructed from it, so a token without the scope detail gets nothing of that kind.
 # shellcheck disable=SC2016 # the variables are jq's
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
@@ -13,12 +13,9 @@ jq -c '{points: .points | map(select(.[0] < 25))}' "$T/b.json" >"$T/a.json"
 jq -c -n --slurpfile a "$T/a.json" --slurpfile b "$T/b.json" '{a: $a[0], b: $b[0]}' >"$T/ab.json"
 start_daemon --no-auth
 
-# shellcheck disable=SC2317 # ok calls it
-holds() { jq -e "$@" >"$T/jq"; }
-
-# heatmap TITLE CONDITION: jq's, on $m, the answer's heatmap, and $p, each [x, gap] of it
+# heatmap TITLE FILTER: jq's FILTER is true; in it $m is the response's heatmap, $p its [x, gap]s.
 heatmap() {
-    ok "$1" holds -n --slurpfile b "$T/b.json" --slurpfile m "$T/body" \
+    ok "$1" jq_true -n --slurpfile b "$T/b.json" --slurpfile m "$T/body" \
         '$m[0].heatmap as $m | $b[0].points as $b
          | ([range($b | length) | [$b[.][0], $m[.]]]) as $p | '"$2"
 }
@@ -29,21 +26,21 @@ send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ab.json"
 is "compare with a heatmap" "$STATUS $(get .decision)" "200 match"
 fits "compare with a heatmap" Verdict
 heatmap "a gap for each point of b" '($m | length) == ($b | length)'
-heatmap "null where a has nothing" \
+heatmap "null where a has no surface" \
     '$p | map(select(.[0] > 27)) | length > 100 and all(.[1] == null)'
-heatmap "else a number near 0" '$p | map(select(.[0] < 15)) | length > 1000 and
+heatmap "elsewhere a number near 0" '$p | map(select(.[0] < 15)) | length > 1000 and
     (map(select(.[1] != null and (.[1] | fabs) < 0.01)) | length) > 0.97 * length'
 cp "$T/body" "$T/first"
 jq -c '.b.points |= reverse' "$T/ab.json" >"$T/ba.json"
 send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ba.json"
-ok "b backwards: its heatmap too" holds -n --slurpfile a "$T/first" --slurpfile b "$T/body" \
+ok "b reversed: the heatmap is reversed" jq_true -n --slurpfile a "$T/first" --slurpfile b "$T/body" \
     '[$a[0].heatmap, ($b[0].heatmap | reverse)] | transpose
     | all(.[0] == .[1] or (.[0] != null and .[1] != null and (.[0] - .[1] | fabs) < 1e-4))'
 i=$(jq '.points | map(.[0] > -10 and .[0] < 10 and .[1] > 30 and .[1] < 50) | index(true)' "$T/b.json")
 jq -c --argjson i "$i" '.b.points[$i][2] += 2 | .b.points += [.b.points[11]]' "$T/ab.json" \
     >"$T/odd.json"
 send POST '/v1/compare?detail=heatmap' "$JSON" "$T/odd.json"
-ok "a point moved 2 mm to the scanner, another sent twice" holds --argjson i "$i" \
+ok "a point moved 2 mm to the scanner, another sent twice" jq_true --argjson i "$i" \
     --slurpfile a "$T/first" '.heatmap as $m | $a[0].heatmap as $n
     | ($m | length) == ($n | length) + 1 and $m[-1] == $m[11] and
       ($m[$i] - $n[$i] | . > 1.5 and . < 2.5)' "$T/body"
@@ -56,7 +53,7 @@ for route in "subjects/a" "templates/$id"; do
     send POST "/v1/$route/verify?detail=heatmap" "$JSON" "$T/b.json"
     is "verify at $route" "$STATUS" 200
     fits "verify with a heatmap" Verdict
-    ok "compare's heatmap" holds --slurpfile a "$T/first" '.heatmap == $a[0].heatmap' \
+    ok "the heatmap of compare" jq_true --slurpfile a "$T/first" '.heatmap == $a[0].heatmap' \
         "$T/body"
 done
 send POST '/v1/subjects/a/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
@@ -69,7 +66,7 @@ send POST '/v1/subjects/c/verify?detail=heatmap' 'Content-Type: text/plain' "$T/
 "$BUILD/surfacectl" explain --json "$T/c.xyz" "$T/b.xyz" --out "$T/why" >"$T/why.json" \
     2>"$T/why.err"
 is "explain's exit: no match" $? 1
-ok "explain's figures" holds --slurpfile m "$T/body" \
+ok "explain's figures" jq_true --slurpfile m "$T/body" \
     'def near(x): . - x | fabs < 1e-4; .gap as $g
     | ($m[0].heatmap | map(numbers)) as $gap | ($gap | length) as $n
     | ($gap | map(fabs) | sort) as $size
@@ -78,30 +75,31 @@ ok "explain's figures" holds --slurpfile m "$T/body" \
       and ($g.share_beyond | near(($gap | map(select(fabs > 1)) | length) / $n))
       and all($g.amount_quantiles[]; .share as $p | .mm | near($size[($p * $n | ceil) - 1]))' "$T/why.json"
 
-# Both are described alike.
+# The description has one schema for all.
 req GET /openapi.json
-is "described at all three" "$(get '[.paths[].post? | select(.parameters // [] |
+is "described for all three paths" "$(get '[.paths[].post? | select(.parameters // [] |
     any(."$ref" == "#/components/parameters/Detail")) |
     .responses["200"].content["application/json"].schema."$ref"] | [unique[], length] | @csv')" \
     '"#/components/schemas/Verdict",3'
 stop_daemon
 
-# ---- who may have it: a face is rebuilt from what a stranger's scan is told
+# ---- the scope detail: with it a face is reconstructed from a non-mated probe's response
 start_daemon
-token() { "$BUILD/surfacectl" --db "$DB" token create "$1" --scope "$1" 2>/dev/null; }
-with=$(token verify,detail) without=$(token verify) alone=$(token detail)
-scan 3 0 "$T/stranger.json"
+with=$(new_token both --scope verify,detail)
+without=$(new_token verify --scope verify)
+alone=$(new_token detail --scope detail)
+scan 3 0 "$T/other.json"
 scan 2 0 "$T/c.json"
-jq -c -n --slurpfile a "$T/stranger.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
+jq -c -n --slurpfile a "$T/other.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
 
-# told: what the last answer has that tells of the template's shape or place.
-told() {
+# revealing: the members of the last response that reveal the template's shape or position.
+revealing() {
     jq -c '[paths | map(tostring) | join(".") | select(test(
         "transform|alignment|regions|heatmap|volume|_mm2|weight_overlap|change_mm"))]' "$T/body"
 }
 
-# rebuild PROBE: the template's points, from the last answer to it.
-rebuild() {
+# reconstruct PROBE: the template's points, from the last response to PROBE.
+reconstruct() {
     jq -c -n --slurpfile m "$T/body" --slurpfile p "$1" '$m[0] | (.alignment.transform // .transform)
         as $t | [$p[0].points, .heatmap] | {points: [transpose[] | select(.[1] != null)
         | .[1] as $gap | .[0] | [$t[0] * .[0] + $t[1] * .[1] + $t[2] * .[2] + $t[3],
@@ -110,13 +108,13 @@ rebuild() {
 }
 
 AUTH=$with
-send POST '/v1/subjects/c/verify?detail=heatmap' "$JSON" "$T/stranger.json"
-is "a stranger" "$STATUS $(get .decision)" "200 no_match"
-rebuild "$T/stranger.json" >"$T/rebuilt.json"
+send POST '/v1/subjects/c/verify?detail=heatmap' "$JSON" "$T/other.json"
+is "a non-mated probe" "$STATUS $(get .decision)" "200 no_match"
+reconstruct "$T/other.json" >"$T/rebuilt.json"
 send POST /v1/subjects/c/verify "$JSON" "$T/rebuilt.json"
-is "is c by what the first answer told" "$STATUS $(get .decision)" "200 match"
-is "the answer without detail tells nothing of the kind" "$(told)" '[]'
-fits "which it has every member without" Verdict
+is "the face reconstructed from its response" "$STATUS $(get .decision)" "200 match"
+is "without detail the response reveals nothing" "$(revealing)" '[]'
+fits "without detail" Verdict
 send POST '/v1/subjects/c/verify?detail=measure' "$JSON" "$T/c.json"
 is "detail=measure" "$STATUS $(get '[(.alignment.transform | length), (.regions | type),
     (.plain | keys | tostring), has("heatmap")] | @csv')" \
@@ -128,24 +126,24 @@ for AUTH in "$without" "$alone"; do
     [ "$AUTH" = "$without" ] || lacks=verify
     for detail in measure heatmap; do
         for route in subjects/c/verify "templates/$id/verify" compare; do
-            body=$T/stranger.json
+            body=$T/other.json
             [ "$route" != compare ] || body=$T/two.json
             send POST "/v1/$route?detail=$detail" "$JSON" "$body"
             problem "detail=$detail at $route" 403 insufficient_scope "the scope $lacks"
-            ok "is told which scope it lacks" matches "$(field WWW-Authenticate)" \
+            ok "the response names the missing scope" matches "$(field WWW-Authenticate)" \
                 "insufficient_scope\", scope=\"$lacks\""
         done
     done
 done
 AUTH=$without
 send POST /v1/subjects/c/verify "$JSON" "$T/c.json"
-is "verify alone still verifies" "$STATUS $(get .decision) $(told)" "200 match []"
+is "the scope verify alone verifies" "$STATUS $(get .decision) $(revealing)" "200 match []"
 send POST /v1/compare "$JSON" "$T/two.json"
-is "and compares" "$STATUS $(get .decision) $(told)" "200 match []"
+is "and compares" "$STATUS $(get .decision) $(revealing)" "200 match []"
 for bad in all Heatmap '' measure,heatmap '%ff' "$(printf '%0100d' 1)"; do
     send POST "/v1/subjects/c/verify?detail=$bad" "$JSON" "$T/c.json"
     problem "detail=$bad" 400 invalid_parameter '^detail is measure or heatmap'
 done
 send POST '/v1/subjects/c/verify?detail=all' "$JSON" "$T/c.json"
-problem "it is named" 400 invalid_parameter "not 'all'"
+problem "the detail names it" 400 invalid_parameter "not 'all'"
 finish

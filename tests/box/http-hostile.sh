@@ -1,37 +1,38 @@
 #!/bin/sh
-# Goal: requests that are malformed on purpose get one answer or none, never a second one for
-# what was smuggled in behind, never a file or a header of the sender's; and the daemon lives.
+# Goal: requests that are malformed on purpose get one response or none: never a second one for
+# a smuggled request, a file, or a header of the attacker's; and the daemon keeps running.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 start_daemon --no-auth --timeout 2
 
-# raw BYTES: sent as they are, by printf's format; the answers are in $T/answer.
+# raw FORMAT: sends the bytes of printf's FORMAT; the responses are in $T/answer.
 raw() {
     # shellcheck disable=SC2059 # with \r\n in it
     printf "$1" | curl -sS -m 60 "telnet://${URL#http://}" >"$T/answer" 2>/dev/null
 }
 
-# statuses: of the answers, one after another.
+# statuses: of the responses, in order.
 statuses() {
     tr -d '\r' <"$T/answer" | sed -n 's/.*HTTP\/1\.[01] \([0-9]*\) .*/\1/p' | tr '\n' ' '
 }
 
-# is_problem TITLE STATUS: one response, which is a problem document, its id in the log.
+# is_problem TITLE STATUS: there is one response, a problem document, and the log has its id.
 is_problem() {
     is "$1" "$(statuses)" "$2 "
     tr -d '\r' <"$T/answer" | sed '1,/^$/d' >"$T/body"
     # shellcheck disable=SC2016 # the variable is jq's
-    ok "$1: as a problem document" jq -e --arg status "$2" '(.status | tostring) == $status
+    ok "$1: a problem document" jq_true --arg status "$2" '(.status | tostring) == $status
         and (.code | type) == "string" and .type == "urn:surfaced:problem:" + .code' "$T/body"
-    ok "$1: of that media type" grep -aq '^Content-Type: application/problem+json' "$T/answer"
+    ok "$1: its media type" grep -aq '^Content-Type: application/problem+json' "$T/answer"
     ok "$1: in the log" grep -q "request_id=$(jq -r .request_id "$T/body") .* status=$2 " "$LOG"
 }
 
-# refused TITLE STATUS BYTES: that, and the rest of the connection is not read.
+# refused TITLE STATUS FORMAT: the same, or no response if STATUS is empty; and the request behind
+# this one is not served.
 refused() {
     raw "$3$next"
     if [ -n "$2" ]; then is_problem "$1" "$2"; else is "$1" "$(statuses)" ''; fi
-    ok "$1: what came behind is not served" sh -c "! grep -aq '\"status\":\"ok\"' '$T/answer'"
+    ok "$1: the request behind it is not served" sh -c "! grep -aq '\"status\":\"ok\"' '$T/answer'"
 }
 next='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
 post='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n'
@@ -49,9 +50,9 @@ for length in '2, 2' +2 -2 0x2 '2 2' ''; do
 done
 refused "a length of 23 digits" 413 "${post}Content-Length: 99999999999999999999999\r\n\r\n{}"
 refused "a negative chunk" 400 "${post}Transfer-Encoding: chunked\r\n\r\n-1\r\n{}\r\n0\r\n\r\n"
-refused "a chunk in C's way" 400 "${post}Transfer-Encoding: chunked\r\n\r\n0x2\r\n{}\r\n0\r\n\r\n"
+refused "a chunk size as in C" 400 "${post}Transfer-Encoding: chunked\r\n\r\n0x2\r\n{}\r\n0\r\n\r\n"
 refused "an endless chunk" 413 "${post}Transfer-Encoding: chunked\r\n\r\nffffffffffffffffff\r\n{}"
-refused "a chunk longer than it says" 400 "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}XX0\r\n\r\n"
+refused "a chunk longer than its size" 400 "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}XX0\r\n\r\n"
 for coding in 'gzip, chunked' xchunked; do
     refused "Transfer-Encoding '$coding': closed" '' "${post}Transfer-Encoding: $coding\r\n\r\n$chunks"
 done
@@ -64,12 +65,12 @@ done
 for path in /v1/subjects/a%%00b /v1/subjects/a%%0d%%0aSet-Cookie:%%20x=1; do
     raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
     ok "$path: $(statuses)" grep -aq '^HTTP/1.1 400 ' "$T/answer"
-    ok "$path: no header of the sender's" sh -c "! grep -aiq '^Set-Cookie' '$T/answer'"
+    ok "$path: no injected header" sh -c "! grep -aiq '^Set-Cookie' '$T/answer'"
 done
 raw "GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: a\tb<script>\r\nConnection: close\r\n\r\n"
-ok "an id that is none is not sent back" sh -c "! grep -aq script '$T/answer'"
+ok "an invalid request id is not sent back" sh -c "! grep -aq script '$T/answer'"
 raw "TRACE / HTTP/1.1\r\nHost: x\r\nCookie: secret\r\nConnection: close\r\n\r\n"
-ok "TRACE gives nothing back" sh -c "! grep -aq secret '$T/answer'"
+ok "TRACE sends nothing back" sh -c "! grep -aq secret '$T/answer'"
 for line in 'GET /healthz' 'GET /healthz HTTX/1.1' 'GET /healthz HTTP/2.0' 'PRI * HTTP/2.0' \
     'CONNECT a:1 HTTP/1.1' 'GET http://other/healthz HTTP/1.1'; do
     raw "$line\r\nHost: x\r\nConnection: close\r\n\r\n"

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Goal: trying faces or tokens is rate-limited; others are not affected, a restart forgets nothing,
-# and many tries at once are no way round it.
+# Goal: repeated failed verifications lock a subject out, and repeated failed authentication is
+# rate-limited per address; others are not affected, the lock-out survives a restart, and
+# parallel requests cannot exceed the limits.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -9,24 +10,26 @@ verify() {
     send POST "/v1/subjects/$1/verify${3:-}" "$PLY" "$2"
 }
 
-# told TITLE DECISION: the last verification was answered.
-told() {
+# decides TITLE DECISION: the last verification gave this decision.
+decides() {
     is "$1" "$STATUS $(get .decision)" "200 $2"
 }
 
-# waits TITLE SECONDS: it was not, for at most so long and hardly less.
-waits() {
+# locked_out TITLE SECONDS: the last verification was rejected because of a lock-out, of which at
+# most SECONDS are left, and more than SECONDS - 100.
+locked_out() {
     problem "$1" 429 too_many_attempts
     wait_s=$(field Retry-After)
-    ok "$1: waits $wait_s s of $2" test "${wait_s:-0}" -le "$2" -a "${wait_s:-0}" -gt $(($2 - 100))
-    ok "$1: tells nothing" sh -c "! grep -q disparity '$T/body'"
+    ok "$1: $wait_s s of $2 are left" test "${wait_s:-0}" -le "$2" -a "${wait_s:-0}" -gt $(($2 - 100))
+    ok "$1: no disparity" sh -c "! grep -q disparity '$T/body'"
 }
 
-# later SECONDS: so long ago the last failure was, for all subjects.
+# later SECONDS: moves all subjects' last failures that far into the past.
 later() {
     sqlite3 "$DB" "UPDATE attempts SET at_ms = at_ms - $1 * 1000"
 }
 
+# failures SUBJECT: the number that counts towards its lock-out.
 failures() {
     "$BUILD/surfacectl" --db "$DB" --json attempts list |
         jq --arg who "$1" '[.attempts[] | select(.subject == $who).failures] | add // 0'
@@ -43,86 +46,86 @@ alice=$(get .template_id)
 send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 for i in 1 2; do
     verify alice "$T/b.ply"
-    told "failure $i" no_match
+    decides "failure $i" no_match
 done
 verify alice "$T/a1.ply"
-told "a match" match
-is "begins the count anew" "$(failures alice)" 0
+decides "a match" match
+is "it resets the count" "$(failures alice)" 0
 verify alice "$T/b.ply"
-told "a failure" no_match
+decides "a failure" no_match
 verify alice "$T/b.ply" '?threshold_mm=1000'
-is "a threshold of the request's own" "$STATUS" 400
-is "is no attempt" "$(failures alice)" 1
+is "a threshold in the request" "$STATUS" 400
+is "it is not an attempt" "$(failures alice)" 1
 verify alice "$T/a1.ply"
-told "another match" match
-is "begins it anew too" "$(failures alice)" 0
+decides "another match" match
+is "it resets the count too" "$(failures alice)" 0
 printf 'ply\n' >"$T/bad"
 verify alice "$T/bad"
-is "what is no scan" "$STATUS" 400
-is "is no attempt" "$(failures alice)" 0
+is "a malformed scan" "$STATUS" 400
+is "it is not an attempt either" "$(failures alice)" 0
 for i in 1 2; do
     verify alice "$T/b.ply"
-    told "failure $i again" no_match
+    decides "failure $i again" no_match
 done
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/b.ply"
-told "the third, by template" no_match
+decides "the third, by template" no_match
 verify alice "$T/a1.ply"
-waits "the right face" 300
+locked_out "a mated probe" 300
 verify alice "$T/bad"
-waits "before the body is looked at" 300
+locked_out "before the body is parsed" 300
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
-waits "by template" 300
+locked_out "by template" 300
 verify alice "$T/a1.ply" '?units=mm'
-waits "by another query" 300
-is "waiting is no failure" "$(failures alice)" 3
+locked_out "with another query" 300
+is "rejected requests are not failures" "$(failures alice)" 3
 verify bob "$T/b.ply"
-told "somebody else does not wait" match
+decides "another subject is not locked out" match
 verify nobody "$T/b.ply"
-problem "nor who is not there" 404 not_found
+problem "an unknown subject" 404 not_found
 
 stop_daemon
 start_daemon --no-auth --attempt-wait 300
 verify alice "$T/a1.ply"
-waits "after a restart" 300
+locked_out "after a restart" 300
 later 301
 verify alice "$T/b.ply"
-told "when the time is over" no_match
+decides "after the lock-out" no_match
 verify alice "$T/a1.ply"
-waits "twice as long" 600
+locked_out "twice as long" 600
 later 601
 verify alice "$T/b.ply"
 verify alice "$T/a1.ply"
-waits "four times" 1200
+locked_out "four times as long" 1200
 sqlite3 "$DB" "UPDATE attempts SET failures = 60"
 verify alice "$T/a1.ply"
-waits "a day at most" 86400
+locked_out "a day at most" 86400
 sqlite3 "$DB" "UPDATE attempts SET failures = 3, at_ms = at_ms + 86400000"
 verify alice "$T/a1.ply"
-waits "after the clock was set back" 300
+locked_out "after the clock was set back" 300
 later 301
 verify alice "$T/a1.ply"
-told "a match after waiting" match
-is "ends it" "$(failures alice)" 0
+decides "a match after the lock-out" match
+is "it ends the lock-out" "$(failures alice)" 0
 for i in 1 2 3; do
     verify alice "$T/b.ply"
 done
 verify alice "$T/a1.ply"
-waits "again" 300
+locked_out "again" 300
 ctl attempts list
 is "surfacectl attempts list" "$(jq -c '.attempts | map([.subject, .failures])' "$T/ctl")" \
     '[["alice",3]]'
 ctl attempts reset alice
 verify alice "$T/a1.ply"
-told "surfacectl attempts reset, at once" match
+decides "surfacectl attempts reset, at once" match
 for i in 1 2 3; do
     verify alice "$T/b.ply"
 done
 req DELETE /v1/subjects/alice
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 verify alice "$T/a1.ply"
-told "a new subject of that name" match
+decides "a new subject of that name" match
 
-# ---- many at once
+# ---- parallel attempts
 i=0
 : >"$T/urls"
 while [ $i -lt 24 ]; do
@@ -132,30 +135,30 @@ while [ $i -lt 24 ]; do
 done
 sed -i 1d "$T/urls"
 curl -sS -m 120 --parallel --parallel-max 24 -K "$T/urls" >"$T/codes" 2>"$T/curl"
-is "24 tries at once" "$(sort "$T/codes" | uniq -c | tr -s ' ' | tr '\n' ';')" ' 3 200; 21 429;'
-is "are 3" "$(failures alice)" 3
+is "24 attempts at once" "$(sort "$T/codes" | uniq -c | tr -s ' ' | tr '\n' ';')" ' 3 200; 21 429;'
+is "only 3 are decided" "$(failures alice)" 3
 stop_daemon
 
-# ---- otherwise, and off
+# ---- other limits, and none
 start_daemon --no-auth --attempts 1 --attempt-wait 2000
 ctl attempts reset alice
 verify alice "$T/b.ply"
-told "--attempts 1" no_match
+decides "--attempts 1" no_match
 verify alice "$T/a1.ply"
-waits "--attempts 1 --attempt-wait 2000" 2000
+locked_out "--attempts 1 --attempt-wait 2000" 2000
 stop_daemon
 start_daemon --no-auth --attempts 0
 for i in 1 2 3 4 5 6; do
     verify alice "$T/b.ply"
-    told "--attempts 0: failure $i" no_match
+    decides "--attempts 0: failure $i" no_match
 done
 verify alice "$T/a1.ply"
-told "--attempts 0" match
+decides "--attempts 0" match
 stop_daemon
 
 # ---- tokens
-# wrong N: so many different ones.
-wrong() {
+# send_wrong N: sends N requests, each with another wrong token.
+send_wrong() {
     i=0
     while [ $i -lt "$1" ]; do
         tried=$((tried + 1))
@@ -165,39 +168,37 @@ wrong() {
     done
 }
 tried=0
-ctl token create known
-known=$(jq -r .token "$T/ctl")
-ctl token create unknown
-unknown=$(jq -r .token "$T/ctl")
-start_daemon --rate-limit-tokens 1 # so that the test has a minute
+known=$(new_token known)
+unused=$(new_token unused)
+start_daemon --rate-limit-tokens 1 # one a minute: the test has a minute
 AUTH=$known
 req GET /v1/subjects
-is "a right token" "$STATUS" 200
-wrong 1
+is "a valid token" "$STATUS" 200
+send_wrong 1
 problem "a wrong one" 401 unauthorized
-wrong 1
+send_wrong 1
 problem "another" 429 too_many_wrong_tokens
 ok "Retry-After: $(field Retry-After)" matches "$(field Retry-After)" '^([1-9]|[1-5][0-9]|60)$'
 is "no WWW-Authenticate" "$(field WWW-Authenticate)" ''
-AUTH=$unknown
+AUTH=$unused
 req GET /v1/subjects
-problem "a right one that was not seen before" 429 too_many_wrong_tokens
+problem "a valid one that this address has not used before" 429 too_many_wrong_tokens
 AUTH=$known
 req GET /v1/subjects
-is "one that was" "$STATUS" 200
+is "one that it has used" "$STATUS" 200
 AUTH=''
 req GET /v1/subjects
-problem "none" 401 unauthorized
+problem "no token" 401 unauthorized
 req GET /healthz
-is "where none is asked for" "$STATUS" 200
+is "a path that needs none" "$STATUS" 200
 ctl token revoke "$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'known'")"
 AUTH=$known
 req GET /v1/subjects
-problem "revoked meanwhile" 401 unauthorized
+problem "a revoked token" 401 unauthorized
 req GET /v1/subjects
-problem "and then a wrong one" 429 too_many_wrong_tokens
+problem "after that it is a wrong one" 429 too_many_wrong_tokens
 stop_daemon
 start_daemon --rate-limit-tokens 0
-wrong 40
+send_wrong 40
 problem "--rate-limit-tokens 0" 401 unauthorized
 finish

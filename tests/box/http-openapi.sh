@@ -1,8 +1,8 @@
 #!/bin/sh
-# Goal: the API's description is valid and true.  Every operation that it describes is asked
-# of the daemon so that every status that it describes comes, and each answer, body and
-# headers, is held against what is said of it; so are its own examples.  A status that is
-# not described fails, and one that never comes fails unless it is named in UNSEEN.
+# Goal: the API's description is valid and true.  The script sends requests for every described
+# operation, so that every described status occurs, and checks each response, body and headers,
+# against its description; also the description's own examples.  An undescribed status fails the
+# test; so does a described one that never occurs, unless UNSEEN names it.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 command -v jsonschema >/dev/null 2>&1 || {
@@ -10,8 +10,8 @@ command -v jsonschema >/dev/null 2>&1 || {
     exit 0
 }
 
-# What cannot be brought about from outside: METHOD PATH STATUS, * for any.
-# 500, 503: these touch neither the database nor the queue, and fail for want of memory alone.
+# Responses that no request can cause: METHOD PATH STATUS.
+# 503: these use neither the database nor the queue, and fail only without memory.
 UNSEEN='GET /healthz 503
 GET /metrics 503
 GET /openapi.json 503
@@ -21,16 +21,16 @@ GET /version 503'
 LIMIT=200000
 SEEN=$T/seen
 
-# ---- asking
+# ---- requests
 
-# note METHOD PATH: keep the last answer for the end.
+# note METHOD PATH: keeps the last response for the checks at the end.
 note() {
     n_type=$(field Content-Type)
     case $n_type in
     *json) n_read=--slurpfile ;;
     *) n_read=--rawfile ;;
     esac
-    # A header twice: its values together, which no pattern here allows.
+    # A repeated header gets its values joined, which no pattern here allows.
     tr -d '\r' <"$T/head" | sed -n '/^HTTP/d; s/^\([^:]*\): \(.*\)$/\L\1\E\t\2/p' |
         jq -R -s 'split("\n") | map(select(. != "") | split("\t")) | group_by(.[0])
             | map({key: .[0][0], value: (map(.[1]) | join(", "))}) | from_entries' >"$T/headers"
@@ -40,7 +40,7 @@ note() {
           body: (if $b | type == "array" then $b[0] else $b end)}' >>"$SEEN"
 }
 
-# ask METHOD PATH WANTED-STATUS [CURL-OPTION...]
+# ask METHOD PATH WANTED-STATUS [CURL-OPTION...]: sends a request and notes the response.
 ask() {
     a_method=$1 a_path=$2 a_status=$3
     shift 3
@@ -49,22 +49,22 @@ ask() {
     note "$a_method" "$a_path"
 }
 
-# put METHOD PATH WANTED-STATUS TYPE FILE [CURL-OPTION...]
+# put METHOD PATH WANTED-STATUS TYPE FILE [CURL-OPTION...]: the same with FILE as the body.
 put() {
     p_method=$1 p_path=$2 p_status=$3 p_type=$4 p_file=$5
     shift 5
     ask "$p_method" "$p_path" "$p_status" -H "$p_type" --data-binary "@$p_file" "$@"
 }
 
-# select_operations FILTER: those that the jq filter selects, a line each, into $T/each.
+# select_operations FILTER: writes the operations that jq's FILTER selects to $T/each, one a line.
 select_operations() {
     jq -r "$OPERATIONS | select($1) | [.method, .asked, (.body | tojson)] | @tsv" \
         "$T/api" >"$T/each"
     ok "some operations: $1" test -s "$T/each"
 }
 
-# each WANTED-STATUS FILTER [CURL-OPTION...]: ask the operations, by the examples of the
-# parameters in their paths.
+# each WANTED-STATUS FILTER [CURL-OPTION...]: sends a request for each of these operations, with
+# the examples of the parameters in its path.
 each() {
     e_status=$1
     select_operations "$2"
@@ -74,7 +74,7 @@ each() {
     done <"$T/each"
 }
 
-# jq: the document's operations, with references followed one step.
+# A jq program: the document's operations, with references resolved one step.
 # shellcheck disable=SC2016 # the variables are jq's
 OPERATIONS='. as $d
     | def deref: if type == "object" and has("$ref")
@@ -99,34 +99,34 @@ jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/ab.json"
 jq -r '.points[] | map(tostring) | join(" ")' "$T/a2.json" >"$T/a2.xyz"
 AUTH=
 start_daemon --workers 1 --queue 1 --max-body $LIMIT
-TOKEN=$("$BUILD/surfacectl" --db "$DB" token create one 2>/dev/null)
+TOKEN=$(new_token one)
 curl -sS -o "$T/api" "$URL/openapi.json"
 
 # ---- the document itself
 jsonschema -i "$T/api" tests/box/openapi-3.1.schema.json >"$T/body" 2>&1
 is "it is OpenAPI 3.1" $? 0
-# One code stands for what no request can bring about.
+# No request can cause the code forbidden.
 is "its codes are the daemon's" \
     "$(jq -r '.components.schemas.Problem.properties.code.enum[]' "$T/api" | sort)" \
     "$(sed -n 's/.*{[0-9]*, "\([a-z_]*\)",.*/\1/p' server/errmap.c |
         grep -vx forbidden | sort -u)"
-is "its names of operations differ" "$(jq -r '.paths[][] | .operationId? // empty' "$T/api" |
+is "operation ids that occur twice" "$(jq -r '.paths[][] | .operationId? // empty' "$T/api" |
     sort | uniq -d)" ""
-is "every body has an example" "$(jq -c 'paths(objects | has("schema") and (has("in") or has("required") | not)
+is "bodies without an example" "$(jq -c 'paths(objects | has("schema") and (has("in") or has("required") | not)
     and (has("example") or has("examples") | not) and (.schema | has("const") | not))
     | select(.[-2] == "content")' "$T/api")" ""
 
-# ---- without a token, and what asks for none
+# ---- without a token, with a wrong scope, and the public paths
 each 401 '.open | not'
 ask GET /v1/subjects 401 -H 'Authorization: Bearer 0123456789abcdef'
 each 200 .open
 for scope in verify read; do
-    AUTH=$("$BUILD/surfacectl" --db "$DB" token create "$scope" --scope "$scope" 2>/dev/null)
+    AUTH=$(new_token "$scope" --scope "$scope")
     each 403 "(.open | not) and .scope != \"$scope\""
 done
 AUTH=$TOKEN
 
-# ---- refused for what the headers and parameters say
+# ---- bad headers and parameters
 head -c $((LIMIT + 1)) /dev/zero >"$T/big"
 each 413 true -H "$BYTES" --data-binary "@$T/big"
 rm "$T/big"
@@ -145,11 +145,11 @@ put POST '/v1/compare?detail=x' 400 "$JSON" "$T/ab.json"
 select_operations true
 while IFS="$(printf '\t')" read -r e_method e_path _; do
     ask "$e_method" "$e_path?threshold_mm=1000" 400
-    is "it is named" "$(get '.detail | contains("parameter threshold_mm here")')" true
+    is "the detail names it" "$(get '.detail | contains("parameter threshold_mm here")')" true
 done <"$T/each"
 put POST '/v1/asymmetry?units=inch' 400 "$PLY" "$T/a.ply"
 
-# ---- nobody is enrolled, then somebody
+# ---- before and after an enrolment
 each 404 '(.method | IN("GET", "DELETE")) and (.params | any(.in == "path"))'
 put POST /v1/subjects/alice/verify 404 "$PLY" "$T/a.ply"
 put POST /v1/templates/00000000000000000000000000000000/verify 404 "$PLY" "$T/a.ply"
@@ -171,13 +171,13 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?units=0" 400 "$JSON" "$T/a2.json"
 done
-# before the first scan
+# a subject before its first sample
 echo '{"subject": "dora", "consent": "C-18"}' >"$T/new"
 put POST /v1/subjects 201 "$JSON" "$T/new"
 put POST /v1/subjects 409 "$JSON" "$T/new"
 echo '{"subject": "dora", "hold": true}' >"$T/new"
 put POST /v1/subjects 400 "$JSON" "$T/new"
-# what is noted of it
+# changing it
 MERGE='Content-Type: application/merge-patch+json'
 echo '{"consent": "C-17", "expires_at": "2031-01-31", "hold": true}' >"$T/change"
 put PATCH /v1/subjects/nobody 404 "$MERGE" "$T/change"
@@ -211,13 +211,13 @@ for one in subjects/alice "templates/$id"; do
     is "expired" "$(get .code)" subject_expired
 done
 put POST /v1/subjects/alice/templates 403 "$PLY" "$T/a.ply"
-is "nor here" "$(get .code)" subject_expired
+is "not enrolled either" "$(get .code)" subject_expired
 echo '{"expires_at": null}' >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
-# The examples of clouds are read, and are too short to be taken.
+# The examples of clouds are parsed, and have too few points.
 select_operations '.body and (.path | test("subjects(/{subject})?$") | not)'
 while IFS="$(printf '\t')" read -r e_method e_path e_body; do
     printf '%s' "$e_body" >"$T/sent"
@@ -235,17 +235,17 @@ put POST '/v1/subjects/alice/templates?label=scanner%201' 404 "$PLY" "$T/a.ply" 
 put POST /v1/subjects/bob/templates 201 "$PLY" "$T/a.ply"
 ask DELETE /v1/subjects/bob 204 -H "$MIN"
 
-# ---- no room in the queue: the one worker waits for the database, which another process
-# has locked, and one more request waits for the worker.
+# ---- a full queue: the only worker waits for the database, which another process has locked,
+# and one more request waits for the worker.
 hold_db 'BEGIN IMMEDIATE'
-crowd=
+clients=
 for _ in 1 2 3; do
     while [ ! -e "$T/enough" ]; do
         curl -sS -m 60 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" \
-            --data-binary "@$T/b.ply" "$URL/v1/subjects/crowd/templates"
+            --data-binary "@$T/b.ply" "$URL/v1/subjects/busy/templates"
         sleep 0.1
     done &
-    crowd="$crowd $!"
+    clients="$clients $!"
 done
 select_operations '.responses["503"] and .path != "/readyz"'
 printf 'GET\t/readyz\tnull\n' >>"$T/each"
@@ -258,19 +258,19 @@ while IFS="$(printf '\t')" read -r e_method e_path e_body; do
         req "$e_method" "$e_path" "$@"
         [ "$STATUS" != 503 ] || break
     done
-    is "$e_method $e_path, no room" "$STATUS" 503
+    is "$e_method $e_path, a full queue" "$STATUS" 503
     note "$e_method" "$e_path"
 done <"$T/each"
 : >"$T/enough"
 release_db
 # shellcheck disable=SC2086 # a list
-wait $crowd
+wait $clients
 
-# ---- a database that is not one
+# ---- a damaged database
 sqlite3 "$DB" 'ALTER TABLE tokens RENAME TO gone'
 each 500 '.responses["500"]' -d x
 
-# ---- too many tries
+# ---- lock-out and rate limit
 sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
@@ -289,17 +289,17 @@ while IFS="$(printf '\t')" read -r e_method e_path _; do
     note "$e_method" "$e_path"
 done <"$T/each"
 
-# ---- every answer against the description
+# ---- every response against the description
 # shellcheck disable=SC2016 # the variables are jq's
 jq -n --slurpfile doc "$T/api" --slurpfile seen "$SEEN" --arg unseen "$UNSEEN" '
     $doc[0] | . as $doc | [ '"$OPERATIONS"' ] as $ops
-    # What the daemon writes has no member that is not described.
+    # No response has a member that is not described.
     | def strict: walk(if type == "object" and .properties and .type == "object"
             then .additionalProperties = false else . end);
     def closed: if type == "object" and (has("$ref") or has("allOf"))
         then .unevaluatedProperties = false else . end;
     def examples: if has("example") then .example else (.examples // {})[].value end;
-    def answer($op; $r): $op.responses[$r.status] as $a
+    def schema_of($op; $r): $op.responses[$r.status] as $a
         | {properties: {
             type: {enum: (if $a.content == null or $r.body == "" then [""]
                           else $a.content | keys end)},
@@ -315,7 +315,7 @@ jq -n --slurpfile doc "$T/api" --slurpfile seen "$SEEN" --arg unseen "$UNSEEN" '
         | [$ops[] | select(.method == $r.method) | . as $op
             | select($r.path | test("^" + ($op.path | gsub("\\{[^}]*\\}"; "[^/]+")) + "$"))][0]
         | {name: $name, value: $r, key: "\(.method) \(.path) \($r.status)",
-           schema: (if .responses[$r.status] then answer(.; $r) else null end)}] as $answers
+           schema: (if .responses[$r.status] then schema_of(.; $r) else null end)}] as $got
     | [$ops[] | . as $op | "\(.method) \(.path)" as $name
         | (.params[] | {name: "\($name) \(.name)", schema: .schema, value: .example}),
           (.request | to_entries[] | {name: "\($name) \(.key)", schema: .value.schema,
@@ -327,31 +327,31 @@ jq -n --slurpfile doc "$T/api" --slurpfile seen "$SEEN" --arg unseen "$UNSEEN" '
                 name: "\($name) \($s) \(.key)", schema: .value.schema,
                 value: .value.example}))]
       | to_entries | map(.value + {name: "example \(.key): \(.value.name)"}) as $examples
-    | ([$answers[].key] | unique) as $came
+    | ([$got[].key] | unique) as $came
     | [$ops[] | .responses as $r | "\(.method) \(.path) \($r | keys[])"] as $described
     | ($unseen / "\n") as $unseen
-    | {undocumented: [$answers[] | select(.schema == null) | .name],
+    | {undocumented: [$got[] | select(.schema == null) | .name],
        never: ($described - $came - $unseen),
        in_vain: ($unseen - ($described - $came)),
-       count: ($answers | length),
-       instance: [$answers[], $examples[] | {key: .name, value: .value}] | from_entries,
+       count: ($got | length),
+       instance: [$got[], $examples[] | {key: .name, value: .value}] | from_entries,
        schema: {
          "$schema": "https://json-schema.org/draft/2020-12/schema",
          "$defs": $doc.components.schemas,
          components: ($doc.components | .schemas |= with_entries(
              if .key | IN("Problem", "Mismatch") then . else .value |= strict end)),
-         properties: ([$answers[], $examples[] | select(.schema != null)
+         properties: ([$got[], $examples[] | select(.schema != null)
              | {key: .name, value: .schema}] | from_entries)}}' >"$T/all"
-is "answers that are not described" "$(jq -c .undocumented "$T/all")" '[]'
-is "described, and never seen" "$(jq -c .never "$T/all")" '[]'
-is "named in UNSEEN, and seen or not described" "$(jq -c .in_vain "$T/all")" '[]'
-is "problems whose status or request_id is another" "$(jq -c 'select(.type == "application/problem+json")
+is "responses that are not described" "$(jq -c .undocumented "$T/all")" '[]'
+is "described responses that never occurred" "$(jq -c .never "$T/all")" '[]'
+is "in UNSEEN, but occurred or not described" "$(jq -c .in_vain "$T/all")" '[]'
+is "problems whose status or request_id differs from the header's" "$(jq -c 'select(.type == "application/problem+json")
     | select((.body.status | tostring) != .status
         or .body.request_id != .headers["x-request-id"]) | .path' "$SEEN")" ''
 jq .instance "$T/all" >"$T/instance"
 jq .schema "$T/all" >"$T/schema"
 jsonschema --error-format '{error.json_path}: {error.message}
 ' -i "$T/instance" "$T/schema" >"$T/out" 2>&1
-is "$(jq .count "$T/all") answers as described" $? 0
+is "$(jq .count "$T/all") responses as described" $? 0
 grep '^\$' "$T/out" | cut -c 1-400
 finish

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: every route does what the interface promises, with both forms of cloud.
+# Goal: every route works as described, with every format of clouds.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -27,10 +27,10 @@ req GET /openapi.json
 is "openapi's version" "$STATUS $(get .info.version)" "200 $version"
 is "openapi's format" "$(get .openapi)" 3.1.0
 # shellcheck disable=SC2016 # $d is jq's
-ok "openapi's references lead somewhere" jq -e '. as $d
+ok "openapi's references resolve" jq_true '. as $d
     | [.. | objects | ."$ref"? // empty | ltrimstr("#/") / "/"]
-    | all(. as $p | $d | getpath($p) != null)' "$T/body" >/dev/null
-# Every route it describes is there: an id that is not known gives 404 by its own code.
+    | all(. as $p | $d | getpath($p) != null)' "$T/body"
+# Every described route exists: an unknown id gives 404 with another code than an unknown route.
 jq -r '.paths | to_entries[] | .key as $p | .value | keys[]
        | select(. != "parameters") | ascii_upcase + " " + $p' "$T/body" >"$T/routes"
 is "openapi's routes" "$(wc -l <"$T/routes" | tr -d ' ')" 18
@@ -40,7 +40,7 @@ while read -r method path; do
     POST) send POST "$path" "$JSON" /dev/null ;;
     *) req "$method" "$path" ;;
     esac
-    ok "$method $path is there, not $STATUS $(get .code)" test \
+    ok "$method $path exists, not $STATUS $(get .code)" test \
         "$(get .code)" != no_such_route -a "$STATUS" != 405
 done <"$T/routes"
 
@@ -58,15 +58,15 @@ is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 500
 cp "$T/body" "$T/first"
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "the same cloud again" "$STATUS" 200
-ok "gives the same template" cmp -s "$T/body" "$T/first"
+ok "the same template" cmp -s "$T/body" "$T/first"
 send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
-problem "another's sample" 409 sample_mismatch
-ok "tells the disparity" jq -e '.decision == "no_match" and .disparity_mm > .threshold_mm' \
-    "$T/body" >/dev/null
+problem "another subject's sample" 409 sample_mismatch
+ok "with its disparity" jq_true '.decision == "no_match" and .disparity_mm > .threshold_mm' \
+    "$T/body"
 awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
 send POST /v1/subjects/alice/templates 'Content-Type: text/plain' "$T/part.xyz"
-problem "a part of the face, nothing to compare" 409 sample_mismatch "too little in common"
-is "and says so" "$(get '[.decision, (.disparity_mm, .threshold_mm | type)] | @csv')" \
+problem "a part of the face, inconclusive" 409 sample_mismatch "too little in common"
+is "with its decision" "$(get '[.decision, (.disparity_mm, .threshold_mm | type)] | @csv')" \
     '"inconclusive","number","number"'
 req GET /v1/subjects/alice
 is "nothing was stored" "$(get '.templates | length')" 1
@@ -97,8 +97,8 @@ is "regions" "$(get '.regions | type')" object
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 is "verify against one template" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
-is "verify another's scan" "$STATUS $(get .decision)" "200 no_match"
-# A threshold of the request's own would make a match of anybody, in the audit log as well.
+is "verify another subject's scan" "$STATUS $(get .decision)" "200 no_match"
+# With a threshold of its own a request could make any probe match, in the audit log as well.
 logged=$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")
 for one in subjects/alice "templates/$id"; do
     for value in 1e9 0 x ''; do
@@ -110,7 +110,7 @@ done
 jq -c '. + {threshold_mm: 1e9}' "$T/a2.json" >"$T/own.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/own.json"
 problem "as a member" 400 malformed 'the body has points and units, not threshold_mm'
-is "nothing was decided by it" \
+is "no verification was logged" \
     "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")" "$logged"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
 is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
@@ -143,11 +143,11 @@ is "the body's units win" "$STATUS $(get .decision)" "200 match"
 send POST '/v1/subjects/alice/verify?units=cm' "$JSON" "$T/cm.json"
 is "centimetres" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$JSON" "$T/cm.json"
-problem "centimetres taken for mm" 422 units_suspicious
+problem "centimetres declared as mm" 422 units_suspicious
 send POST '/v1/subjects/alice/verify?units=inch' "$PLY" "$T/a2.ply"
 problem "units=inch" 400 invalid_parameter
 
-# ---- several templates: the lowest disparity wins
+# ---- several templates: the lowest disparity decides
 send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/b.ply"
 is "force" "$STATUS" 201
 other=$(get .template_id)
@@ -156,10 +156,10 @@ is "the best of two" "$(get '[.decision, .templates_compared, .template_id] | @t
     "$(printf 'match\t2\t%s' "$other")"
 scan 2 5 "$T/b5.ply" --pose 5 --shift 5
 send POST /v1/subjects/alice/templates "$PLY" "$T/b5.ply"
-is "a sample that fits the second template alone" "$STATUS" 201
+is "a sample that matches the second template only" "$STATUS" 201
 req DELETE "/v1/templates/$(get .template_id)"
 send POST '/v1/subjects/alice/templates?force=true' 'Content-Type: text/plain' "$T/part.xyz"
-is "force, with nothing to compare" "$STATUS" 201
+is "force, inconclusive" "$STATUS" 201
 req DELETE "/v1/templates/$(get .template_id)"
 is "without it" "$STATUS" 204
 
@@ -176,7 +176,7 @@ echo '{"a": {"points": []}}' >"$T/x"
 send POST /v1/compare "$JSON" "$T/x"
 problem "compare one cloud" 400 malformed 'b is not an object'
 
-# ---- look and delete
+# ---- read and delete
 req GET "/v1/templates/$id"
 ok "the description again" cmp -s "$T/body" "$T/first"
 req HEAD "/v1/templates/$id"
@@ -211,17 +211,17 @@ problem "delete it again" 404 not_found
 send POST "/v1/templates/$other/verify" "$PLY" "$T/b.ply"
 problem "verify against it" 404 not_found
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
-is "it matches no more" "$(get '[.decision, .templates_compared] | @tsv')" \
+is "it does not match any more" "$(get '[.decision, .templates_compared] | @tsv')" \
     "$(printf 'no_match\t1')"
-# Beside the daemon: what it has in memory must not match either.
+# If another process deletes a template, the daemon's cache must not match either.
 send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
-is "f-4 is decoded" "$STATUS $(get .decision)" "200 match"
+is "f-4 is in the cache" "$STATUS $(get .decision)" "200 match"
 f4=$(get .template_id)
 sqlite3 "$DB" "DELETE FROM templates WHERE id = '$f4'"
 send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
-problem "deleted behind our back" 404 not_found
+problem "deleted by another process" 404 not_found
 send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
-problem "the template alike" 404 not_found
+problem "by template too" 404 not_found
 req DELETE /v1/subjects/alice
 is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
 fits erase Erased
@@ -235,11 +235,11 @@ req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found
 fits "an error" Problem
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "verify the erased" 404 not_found
+problem "verify an erased subject" 404 not_found
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
-problem "nor by template" 404 not_found
+problem "or its template" 404 not_found
 
-# ---- what is not there
+# ---- routes and methods that do not exist
 for path in / /v1 /v1/ /v1/subjects/ /v1/subjects//verify /v1/identify \
     /v2/subjects /v1/subjects/x/y /healthz/ /v1/subjects/x/templates/y; do
     req GET "$path"
@@ -258,10 +258,10 @@ problem "POST healthz" 405 method_not_allowed
 
 # ---- request ids
 req GET /healthz -H 'X-Request-Id: abc.DEF-1_2'
-is "taken" "$(field X-Request-Id)" abc.DEF-1_2
+is "a valid one is used" "$(field X-Request-Id)" abc.DEF-1_2
 for bad in 'a b' 'a"b' "$(printf '%065d' 1)" '<x>'; do
     req GET /healthz -H "X-Request-Id: $bad"
-    ok "made instead of '$bad'" matches "$(field X-Request-Id)" '^[0-9a-f]{8}-[0-9a-f]{8}$'
+    ok "'$bad' is replaced" matches "$(field X-Request-Id)" '^[0-9a-f]{8}-[0-9a-f]{8}$'
 done
 
 # ---- metrics and log

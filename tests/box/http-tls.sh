@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: TLS 1.2 and 1.3 with sound ciphers and nothing else, certificates read again on
-# SIGHUP, clients known by theirs; and where the daemon listens: beyond loopback only with
-# TLS or by --plaintext, on a Unix socket, on a socket that was passed.
+# Goal: only TLS 1.2 and 1.3 with strong ciphers; SIGHUP reads the certificates again; client
+# certificates are verified; and where the daemon listens: beyond loopback only with TLS or
+# --plaintext, on a Unix socket, on a socket that was passed to it.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 command -v openssl >/dev/null 2>&1 || {
@@ -9,7 +9,7 @@ command -v openssl >/dev/null 2>&1 || {
     exit 0
 }
 
-# ---- certificates: issue NAME CA PURPOSE [DAYS] makes $T/NAME.pem and its key
+# ---- certificates: issue NAME CA PURPOSE [DAYS] makes $T/NAME.pem and $T/NAME.key
 new_key() {
     openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out "$T/$1.key" &&
         chmod 600 "$T/$1.key"
@@ -27,12 +27,12 @@ issue() {
 }
 {
     authority ca
-    authority stranger
+    authority other
     issue one ca serverAuth
     issue two ca serverAuth
     issue old ca serverAuth -1
     issue client ca clientAuth
-    issue impostor stranger clientAuth
+    issue impostor other clientAuth
 } >"$T/openssl" 2>&1 || {
     cat "$T/openssl"
     ok "certificates are made" false
@@ -40,32 +40,30 @@ issue() {
 }
 tls="--tls-cert $T/one.pem --tls-key $T/one.key"
 
-# ---- what is refused at the start
+# ---- bad options and files
+# refuse TITLE STATUS PATTERN OPTION...: the daemon does not start.
 refuse() {
     r_title=$1 r_status=$2 r_pattern=$3
     shift 3
-    timeout 20 "$BUILD/surfaced" --db "$DB" "$@" >"$T/out" 2>&1
-    is "$r_title: exit status" $? "$r_status"
-    ok "$r_title: '$(head -n 3 "$T/out")' like '$r_pattern'" grep -Eq -- "$r_pattern" "$T/out"
-    ok "$r_title: does not listen" sh -c "! grep -q 'listening on' '$T/out'"
+    start_fails "$r_title" "$r_status" "$r_pattern" --db "$DB" "$@"
 }
 timeout 20 "$BUILD/surfaced" --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
     --check-config >"$T/out" 2>&1
-is "--check-config, another's key: exit status" $? 2
-ok "--check-config says so" grep -q 'tls-cert .*two.key: not the key' "$T/out"
+is "--check-config, another certificate's key: exit status" $? 2
+ok "--check-config reports it" grep -q 'tls-cert .*two.key: not the key' "$T/out"
 any='--listen 0.0.0.0:0'
 # shellcheck disable=SC2086 # lists of options
 {
     refuse "a certificate alone" 2 'go together' --tls-cert "$T/one.pem"
     refuse "a key alone" 2 'go together' --tls-key "$T/one.key"
     refuse "a client CA alone" 2 'of no use without' --tls-client-ca "$T/ca.pem"
-    refuse "TLS and not" 2 'contradicts' $tls --plaintext
+    refuse "TLS and --plaintext" 2 'contradicts' $tls --plaintext
     refuse "plain beyond loopback" 2 'not a loopback .*--plaintext' $any
     refuse "--no-auth beyond loopback" 2 'no-auth is for loopback' $any $tls --no-auth
-    refuse "and --plaintext" 2 'no-auth is for loopback' $any --plaintext --no-auth
+    refuse "with --plaintext" 2 'no-auth is for loopback' $any --plaintext --no-auth
     l='--listen 127.0.0.1:0'
     refuse "no such certificate" 1 'cannot read .*/none' $l --tls-cert "$T/none" --tls-key "$T/one.key"
-    refuse "another's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"
+    refuse "another certificate's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"
     refuse "no certificate in it" 1 'no certificate' $l --tls-cert "$T/one.key" --tls-key "$T/one.key"
     cp "$T/one.pem" "$T/nokey"
     chmod 600 "$T/nokey"
@@ -74,11 +72,11 @@ any='--listen 0.0.0.0:0'
     refuse "a folder" 1 'not a file' $l --tls-cert "$T" --tls-key "$T/one.key"
     refuse "no CA in it" 1 'no certificate' $l $tls --tls-client-ca "$T/one.key"
     chmod 644 "$T/one.key"
-    refuse "a key for everybody" 1 'everybody may read' $l $tls
+    refuse "a key that everybody can read" 1 'everybody may read' $l $tls
     chmod 640 "$T/one.key"
 }
 
-# ---- requests by TLS
+# ---- requests over TLS
 cp "$T/one.pem" "$T/now.pem"
 cp "$T/one.key" "$T/now.key"
 start_daemon --no-auth --tls-cert "$T/now.pem" --tls-key "$T/now.key" --max-body 1M
@@ -94,44 +92,44 @@ scan 1 1 "$T/p.ply" --pose 8 --shift 10
     send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" $ca
     is "verified" "$STATUS $(get .decision)" "200 match"
     req GET /healthz
-    is "a CA that the client does not know: no answer" "$STATUS" 000
+    is "a CA that the client does not trust: no response" "$STATUS" 000
     head -c 1500000 /dev/zero >"$T/big"
     send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca
-    problem "too large, by its length" 413 body_too_large
+    problem "too large, with a length" 413 body_too_large
     send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca -H 'Transfer-Encoding: chunked' -H 'Expect:'
     problem "too large, in chunks" 413 body_too_large
     rm -f "$T/body"
     curl -sS -m 20 -o "$T/body" "http://127.0.0.1:$port/healthz" 2>"$T/curl"
-    ok "plain HTTP gets no answer" test ! -s "$T/body"
+    ok "plain HTTP gets no response" test ! -s "$T/body"
     req GET /healthz $ca
     is "alive after it" "$STATUS" 200
 }
 
 # ---- versions and ciphers
-# hand OPTION...: a handshake; what was agreed upon.
-hand() {
+# handshake OPTION...: prints the version and cipher that were negotiated, if any.
+handshake() {
     openssl s_client -connect "127.0.0.1:$port" -CAfile "$T/ca.pem" "$@" </dev/null 2>&1 |
         sed -n 's/^New, \(TLSv[0-9.]*\), Cipher is \(.*\)/\1 \2/p' | head -n 1
 }
-ok "TLS 1.3" matches "$(hand -tls1_3)" '^TLSv1.3 TLS_'
-ok "TLS 1.2" matches "$(hand -tls1_2)" '^TLSv1.2 ECDHE-'
-ok "no TLS 1.1" test -z "$(hand -tls1_1 -cipher 'ALL@SECLEVEL=0')"
-ok "no TLS 1.0" test -z "$(hand -tls1 -cipher 'ALL@SECLEVEL=0')"
+ok "TLS 1.3" matches "$(handshake -tls1_3)" '^TLSv1.3 TLS_'
+ok "TLS 1.2" matches "$(handshake -tls1_2)" '^TLSv1.2 ECDHE-'
+ok "no TLS 1.1" test -z "$(handshake -tls1_1 -cipher 'ALL@SECLEVEL=0')"
+ok "no TLS 1.0" test -z "$(handshake -tls1 -cipher 'ALL@SECLEVEL=0')"
 for cipher in $(openssl ciphers -tls1_2 'ALL:COMPLEMENTOFALL@SECLEVEL=0' | tr ':' ' '); do
-    got=$(hand -tls1_2 -cipher "$cipher@SECLEVEL=0")
+    got=$(handshake -tls1_2 -cipher "$cipher@SECLEVEL=0")
     case $got in
     '' | *ECDHE-ECDSA-AES*-GCM-* | *ECDHE-ECDSA-CHACHA20-*) ;;
     *) case $cipher in
-        TLS_*) ;; # a name of TLS 1.3 that says nothing of 1.2
+        TLS_*) ;; # a cipher of TLS 1.3: the option does not restrict those of 1.2
         *) ok "cipher $cipher: $got" false ;;
         esac ;;
     esac
     [ -z "$got" ] || echo "$got" >>"$T/ciphers"
 done
-ok "some cipher of TLS 1.2 was agreed upon" test -s "$T/ciphers"
+ok "some cipher of TLS 1.2 was negotiated" test -s "$T/ciphers"
 
-# ---- other files, by SIGHUP
-# serves NAME: its certificate is shown to who connects now.
+# ---- SIGHUP reads the files again
+# serves NAME: new connections get this certificate.
 # shellcheck disable=SC2317 # called by soon
 serves() {
     openssl s_client -connect "127.0.0.1:$port" </dev/null 2>/dev/null |
@@ -152,21 +150,21 @@ client=$!
 soon grep -q '{"status' "$T/open"
 cp "$T/two.pem" "$T/now.pem"
 cp "$T/two.key" "$T/now.key"
-serves one || ok "files alone change nothing" false
+serves one || ok "without SIGHUP the certificate stays" false
 kill -HUP "$PID"
 ok "the second certificate after SIGHUP" soon serves two
 : >"$T/go"
 # shellcheck disable=SC2016 # sh's own
-ok "a connection from before goes on" soon sh -c '[ "$(grep -c "{.status" "$1")" -eq 2 ]' - "$T/open"
+ok "a connection from before stays usable" soon sh -c '[ "$(grep -c "{.status" "$1")" -eq 2 ]' - "$T/open"
 : >"$T/done"
 wait "$client"
 echo junk >"$T/now.pem"
 kill -HUP "$PID"
-ok "bad files are said in the log" soon logged 'the TLS certificate stays as it was'
+ok "the log reports bad files" soon logged 'the TLS certificate stays as it was'
 ok "and the second certificate stays" serves two
 stop_daemon
 
-# ---- clients by their certificate
+# ---- client certificates
 # shellcheck disable=SC2086 # options
 {
     start_daemon --no-auth $tls --tls-client-ca "$T/ca.pem"
@@ -174,16 +172,16 @@ stop_daemon
     req GET /healthz $ca
     is "no certificate" "$STATUS" 000
     req GET /healthz $ca --cert "$T/impostor.pem" --key "$T/impostor.key"
-    is "a stranger's" "$STATUS" 000
+    is "a certificate of another CA" "$STATUS" 000
     req GET /healthz $ca --cert "$T/one.pem" --key "$T/one.key"
-    is "one that is not for clients" "$STATUS" 000
+    is "a server's certificate" "$STATUS" 000
     req GET /healthz $ca --tls-max 1.2
     is "no certificate, TLS 1.2" "$STATUS" 000
     req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key"
-    is "one of the CA" "$STATUS" 200
+    is "a client's certificate" "$STATUS" 200
     req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key" --tls-max 1.2
-    is "and by TLS 1.2" "$STATUS" 200
-    ok "the log says why" logged 'client certificate refused'
+    is "the same with TLS 1.2" "$STATUS" 200
+    ok "the log has the reason" logged 'client certificate refused'
     stop_daemon
 }
 
@@ -193,12 +191,12 @@ stop_daemon
     LISTEN=0.0.0.0:0 start_daemon --plaintext
     URL=http://127.0.0.1:${URL##*:}
     req GET /v1/subjects/alice
-    is "--plaintext: tokens are asked for" "$STATUS" 401
+    is "--plaintext: tokens are required" "$STATUS" 401
     stop_daemon
     LISTEN=0.0.0.0:0 start_daemon $tls
     URL=https://127.0.0.1:${URL##*:}
     req GET /v1/subjects/alice $ca
-    is "TLS: tokens are asked for" "$STATUS" 401
+    is "TLS: tokens are required" "$STATUS" 401
     stop_daemon
 }
 
@@ -209,20 +207,20 @@ is "its name" "$URL" "unix:$s"
 is "its mode" "$(stat -c %a "$s")" 660
 URL=http://localhost
 req GET /v1/subjects/alice --unix-socket "$s"
-is "an answer" "$STATUS" 200
-refuse "somebody listens there" 1 'cannot listen on unix:.*in use' --listen "unix:$s"
+is "a request" "$STATUS" 200
+refuse "another process listens there" 1 'cannot listen on unix:.*in use' --listen "unix:$s"
 kill -9 "$PID"
 wait "$PID" 2>/dev/null
-ok "what was killed leaves its socket" test -S "$s"
+ok "a killed daemon leaves its socket" test -S "$s"
 LISTEN=unix:$s start_daemon --no-auth
 URL=http://localhost
 req GET /healthz --unix-socket "$s"
 is "it is replaced" "$STATUS" 200
 stop_daemon
-ok "and removed at the end" test ! -e "$s"
+ok "it is removed at the end" test ! -e "$s"
 echo mine >"$s"
 refuse "a file is there" 1 'in use' --listen "unix:$s"
-is "it stays" "$(cat "$s")" mine
+is "the file stays" "$(cat "$s")" mine
 refuse "too long a path" 2 'not an address' --listen "unix:/$(printf '%0110d' 0)"
 
 # ---- a socket that was passed

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Goal: nobody gets in without a token, and a token counts for what it is meant for, from
-# when it is made to when it is rotated, expires or is revoked, whatever the daemon is doing
-# meanwhile.
+# Goal: every request but the public ones needs a token; a token allows what its scopes name,
+# from its creation until it is rotated, expires or is revoked, while the daemon runs.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -10,7 +9,7 @@ scan 1 0 "$T/a.ply"
 start_daemon
 for path in /healthz /readyz /version /metrics /openapi.json; do
     req GET "$path"
-    is "$path asks for no token" "$STATUS" 200
+    is "$path needs no token" "$STATUS" 200
 done
 req GET /v1/subjects
 problem "no token" 401 unauthorized
@@ -22,9 +21,9 @@ for header in 'Basic YTpi' 'Bearer' 'Bearer ' "Bearer $(printf '%0500d' 1)" 'Bea
 done
 is "WWW-Authenticate of a bad token" "$(field WWW-Authenticate)" \
     'Bearer realm="surfaced", error="invalid_token"'
-# The token is asked for before the id, the type and the size of the body are looked at.
+# The token is checked before the id, the type and the size of the body.
 send POST /v1/subjects/a%20b/templates "$PLY" "$T/a.ply"
-problem "enroll without" 401 unauthorized
+problem "whatever the id" 401 unauthorized
 send POST /v1/subjects/alice/templates 'Content-Type: x/y' "$T/a.ply"
 problem "whatever the type" 401 unauthorized
 head -c 70000000 /dev/zero >"$T/big"
@@ -32,7 +31,7 @@ send POST /v1/subjects/alice/templates "$BYTES" "$T/big"
 problem "whatever the size" 401 unauthorized
 rm "$T/big"
 req GET /v1/nothing
-problem "what is not there" 404 no_such_route
+problem "no such route" 404 no_such_route
 
 ctl token create tests
 is "token create" $? 0
@@ -46,32 +45,33 @@ req GET /v1/subjects -H "authorization: bearer $AUTH"
 is "in lower case" "$STATUS" 200
 req GET /v1/subjects/a%20b
 problem "a malformed id, with a token" 400 invalid_parameter
-is "who did it" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM events WHERE kind IN ('enroll', 'verify')")" \
+is "the actor in the audit log" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM events WHERE kind IN ('enroll', 'verify')")" \
     "$token_id"
 ok "the token is not in the database" sh -c "! grep -aq '$AUTH' '$DB' '$DB-wal'"
-ok "when it was last used is known" test -n "$(sqlite3 "$DB" 'SELECT used FROM tokens')"
+ok "its last use is recorded" test -n "$(sqlite3 "$DB" 'SELECT used FROM tokens')"
 
 # ---- rotated
 all=$AUTH
 ctl token rotate "$token_id" --grace 1h
 is "token rotate" "$? $(jq -r '.id' "$T/ctl")" "0 $token_id"
 req GET /v1/subjects
-is "the old secret, within the grace" "$STATUS" 200
+is "the old secret, within the grace period" "$STATUS" 200
 AUTH=$(jq -r .token "$T/ctl")
 req GET /v1/subjects
-is "the new one" "$STATUS" 200
+is "the new secret" "$STATUS" 200
 ctl token rotate "$token_id"
 req GET /v1/subjects
-problem "rotated, at once" 401 unauthorized
+problem "a rotated secret, at once" 401 unauthorized
 AUTH=$all
 req GET /v1/subjects
-problem "the one before it" 401 unauthorized
+problem "the secret before it" 401 unauthorized
 AUTH=$(jq -r .token "$T/ctl")
 all=$AUTH
 req GET /v1/subjects
-is "the newest" "$STATUS" 200
+is "the newest secret" "$STATUS" 200
 
-# ---- scopes: may NAME, for each thing there is to do
+# ---- scopes
+# may SCOPES: a token of SCOPES may send the requests of these scopes and no others.
 may() {
     ctl token create --scope "$1" "for $1"
     is "a token for $1" "$? $(jq -rc .scopes "$T/ctl")" "0 $(jq -nc --arg s "$1" '$s | split(",")')"
@@ -94,7 +94,7 @@ may() {
         *,HEAD) is "$1 may not $method $path" "$STATUS" 403 ;;
         *)
             problem "$1 may not $method $path" 403 insufficient_scope "scope $scope"
-            is "and is told" "$(field WWW-Authenticate)" \
+            is "the response names the scope" "$(field WWW-Authenticate)" \
                 "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$scope\""
             ;;
         esac
@@ -109,11 +109,11 @@ may identify
 may read
 may delete
 may enroll,verify
-# A wrong scope is found before the id, the type and the size are looked at.
+# The scope is checked before the id, the type and the size.
 send POST /v1/subjects/a%20b/templates 'Content-Type: x/y' "$T/a.ply"
-is "enroll,verify on" "$STATUS" 400
+is "a good scope, a malformed id" "$STATUS" 400
 req GET /v1/subjects/a%20b
-problem "an id it may not know of" 403 insufficient_scope
+problem "a wrong scope, a malformed id" 403 insufficient_scope
 
 # ---- expired
 ctl token create --expires 1h short
@@ -122,14 +122,14 @@ req GET /v1/subjects
 is "before it expires" "$STATUS" 200
 sqlite3 "$DB" "UPDATE tokens SET expires = NULL WHERE name = 'short'"
 req GET /v1/subjects
-problem "a life that its row has got from elsewhere" 500 internal
+problem "an expiry that was changed without the key" 500 internal
 "$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
 req GET /v1/subjects
 problem "expired, at once" 401 unauthorized
 ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h
 AUTH=$(jq -r .token "$T/ctl")
 req GET /v1/subjects
-is "with a new life" "$STATUS" 200
+is "with a new expiry" "$STATUS" 200
 
 # ---- revoked
 AUTH=$all
@@ -138,6 +138,6 @@ is "token revoke" $? 0
 req GET /v1/subjects
 problem "revoked, at once" 401 unauthorized
 ctl token rotate "$token_id"
-is "is for good" $? 77
+is "a revoked token cannot be rotated" $? 77
 ok "the token is not in the log" sh -c "! grep -q '$AUTH' '$LOG'"
 finish

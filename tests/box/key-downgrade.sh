@@ -1,17 +1,17 @@
 #!/bin/sh
-# Goal: who can write the database's file, but has no key, cannot put a database of their own in
-# its place: neither a plaintext one nor one of another key, neither before a program opens it
-# nor while the daemon runs.
+# Goal: an attacker who can write the database file but has no key cannot replace the database:
+# neither by a plaintext one nor by one with another key, neither before a program opens it nor
+# while the daemon runs.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# refused TITLE DETAIL-PATTERN: the last command was not allowed, and said so.
-refused() {
+# denied TITLE DETAIL-PATTERN: the last command failed with 77 and this detail.
+denied() {
     is "$1" "$CODE" 77
     ok "$1: '$(said .error.detail)' like '$2'" matches "$(said .error.detail)" "$2"
 }
 
-# replace WITH: all rows of the database, where it lies, by those of another one.
+# replace WITH: replaces all rows of the database by those of WITH, in place.
 replace() {
     sqlite3 "$1" "SELECT name FROM sqlite_schema WHERE type = 'table'
         AND name NOT LIKE 'sqlite_%'" | awk -v with="$1" '
@@ -20,13 +20,12 @@ replace() {
         END { print "COMMIT;" }' | sqlite3 "$DB" || ok "the attacker can write" false
 }
 
-# refuses TITLE OPTION...: the daemon does not start with this database.
-refuses() {
-    title=$1
+# no_start TITLE OPTION...: the daemon does not start with this database.
+no_start() {
+    n_title=$1
     shift
-    timeout 20 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --no-auth "$@" 2>"$LOG"
-    is "$title: exit status" $? 1
-    ok "$title: it says why" grep -q 'plaintext, but .* restore a backup' "$LOG"
+    start_fails "$n_title" 1 'plaintext, but .* restore a backup' --db "$DB" \
+        --listen 127.0.0.1:0 --no-auth "$@"
 }
 
 scan 1 0 "$T/alice.ply" --points 600
@@ -35,8 +34,8 @@ ctl init
 ctl enroll alice "$T/alice.ply"
 is "alice is enrolled" "$CODE" 0
 
-# The attacker's own database, in which alice has the attacker's face.  The second change of
-# its key record gives it a version that the daemon has not read yet.
+# The attacker's databases, in which alice's template is of the attacker.  rekey changes the key
+# record a second time, so that it has a version that the daemon has not read yet.
 for kind in evil keyed; do
     plain=
     [ "$kind" = keyed ] || plain=--plaintext
@@ -47,7 +46,7 @@ for kind in evil keyed; do
     done
 done
 
-# ---- while the daemon runs, by its usual key and by one that it was given
+# ---- while the daemon runs, with its default key and with a given one
 cp "$DB.key" "$T/credential"
 for given in '' "--key $T/credential"; do
     for with in evil keyed; do
@@ -58,11 +57,11 @@ for given in '' "--key $T/credential"; do
         is "alice, before ($with$given)" "$STATUS $(get .decision)" "200 match"
         replace "$T/$with.db"
         send POST /v1/subjects/alice/verify "$PLY" "$T/mallory.ply"
-        problem "the attacker is nobody ($with$given)" 500 internal
+        problem "the attacker does not match ($with$given)" 500 internal
         req GET /readyz
-        problem "it says so ($with$given)" 503 not_ready 'key was changed'
+        problem "not ready ($with$given)" 503 not_ready 'key was changed'
         [ "$with" = keyed ] ||
-            ok "the log says what to do ($with$given)" \
+            ok "the log names the remedy ($with$given)" \
                 grep -q 'plaintext, but .* restore a backup' "$LOG"
         kill -9 "$PID"
         wait "$PID" 2>/dev/null
@@ -74,55 +73,55 @@ done
 
 # ---- before it is opened
 cp "$T/evil.db" "$DB"
-refuses "the usual key is there"
-refuses "a key is given" --key "$T/credential"
+no_start "the default key"
+no_start "a given key" --key "$T/credential"
 mv "$DB.key" "$T/away"
-refuses "a key is given that is gone" --key "$T/nowhere"
+no_start "a given key that does not exist" --key "$T/nowhere"
 mv "$T/away" "$DB.key"
 for command in "subject list" check "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
-    refused "$command" "$DB is plaintext, but there is a key $DB.key: restore a backup, or"
+    denied "$command" "$DB is plaintext, but there is a key $DB.key: restore a backup, or"
 done
 ctl subject list --key "$T/credential"
-refused "a key is given to the command" "the key $T/credential is given: restore a backup, or"
+denied "a key is given to the command" "the key $T/credential is given: restore a backup, or"
 ctl doctor
-is "doctor finds it" "$CODE $(said '.findings[] | select(.about == "key") | .level')" "1 trouble"
+is "doctor reports it" "$CODE $(said '.findings[] | select(.about == "key") | .level')" "1 trouble"
 cp "$T/keyed.db" "$DB"
 ctl subject list
-refused "a database of another key" "$DB.key: not the key of this database: give its own, or"
+denied "a database of another key" "$DB.key: not the key of this database: give its own, or"
 
-# ---- nor does a copy get by
+# ---- by restore
 cp "$T/whole.db" "$DB"
 ctl restore "$T/evil.db"
-refused "restoring a plaintext copy" "is plaintext, but there is a key $DB.key"
+denied "restoring a plaintext copy" "is plaintext, but there is a key $DB.key"
 ctl verify alice "$T/alice.ply"
 is "nothing was changed" "$CODE" 0
 
-# ---- one that is meant to be plaintext
+# ---- a database that the operator makes plaintext
 start_daemon --no-auth
 ctl rekey --plaintext --yes
 is "rekey to plaintext" "$CODE" 0
-ok "takes the key away" test ! -e "$DB.key" -a ! -e "$DB.key.new"
+ok "removes the key" test ! -e "$DB.key" -a ! -e "$DB.key.new"
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
-is "the daemon goes on" "$STATUS $(get .decision)" "200 match"
+is "the daemon still verifies" "$STATUS $(get .decision)" "200 match"
 ctl rekey
-is "and so it does with its first key" "$CODE" 0
+is "rekey to a new key" "$CODE" 0
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
-is "that is as before" "$STATUS $(get .decision)" "200 match"
+is "the daemon still verifies, encrypted" "$STATUS $(get .decision)" "200 match"
 ctl rekey --plaintext --keep-old
 is "to plaintext, keeping the key" "$CODE" 0
 ok "under another name" test ! -e "$DB.key" -a -e "$DB.key.old"
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
-is "the daemon goes on once more" "$STATUS $(get .decision)" "200 match"
+is "the daemon still verifies, plaintext again" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 ctl check
-is "and so does the command" "$CODE" 0
+is "so does the command" "$CODE" 0
 ctl backup "$T/plain"
-is "it has plaintext backups" "$CODE" 0
+is "its backup" "$CODE" 0
 rm -f "$T/new.db"*
 cp "$T/credential" "$T/new.db.key"
 "$BUILD/surfacectl" --db "$T/new.db" init --plaintext >"$T/ctl" 2>&1
-is "a plaintext one is not made beside a key" $? 77
+is "init --plaintext fails if there is a key" $? 77
 ok "nothing is left of it" test ! -e "$T/new.db"
 finish

@@ -1,7 +1,7 @@
-# lib.sh -- for the black-box scripts: surfaced on a free port with a database of its own in
-# a temporary folder, requests by curl, and a count of what held.
+# lib.sh -- for the black-box scripts: starts surfaced on a free port with its own database in a
+# temporary folder, sends requests with curl, and counts the checks that passed and failed.
 # A script begins with `. tests/box/lib.sh`, from the top of the checkout, and ends with `finish`.
-# shellcheck shell=sh disable=SC2034 # some variables are for the scripts alone
+# shellcheck shell=sh disable=SC2034 # some variables are only used by the scripts
 
 BUILD=${BUILD:-build}
 T=$(mktemp -d "${TMPDIR:-/tmp}/surfaced-test.XXXXXX")
@@ -9,7 +9,7 @@ passed=0 failed=0
 PID='' URL='' DB=$T/faces.db LOG=$T/log AUTH=''
 PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
 BYTES='Content-Type: application/octet-stream'
-# The machine's own configuration is none of the tests'.
+# The tests must not read the machine's own configuration.
 export SURFACED_CONFIG=/dev/null
 
 for tool in curl jq sqlite3; do
@@ -19,7 +19,7 @@ for tool in curl jq sqlite3; do
     }
 done
 
-# Beside a daemon, which may be writing just then.
+# sqlite3 ARGUMENT...: waits while the daemon writes.
 sqlite3() {
     command sqlite3 -cmd '.timeout 10000' "$@"
 }
@@ -50,7 +50,17 @@ is() {
     ok "$1: got '$2', wanted '$3'" test "$2" = "$3"
 }
 
-# finish: stop the daemon, print the counts, and say by the exit status whether all held.
+# contains TITLE FILE PATTERN: FILE has a line that matches PATTERN.
+contains() {
+    ok "$1: '$(head -c 400 "$2")' like '$3'" grep -Eq -- "$3" "$2"
+}
+
+# jq_true ARGUMENT...: the result of jq's filter is true.
+jq_true() {
+    jq -e "$@" >/dev/null
+}
+
+# finish: stops the daemon, prints the counts, and exits with 0 if no check failed, else 1.
 finish() {
     [ -z "$PID" ] || stop_daemon
     echo "$passed passed, $failed failed"
@@ -58,15 +68,15 @@ finish() {
     exit
 }
 
-# ctl OPTION...: surfacectl on $DB: its JSON is in $T/ctl, its complaints in $T/ctl.err; returns
-# its exit status and sets CODE.
+# ctl OPTION...: runs surfacectl on $DB; its JSON is in $T/ctl, its messages in $T/ctl.err.
+# Returns its exit status and sets CODE.
 ctl() {
     "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
     CODE=$?
     return $CODE
 }
 
-# ctl_exits STATUS OPTION...: the same, and the exit status must be this one.
+# ctl_exits STATUS OPTION...: the same; the exit status must be STATUS.
 ctl_exits() {
     c_wanted=$1
     shift
@@ -74,16 +84,38 @@ ctl_exits() {
     is "surfacectl $*" "$CODE" "$c_wanted"
 }
 
-# said FILTER: of the JSON of the last ctl.
+# said FILTER: applies jq's FILTER to the JSON of the last ctl.
 said() {
     jq -r "$1" "$T/ctl"
 }
 
-# start_daemon OPTION...: sets PID and URL; fails when it does not say that it listens.
-# $UNDER: a command that it is run by; $LISTEN: where, instead of on a free port.
+# new_token NAME [OPTION...]: makes a token and prints its secret.
+new_token() {
+    "$BUILD/surfacectl" --db "$DB" token create "$@" 2>/dev/null
+}
+
+# conf LINE...: writes the configuration file $T/conf.
+conf() {
+    printf '%s\n' "$@" >"$T/conf"
+}
+
+# start_fails TITLE STATUS PATTERN OPTION...: the daemon exits with STATUS, prints a line that
+# matches PATTERN (it is in $T/out), and does not listen.
+start_fails() {
+    f_title=$1 f_status=$2 f_pattern=$3
+    shift 3
+    timeout 20 "$BUILD/surfaced" "$@" >"$T/out" 2>&1
+    is "$f_title: exit status" $? "$f_status"
+    contains "$f_title" "$T/out" "$f_pattern"
+    ok "$f_title: does not listen" sh -c "! grep -q 'listening on' '$T/out'"
+}
+
+# start_daemon OPTION...: starts the daemon and sets PID and URL; the script ends if the daemon
+# does not listen.  $UNDER: a command to run it under; $LISTEN: its address, instead of a free
+# port.
 start_daemon() {
     : >"$LOG"
-    # shellcheck disable=SC2086 # a command and its options
+    # shellcheck disable=SC2086 # UNDER is a command and its options
     ${UNDER:-} "$BUILD/surfaced" --db "$DB" --listen "${LISTEN:-127.0.0.1:0}" "$@" 2>"$LOG" &
     PID=$!
     tries=0
@@ -101,7 +133,7 @@ start_daemon() {
     }
 }
 
-# stop_daemon: SIGTERM, and its exit status must be 0.
+# stop_daemon: sends SIGTERM; the daemon's exit status must be 0.
 stop_daemon() {
     kill -TERM "$PID"
     wait "$PID"
@@ -113,7 +145,8 @@ stop_daemon() {
     fi
 }
 
-# req METHOD PATH [CURL-OPTION...]: sets STATUS; the answer is in $T/body and $T/head.
+# req METHOD PATH [CURL-OPTION...]: sends a request and sets STATUS; the response is in $T/body
+# and $T/head.
 req() {
     method=$1 path=$2
     shift 2
@@ -122,24 +155,24 @@ req() {
         ${AUTH:+-H "Authorization: Bearer $AUTH"} "$@" "$URL$path" 2>"$T/curl")
 }
 
-# send METHOD PATH TYPE FILE [CURL-OPTION...]: the same with a body.
+# send METHOD PATH TYPE FILE [CURL-OPTION...]: the same with FILE as the body.
 send() {
     method=$1 path=$2 type=$3 file=$4
     shift 4
     req "$method" "$path" -H "$type" --data-binary "@$file" "$@"
 }
 
-# get .MEMBER: of the JSON answer.
+# get FILTER: applies jq's FILTER to the JSON body of the last response.
 get() {
     jq -r "$1" "$T/body" 2>/dev/null
 }
 
-# field NAME: a header of the answer.
+# field NAME: a header of the last response.
 field() {
     tr -d '\r' <"$T/head" | sed -n "s/^$1: //Ip"
 }
 
-# problem TITLE STATUS CODE [DETAIL-PATTERN]: the last answer is this problem document.
+# problem TITLE STATUS CODE [DETAIL-PATTERN]: the last response is this problem document.
 problem() {
     is "$1: status" "$STATUS" "$2"
     is "$1: Content-Type" "$(field Content-Type)" application/problem+json
@@ -149,8 +182,8 @@ problem() {
     [ -z "${4:-}" ] || ok "$1: detail '$(get .detail)' like '$4'" matches "$(get .detail)" "$4"
 }
 
-# fits TITLE SCHEMA: the last answer has every member that the API's description requires,
-# and none that it does not know.
+# fits TITLE SCHEMA: the last response has every member that SCHEMA of the API's description
+# requires, and no other than those it describes.
 fits() {
     [ -f "$T/openapi" ] || curl -sS -o "$T/openapi" "$URL/openapi.json"
     # shellcheck disable=SC2016 # the variables are jq's
@@ -159,30 +192,37 @@ fits() {
         | ($s.required - $k == []) and ($k - ($s.properties | keys) == [])' >/dev/null
 }
 
+# matches TEXT PATTERN: a line of TEXT matches PATTERN.
 matches() {
     printf '%s\n' "$1" | grep -Eq -- "$2"
 }
 
-# alive: the daemon still answers.
+# metric SERIES: its value in /metrics; nothing if there is no such series.
+metric() {
+    req GET /metrics
+    awk -v name="$1" '$1 == name { print $2 }' "$T/body"
+}
+
+# alive WHAT: the daemon still serves requests after WHAT.
 alive() {
     req GET /healthz
     is "alive after $1" "$STATUS" 200
 }
 
-# scan SUBJECT SCAN FILE [FACEGEN-OPTION...]: a simulated scan; the same every time.
+# scan SUBJECT SCAN FILE [FACEGEN-OPTION...]: writes a simulated scan; it is the same every time.
 scan() {
     s_subject=$1 s_scan=$2 s_file=$3
     shift 3
     "$BUILD/facegen" --subject "$s_subject" --scan "$s_scan" -o "$s_file" "$@" || exit 1
 }
 
-# without_times FILE: a JSON answer without what may differ between runs.
+# without_times FILE: a JSON response without the members that differ between runs.
 without_times() {
     jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
                  else . end)' "$1"
 }
 
-# soon COMMAND...: it succeeds within half a minute, tried again and again.
+# soon COMMAND...: repeats the command until it succeeds; fails after 30 seconds.
 soon() {
     tries=0
     until "$@"; do
@@ -192,15 +232,15 @@ soon() {
     done
 }
 
-# holds HEX FILE...: these bytes are in one of the files, where they are there.
+# holds HEX FILE...: one of the files contains these bytes; missing files are ignored.
 holds() {
     h_hex=$1
     shift
     cat "$@" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -qi "$h_hex"
 }
 
-# hold_db BEGIN: another process has the database in a transaction, begun so and having read,
-# until release_db.
+# hold_db BEGIN: another process starts a transaction by the statement BEGIN, reads, and keeps
+# the transaction open until release_db.
 hold_db() {
     mkfifo "$T/holder"
     sqlite3 "$DB" <"$T/holder" >"$T/held" 2>&1 &
@@ -208,11 +248,11 @@ hold_db() {
     exec 7>"$T/holder"
     printf '%s;\nSELECT count(*) FROM root;\n' "$1" >&7
     soon grep -q . "$T/held"
-    is "another process has the database" "$(cat "$T/held")" 1
+    is "another process has an open transaction" "$(cat "$T/held")" 1
 }
 
 release_db() {
-    echo .quit >&7 # who was started meanwhile holds the pipe too: its end may come late
+    echo .quit >&7 # not by end of file: processes started meanwhile have the pipe open too
     exec 7>&-
     wait "$HOLDER"
     rm "$T/holder"

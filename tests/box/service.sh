@@ -1,52 +1,46 @@
 #!/bin/sh
-# Goal: a service manager is told when the daemon is ready, reloads and stops, and that it is
-# well, again and again; SIGHUP does not end it.
+# Goal: the daemon notifies a service manager when it is ready, reloads and stops, and sends
+# watchdog keep-alives; SIGHUP does not end it.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 NOTES=$T/notes
 
-# noted PATTERN: comes to be in the notes within some seconds.
-# shellcheck disable=SC2317 # called by ok
-noted() {
-    tries=0
-    until grep -Eq -- "$1" "$NOTES" 2>/dev/null; do
-        tries=$((tries + 1))
-        [ "$tries" -lt 100 ] || return 1
-        sleep 0.1
-    done
+# notified TITLE PATTERN: a notification matches PATTERN soon.
+notified() {
+    ok "$1" soon grep -Eqs -- "$2" "$NOTES"
 }
 
-# kinds: the notes' first words, each once where it is repeated.
+# kinds: the notifications' names, repeated ones once.
 kinds() {
     sed 's/[ =].*//' "$NOTES" | uniq | tr '\n' ' '
 }
 
 # ---- without a watchdog
 UNDER="$BUILD/service $NOTES" start_daemon
-ok "ready, and where" noted "^READY=1 STATUS=listening on $URL\$"
+notified "ready, and where" "^READY=1 STATUS=listening on $URL\$"
 kill -HUP "$PID"
-ok "reloading, and when" noted '^RELOADING=1 MONOTONIC_USEC=[0-9]+$'
-ok "ready again" noted '^READY=1$'
+notified "reloading, and when" '^RELOADING=1 MONOTONIC_USEC=[0-9]+$'
+notified "ready again" '^READY=1$'
 alive "SIGHUP"
 stop_daemon
-ok "stopping" noted '^STOPPING=1$'
-is "all notes in order" "$(kinds)" "READY RELOADING READY STOPPING "
+notified "stopping" '^STOPPING=1$'
+is "all notifications in order" "$(kinds)" "READY RELOADING READY STOPPING "
 
-# ---- with one
+# ---- with a watchdog
 rm -f "$NOTES"
 UNDER="$BUILD/service $NOTES --watchdog 300000" start_daemon
 for n in 1 2 3; do
-    ok "the watchdog is told ($n)" noted '^WATCHDOG=1$'
+    notified "keep-alive $n" '^WATCHDOG=1$'
     : >"$NOTES"
 done
 kill -HUP "$PID"
-ok "reloading" noted '^RELOADING=1'
-ok "and the watchdog after it" noted '^WATCHDOG=1$'
+notified "reloading" '^RELOADING=1'
+notified "keep-alive after the reload" '^WATCHDOG=1$'
 alive "a reload"
 stop_daemon
-ok "stopping" noted '^STOPPING=1$'
+notified "stopping" '^STOPPING=1$'
 
-# ---- what cannot start is not ready
+# ---- a failed start sends no notification
 rm -f "$NOTES"
 timeout 20 "$BUILD/service" "$NOTES" "$BUILD/surfaced" --db /proc/x --listen 127.0.0.1:0 \
     2>"$T/err"

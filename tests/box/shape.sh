@@ -1,21 +1,20 @@
 #!/bin/sh
-# Goal: a face's asymmetry over HTTP and by surfacectl: the same figures, what was planted is
-# found, and what is no face, or half of one, is told; surfacectl simplify keeps to its
-# tolerance, and what it writes is a scan.
+# Goal: a face's asymmetry over HTTP and by surfacectl: both give the same figures, which follow
+# the asymmetry of the generated face; half a face is inconclusive, and other input an error.
+# surfacectl simplify keeps within its tolerance and writes a scan.
 # shellcheck disable=SC2016 # the variables are jq's
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# asymmetry FILE [OPTION...]: surfacectl's; sets CODE, the answer is in $T/body.
+# asymmetry FILE [OPTION...]: runs surfacectl asymmetry; sets CODE, the JSON is in $T/body.
 asymmetry() {
     "$BUILD/surfacectl" asymmetry --json "$@" >"$T/body" 2>"$T/err"
     CODE=$?
 }
 
-# holds CONDITION: jq's, on the last answer.
-# shellcheck disable=SC2317 # ok calls it
-holds() {
-    jq -e "$1" "$T/body" >/dev/null
+# body TITLE FILTER: jq's FILTER is true for the last JSON.
+body() {
+    ok "$1" jq_true "$2" "$T/body"
 }
 
 scan 4 1 "$T/even.xyz" --symmetry 1 --yaw 9 --roll -6 --tx 12
@@ -27,11 +26,11 @@ start_daemon --no-auth
 send POST /v1/asymmetry 'Content-Type: text/plain' "$T/even.xyz"
 is "a symmetric face" "$STATUS $(get .conclusive)" "200 true"
 fits "asymmetry" Asymmetry
-ok "no more than the scanner's error" holds '.disparity_mm < 0.3 and .disparity_mm <= .first_mm'
-ok "the plane is where the head was turned to" holds '.plane | .stop == "converged" and
+body "no more than the scanner's error" '.disparity_mm < 0.3 and .disparity_mm <= .first_mm'
+body "the plane is where the head was turned to" '.plane | .stop == "converged" and
     .normal[0] > 0.97 and (.normal[1] + 0.105 | fabs) < 0.01 and
     (.normal[2] + 0.156 | fabs) < 0.01 and .turn_deg < 0.5 and .shift_mm < 0.5'
-ok "volume over area" holds '.volume_mm3 / .overlap_mm2 / .disparity_mm - 1 | fabs < 1e-3'
+body "volume over area" '.volume_mm3 / .overlap_mm2 / .disparity_mm - 1 | fabs < 1e-3'
 without_times "$T/body" >"$T/even.http"
 asymmetry "$T/even.xyz"
 is "surfacectl's exit" "$CODE" 0
@@ -39,9 +38,9 @@ is "surfacectl's figures" "$(without_times "$T/body")" "$(cat "$T/even.http")"
 
 asymmetry "$T/odd.xyz"
 odd=$(get .disparity_mm)
-ok "an asymmetric face" holds '.disparity_mm > 0.6 and .disparity_mm < 2'
+body "an asymmetric face" '.disparity_mm > 0.6 and .disparity_mm < 2'
 send POST /v1/asymmetry "$JSON" "$T/odder.json"
-ok "one more so: ${odd} mm times two, about" holds ".disparity_mm / $odd | . > 1.5 and . < 2.1"
+body "twice the asymmetry: about two times ${odd} mm" ".disparity_mm / $odd | . > 1.5 and . < 2.1"
 "$BUILD/surfacectl" asymmetry "$T/odd.xyz" >"$T/text"
 is "as text" "$? $(grep -cE '^(asymmetry|first|common|plane|scan) ' "$T/text")" "0 5"
 
@@ -52,7 +51,7 @@ is "half a face" "$STATUS $(get .conclusive)" "200 false"
 
 # ---- simplify
 
-# simplify FILE OPTION...: to $T/small.ply; sets CODE, the answer is in $T/body.
+# simplify FILE OPTION...: to $T/small.ply; sets CODE, the JSON is in $T/body.
 simplify() {
     "$BUILD/surfacectl" simplify --json "$@" --out "$T/small.ply" >"$T/body" 2>"$T/err"
     CODE=$?
@@ -62,29 +61,29 @@ scan 4 1 "$T/a.ply"
 for mm in 0.1 0.5; do
     simplify "$T/a.ply" --tolerance "$mm"
     is "simplify by $mm mm" "$CODE" 0
-    ok "within it" holds ".error_mm <= $mm and .disparity_mm < .error_mm and .kept < .points"
-    ok "the share" holds '.kept / .points - .share | fabs <= 0.00005'
+    body "within it" ".error_mm <= $mm and .disparity_mm < .error_mm and .kept < .points"
+    body "the share" '.kept / .points - .share | fabs <= 0.00005'
 done
-is "as many points as it says" "$(sed -n 's/element vertex //p' "$T/small.ply")" "$(get .kept)"
-ok "fewer than a third" holds '.share < 0.33'
-is "for its owner alone" "$(stat -c %a "$T/small.ply")" 600
+is "as many points as reported" "$(sed -n 's/element vertex //p' "$T/small.ply")" "$(get .kept)"
+body "fewer than a third" '.share < 0.33'
+is "only its owner can read it" "$(stat -c %a "$T/small.ply")" 600
 kept=$(get .kept) mean=$(get .disparity_mm)
 simplify "$T/small.ply" --tolerance 0.001
 is "a scan like any other" "$CODE $(get .points)" "0 $kept"
 simplify "$T/a.ply" --tolerance "$mean" --mean
 is "by the mean" "$CODE" 0
-ok "within it" holds ".disparity_mm <= $mean and .kept < $kept"
+body "within it" ".disparity_mm <= $mean and .kept < $kept"
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/small.ply" >"$T/text"
-is "still the same face" $? 0
+is "it still matches" $? 0
 "$BUILD/surfacectl" simplify "$T/a.ply" -o "$T/dir/b.ply" --tolerance 1 >"$T/text"
 is "as text" "$? $(grep -cE '^(kept|error|disparity|file) ' "$T/text")" "0 4"
-ok "into a folder that was missing" test -s "$T/dir/b.ply"
+ok "a missing folder is made" test -s "$T/dir/b.ply"
 simplify "$T/a.ply"
 is "no tolerance: exit" "$CODE" 64
 simplify "$T/a.ply" --tolerance -1
 is "a negative one: exit" "$CODE" 64
 "$BUILD/surfacectl" simplify "$T/a.ply" --tolerance 1 >"$T/text" 2>&1
-is "nowhere to write to: exit" $? 64
+is "no --out: exit" $? 64
 "$BUILD/surfacectl" simplify "$T/a.ply" --tolerance 1 --out "$T/dir/" >"$T/text" 2>&1
 is "to a folder: exit" $? 65
 "$BUILD/surfacectl" asymmetry "$T/a.ply" --tolerance 1 >"$T/text" 2>&1

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: many clients at once are all answered; a full queue says so at once; a stop finishes
-# the running requests and takes no new ones.
+# Goal: many clients at once are all served; a full queue gives 503 at once; a stop finishes the
+# running requests and accepts no new ones.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -9,9 +9,9 @@ scan 1 1 "$T/p.ply" --pose 8 --shift 10
 scan 2 0 "$T/b.ply"
 scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
 
-# crowd N PATH FILE: N clients at once, waited for; statuses, answers and headers are in
-# $T/s.*, $T/o.* and $T/h.*.
-crowd() {
+# parallel N PATH FILE: N clients send FILE at once; waits for all.  Statuses, bodies and headers
+# are in $T/s.*, $T/o.* and $T/h.*.
+parallel() {
     clients=
     rm -f "$T"/[soh].*
     for i in $(seq "$1"); do
@@ -23,24 +23,24 @@ crowd() {
     wait $clients
 }
 
-# count STATUS: of the last crowd.
+# count STATUS: the number of these among the last parallel requests.
 count() {
     cat "$T"/s.* | grep -c "^$1\$"
 }
 
-# ---- all are answered, and enrolments at once leave one template
+# ---- all are served, and parallel enrolments leave one template
 start_daemon --no-auth --workers 4
-crowd 12 /v1/subjects/alice/templates "$T/a.ply"
-is "the same cloud at once: enrolled" "$(count 201)" 1
-is "the same cloud at once: there already" "$(count 200)" 11
-crowd 60 /v1/subjects/alice/verify "$T/p.ply"
-is "verified at once" "$(count 200)" 60
-crowd 20 /v1/subjects/alice/templates "$T/b.ply"
-is "another's at once: all refused" "$(count 409)" 20
+parallel 12 /v1/subjects/alice/templates "$T/a.ply"
+is "the same cloud in parallel: enrolled" "$(count 201)" 1
+is "the same cloud in parallel: known" "$(count 200)" 11
+parallel 60 /v1/subjects/alice/verify "$T/p.ply"
+is "verified in parallel" "$(count 200)" 60
+parallel 20 /v1/subjects/alice/templates "$T/b.ply"
+is "another subject's in parallel: all rejected" "$(count 409)" 20
 req GET /v1/subjects/alice
 is "one template is left" "$(get '.templates | length')" 1
 
-# Two people at once as the first sample of a new subject: one comes in.
+# Two faces at once as the first sample of a new subject: one is enrolled.
 clients=
 rm -f "$T"/s.*
 for f in a b; do
@@ -50,10 +50,10 @@ for f in a b; do
 done
 # shellcheck disable=SC2086 # a list
 wait $clients
-is "two people as one" "$(cat "$T/s.a" "$T/s.b" | sort | tr '\n' ' ')" "201 409 "
+is "two faces as one subject" "$(cat "$T/s.a" "$T/s.b" | sort | tr '\n' ' ')" "201 409 "
 
-# Six people, three times each, at once as the samples of a new subject: whoever came first,
-# no other person is in.
+# Six faces, three samples each, at once as samples of a new subject: whichever is first, only
+# its samples are enrolled.
 rm -f "$T"/s.*
 clients=
 for who in 11 12 13 14 15 16; do
@@ -71,10 +71,10 @@ for n in 0 1 2; do
 done
 # shellcheck disable=SC2086 # a list
 wait $clients
-is "18 samples of six people at once: one person's three" "$(cat "$T"/s.* |
+is "18 samples of six faces at once: the three of one face" "$(cat "$T"/s.* |
     awk '{ n[$2]++ } $2 == 201 { who[$1] = 1 } END { print n[201], n[409], length(who) }')" "3 15 1"
 
-# Deleting and enrolling while others verify: never anything but 200 and 404.
+# Deleting and enrolling while others verify gives nothing but 200 and 404.
 rm -f "$T"/w.*
 writer() {
     for i in 1 2 3 4 5 6; do
@@ -85,27 +85,27 @@ writer() {
 }
 writer &
 writing=$!
-crowd 40 /v1/subjects/alice/verify "$T/p.ply"
+parallel 40 /v1/subjects/alice/verify "$T/p.ply"
 wait "$writing"
-is "verify while others erase" "$(($(count 200) + $(count 404)))" 40
+is "verifying during erasures" "$(($(count 200) + $(count 404)))" 40
 stop_daemon
 
 # ---- a full queue
 start_daemon --no-auth --workers 1 --queue 1
-crowd 12 /v1/subjects/x/templates "$T/large.ply"
+parallel 12 /v1/subjects/x/templates "$T/large.ply"
 busy=$(count 503)
-ok "a full queue refuses some ($busy)" test "$busy" -ge 1 -a "$busy" -le 11
-is "and answers the others" "$((busy + $(count 201) + $(count 200)))" 12
-refused=$(grep -lx 503 "$T"/s.* | head -n 1)
-cp "$T/o.${refused##*.}" "$T/body"
-cp "$T/h.${refused##*.}" "$T/head"
+ok "a full queue rejects some ($busy)" test "$busy" -ge 1 -a "$busy" -le 11
+is "and the others are served" "$((busy + $(count 201) + $(count 200)))" 12
+rejected=$(grep -lx 503 "$T"/s.* | head -n 1)
+cp "$T/o.${rejected##*.}" "$T/body"
+cp "$T/h.${rejected##*.}" "$T/head"
 STATUS=503
 problem "a full queue" 503 overloaded 'queue is full'
 is "Retry-After" "$(field Retry-After)" 1
 alive "a full queue"
 stop_daemon
 
-# ---- a stop amid work
+# ---- a stop while requests run
 start_daemon --no-auth --workers 1
 clients=
 rm -f "$T"/s.*
@@ -115,7 +115,7 @@ for i in 1 2 3 4; do
     clients="$clients $!"
 done
 tries=0
-while [ "$tries" -lt 100 ]; do # until all four are with the daemon
+while [ "$tries" -lt 100 ]; do # until the requests are running or queued
     req GET /metrics
     [ "$(awk '/^surfaced_(queue_depth|workers_busy) / { n += $2 } END { print n }' "$T/body")" -ge 3 ] && break
     sleep 0.02
@@ -127,9 +127,9 @@ wait $clients
 ok "running requests are finished ($(cat "$T"/s.* | tr '\n' ' '))" test "$(count 200)" -ge 3
 ok "the stop is logged" grep -q 'msg="stopped"' "$LOG"
 req GET /healthz
-is "nobody listens" "$STATUS" 000
+is "the daemon does not listen" "$STATUS" 000
 
-# SIGINT alike, with a client in the middle of its body.
+# SIGINT stops it too, even while a client sends its body.
 start_daemon --no-auth
 curl -sS -m 20 --limit-rate 3000 -o /dev/null -H "$PLY" --data-binary "@$T/large.ply" \
     "$URL/v1/subjects/x/verify" 2>/dev/null &
