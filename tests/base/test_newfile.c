@@ -71,7 +71,7 @@ static int end(void **state)
 {
     (void)state;
     (void)unlink(in_folder("x"));
-    assert_int_equal(rmdir(folder), 0); /* nothing was left beside it */
+    assert_int_equal(rmdir(folder), 0); /* no other file was left */
     return 0;
 }
 

@@ -68,7 +68,7 @@ static void connect_all(const struct sockaddr_in *in, const char *text, size_t l
     for (unsigned i = 0; i < n; i++) {
         int fd = socket(AF_INET, SOCK_STREAM, 0);
 
-        /* a small buffer: little of a response fits into it */
+        /* a small buffer, so that little of a response fits into it */
         if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &small, sizeof small) != 0 ||
             connect(fd, (const struct sockaddr *)in, sizeof *in) != 0)
             fail("connect");

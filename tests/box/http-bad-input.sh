@@ -216,7 +216,7 @@ alive "a damaged model"
 req GET "/v1/templates/$id"
 is "its description is served" "$STATUS" 200
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-ok "enrolling beside it: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
+ok "enrolling while it is damaged: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
 req DELETE /v1/subjects/alice
 is "it can be erased" "$STATUS" 200
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"

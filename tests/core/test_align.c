@@ -251,7 +251,7 @@ static void test_field(void **state)
     face_free(&f);
 }
 
-/* Probes of the same person, turned and shifted up to the bounds. */
+/* Mated probes, turned and shifted up to the limits of the search. */
 static void test_finds_pose(void **state)
 {
     struct face a = {0}, b = {0};

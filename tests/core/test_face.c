@@ -233,8 +233,7 @@ static void test_units(void **state)
     static const double scale[] = {0.25, 5.5, 0.001, 0.1, 10};
     static struct cloud c;
 
-    (void)
-        state; /* 40 mm, 900 mm, metres and centimetres said to be mm, a tenth of a mm */
+    (void)state; /* faces of 40 and 900 mm; metres, centimetres and 1/10 mm given as mm */
     for (size_t k = 0; k < sizeof scale / sizeof scale[0]; k++) {
         scan(3, 4, POINTS, &c);
         for (size_t i = 0; i < c.n; i++) {

@@ -143,16 +143,16 @@ static void test_identity(void **state)
 }
 
 /* All mated scores are below all non-mated scores, and the decisions follow the threshold. */
-static void test_people(void **state)
+static void test_mated_and_not(void **state)
 {
-    enum { PEOPLE = 6 };
+    enum { SUBJECTS = 6 };
     struct face tmpl = {0}, probe = {0};
     double worst = 0, nearest = INFINITY;
 
     (void)state;
-    for (uint64_t k = 0; k < PEOPLE; k++) {
+    for (uint64_t k = 0; k < SUBJECTS; k++) {
         make(k + 50, 0, &tmpl);
-        for (uint64_t who = 0; who < PEOPLE; who++) {
+        for (uint64_t who = 0; who < SUBJECTS; who++) {
             struct face_result r;
             double moved[16];
 
@@ -415,7 +415,7 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identity),     cmocka_unit_test(test_people),
+        cmocka_unit_test(test_identity),     cmocka_unit_test(test_mated_and_not),
         cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
         cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_clock),
         cmocka_unit_test(test_field),        cmocka_unit_test(test_heatmap),

@@ -10,18 +10,18 @@
 #include "decision.h"
 #include "rates.h"
 
-#define PEOPLE 100
+#define SUBJECTS 100
 
 /* A score for every ordered pair of subjects: 0.5 to 4.5 mm, spread over the subjects, or
  * inconclusive for the given share. */
-static struct rates *scores(uint32_t people, double inconclusive)
+static struct rates *scores(uint32_t subjects, double inconclusive)
 {
-    static struct rates_score s[PEOPLE * PEOPLE];
+    static struct rates_score s[SUBJECTS * SUBJECTS];
     struct rates *r;
     size_t n = 0;
 
-    for (uint32_t i = 0; i < people; i++)
-        for (uint32_t k = 0; k < people; k++)
+    for (uint32_t i = 0; i < subjects; i++)
+        for (uint32_t k = 0; k < subjects; k++)
             if (i != k) {
                 const double place = (double)((n * 7919) % 9901) / 9901;
 
@@ -30,14 +30,14 @@ static struct rates *scores(uint32_t people, double inconclusive)
                 s[n].template = i;
                 s[n++].probe = k;
             }
-    assert_int_equal(rates_new(s, n, people, &r), ST_OK);
+    assert_int_equal(rates_new(s, n, subjects, &r), ST_OK);
     return r;
 }
 
 static void test_learned(void **state)
 {
     static const double wanted[] = {0.001, 0.0013, 0.01, 0.1, 0.5};
-    struct rates *r = scores(PEOPLE, 0);
+    struct rates *r = scores(SUBJECTS, 0);
 
     (void)state;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -70,11 +70,11 @@ static void test_learned_from_little(void **state)
     assert_int_equal(calibrate_learn(r, 0.05, &d), ST_OK);
     assert_true(decision_valid(&d));
     rates_free(r);
-    r = scores(PEOPLE, 0.4); /* 40 % are inconclusive */
+    r = scores(SUBJECTS, 0.4); /* 40 % are inconclusive */
     assert_int_equal(calibrate_learn(r, 0.01, &d), ST_OK);
     assert_true(d.knot[d.n - 2].rate <= 0.6 && d.knot[d.n - 1].rate == 1);
     rates_free(r);
-    r = scores(PEOPLE, 1);
+    r = scores(SUBJECTS, 1);
     assert_int_equal(calibrate_learn(r, 0.01, &d), ST_ETOOFEW);
     rates_free(r);
     r = scores(2, 0);

@@ -90,7 +90,7 @@ static void test_folder(void **state)
     corpus_free(NULL);
 }
 
-/* What cannot be taken is left out and told of, and stops nothing. */
+/* Files that are no scans are left out and reported; the others are used. */
 static void test_left_out(void **state)
 {
     static const char *const left[] = {"README.txt", "carol.ply", "dave-2.ply",

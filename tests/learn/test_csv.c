@@ -33,7 +33,7 @@ static struct csv *table(const char *text)
     return t;
 }
 
-/* Read a whole table that has an error somewhere; the message must have `words`. */
+/* Reads all of a table that has an error; the message must contain `words`. */
 static void refuse(const char *text, size_t len, enum status want, const char *words)
 {
     struct csv *t;

@@ -79,7 +79,7 @@ static int set_up(void **state)
     for (uint64_t i = 0; i < FACES; i++) {
         facegen_default(&s);
         s.subject = i;
-        s.points = POINTS - 10 * (uint32_t)i; /* to be told apart by */
+        s.points = POINTS - 10 * (uint32_t)i; /* to distinguish them */
         assert_int_equal(face_build(pts, facegen_sample(&s, pts), work, &faces[i], NULL),
                          ST_OK);
         tempdb_enroll(store, "x", "", &faces[i], &tmpl[i]);

@@ -149,7 +149,7 @@ static double unlike(uint64_t p, double smile_p, uint64_t q, double smile_q)
     return sum / n;
 }
 
-static void test_people_differ(void **state)
+static void test_subjects_differ(void **state)
 {
     double least = 1e9, most = 0, sum = 0;
     int n = 0;
@@ -179,7 +179,7 @@ int main(void)
         cmocka_unit_test(test_size_of_a_face),
         cmocka_unit_test(test_pose_and_visibility),
         cmocka_unit_test(test_holes_and_spikes),
-        cmocka_unit_test(test_people_differ),
+        cmocka_unit_test(test_subjects_differ),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
