@@ -1,11 +1,11 @@
-/* crash_daemon -- enroll, verify and erase with a daemon from several clients at once, end it
- * at some moment, and look whether all that it had answered is so.
+/* crash_daemon -- several clients enrol, verify and erase subjects at once; the daemon is killed
+ * or loses power at a random moment; then the database must agree with all responses it sent.
  * Usage: crash_daemon SHIM BASE WORK kill|power SEED TRIALS SCAN COMMAND...
  *   as crash; SCAN  a PLY file to enroll; COMMAND  listens on the Unix socket WORK/socket
- * kill   the daemon is killed as it begins one of its changes to the folder, or amid a write
- * power  the folder is what was on the disk after some of its changes
- * Trial i of seed S is trial 0 of seed S + i, but for what the threads make of it.  Exit status
- * 1: something answered is not there, something erased is, or the database is not well. */
+ * kill   the daemon is killed when it begins a change to the folder, or in the middle of a write
+ * power  the folder is in the state of the disk after some of the daemon's changes
+ * Trial i of seed S is trial 0 of seed S + i, except for the timing of the threads.  Exit status
+ * 1: an enrolled subject is lost, an erased one is still there, or the database is damaged. */
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -24,17 +24,17 @@
 #include "brute.h"
 #include "crash.h"
 
-#define CLIENTS     4
-#define PEOPLE_MAX  60 /* of each client */
-#define ARGS_MAX    32
-#define SCAN_MAX    (1 << 20)
-#define ANSWER_MAX  (64 << 10)
-#define SECRETS_MAX 1024
-#define LOG_EVERY   50
-#define NEVER       UINT64_MAX
+#define CLIENTS      4
+#define SUBJECTS_MAX 60 /* of each client */
+#define ARGS_MAX     32
+#define SCAN_MAX     (1 << 20)
+#define RESPONSE_MAX (64 << 10)
+#define SECRETS_MAX  1024
+#define LOG_EVERY    50
+#define NEVER        UINT64_MAX
 
-/* What was asked and answered: when, by the length of the daemon's log. */
-struct person {
+/* When the requests were sent and their responses received, in bytes of the crash log. */
+struct subject {
     char id[32];
     uint64_t enroll_sent, enrolled, erase_sent, erased; /* NEVER */
 };
@@ -44,7 +44,7 @@ struct client {
     struct brute_rng rng;
     int number;
     size_t n;
-    struct person person[PEOPLE_MAX];
+    struct subject subject[SUBJECTS_MAX];
 };
 
 static const char *shim, *base, *work;
@@ -118,8 +118,8 @@ static bool send_all(int fd, const char *data, size_t n)
     return true;
 }
 
-/* Returns the status, 0: no whole answer.  A daemon that does not listen yet is waited for. */
-static int ask(const char *method, const char *path, bool body, char *answer)
+/* Sends a request, once the daemon listens.  Returns the status; 0: no complete response. */
+static int ask(const char *method, const char *path, bool body, char *response)
 {
     char head[256];
     int fd = -1, status = 0;
@@ -141,12 +141,12 @@ static int ask(const char *method, const char *path, bool body, char *answer)
     if (fd < 0)
         return 0;
     if (send_all(fd, head, strlen(head)) && (!body || send_all(fd, scan, scan_len))) {
-        while (n < ANSWER_MAX - 1 &&
-               (rc = recv(fd, answer + n, ANSWER_MAX - 1 - n, 0)) > 0)
+        while (n < RESPONSE_MAX - 1 &&
+               (rc = recv(fd, response + n, RESPONSE_MAX - 1 - n, 0)) > 0)
             n += (size_t)rc;
-        answer[n] = '\0';
-        if (strstr(answer, "\r\n\r\n") == NULL ||
-            sscanf(answer, "HTTP/1.1 %d", &status) != 1)
+        response[n] = '\0';
+        if (strstr(response, "\r\n\r\n") == NULL ||
+            sscanf(response, "HTTP/1.1 %d", &status) != 1)
             status = 0;
     }
     (void)close(fd);
@@ -156,7 +156,7 @@ static int ask(const char *method, const char *path, bool body, char *answer)
 static bool expect(const char *what, int status, int wanted)
 {
     if (status != 0 && status != wanted) {
-        (void)printf("%s: answered %d, not %d\n", what, status, wanted);
+        (void)printf("%s: status %d, not %d\n", what, status, wanted);
         wrong = true;
     }
     return status == wanted;
@@ -166,39 +166,39 @@ static void *be_client(void *arg)
 {
     struct client *c = arg;
     char path[96];
-    char *answer = malloc(ANSWER_MAX);
+    char *response = malloc(RESPONSE_MAX);
 
-    for (c->n = 0; answer != NULL && c->n < PEOPLE_MAX && !dead;) {
-        struct person *p = &c->person[c->n], *old;
+    for (c->n = 0; response != NULL && c->n < SUBJECTS_MAX && !dead;) {
+        struct subject *p = &c->subject[c->n], *old;
 
-        *p = (struct person){"", now(), NEVER, NEVER, NEVER};
+        *p = (struct subject){"", now(), NEVER, NEVER, NEVER};
         (void)snprintf(p->id, sizeof p->id, "c%d-%zu", c->number, c->n++);
         (void)snprintf(path, sizeof path, "/v1/subjects/%s/templates", p->id);
-        if (!expect(path, ask("POST", path, true, answer), 201))
+        if (!expect(path, ask("POST", path, true, response), 201))
             break;
         p->enrolled = now();
-        old = &c->person[brute_rand(&c->rng) % c->n];
+        old = &c->subject[brute_rand(&c->rng) % c->n];
         if (old->erased != NEVER || brute_rand(&c->rng) % 2 == 0)
             continue;
         (void)snprintf(path, sizeof path, "/v1/subjects/%s/verify", old->id);
-        if (!expect(path, ask("POST", path, true, answer), 200))
+        if (!expect(path, ask("POST", path, true, response), 200))
             break;
-        if (strstr(answer, "\"match\"") == NULL) {
+        if (strstr(response, "\"match\"") == NULL) {
             (void)printf("%s: no match\n", old->id);
             wrong = true;
         }
         old->erase_sent = now();
         (void)snprintf(path, sizeof path, "/v1/subjects/%s", old->id);
-        if (!expect(path, ask("DELETE", path, false, answer), 200))
+        if (!expect(path, ask("DELETE", path, false, response), 200))
             break;
         old->erased = now();
     }
-    free(answer);
+    free(response);
     busy--;
     return NULL;
 }
 
-/* A daemon from its start to its end, with clients.  It is ended when they are. */
+/* Runs a daemon and its clients; ends the daemon when all clients are done. */
 static void run(bool logged, size_t at, bool torn, int clients, uint64_t seed)
 {
     const pid_t daemon = start(logged, at, torn);
@@ -212,7 +212,7 @@ static void run(bool logged, size_t at, bool torn, int clients, uint64_t seed)
         if (pthread_create(&client[i].thread, NULL, be_client, &client[i]) != 0)
             exit(2);
     }
-    while (waitpid(daemon, &status, WNOHANG) == 0) { /* it kills itself, or is killed */
+    while (waitpid(daemon, &status, WNOHANG) == 0) { /* until the shim or we kill it */
         if (busy == 0)
             (void)kill(daemon, at > 0 || seed % 2 == 0 ? SIGKILL : SIGTERM);
         pause_ms(2);
@@ -238,8 +238,8 @@ static bool in_text(const char *text, const char *id)
     return strstr(text, line) != NULL;
 }
 
-/* As of a length of the log: is all that was answered so? */
-static bool kept(uint64_t at, unsigned *answered)
+/* Whether the database agrees with the responses received before length `at` of the log. */
+static bool kept(uint64_t at, unsigned *confirmed)
 {
     static char text[CRASH_TEXT + 1] = "\n";
 
@@ -249,7 +249,7 @@ static bool kept(uint64_t at, unsigned *answered)
     }
     for (int i = 0; i < CLIENTS; i++)
         for (size_t k = 0; k < client[i].n; k++) {
-            const struct person *p = &client[i].person[k];
+            const struct subject *p = &client[i].subject[k];
             const bool there = in_text(text, p->id);
 
             if (p->enrolled <= at && p->erase_sent > at && !there) {
@@ -257,11 +257,11 @@ static bool kept(uint64_t at, unsigned *answered)
                 return false;
             }
             if (p->erased <= at && there) {
-                (void)printf("FAIL: %s is there, who was erased\n", p->id);
+                (void)printf("FAIL: %s was erased and is still there\n", p->id);
                 return false;
             }
-            *answered += p->enrolled <= at ? 1 : 0;
-            *answered += p->erased <= at ? 1 : 0;
+            *confirmed += p->enrolled <= at ? 1 : 0;
+            *confirmed += p->erased <= at ? 1 : 0;
         }
     return true;
 }
@@ -275,18 +275,18 @@ static size_t changes_at(const struct crash_log *l, uint64_t bytes)
     return n;
 }
 
-/* The bytes of the only client's last person who was erased by then: gone from dir? */
+/* Whether dir has no bytes left of the last subject that the only client had erased by then. */
 static bool gone(const struct crash_log *l, uint64_t at)
 {
     static struct crash_secret had[SECRETS_MAX], has[SECRETS_MAX];
-    const struct person *last = NULL;
+    const struct subject *last = NULL;
     char then[CRASH_PATH];
     size_t n = 0, nhad, nhas, k, found;
 
     for (size_t i = 0; i < client[0].n; i++)
-        if (client[0].person[i].erased <= at &&
-            (last == NULL || client[0].person[i].erased > last->erased))
-            last = &client[0].person[i];
+        if (client[0].subject[i].erased <= at &&
+            (last == NULL || client[0].subject[i].erased > last->erased))
+            last = &client[0].subject[i];
     if (last == NULL)
         return true;
     crash_join(then, work, "then");
@@ -301,19 +301,19 @@ static bool gone(const struct crash_log *l, uint64_t at)
         if (k == nhas)
             had[n++] = had[i];
     }
-    if (n < 2) { /* a key and a face */
-        (void)printf("FAIL: nothing of %s to look for\n", last->id);
+    if (n < 2) { /* a key and a template */
+        (void)printf("FAIL: no secrets of %s to look for\n", last->id);
         return false;
     }
     if ((found = crash_found(had, n, dir)) > 0)
-        (void)printf("FAIL: %zu of %zu pieces of %s are there, who was erased\n", found,
-                     n, last->id);
+        (void)printf("FAIL: %s was erased, and %zu of its %zu secrets are still there\n",
+                     last->id, found, n);
     return found == 0;
 }
 
 /* ---- trials */
 
-static bool trial_kill(struct brute_rng *rng, uint64_t seed, unsigned *answered)
+static bool trial_kill(struct brute_rng *rng, uint64_t seed, unsigned *confirmed)
 {
     const size_t at = 1 + (size_t)(brute_rand(rng) % 700);
     const bool torn = brute_rand(rng) % 2 == 0;
@@ -321,7 +321,7 @@ static bool trial_kill(struct brute_rng *rng, uint64_t seed, unsigned *answered)
     crash_copy(base, dir);
     run(false, at, torn, CLIENTS, seed);
     if (!wrong &&
-        kept(0, answered)) /* without a log, all that was answered was so at 0 */
+        kept(0, confirmed)) /* without a log all responses count as received at 0 */
         return true;
     (void)printf("killed at change %zu%s\n", at, torn ? ", torn" : "");
     return false;
@@ -339,14 +339,14 @@ static struct crash_log *record(uint64_t seed, int clients)
 }
 
 static bool trial_power(const struct crash_log *l, int clients, struct brute_rng *rng,
-                        unsigned *answered)
+                        unsigned *confirmed)
 {
     const size_t at = (size_t)(brute_rand(rng) % (crash_log_n(l) + 1));
     const enum crash_loss loss = brute_rand(rng) % 3 == 0 ? CRASH_LOSE : CRASH_SOME;
     const uint64_t bytes = crash_log_bytes(l, at);
 
     crash_log_state(l, at, loss, rng, dir);
-    if ((clients > 1 || gone(l, bytes)) && kept(bytes, answered))
+    if ((clients > 1 || gone(l, bytes)) && kept(bytes, confirmed))
         return true;
     (void)printf("power lost after change %zu of %zu, %s of the rest is kept\n", at,
                  crash_log_n(l), loss == CRASH_LOSE ? "nothing" : "some");
@@ -358,7 +358,7 @@ int main(int argc, char **argv)
     struct crash_log *l = NULL;
     unsigned long long seed;
     unsigned long trials, done = 0;
-    unsigned answered = 0;
+    unsigned confirmed = 0;
     bool power, ok = true;
     int clients = CLIENTS;
     FILE *f;
@@ -394,12 +394,12 @@ int main(int argc, char **argv)
             clients = done / LOG_EVERY % 2 == 0 ? 1 : CLIENTS;
             l = record(seed + done, clients);
         }
-        ok = !wrong && (power ? trial_power(l, clients, &rng, &answered)
-                              : trial_kill(&rng, seed + done, &answered));
+        ok = !wrong && (power ? trial_power(l, clients, &rng, &confirmed)
+                              : trial_kill(&rng, seed + done, &confirmed));
         if (!ok)
             (void)printf("seed %llu\n", seed + done);
     }
-    (void)printf("%lu trials: %u answers were so\n", done, answered);
+    (void)printf("%lu trials: %u responses confirmed\n", done, confirmed);
     crash_log_free(l);
     if (ok)
         crash_remove(dir);

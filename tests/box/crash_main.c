@@ -1,15 +1,15 @@
-/* crash -- run a command that changes a database, again and again, end it at some moment, and
- * look what is left.
+/* crash -- runs a command that changes a database many times, ends it at a random moment, and
+ * checks the state that is left.
  * Usage: crash SHIM BASE WORK kill|power SEED TRIALS COMMAND...
- *   SHIM   crash_shim.so          BASE  a folder with what there is before (db, db.key, ...)
+ *   SHIM   crash_shim.so          BASE  a folder with the state before (db, db.key, ...)
  *   WORK   a folder of its own    in COMMAND an argument @NAME is the file NAME of the trial's
- * kill   the command is killed as it begins one of its changes to the folder, or amid a write
- * power  it ran to its end once; the folder is what was on the disk after some of its changes,
- *        with nothing or something of what it had not waited for
- * Afterwards the database is well and says what it said before, or what it says after a command
- * in peace, which it must if the command ended well; and the command, run again, leads there,
- * with nothing left in its bytes of the keys and faces that are gone.
- * Trial i of seed S is trial 0 of seed S + i.  Exit status 1: it was not so; WORK is kept. */
+ * kill   the command is killed when it begins a change to the folder, or in the middle of a write
+ * power  the command ran to its end; the folder is in the state of the disk after some of its
+ *        changes, with none or some of those that were not synced
+ * Afterwards the database must be intact, with the contents from before the command or, if the
+ * command succeeded, those of an undisturbed run.  Running the command again must give the
+ * latter, and no bytes of deleted keys and templates may be left.
+ * Trial i of seed S is trial 0 of seed S + i.  Exit status 1: a trial failed; WORK is kept. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,11 +30,11 @@ static const char *shim, *base, *work;
 static char **command;
 static char dir[CRASH_PATH], log_path[CRASH_PATH];
 static char before[CRASH_TEXT], after[CRASH_TEXT];
-static struct crash_secret gone[SECRETS_MAX]; /* what is not there any more after it */
+static struct crash_secret gone[SECRETS_MAX]; /* those that the command deletes */
 static size_t ngone;
 
 struct tally {
-    unsigned trials, ended, old, new; /* ended: the command did, well */
+    unsigned trials, ended, old, new; /* ended: the command succeeded */
 };
 
 /* ---- the command */
@@ -64,7 +64,8 @@ static void number(const char *name, size_t n)
     (void)setenv(name, text, 1);
 }
 
-/* at: the change that it is killed at; 0: none.  Returns its exit status, -1: killed. */
+/* at: the number of the change at which the command is killed; 0: none.  Returns its exit status;
+ * -1: killed. */
 static int run(bool logged, size_t at, bool torn)
 {
     char **args = arguments();
@@ -108,7 +109,7 @@ static struct crash_log *record(void)
     return l;
 }
 
-/* What the command is to do, from a run of it in peace. */
+/* Runs the command undisturbed and records the contents before and after it. */
 static void learn(void)
 {
     struct crash_secret there[SECRETS_MAX];
@@ -142,8 +143,8 @@ static bool fail(const char *what, const char *text)
     return false;
 }
 
-/* What the manual says to do away with before the command is run again: a key that the
- * database does not have, an old one that was kept. */
+/* Removes what the manual says to remove before running the command again: a key that is not the
+ * database's, and an old one that was kept. */
 static void make_way(void)
 {
     char path[CRASH_PATH], text[CRASH_TEXT];
@@ -171,31 +172,31 @@ static bool settled(struct tally *t, bool ended)
 
     if (ended && (left = crash_found(gone, ngone, dir)) > 0) {
         (void)snprintf(text, sizeof text, "%zu of %zu", left, ngone);
-        return fail("what was destroyed is in the file", text);
+        return fail("deleted secrets are in the file", text);
     }
     if (!crash_look(dir, text))
         return fail("the database", text);
     old = strcmp(text, before) == 0;
     new = strcmp(text, after) == 0;
     if (!new && (ended || !old))
-        return fail(ended ? "it is not done" : "it is neither done nor not", text);
+        return fail(ended ? "not the contents after" : "neither before nor after", text);
     t->ended += ended;
     t->old += old && !new;
     t->new += new;
     make_way();
     (void)run(false, 0, false);
     if (!crash_look(dir, text))
-        return fail("the database, once it was run again", text);
+        return fail("run again: the database", text);
     if (strcmp(text, after) != 0)
-        return fail("run again it is not done", text);
+        return fail("run again: not the contents after", text);
     if ((left = crash_found(gone, ngone, dir)) > 0)
-        return fail("run again, what was destroyed is in the file", "");
+        return fail("run again: deleted secrets are in the file", "");
     return true;
 }
 
 static bool trial_kill(size_t n, struct brute_rng *rng, struct tally *t)
 {
-    /* Some changes come to nothing and are not in the log. */
+    /* Failed changes are counted and are not in the log. */
     const size_t at = 1 + (size_t)(brute_rand(rng) % (n + n / 8 + 2));
     const bool torn = brute_rand(rng) % 2 == 0;
     int rc;

@@ -1,7 +1,7 @@
-/* Loaded into a program (LD_PRELOAD): see crash_op.h.  The system is called as the C library
- * would: a change, its count and its line in the log are one step for all threads. */
+/* Loaded into a program (LD_PRELOAD): see crash_op.h.  It makes the system calls that the C
+ * library would make; a change, its count and its line in the log are one step for all threads. */
 #define _GNU_SOURCE
-#undef _FORTIFY_SOURCE /* its wrappers are what is replaced here */
+#undef _FORTIFY_SOURCE /* this file replaces its wrappers */
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -25,12 +25,12 @@ int __open_2(const char *path, int flags);
 int __open64_2(const char *path, int flags);
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static const char *dir; /* NULL: nothing is watched */
+static const char *dir; /* NULL: nothing is recorded */
 static size_t dir_len;
 static unsigned long at, count;
 static bool torn;
 static int log_fd = -1;
-static uint64_t file_of[FDS_MAX]; /* by file descriptor; 0: none of ours */
+static uint64_t file_of[FDS_MAX]; /* by file descriptor; 0: not in the folder */
 
 __attribute__((constructor)) static void start(void)
 {
@@ -48,8 +48,8 @@ __attribute__((constructor)) static void start(void)
         abort();
 }
 
-/* The name in the folder; NULL: the path is of another, or of memory that SQLite shares by a
- * file that is made anew when all who shared it are gone. */
+/* The name in the folder; NULL: the path is elsewhere, or is SQLite's shared memory, which the
+ * next process makes again. */
 static const char *name_of(const char *path)
 {
     const size_t n = strlen(path);
@@ -66,7 +66,7 @@ static uint64_t of_fd(int fd)
     return fd >= 0 && fd < FDS_MAX ? file_of[fd] : 0;
 }
 
-/* A change begins.  write: of n bytes; or NULL. */
+/* Begins a change.  write: the n bytes of a write; NULL for other changes. */
 static void begin(int fd, const void *write, size_t n, off_t to)
 {
     (void)pthread_mutex_lock(&lock);
@@ -228,7 +228,7 @@ int ftruncate64(int fd, off64_t size)
     return ftruncate(fd, size);
 }
 
-/* The machine goes on, so that nothing has to wait for its disk. */
+/* Syncs need not reach the disk, since the machine itself keeps running. */
 static int sync_nothing(long call, int fd)
 {
     struct crash_op op = {CRASH_SYNC, 0, of_fd(fd), 0, "", ""};
