@@ -58,7 +58,7 @@ const struct setting options_table[] = {
      "from one address, 0: no limit (64, and none for loopback)"},
     {"timeout", SETTING_NUMBER, "10", offsetof(struct options, timeout_s), 1, 3600, "S",
      "seconds for a request's headers, and the least time for a body, or\n"
-     "for the client to take its answer"},
+     "for the client to take its response"},
     {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
      "N", "megabytes of decoded templates kept in memory; 0: none"},
     {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,

@@ -121,7 +121,7 @@ struct face_field {
     float
         rest_mm[GRID_N]; /* of it what is left once learned change is taken out (fit.h) */
     float weight[GRID_N];   /* what the cell counts, the sum is 1; 0: not covered */
-    float local_mm[GRID_N]; /* what weight averages to the disparity (score_cells()) */
+    float local_mm[GRID_N]; /* what weight averages to the score (score_cells()) */
 };
 
 /* face_field(tmpl, probe, transform, w, out): what face_compare(), whose transform it is,

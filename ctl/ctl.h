@@ -3,7 +3,7 @@
  *   ctl, ctl_out, ctl_dir      errors and exit codes; JSON; files that are written
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_key, ctl_model, ctl_config.h  the database, opened by its key and for a model
- *   ctl_scan, ctl_face, ctl_sample    a scan as a face, compared, enrolled
+ *   ctl_scan, ctl_face         a scan as a face, compared
  *   ctl_trials, ctl_cross      many comparisons
  *   the other files            a command each, or a few of one group
  *   ctl_table, ctl_help, main  the list of the commands, help texts, the command line */

@@ -1,8 +1,8 @@
 /* ctl_cross.h -- everybody in the database compared with everybody else.
  * A comparison is what a verification does: one scan against all templates of a subject, of
  * which the nearest counts; INFINITY where none can be compared (inconclusive). */
-#ifndef DB_SURFACECTL_CROSS_H
-#define DB_SURFACECTL_CROSS_H
+#ifndef CTL_CROSS_H
+#define CTL_CROSS_H
 #include <stddef.h>
 #include <stdint.h>
 #include "face.h"

@@ -1,7 +1,7 @@
 /* ctl_dir.h -- a folder of results: files that are there whole or not at all, and
  * readable by their owner alone, since they are biometric data. */
-#ifndef DB_SURFACECTL_DIR_H
-#define DB_SURFACECTL_DIR_H
+#ifndef CTL_DIR_H
+#define CTL_DIR_H
 #include "errinfo.h"
 #include "newfile.h"
 

@@ -1,8 +1,8 @@
 /* ctl_out.h -- what surfacectl prints: JSON with --json, else text that the commands
  * print themselves.  Each call that adds to the JSON (base/json.h) does nothing without
  * --json, so a command says everything once in either form. */
-#ifndef DB_SURFACECTL_OUT_H
-#define DB_SURFACECTL_OUT_H
+#ifndef CTL_OUT_H
+#define CTL_OUT_H
 #include <stdbool.h>
 #include <stdio.h>
 

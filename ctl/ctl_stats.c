@@ -32,10 +32,10 @@ static enum status stats(struct ctl *c, struct store *s)
                      (unsigned long long)other);
     (void)printf("\n");
     (void)printf("points       %llu\n", (unsigned long long)t.points);
-    (void)printf("models       %s\n", ctl_bytes(t.template_bytes, text));
+    (void)printf("encoded      %s\n", ctl_bytes(t.template_bytes, text));
     (void)printf("file         %s\n", ctl_bytes(t.file_bytes, text));
     if (t.points > 0)
-        (void)printf("per point    %.1f bytes of model, %.1f of file\n",
+        (void)printf("per point    %.1f bytes of template, %.1f of file\n",
                      (double)t.template_bytes / (double)t.points,
                      (double)t.file_bytes / (double)t.points);
     (void)printf("events       %llu\n", (unsigned long long)t.events);

@@ -1,8 +1,8 @@
 /* ctl_trials.h -- the comparisons of a corpus: every probe with its own subject's
  * template and with others', on all cores.  What is compared is settled before anything
  * is: the same on any number of threads. */
-#ifndef DB_SURFACECTL_TRIALS_H
-#define DB_SURFACECTL_TRIALS_H
+#ifndef CTL_TRIALS_H
+#define CTL_TRIALS_H
 #include "corpus.h"
 #include "rates.h"
 #include "ctl.h"

@@ -144,7 +144,8 @@ static bool read_words(struct line *l, char **words, int n)
     l->c.args = words + used;
     l->c.nargs = n - used;
     if (!help && (l->c.nargs < l->cmd->takes[0] || l->c.nargs > l->cmd->takes[1])) {
-        (void)ctl_usage(&l->c, "it is: surfacectl %s %s", l->cmd->name,
+        (void)ctl_usage(&l->c, "it is: surfacectl %s%s%s", l->cmd->name,
+                        l->cmd->args != NULL ? " " : "",
                         l->cmd->args != NULL ? l->cmd->args : "");
         return false;
     }

@@ -2,8 +2,8 @@
  * The script comes on its standard input with the data in it, the picture leaves on its
  * standard output ("set terminal pngcairo", and no "set output"): gnuplot opens no file,
  * and no file's name needs quoting. */
-#ifndef DB_PLOT_H
-#define DB_PLOT_H
+#ifndef CTL_PLOT_H
+#define CTL_PLOT_H
 #include <stdio.h>
 #include "errinfo.h"
 

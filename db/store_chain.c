@@ -195,7 +195,7 @@ void store_chain_pass(struct store_chain_walk *w, const struct store_chain_mark 
                memcmp(m->hash, w->made, sizeof m->hash) != 0) {
         (void)snprintf(line, sizeof line,
                        "entry %" PRIu64 " is not the one that was signed: it, or others "
-                       "after entry %" PRIu64 ", were written anew",
+                       "after entry %" PRIu64 ", were replaced",
                        m->seq, w->marked);
     } else {
         w->marks++;

@@ -16,7 +16,7 @@ static enum status need_note(const char *text, struct errinfo *e)
     if (text == NULL || store_rules_text(text, STORE_NOTE_MAX))
         return ST_OK;
     return errinfo_set(e, ST_EINVAL,
-                       "a reference or a purpose is up to %d bytes of UTF-8 without "
+                       "a consent or a purpose is up to %d bytes of UTF-8 without "
                        "control characters",
                        STORE_NOTE_MAX);
 }

@@ -284,7 +284,7 @@ enum status sql_file_compact(struct sql *d, struct errinfo *e)
     if (st != ST_OK)
         return st;
     (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 1);
-    st = sql_sqlite_conn_exec(d->writer, "VACUUM", "cannot write the file anew", e);
+    st = sql_sqlite_conn_exec(d->writer, "VACUUM", "cannot rewrite the file", e);
     (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 0);
     sql_sqlite_unlock(d);
     return st;
