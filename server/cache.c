@@ -184,7 +184,7 @@ static enum status load(struct cache *c, struct store *s, const char *id, bool a
         return st;
     }
     x->bytes = face_bytes(&x->face);
-    c->state.renewed += store_template_outdated(s, &t);
+    c->state.reencoded += store_template_outdated(s, &t);
     /* A template that was deleted since it was read must not be kept after its
      * cache_forget(): it would stay until evicted.  Other templates are then loaded again. */
     if (forgets == c->forgets)

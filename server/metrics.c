@@ -244,9 +244,9 @@ static void print_gauges(FILE *f, const struct app *app)
               "Templates found decoded.");
     print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
               "Templates read and decoded.");
-    print_one(f, "surfaced_templates_renewed_total", "counter", c.renewed,
-              "Of these, made by another engine, and so made anew in memory: surfacectl "
-              "template reencode does it for good.");
+    print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
+              "Of these, made by another engine, and so re-encoded in memory: surfacectl "
+              "template reencode stores the result.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates dropped for want of room.");
     print_one(f, "surfaced_cache_templates", "gauge", c.entries,

@@ -39,7 +39,7 @@ engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates
 start_daemon --no-auth
 verdicts >"$T/wanted"
 is "two verdicts" "$(jq -r .decision "$T/wanted" | tr '\n' ' ')" 'match match '
-is "nothing was re-encoded" "$(metric surfaced_templates_renewed_total)" 0
+is "nothing was re-encoded" "$(metric surfaced_templates_reencoded_total)" 0
 ok "nothing is said" test "$(grep -c 'another engine' "$LOG")" -eq 0
 stop_daemon
 ctl_exits 0 template reencode
@@ -68,7 +68,7 @@ start_daemon --no-auth
 ok "the daemon says so" grep -q 'level=warn msg="templates were made by another engine.* templates=3' "$LOG"
 verdicts >"$T/before"
 ok "as if enrolled now, to the last digit" cmp "$T/wanted" "$T/before"
-is "made anew in memory" "$(metric surfaced_templates_renewed_total)" 2
+is "re-encoded in memory" "$(metric surfaced_templates_reencoded_total)" 2
 send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
 is "never compared where that cannot be" "$STATUS" 500
 ok "and the log says why" grep -q 'template passed over.*cannot re-encode it' "$LOG"
@@ -102,7 +102,7 @@ stop_daemon
 start_daemon --no-auth
 verdicts >"$T/after"
 ok "as stored, too" cmp "$T/wanted" "$T/after"
-is "now nothing is made anew" "$(metric surfaced_templates_renewed_total)" 0
+is "now nothing is re-encoded" "$(metric surfaced_templates_reencoded_total)" 0
 stop_daemon
 
 # ---- there and back again: nothing drifts
