@@ -97,7 +97,7 @@ static void look_at_folder(struct doctor *d)
             (unsigned)sb.st_mode & 0777);
     else if (access(dir, W_OK | X_OK) != 0)
         say(d, TROUBLE, "folder", "make it the daemon's user's: chown, chmod 700",
-            "no file can be made in %s, as the log beside the database", dir);
+            "no file can be made in %s, as the WAL beside the database", dir);
     else
         say(d, FINE, "folder", "", "%s can be written", dir);
     left = (uint64_t)fs.f_bavail * fs.f_frsize;
@@ -108,7 +108,7 @@ static void look_at_folder(struct doctor *d)
         say(d, FINE, "disk", "", "%s are left", ctl_bytes(left, text));
 }
 
-static void look_at_log(struct doctor *d)
+static void look_at_wal(struct doctor *d)
 {
     char name[PATH_MAX];
     struct stat sb;
@@ -120,12 +120,12 @@ static void look_at_log(struct doctor *d)
     if (stat(name, &sb) != 0 || sb.st_size == 0)
         return;
     if (access(name, R_OK | W_OK) != 0)
-        say(d, TROUBLE, "log", "chown it to the database's owner, and PATH-shm too",
+        say(d, TROUBLE, "WAL", "chown it to the database's owner, and PATH-shm too",
             "%s belongs to user %u, and this one may not write it", name,
             (unsigned)sb.st_uid);
     else if (!d->used)
-        say(d, NOTE, "log",
-            "nothing: the next command brings it in; never copy or remove one without the "
+        say(d, NOTE, "WAL",
+            "nothing: the next command checkpoints it; never copy or remove one without the "
             "other",
             "%s is left, %lld bytes: whoever had the database was killed", name,
             (long long)sb.st_size);
@@ -301,7 +301,7 @@ static int run(struct ctl *c)
     ctl_out_array(c->out, "findings");
     if (look_at_file(&d)) {
         look_at_folder(&d);
-        look_at_log(&d); /* before it is brought in */
+        look_at_wal(&d); /* before it is brought in */
         look_at_left(&d);
         if (look_at_schema(&d)) {
             look_at_next(&d);

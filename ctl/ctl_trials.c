@@ -192,7 +192,7 @@ static enum status compare(const struct run *r, const struct face *face,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
-    x->disparity_mm = f.score_mm;
+    x->score_mm = f.score_mm;
     x->threshold_mm = f.threshold_mm;
     x->fmr_at_score = f.fmr_at_score;
     x->overlap = f.disparity.overlap;

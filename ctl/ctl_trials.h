@@ -18,7 +18,7 @@ struct ctl_trial {
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum face_decision decision;
-    double disparity_mm, threshold_mm, fmr_at_score;
+    double score_mm, threshold_mm, fmr_at_score;
     double overlap, weight_overlap;
     double rotation_deg; /* between the rotation found and the true one; NAN: not known */
     double align_ms, measure_ms;

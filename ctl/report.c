@@ -59,9 +59,9 @@ static void count_ranks(struct report *r, struct report_group *g)
             if (x->decision == FACE_INCONCLUSIVE)
                 continue;
             if (x->type == CORPUS_GENUINE)
-                own = x->disparity_mm;
+                own = x->score_mm;
             else
-                others = fmin(others, x->disparity_mm);
+                others = fmin(others, x->score_mm);
         }
         if (within(r, g, &t->trial[i]) && t->trial[i].done && n > 0) {
             g->ranked++;
@@ -114,11 +114,11 @@ static enum status measure_time(struct report *r)
 /* What a comparison counts as; below 0: not at all. */
 typedef double score_of(const struct ctl_trial *x);
 
-static double disparity(const struct ctl_trial *x)
+static double trial_score(const struct ctl_trial *x)
 {
     if (x->type == CORPUS_RELATIVE)
         return -1;
-    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->disparity_mm;
+    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->score_mm;
 }
 
 /* The decision itself as a score: 0 is a match at threshold 0. */
@@ -206,7 +206,7 @@ static enum status measure_group(struct report *r, struct report_group *g)
             count(&g->mated, r->t->trial[i].decision);
     count_ranks(r, g);
     if ((st = measure_pose(r, g)) == ST_OK &&
-        (st = collect(r, g, disparity, &g->rates)) == ST_OK &&
+        (st = collect(r, g, trial_score, &g->rates)) == ST_OK &&
         (st = decided(r, g, mated_no_match, true, &g->no_match)) == ST_OK &&
         (st = decided(r, g, mated_match, true, &g->unmatched)) == ST_OK) {
         rates_figures(g->rates, r->threshold_mm, &g->f);
@@ -277,7 +277,7 @@ double report_step(const struct report *r, size_t most, size_t *n)
 
     for (size_t i = 0; i < r->t->n; i++)
         if (r->t->trial[i].done && r->t->trial[i].decision != FACE_INCONCLUSIVE)
-            largest = fmax(largest, r->t->trial[i].disparity_mm);
+            largest = fmax(largest, r->t->trial[i].score_mm);
     for (int i = 0; largest / step + 1 > (double)most; i++)
         step *= factor[i % 3];
     *n = (size_t)ceil(largest / step);

@@ -47,7 +47,7 @@ static void write_trial(FILE *to, const struct corpus *c, const struct ctl_trial
         return;
     }
     (void)fprintf(to, "%s,%.6f,%.6g,%.4g,%.4f,%.4f,", verdict_decision(x->decision),
-                  x->disparity_mm, x->threshold_mm, x->fmr_at_score, x->overlap,
+                  x->score_mm, x->threshold_mm, x->fmr_at_score, x->overlap,
                   x->weight_overlap);
     if (!isnan(x->rotation_deg))
         (void)fprintf(to, "%.3f", x->rotation_deg);

@@ -131,7 +131,7 @@ static enum status judge_before(void *arg, size_t i, struct face_work *w,
     return ST_OK;
 }
 
-static double disparity(const struct score *s, double overlap)
+static double decided_mm(const struct score *s, double overlap)
 {
     return s->weight < DECISION_MIN_WEIGHT || overlap < DECISION_MIN_OVERLAP
                ? (double)INFINITY
@@ -157,7 +157,7 @@ static enum status judge_after(void *arg, size_t i, struct face_work *w,
     scratch_free(&s);
     if (st != ST_OK)
         return errinfo_set(e, st, "calibrating: %s", status_message(st));
-    t->mm[t->ngenuine + i] = disparity(&score, p->overlap);
+    t->mm[t->ngenuine + i] = decided_mm(&score, p->overlap);
     return ST_OK;
 }
 
@@ -372,7 +372,7 @@ static enum status judge_other(void *arg, size_t i, struct face_work *w,
     st = fit_pair(t, i, &t->by[2 - half_of(t, i)], &score, &fit);
     if (st != ST_OK)
         return errinfo_set(e, st, "judging the other half: %s", status_message(st));
-    t->mm[i] = disparity(&score, t->pair[i].overlap);
+    t->mm[i] = decided_mm(&score, t->pair[i].overlap);
     return ST_OK;
 }
 

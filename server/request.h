@@ -138,7 +138,7 @@ request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 void request_fail(struct request *r, const struct errinfo *e);
 
 /* request_mismatch(r, detail, result): 409 sample_mismatch, with the decision (no match or
- * inconclusive), the disparity and the threshold. */
+ * inconclusive), the score and the threshold. */
 void request_mismatch(struct request *r, const char *detail,
                       const struct face_result *result);
 

@@ -1,5 +1,5 @@
 /* nearest.h -- a probe against the templates of one subject: which of them decides.
- * Fusion: of the comparisons that are conclusive the one with the lowest disparity decides,
+ * Fusion: of the comparisons that are conclusive the one with the lowest score decides,
  * so that one matching template suffices; where none is conclusive, the inconclusive one with
  * the greatest overlap. */
 #ifndef VERIFY_NEAREST_H

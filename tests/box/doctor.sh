@@ -85,8 +85,8 @@ kill -9 "$PID"
 wait "$PID" 2>/dev/null
 PID=
 doctor
-is "a log that is left is no trouble" "$CODE" 0
-finds "but told of" note log 'was killed'
+is "a WAL that is left is no trouble" "$CODE" 0
+finds "but told of" note WAL 'was killed'
 
 # ---- schema, engine, kinds of keys
 sqlite3 "$DB" 'PRAGMA user_version = 99'
