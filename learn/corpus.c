@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "csv.h"
+#include "utf8.h"
 
 #define MAX_NAMES 65536 /* of kinds or populations */
 
@@ -45,36 +46,12 @@ static bool grow(void **at, uint32_t n, uint32_t *room, size_t size)
     return true;
 }
 
-/* The length of the UTF-8 character at p that is not a control character, or 0. */
-static size_t character(const unsigned char *p)
-{
-    const size_t n = p[0] < 0x80 ? 1 : p[0] < 0xE0 ? 2 : p[0] < 0xF0 ? 3 : 4;
-    uint32_t code = n == 1 ? p[0] : p[0] & (0xFFU >> (n + 1));
-    static const uint32_t least[5] = {0, 0x20, 0xA0, 0x800, 0x10000};
-
-    if (p[0] == 0x7F || (p[0] >= 0x80 && p[0] < 0xC2) || p[0] > 0xF4)
-        return 0;
-    for (size_t i = 1; i < n; i++) {
-        if ((p[i] & 0xC0) != 0x80) /* the ending NUL too */
-            return 0;
-        code = code << 6 | (p[i] & 0x3FU);
-    }
-    if (code < least[n] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000))
-        return 0;
-    return n;
-}
-
 /* What is wrong with a name, or NULL. */
 static const char *bad_name(const char *text, size_t most)
 {
-    const unsigned char *p = (const unsigned char *)text;
-
     if (strlen(text) > most)
         return "too long";
-    for (size_t n; *p != '\0'; p += n)
-        if ((n = character(p)) == 0)
-            return "a control character, or not UTF-8";
-    return NULL;
+    return utf8_is_text(text, most) ? NULL : "a control character, or not UTF-8";
 }
 
 /* ---- building */
