@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "errmap.h"
+#include "openapi_json.h"
 #include "request.h"
 #include "route.h"
 #include "routes.h"
@@ -178,12 +179,36 @@ static void test_errmap(void **state)
     assert_string_equal(errmap_get(UINT32_MAX)->code, "internal");
 }
 
+/* Every route but the parts of the page /docs is an operation of the API's description. */
+static void test_described(void **state)
+{
+    size_t n, described = 0, wanted = 0;
+    const struct route *table = routes_table(&n);
+
+    (void)state;
+    for (const char *at = openapi_json; (at = strstr(at, "\"operationId\": ")) != NULL;
+         at++)
+        described++;
+    for (size_t i = 0; i < n; i++) {
+        char path[128];
+
+        if (strncmp(table[i].pattern, "/docs/", 6) == 0)
+            continue;
+        wanted++;
+        (void)snprintf(path, sizeof path, "\n    \"%s\": {\n", table[i].pattern);
+        if (strstr(openapi_json, path) == NULL)
+            fail_msg("server/openapi.json lacks %s", table[i].pattern);
+    }
+    assert_int_equal(described, wanted);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_decode), cmocka_unit_test(test_query),
-        cmocka_unit_test(test_media),  cmocka_unit_test(test_routes),
-        cmocka_unit_test(test_id),     cmocka_unit_test(test_errmap),
+        cmocka_unit_test(test_decode),    cmocka_unit_test(test_query),
+        cmocka_unit_test(test_media),     cmocka_unit_test(test_routes),
+        cmocka_unit_test(test_id),        cmocka_unit_test(test_errmap),
+        cmocka_unit_test(test_described),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
