@@ -12,21 +12,34 @@ bool calibration_holds(const struct store *s, const struct store_calibration *k)
     return k->shipped || face_same_engine(k->engine, store_made_by(s));
 }
 
+/* What *k, the newest or zeros, means for s. */
+static void complete(const struct store *s, struct store_calibration *k)
+{
+    k->ignored = k->version != 0 && !calibration_holds(s, k);
+    if (k->version == 0 || k->shipped || k->ignored) {
+        k->shipped = true;
+        k->decision = store_model(s)->decision;
+    }
+}
+
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
                                  struct errinfo *e)
 {
-    enum status st = store_calibration_get(s, k, e);
+    const enum status st = store_calibration_get(s, k, e);
 
     if (st == ST_ENOTFOUND)
         memset(k, 0, sizeof *k);
     else if (st != ST_OK)
         return st;
-    k->ignored = st == ST_OK && !calibration_holds(s, k);
-    if (st == ST_ENOTFOUND || k->shipped || k->ignored) {
-        k->shipped = true;
-        k->decision = store_model(s)->decision;
-    }
+    complete(s, k);
     return ST_OK;
+}
+
+void calibration_use(const struct store *s, struct store_calibration k,
+                     struct face_work *w)
+{
+    complete(s, &k);
+    face_work_decide(w, k.shipped ? NULL : &k.decision);
 }
 
 enum status calibration_follow(struct store *s, struct face_work *w, int64_t *version,
@@ -40,7 +53,7 @@ enum status calibration_follow(struct store *s, struct face_work *w, int64_t *ve
         return st;
     if ((st = calibration_in_force(s, &k, e)) != ST_OK)
         return st;
-    face_work_decide(w, k.shipped ? NULL : &k.decision);
+    calibration_use(s, k, w);
     *version = k.version;
     return ST_OK;
 }

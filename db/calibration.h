@@ -7,11 +7,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
+#include "store_types.h"
 
 struct errinfo;
-struct face_work;         /* face.h */
-struct store;             /* store.h */
-struct store_calibration; /* store.h */
+struct face_work; /* face.h */
+struct store;     /* store.h */
 
 /* calibration_holds(s, k): was k made for the measure and the model that s is used with? */
 bool calibration_holds(const struct store *s, const struct store_calibration *k);
@@ -24,8 +24,13 @@ bool calibration_holds(const struct store *s, const struct store_calibration *k)
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
                                  struct errinfo *e);
 
+/* calibration_use(s, k, w): w decides by k from now on, the newest as store_admit() gave it:
+ * zeros where there is none. */
+void calibration_use(const struct store *s, struct store_calibration k,
+                     struct face_work *w);
+
 /* calibration_follow(s, w, version, e): w decides by the calibration in force from now on.
- * version  of the one that w decides by, 0 for a new w; kept by the caller for w
+ * version  of the one that w decides by, 0 for a new w; kept by the caller for w.
  * Costs some microseconds when it is the same as before.  On failure w is as it was. */
 enum status calibration_follow(struct store *s, struct face_work *w, int64_t *version,
                                struct errinfo *e);

@@ -73,10 +73,11 @@ static enum status read_models(struct store_txn *x, const struct store_admit *wh
 enum status store_admit(struct store *s, const struct store_admit *what,
                         struct store_admission *out, struct errinfo *e)
 {
+    struct errinfo why = {0};
     struct store_txn x;
     bool future = false;
     int64_t now;
-    enum status st;
+    enum status st, moved;
 
     memset(out, 0, sizeof *out);
     if ((st = what->subject != NULL
@@ -88,8 +89,13 @@ enum status store_admit(struct store *s, const struct store_admit *what,
     if ((st = read_all(&x, what, now, out, &future, e)) == ST_OK)
         st = read_models(&x, what, out, e);
     st = store_txn_end(&x, st, e);
-    if (future && (st = store_txn_begin(s, SQL_LAZY, &x, e)) == ST_OK)
-        st = store_txn_end(&x, row_attempts_not_after(&x, out->subject.id, now, e), e);
+    if (future) { /* also where the reading was ended: a lock-out must end some day */
+        if ((moved = store_txn_begin(s, SQL_LAZY, &x, &why)) == ST_OK)
+            moved = store_txn_end(
+                &x, row_attempts_not_after(&x, out->subject.id, now, &why), &why);
+        if (st == ST_OK && moved != ST_OK)
+            st = errinfo_set(e, moved, "%s", why.msg);
+    }
     if (st != ST_OK) {
         free(out->t);
         out->t = NULL;

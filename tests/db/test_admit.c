@@ -214,6 +214,17 @@ static void test_state(void **state)
     assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
     assert_transactions(1, 0);
     free(a.t);
+    /* Also where the caller ends the reading: its lock-out would never end. */
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
+    what.listed = listed;
+    what.arg = &(struct caller){.end = true};
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    assert_string_equal(e.msg, "no more");
+    assert_null(a.t);
+    assert_transactions(1, 1);
+    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    assert_transactions(1, 0);
+    what.listed = NULL;
     /* By a damaged calibration nobody may decide. */
     tempdb_sql("UPDATE calibrations SET threshold_mm = threshold_mm + 1");
     what.calibration = 0;
