@@ -14,64 +14,33 @@ int ctl_face_exit(enum face_decision d)
     return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
 }
 
-/* Models as nearest.h takes them: loaded from the store into one face. */
-struct shelf {
-    struct store *store;
-    struct face face;
-};
-
-static enum status hold(void *arg, const char *id, struct face_work *w,
-                        const struct face **out, struct errinfo *e)
-{
-    struct shelf *s = arg;
-    struct store_template t;
-
-    *out = &s->face;
-    return store_template_load(s->store, id, &t, w, &s->face, e);
-}
-
-static void release(void *arg, const struct face *f)
-{
-    (void)arg;
-    (void)f;
-}
-
 static void pass_over(void *arg, const struct errinfo *e)
 {
     (void)arg;
     (void)fprintf(stderr, "surfacectl: passed over: %s\n", e->msg);
 }
 
-static struct nearest_context context(struct shelf *shelf, struct store *s,
-                                      struct face_work *w)
+static struct admission_context context(struct store *s, struct face_work *w)
 {
-    *shelf = (struct shelf){.store = s};
-    return (struct nearest_context){.store = s,
-                                    .work = w,
-                                    .clock_ms = ctl_clock_ms,
-                                    .hold = hold,
-                                    .release = release,
-                                    .pass_over = pass_over,
-                                    .arg = shelf};
+    return (struct admission_context){
+        .store = s, .work = w, .clock_ms = ctl_clock_ms, .pass_over = pass_over};
 }
 
-/* Templates t[0..n-1] are subject's. */
-static enum status nearest(struct ctl *c, struct store *s, const char *subject,
-                           const struct store_template *t, size_t n,
-                           const struct face *probe, struct face_work *w,
-                           struct ctl_nearest *best)
+static enum status nearest(struct ctl *c, struct store *s,
+                           const struct admission_request *ask, const struct face *probe,
+                           struct face_work *w, struct ctl_nearest *best)
 {
-    struct shelf shelf;
-    struct nearest_context with = context(&shelf, s, w);
-    enum status st = store_subject_get(s, subject, &best->subject, &c->e);
+    struct admission_context with = context(s, w);
+    struct admission a;
+    enum status st = admission_read(&with, ask, &a, &c->e);
 
-    if (st == ST_OK && admit_subject(&best->subject, &c->e) != ADMIT_YES)
-        st = ST_EDENIED;
     if (st == ST_OK)
-        st = nearest_find(&with, t, n, probe, &best->nearest, &c->e);
-    if (st == ST_OK)
-        best->tmpl = t[best->nearest.index];
-    face_free(&shelf.face);
+        st = nearest_find(&with, &a, probe, &best->nearest, &c->e);
+    if (st == ST_OK) {
+        best->subject = a.of.subject;
+        best->tmpl = a.of.t[best->nearest.index];
+    }
+    admission_free(&with, &a);
     return st;
 }
 
@@ -79,32 +48,21 @@ enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject
                              const struct face *probe, struct face_work *w,
                              struct ctl_nearest *best)
 {
-    struct store_template *t = NULL;
-    size_t n = 0;
-    enum status st = store_template_list(s, subject, &t, &n, &c->e);
-
-    if (st == ST_OK)
-        st = nearest(c, s, subject, t, n, probe, w, best);
-    free(t);
-    return st;
+    return nearest(c, s, &(struct admission_request){.subject = subject}, probe, w, best);
 }
 
 enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
                               const struct face *probe, struct face_work *w,
                               struct ctl_nearest *best)
 {
-    struct store_template t;
-    const enum status st = store_template_get(s, id, &t, &c->e);
-
-    return st == ST_OK ? nearest(c, s, t.subject, &t, 1, probe, w, best) : st;
+    return nearest(c, s, &(struct admission_request){.template_id = id}, probe, w, best);
 }
 
 enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
                             const char *path, struct face_work *w,
                             struct enrolment_outcome *out)
 {
-    struct shelf shelf;
-    struct nearest_context with = context(&shelf, s, w);
+    struct admission_context with = context(s, w);
     const enum status st = enrolment_add(&with, x, out, &c->e);
 
     if (st == ST_EMISMATCH) {
@@ -112,7 +70,6 @@ enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolme
 
         (void)errinfo_set(&c->e, st, "%.100s: %s", path, e.msg);
     }
-    face_free(&shelf.face);
     return st;
 }
 

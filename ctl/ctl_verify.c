@@ -35,6 +35,25 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
+/* Whoever has the database is not locked out of it: attempts are not counted. */
+static enum status settle(struct ctl *c, struct store *s, const struct ctl_nearest *best)
+{
+    struct errinfo lost = {0};
+    struct store_settled out = {.lost = &lost};
+    const struct store_settle what = {
+        .subject = &best->subject,
+        .as = STORE_SETTLE_UNCOUNTED,
+        .actor = CTL_ACTOR,
+        .kind = "verify",
+        .template_id = best->tmpl.id,
+        .outcome = verdict_decision(best->nearest.result.decision)};
+    const enum status st = store_settle(s, &what, &out, &c->e);
+
+    return st == ST_OK && lost.code != ST_OK
+               ? errinfo_set(&c->e, lost.code, "%s", lost.msg)
+               : st;
+}
+
 static int run_verify(struct ctl *c)
 {
     const char *subject = c->args[0];
@@ -55,10 +74,8 @@ static int run_verify(struct ctl *c)
     if (st == ST_OK)
         st = ctl_face_nearest(c, s, subject, &probe, w, &best);
     if (st == ST_OK)
-        st = store_event(s, "verify", CTL_ACTOR, subject, best.tmpl.id,
-                         verdict_decision(best.nearest.result.decision), &c->e);
+        st = settle(c, s, &best);
     if (st == ST_OK) {
-        store_subject_seen(s, &best.subject);
         print_result(c, &(struct describe_comparison){
                             .result = &best.nearest.result,
                             .probe = &probe,

@@ -6,7 +6,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct ahead;       /* ahead.h */
 struct attempts;    /* attempts.h */
 struct cache;       /* cache.h */
 struct guard;       /* guard.h */
@@ -22,7 +21,6 @@ struct app {
     struct store *store; /* its calibration and engine are by the model */
     struct model *model; /* NULL: model_default */
     struct cache *cache;
-    struct ahead *ahead;
     struct metrics *metrics;
     struct idempotency *idempotency;
     struct attempts *attempts;

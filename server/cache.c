@@ -1,32 +1,27 @@
 #include "cache.h"
 
 #include <pthread.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "store.h"
+#include "store_types.h"
 
 #define NBUCKETS 4096
 
-/* A model: in the list of loads while it is read, then in a bucket's and in that of all by
- * last use, newest first.  refs counts its holders, and the cache itself while it is in the
- * latter. */
+/* A model: in a bucket's list and in that of all by last use, newest first.  refs counts its
+ * holders, and the cache itself while it is in the lists. */
 struct entry {
     struct face face; /* first: cache_release() gets a pointer to it */
     char id[STORE_ID_LEN + 1];
     unsigned refs;
-    bool ahead; /* by cache_load(), and not held since */
     size_t bytes;
-    struct entry *chain; /* next in the bucket, or of the loads */
+    struct entry *chain; /* next in the bucket */
     struct entry *newer, *older;
 };
 
 struct cache {
     pthread_mutex_t lock;
-    pthread_cond_t loaded; /* a load ahead has ended, well or not */
-    struct entry *loads;
     struct entry *bucket[NBUCKETS];
     struct entry *newest, *oldest;
     uint64_t forgets; /* calls of cache_forget() */
@@ -110,7 +105,6 @@ struct cache *cache_new(size_t limit)
     if (c == NULL)
         return NULL;
     (void)pthread_mutex_init(&c->lock, NULL);
-    (void)pthread_cond_init(&c->loaded, NULL);
     c->state.limit = limit;
     return c;
 }
@@ -121,7 +115,6 @@ void cache_free(struct cache *c)
         return;
     while (c->oldest != NULL)
         drop(c, c->oldest);
-    (void)pthread_cond_destroy(&c->loaded);
     (void)pthread_mutex_destroy(&c->lock);
     free(c);
 }
@@ -144,91 +137,52 @@ static void take_in(struct cache *c, struct entry *x)
     }
 }
 
-static const struct entry *under_way(const struct cache *c, const char *id)
+const struct face *cache_find(struct cache *c, const char *id)
 {
-    const struct entry *x = c->loads;
-
-    while (x != NULL && strcmp(x->id, id) != 0)
-        x = x->chain;
-    return x;
-}
-
-/* Load what is not there; the lock is held, but not meanwhile. */
-static enum status load(struct cache *c, struct store *s, const char *id, bool ahead,
-                        struct face_work *w, struct entry **out, struct errinfo *e)
-{
-    struct entry *x = calloc(1, sizeof *x), **link = &c->loads;
-    const uint64_t forgets = c->forgets;
-    struct store_template t;
-    enum status st;
-
-    if (x == NULL)
-        return ST_ENOMEM;
-    (void)snprintf(x->id, sizeof x->id, "%s", id);
-    x->refs = 1;
-    x->ahead = ahead;
-    x->chain = c->loads;
-    c->loads = x;
-    c->state.misses++;
-    (void)pthread_mutex_unlock(&c->lock);
-    st = store_template_load(s, id, &t, w, &x->face, e);
-    (void)pthread_mutex_lock(&c->lock);
-
-    while (*link != x)
-        link = &(*link)->chain;
-    *link = x->chain;
-    if (ahead)
-        (void)pthread_cond_broadcast(&c->loaded);
-    if (st != ST_OK) {
-        unref(x);
-        return st;
-    }
-    x->bytes = face_bytes(&x->face);
-    c->state.reencoded += store_template_outdated(s, &t);
-    /* A template that was deleted since it was read must not be kept after its
-     * cache_forget(): it would stay until evicted.  Other templates are then loaded again. */
-    if (forgets == c->forgets)
-        take_in(c, x);
-    *out = x;
-    return ST_OK;
-}
-
-enum status cache_hold(struct cache *c, struct store *s, const char *id,
-                       struct face_work *w, const struct face **out, struct errinfo *e)
-{
-    const struct entry *other;
     struct entry *x;
-    enum status st = ST_OK;
 
-    *out = NULL;
     (void)pthread_mutex_lock(&c->lock);
-    while ((x = find(c, id)) == NULL && (other = under_way(c, id)) != NULL &&
-           other->ahead)
-        (void)pthread_cond_wait(&c->loaded, &c->lock);
+    x = find(c, id);
     if (x != NULL) {
         x->refs++;
-        c->state.hits += !x->ahead; /* it was a miss of cache_load() */
-        x->ahead = false;
+        c->state.hits++;
         unlink_age(c, x);
         link_newest(c, x);
     } else {
-        st = load(c, s, id, false, w, &x, e);
+        c->state.misses++;
     }
     (void)pthread_mutex_unlock(&c->lock);
-    if (st == ST_OK)
-        *out = &x->face;
-    return st;
+    return x != NULL ? &x->face : NULL;
 }
 
-void cache_load(struct cache *c, struct store *s, const char *id, struct face_work *w)
+uint64_t cache_mark(struct cache *c)
 {
-    struct entry *x;
+    uint64_t mark;
 
     (void)pthread_mutex_lock(&c->lock);
-    if (c->state.limit > 0 && find(c, id) == NULL && under_way(c, id) == NULL &&
-        load(c, s, id, true, w, &x, NULL) == ST_OK)
-        unref(x);
+    mark = c->forgets;
     (void)pthread_mutex_unlock(&c->lock);
+    return mark;
+}
+
+const struct face *cache_keep(struct cache *c, uint64_t mark, const char *id,
+                              bool reencoded, struct face *f)
+{
+    struct entry *x = calloc(1, sizeof *x);
+
+    if (x == NULL)
+        return NULL;
+    x->face = *f;
+    *f = (struct face){0};
+    (void)snprintf(x->id, sizeof x->id, "%s", id);
+    x->refs = 1;
+    x->bytes = face_bytes(&x->face);
+    (void)pthread_mutex_lock(&c->lock);
+    c->state.reencoded += reencoded;
+    if (mark == c->forgets)
+        take_in(c, x);
+    (void)pthread_mutex_unlock(&c->lock);
+    return &x->face;
 }
 
 void cache_release(struct cache *c, const struct face *f)

@@ -9,11 +9,24 @@
 #include "render.h"
 #include "log.h"
 #include "mem.h"
+#include "metrics.h"
 #include "params.h"
 #include "request.h"
 #include "store.h"
+#include "verdict.h"
 #include "verify.h"
 #include "worker.h"
+
+/* There is no subject to protect: where the event is lost the response stands. */
+static void add_event(struct request *r, enum face_decision decision)
+{
+    struct errinfo e = {0};
+
+    metrics_decision(r->app->metrics, decision);
+    if (store_event(r->app->store, "compare", r->actor, "", "",
+                    verdict_decision(decision), &e) != ST_OK)
+        verify_event_lost(r, "compare", &e);
+}
 
 void compare_handle(struct request *r, struct worker *w)
 {
@@ -31,7 +44,7 @@ void compare_handle(struct request *r, struct worker *w)
     if (cloud_build(r, &a, "a.points", w->compare.work, &w->other) != ST_OK ||
         cloud_build(r, &b, "b.points", w->compare.work, &w->probe) != ST_OK)
         goto out;
-    if (nearest_calibrate(&w->compare, &e) != ST_OK) {
+    if (admission_calibrate(&w->compare, &e) != ST_OK) {
         request_fail(r, &e);
         goto out;
     }
@@ -51,7 +64,7 @@ void compare_handle(struct request *r, struct worker *w)
     }
     request_stage(r, REQUEST_ALIGN, result.align_ms);
     request_stage(r, REQUEST_MEASURE, result.measure_ms);
-    verify_event(r, "compare", "", "", result.decision);
+    add_event(r, result.decision);
     request_respond(
         r, 200,
         render_comparison(&(struct describe_comparison){

@@ -5,7 +5,6 @@
 #include <string.h>
 #include <sodium.h>
 
-#include "ahead.h"
 #include "app.h"
 #include "attempts.h"
 #include "cache.h"
@@ -48,11 +47,10 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
-    app->attempts = attempts_new(app->store, o->attempts, o->attempt_wait);
+    app->attempts = attempts_new(o->attempts, o->attempt_wait);
     app->throttle = throttle_new(o->rate_limit_tokens);
     if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL ||
-        app->attempts == NULL || app->throttle == NULL ||
-        (app->ahead = ahead_start(app)) == NULL)
+        app->attempts == NULL || app->throttle == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -67,7 +65,6 @@ static void stop(struct app *app, struct http *http)
         queue_stop(app->queue);
     http_stop(http);
     queue_free(app->queue);
-    ahead_stop(app->ahead);
     cache_free(app->cache);
     metrics_free(app->metrics);
     idempotency_free(app->idempotency);

@@ -1,61 +1,51 @@
 #include "verify.h"
 
-#include <stdlib.h>
-
-#include "ahead.h"
 #include "app.h"
 #include "attempts.h"
-#include "cache.h"
+#include "builder.h"
 #include "cloud.h"
 #include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
-#include "render.h"
 #include "log.h"
 #include "mem.h"
 #include "metrics.h"
+#include "nearest.h"
 #include "params.h"
+#include "render.h"
 #include "request.h"
 #include "store.h"
 #include "verdict.h"
 #include "worker.h"
 
-void verify_event(struct request *r, const char *kind, const char *subject,
-                  const char *template_id, enum face_decision decision)
+/* One verification. */
+struct verification {
+    struct request *r;
+    struct worker *w;
+    enum params_detail detail;
+    struct admission admission;
+    struct nearest best;
+    double
+        *gap; /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
+    /* The probe; the builder's until builder_wait(). */
+    bool begun; /* with the builder */
+    struct cloud cloud;
+    double parse_ms, prepare_ms;
+    enum status built;
+};
+
+void verify_event_lost(struct request *r, const char *kind, const struct errinfo *e)
 {
-    struct errinfo e = {0};
+    struct log_entry l;
 
-    metrics_decision(r->app->metrics, decision);
-    if (store_event(r->app->store, kind, r->actor, subject, template_id,
-                    verdict_decision(decision), &e) != ST_OK) {
-        struct log_entry l;
-
-        metrics_lost_event(r->app->metrics);
-        metrics_database_error(r->app->metrics, e.code);
-        log_begin(&l, "error", "event lost");
-        log_text(&l, "request_id", r->id);
-        log_text(&l, "event", kind);
-        log_text(&l, "fault", e.msg);
-        log_end(&l);
-    }
-}
-
-/* The heatmap of the probe's points against template id, by mem_free(). */
-static enum status heatmap(struct worker *w, const char *id, const struct cloud *c,
-                           const double transform[16], double **gap, struct errinfo *e)
-{
-    const struct face *face;
-    enum status st =
-        cache_hold(w->app->cache, w->app->store, id, w->compare.work, &face, e);
-
-    if (st != ST_OK)
-        return st;
-    *gap = mem_array(c->n, sizeof **gap);
-    if (*gap != NULL)
-        heatmap_gaps(&face->surface, c->pts, c->n, transform, *gap);
-    cache_release(w->app->cache, face);
-    return *gap != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
+    metrics_lost_event(r->app->metrics);
+    metrics_database_error(r->app->metrics, e->code);
+    log_begin(&l, "error", "event lost");
+    log_text(&l, "request_id", r->id);
+    log_text(&l, "event", kind);
+    log_text(&l, "fault", e->msg);
+    log_end(&l);
 }
 
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e)
@@ -66,103 +56,196 @@ bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *
     return admit == ADMIT_YES;
 }
 
-/* Is the subject there, admitted and not locked out?  *one: as it was read. */
-static bool admit(struct request *r, const char *subject, struct store_subject *one)
-{
-    struct errinfo e = {0};
+/* ---- before the comparison */
 
-    if (store_subject_get(r->app->store, subject, one, &e) != ST_OK) {
-        request_fail(r, &e);
-        return false;
-    }
-    return verify_admitted(r, admit_subject(one, &e), &e) &&
-           attempts_admit(r->app->attempts, r, subject);
+/* Refused here, the body is not even parsed. */
+static enum status admitted(void *arg, const struct store_admission *a, struct errinfo *e)
+{
+    struct verification *v = arg;
+
+    if (a->n == 0)
+        return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
+    if (!attempts_admit(v->r->app->attempts, v->r, &a->attempts))
+        return errinfo_set(e, ST_EDENIED, "the subject is locked out");
+    return ST_OK;
 }
 
-/* The probe of the body against templates t[0..n-1] of one subject. */
-static void verify(struct request *r, struct worker *w, const struct store_template *t,
-                   size_t n)
+static void build(void *arg, struct face_work *work)
 {
-    double start = log_clock_ms(), parsed, prepared, *gap = NULL;
-    struct errinfo e = {0};
-    struct cloud c = {0};
-    struct nearest best;
-    struct store_subject one;
-    enum params_detail detail = PARAMS_BRIEF;
-    enum status st;
+    struct verification *v = arg;
+    const double start = log_clock_ms();
+    double parsed;
 
-    if (!params_detail(r, &detail) || !admit(r, t->subject, &one))
-        return;
-    for (size_t i = 0; i < n; i++)
-        ahead_ask(w->app->ahead, t[i].id);
-    if (cloud_read(r, &c) != ST_OK)
+    if ((v->built = cloud_read(v->r, &v->cloud)) != ST_OK)
         return;
     parsed = log_clock_ms();
-    request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", w->compare.work, &w->probe) != ST_OK)
-        goto out;
-    prepared = log_clock_ms();
-    request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = nearest_find(&w->compare, t, n, &w->probe, &best, &e);
-    if (st == ST_OK && detail == PARAMS_HEATMAP)
-        st = heatmap(w, t[best.index].id, &c, best.result.align.transform, &gap, &e);
-    if (st != ST_OK) {
-        request_fail(r, &e);
-        goto out;
+    v->built = cloud_build(v->r, &v->cloud, "points", work, &v->w->probe);
+    v->parse_ms = parsed - start;
+    v->prepare_ms = log_clock_ms() - parsed;
+}
+
+static void reading(void *arg)
+{
+    struct verification *v = arg;
+
+    v->begun = true;
+    builder_begin(v->w->builder, build, v);
+}
+
+/* False: r->response says why. */
+static bool admit(struct verification *v, const char *subject, const char *template_id)
+{
+    const struct admission_request ask = {.subject = subject,
+                                          .template_id = template_id,
+                                          .admitted = admitted,
+                                          .reading = reading,
+                                          .arg = v};
+    struct errinfo e = {0};
+    const enum status st = admission_read(&v->w->compare, &ask, &v->admission, &e);
+
+    if (v->begun)
+        builder_wait(v->w->builder);
+    else if (st == ST_OK)
+        build(v, v->w->compare.work);
+    if (v->cloud.pts != NULL) { /* parsed */
+        request_stage(v->r, REQUEST_PARSE, v->parse_ms);
+        request_stage(v->r, REQUEST_PREPARE, v->prepare_ms);
     }
-    request_stage(r, REQUEST_ALIGN, best.align_ms);
-    request_stage(r, REQUEST_MEASURE, best.measure_ms);
-    if (!attempts_settle(r->app->attempts, r, t->subject,
-                         best.result.decision == FACE_MATCH))
-        goto out;
-    verify_event(r, "verify", t[best.index].subject, t[best.index].id,
-                 best.result.decision);
-    store_subject_seen(r->app->store, &one);
-    request_respond(
-        r, 200,
-        render_comparison(&(struct describe_comparison){
-            .result = &best.result,
-            .probe = &w->probe,
-            .engine = store_made_by(r->app->store),
-            .subject = t[best.index].subject,
-            .template_id = t[best.index].id,
-            .templates_compared = best.compared,
-            .times = &(struct describe_times){.parse = parsed - start,
-                                              .prepare = prepared - parsed,
-                                              .align = best.align_ms,
-                                              .measure = best.measure_ms,
-                                              .total = log_clock_ms() - r->start_ms},
-            .measure = detail != PARAMS_BRIEF,
-            .gap_mm = gap,
-            .n = c.n,
-        }));
-out:
-    mem_free(gap);
-    cloud_free(&c);
+    if (st == ST_OK)
+        return v->built == ST_OK;
+    if (verify_admitted(v->r, v->admission.admit, &e) &&
+        (v->begun || v->r->response.http == 0)) /* else admitted() has set it */
+        request_fail(v->r, &e);
+    return false;
+}
+
+/* ---- the comparison */
+
+static enum status heatmap(struct verification *v, struct errinfo *e)
+{
+    struct admission_context *c = &v->w->compare;
+    const size_t i = v->best.index;
+    const struct face *face;
+    enum status st;
+
+    if (v->detail != PARAMS_HEATMAP)
+        return ST_OK;
+    if ((st = admission_hold(c, &v->admission, i, &face, e)) != ST_OK)
+        return st;
+    v->gap = mem_array(v->cloud.n, sizeof *v->gap);
+    if (v->gap != NULL)
+        heatmap_gaps(&face->surface, v->cloud.pts, v->cloud.n,
+                     v->best.result.align.transform, v->gap);
+    admission_release(c, &v->admission, i, face);
+    return v->gap != NULL ? ST_OK
+                          : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
+}
+
+static bool compare(struct verification *v)
+{
+    struct errinfo e = {0};
+    enum status st =
+        nearest_find(&v->w->compare, &v->admission, &v->w->probe, &v->best, &e);
+
+    if (st == ST_OK)
+        st = heatmap(v, &e);
+    if (st != ST_OK) {
+        request_fail(v->r, &e);
+        return false;
+    }
+    request_stage(v->r, REQUEST_ALIGN, v->best.align_ms);
+    request_stage(v->r, REQUEST_MEASURE, v->best.measure_ms);
+    return true;
+}
+
+/* ---- after the comparison */
+
+/* Others that ran at the same time may have locked the subject out: running many at once must
+ * not be a way round the limit. */
+static bool may(void *arg, const struct store_attempts *now)
+{
+    struct verification *v = arg;
+
+    return attempts_admit(v->r->app->attempts, v->r, now);
+}
+
+/* What is not counted and recorded is not told: there would be no limit.  The exception is an
+ * audit log that is damaged: nothing can be appended then until somebody has looked into it,
+ * and the attempts are counted all the same. */
+static bool settle(struct verification *v)
+{
+    const enum face_decision decision = v->best.result.decision;
+    const struct app *app = v->r->app;
+    struct errinfo e = {0}, lost = {0};
+    struct store_settled out = {.lost = &lost};
+    const struct store_settle what = {
+        .subject = &v->admission.of.subject,
+        .as = !attempts_limited(app->attempts) ? STORE_SETTLE_UNCOUNTED
+              : decision == FACE_MATCH         ? STORE_SETTLE_PASSED
+                                               : STORE_SETTLE_FAILED,
+        .actor = v->r->actor,
+        .kind = "verify",
+        .template_id = v->admission.of.t[v->best.index].id,
+        .outcome = verdict_decision(decision),
+        .may = may,
+        .arg = v};
+
+    if (store_settle(app->store, &what, &out, &e) != ST_OK) {
+        request_fail(v->r, &e);
+        return false;
+    }
+    if (!out.may)
+        return false;
+    metrics_decision(app->metrics, decision);
+    if (lost.code != ST_OK)
+        verify_event_lost(v->r, "verify", &lost);
+    return true;
+}
+
+static void respond(struct verification *v)
+{
+    const struct describe_times times = {.parse = v->parse_ms,
+                                         .prepare = v->prepare_ms,
+                                         .align = v->best.align_ms,
+                                         .measure = v->best.measure_ms,
+                                         .total = log_clock_ms() - v->r->start_ms};
+
+    request_respond(v->r, 200,
+                    render_comparison(&(struct describe_comparison){
+                        .result = &v->best.result,
+                        .probe = &v->w->probe,
+                        .engine = store_made_by(v->r->app->store),
+                        .subject = v->admission.of.subject.id,
+                        .template_id = v->admission.of.t[v->best.index].id,
+                        .templates_compared = v->best.compared,
+                        .times = &times,
+                        .measure = v->detail != PARAMS_BRIEF,
+                        .gap_mm = v->gap,
+                        .n = v->cloud.n,
+                    }));
+}
+
+/* One of subject and template_id is NULL. */
+static void verify(struct request *r, struct worker *w, const char *subject,
+                   const char *template_id)
+{
+    struct verification v = {.r = r, .w = w, .detail = PARAMS_BRIEF};
+
+    if (!params_detail(r, &v.detail))
+        return;
+    if (admit(&v, subject, template_id) && compare(&v) && settle(&v))
+        respond(&v);
+    admission_free(&w->compare, &v.admission);
+    mem_free(v.gap);
+    cloud_free(&v.cloud);
 }
 
 void verify_subject(struct request *r, struct worker *w)
 {
-    struct store_template *t = NULL;
-    struct errinfo e = {0};
-    size_t n = 0;
-
-    if (store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
-        request_fail(r, &e);
-    else if (n == 0)
-        request_problem(r, ST_ENOTFOUND, "the subject has no template");
-    else
-        verify(r, w, t, n);
-    free(t);
+    verify(r, w, r->subject, NULL);
 }
 
 void verify_template(struct request *r, struct worker *w)
 {
-    struct store_template t;
-    struct errinfo e = {0};
-
-    if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
-        request_fail(r, &e);
-    else
-        verify(r, w, &t, 1);
+    verify(r, w, NULL, r->template_id);
 }

@@ -1,16 +1,32 @@
 #include "worker.h"
 
 #include "app.h"
+#include "builder.h"
 #include "cache.h"
 #include "errinfo.h"
 #include "log.h"
 
-static enum status hold(void *arg, const char *id, struct face_work *work,
-                        const struct face **out, struct errinfo *e)
+static const struct face *find(void *arg, const char *id)
 {
     const struct worker *w = arg;
 
-    return cache_hold(w->app->cache, w->app->store, id, work, out, e);
+    return cache_find(w->app->cache, id);
+}
+
+static uint64_t mark(void *arg)
+{
+    const struct worker *w = arg;
+
+    return cache_mark(w->app->cache);
+}
+
+static const struct face *keep(void *arg, uint64_t since, const struct store_template *t,
+                               struct face *f)
+{
+    const struct worker *w = arg;
+
+    return cache_keep(w->app->cache, since, t->id,
+                      store_template_outdated(w->app->store, t), f);
 }
 
 static void release(void *arg, const struct face *f)
@@ -37,16 +53,20 @@ enum status worker_open(struct worker *w, struct app *app)
         .compare = {.store = app->store,
                     .work = face_work_new(app->model),
                     .clock_ms = log_clock_ms,
-                    .hold = hold,
+                    .find = find,
+                    .mark = mark,
+                    .keep = keep,
                     .release = release,
                     .pass_over = pass_over,
                     .arg = w},
     };
-    return w->compare.work != NULL ? ST_OK : ST_ENOMEM;
+    w->builder = builder_start(app->model);
+    return w->compare.work != NULL && w->builder != NULL ? ST_OK : ST_ENOMEM;
 }
 
 void worker_close(struct worker *w)
 {
+    builder_stop(w->builder);
     face_free(&w->probe);
     face_free(&w->other);
     face_work_free(w->compare.work);

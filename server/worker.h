@@ -1,15 +1,17 @@
 /* worker.h -- what one worker thread owns and reuses for each request. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
+#include "admission.h"
 #include "face.h"
-#include "nearest.h"
 #include "status.h"
 
-struct app;
+struct app;     /* app.h */
+struct builder; /* builder.h */
 
 struct worker {
     struct app *app;
-    struct nearest_context compare; /* its memory, and the models of app's cache */
+    struct admission_context compare; /* its memory, and the models of app's cache */
+    struct builder *builder;
     struct face probe, other;
 };
 

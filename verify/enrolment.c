@@ -1,6 +1,5 @@
 #include "enrolment.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -16,30 +15,31 @@ static enum status mismatch(const struct face_result *r, struct errinfo *e)
               "enrolls it all the same");
 }
 
-/* newest: the id of the last template that it was compared with, "" where there is none. */
-static enum status check_fit(struct nearest_context *c, const struct enrolment *x,
-                             char newest[STORE_ID_LEN + 1], struct nearest *out,
+/* newest: the id of the last template that it was compared with, "" where there is none.  A
+ * subject that is not there yet is made with its first template. */
+static enum status check_fit(struct admission_context *c, const struct enrolment *x,
+                             char newest[STORE_ID_LEN + 1], struct enrolment_outcome *out,
                              struct errinfo *e)
 {
-    struct store_template *t = NULL;
-    size_t n = 0;
-    enum status st = store_template_list(c->store, x->subject, &t, &n, e);
+    struct admission a;
+    enum status st =
+        admission_read(c, &(struct admission_request){.subject = x->subject}, &a, e);
 
     newest[0] = '\0';
-    *out = (struct nearest){0};
-    if (st == ST_OK && n > 0) {
-        memcpy(newest, t[n - 1].id, STORE_ID_LEN + 1);
-        st = nearest_find(c, t, n, x->face, out, e);
+    out->nearest = (struct nearest){0};
+    out->admit = a.admit;
+    if (st == ST_OK && a.of.n > 0) {
+        memcpy(newest, a.of.t[a.of.n - 1].id, STORE_ID_LEN + 1);
+        st = nearest_find(c, &a, x->face, &out->nearest, e);
+        if (st == ST_OK && out->nearest.result.decision != FACE_MATCH)
+            st = mismatch(&out->nearest.result, e);
     }
-    free(t);
-    if (st == ST_ENOTFOUND) /* of the subject, or of its templates by now */
-        return ST_OK;
-    if (st == ST_OK && n > 0 && out->result.decision != FACE_MATCH)
-        return mismatch(&out->result, e);
-    return st;
+    admission_free(c, &a);
+    return st == ST_ENOTFOUND ? ST_OK
+                              : st; /* of the subject, or of its templates by now */
 }
 
-/* A subject that is not there yet is made with its first template. */
+/* All that is asked before an enrolment by force. */
 static enum status look_at_subject(struct store *s, const char *subject, enum admit *out,
                                    struct errinfo *e)
 {
@@ -52,17 +52,17 @@ static enum status look_at_subject(struct store *s, const char *subject, enum ad
     return *out == ADMIT_YES ? ST_OK : ST_EDENIED;
 }
 
-enum status enrolment_add(struct nearest_context *c, const struct enrolment *x,
+enum status enrolment_add(struct admission_context *c, const struct enrolment *x,
                           struct enrolment_outcome *out, struct errinfo *e)
 {
     char newest[STORE_ID_LEN + 1];
     enum status st;
 
     *out = (struct enrolment_outcome){0};
-    if ((st = look_at_subject(c->store, x->subject, &out->admit, e)) != ST_OK)
-        return st;
     do { /* again only when another enrolment came in between */
-        if (!x->force && (st = check_fit(c, x, newest, &out->nearest, e)) != ST_OK)
+        st = x->force ? look_at_subject(c->store, x->subject, &out->admit, e)
+                      : check_fit(c, x, newest, out, e);
+        if (st != ST_OK)
             return st;
         st = store_enroll_after(c->store, x->actor, x->subject, x->label, x->face,
                                 x->force ? NULL : newest, &out->tmpl, &out->created, e);

@@ -26,7 +26,7 @@ struct enrolment_outcome {
  * that the subject has at that moment, whatever other threads and processes enrol meanwhile.
  * Returns ST_OK; ST_EMISMATCH: it does not fit, and out->nearest tells why; ST_EDENIED: out->admit
  * says that the subject is disabled or has expired; or as nearest_find(), store_enroll(). */
-enum status enrolment_add(struct nearest_context *c, const struct enrolment *x,
+enum status enrolment_add(struct admission_context *c, const struct enrolment *x,
                           struct enrolment_outcome *out, struct errinfo *e);
 
 #endif

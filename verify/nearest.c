@@ -2,9 +2,7 @@
 
 #include <stdbool.h>
 
-#include "calibration.h"
 #include "errinfo.h"
-#include "store.h"
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {
@@ -15,44 +13,33 @@ static bool better(const struct face_result *a, const struct face_result *b)
     return a->score_mm < b->score_mm;
 }
 
-enum status nearest_calibrate(struct nearest_context *c, struct errinfo *e)
-{
-    return calibration_follow(c->store, c->work, &c->calibration, e);
-}
-
-static enum status compare(struct nearest_context *c, const struct store_template *t,
-                           const struct face *probe, struct face_result *out,
+static enum status compare(struct admission_context *c, const struct admission *a,
+                           size_t i, const struct face *probe, struct face_result *out,
                            struct errinfo *e)
 {
     const struct face *face;
-    enum status st = c->hold(c->arg, t->id, c->work, &face, e);
+    enum status st = admission_hold(c, a, i, &face, e);
 
     if (st != ST_OK)
         return st;
     st = face_compare(face, probe, 0.0, c->clock_ms, c->work, out);
-    c->release(c->arg, face);
-    return st == ST_OK ? st
-                       : errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
+    admission_release(c, a, i, face);
+    return st == ST_OK
+               ? st
+               : errinfo_set(e, st, "template %s: %s", a->of.t[i].id, status_message(st));
 }
 
-enum status nearest_find(struct nearest_context *c, const struct store_template *t,
-                         size_t n, const struct face *probe, struct nearest *out,
-                         struct errinfo *e)
+enum status nearest_find(struct admission_context *c, const struct admission *a,
+                         const struct face *probe, struct nearest *out, struct errinfo *e)
 {
-    enum status st = nearest_calibrate(c, e);
     bool foreign = false; /* there is one that this engine cannot re-encode */
 
     *out = (struct nearest){0};
-    if (st != ST_OK)
-        return st;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < a->of.n; i++) {
         struct face_result result;
+        const enum status st = compare(c, a, i, probe, &result, e);
 
-        st = compare(c, &t[i], probe, &result, e);
-        if (st == ST_EVERSION) {
-            c->pass_over(c->arg, e);
-            foreign = true;
-        }
+        foreign |= st == ST_EVERSION;
         if (st == ST_EVERSION || st == ST_ENOTFOUND)
             continue;
         if (st != ST_OK)

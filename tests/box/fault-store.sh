@@ -36,12 +36,34 @@ problem "one more" 503 busy
 is "Retry-After" "$(field Retry-After)" 1
 req DELETE /v1/subjects/s1
 problem "nor does deleting" 503 busy
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+problem "a verification that cannot be recorded is not told" 503 busy
 release_db
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "and is after it" "$STATUS $(get .decision)" "200 match"
+ctl audit show
+is "one event, of the one that was told" \
+    "$(said '[.entries[] | select(.kind == "verify") | .outcome] | join(" ")')" match
 send POST /v1/subjects/s2/templates "$PLY" "$T/s2.ply"
 is "enrolled after it" "$STATUS" 201
 req GET '/v1/subjects?limit=100'
 is "nothing of the refused is there" "$(get '[.subjects[].subject] | join(" ")')" "s1 s2"
+
+# ---- an audit log that is damaged: nothing can be appended, until somebody looks into it
+mac=$(sqlite3 "$DB" "SELECT hex(mac) FROM events_end")
+sqlite3 "$DB" "UPDATE events_end SET mac = zeroblob(length(mac))"
+for s in 1 2 2 2; do # as the first sample; then as often as it may fail
+    send POST /v1/subjects/s1/verify "$PLY" "$T/s$s.ply"
+    is "it is told all the same" "$STATUS" 200
+done
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+problem "and attempts are counted" 429 too_many_attempts
+is "the log says what is missing" "$(grep -c 'msg="event lost".*event=verify' "$LOG")" 4
+req GET /metrics
+ok "so does a metric" grep -q '^surfaced_lost_events_total 4$' "$T/body"
 stop_daemon
+sqlite3 "$DB" "UPDATE events_end SET mac = x'$mac'"
+ctl_exits 0 attempts reset s1
 
 # ---- not to be written: as somebody whom the file's mode binds, which root is not
 as=

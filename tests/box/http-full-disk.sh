@@ -1,13 +1,21 @@
 #!/bin/sh
 # Goal: on a full disk requests that write get 503 and store nothing, while the others are
-# served; with room again all are served.
+# served; with room again all are served.  A verification writes too: its decision is told only
+# once it is recorded.
 # A limit on the size of files stands for the full disk.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
+# metric SERIES: its value.
+metric() {
+    req GET /metrics
+    awk -v name="$1" '$1 == name { print $2 }' "$T/body"
+}
+
 for s in $(seq 12); do
     scan "$s" 0 "$T/s$s.ply"
 done
+"$BUILD/facegen" --subject 1 --points 1000 --format json | jq '{a: ., b: .}' >"$T/two.json"
 start_daemon --no-auth
 send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
 is "enroll with room" "$STATUS" 201
@@ -27,12 +35,19 @@ problem "the failed enrolment stored nothing" 404 not_found
 req GET '/v1/subjects?limit=100'
 is "all enrolments before it are stored" "$(get '.subjects | length')" "$stored"
 send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
-is "verification is served" "$STATUS $(get .decision)" "200 match"
+problem "verification needs room for its event" 503 storage
+is "it is not counted" "$(metric 'surfaced_decisions_total{decision="match"}')" 0
+send POST /v1/compare "$JSON" "$T/two.json"
+is "a comparison is served" "$STATUS $(get .decision)" "200 match"
+is "without its event" "$(metric surfaced_lost_events_total)" 1
+ok "as the log says" grep -q 'msg="event lost".*event=compare' "$LOG"
 alive "a full disk"
 stop_daemon
 
 start_daemon --no-auth
 send POST "/v1/subjects/s$s/templates" "$PLY" "$T/s$s.ply"
 is "enroll with room again" "$STATUS" 201
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "and a verification" "$STATUS $(get .decision)" "200 match"
 is "the database is intact" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
 finish

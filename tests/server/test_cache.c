@@ -1,6 +1,5 @@
-/* link: -Wl,--wrap=store_template_load */
-/* The template cache: its limit, eviction order, models that are dropped while in use, loading
- * ahead, many threads, and templates that are enrolled and deleted meanwhile. */
+/* The template cache: its bound, who goes first, models that are dropped while they are
+ * held or read, many threads at once, and templates that come and go meanwhile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,11 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <cmocka.h>
 
-#include "ahead.h"
-#include "app.h"
 #include "cache.h"
 #include "errinfo.h"
 #include "facegen.h"
@@ -32,40 +28,6 @@ static struct store *store;
 static struct store_template tmpl[FACES];
 static struct face_work *work;
 static struct errinfo e;
-
-/* Actions between a load from the store and its return to the cache. */
-static struct cache *forgets_meanwhile;
-static atomic_int loads;
-static atomic_bool held_up; /* loading threads wait until it is false */
-
-static void nap(void)
-{
-    const struct timespec ms = {.tv_nsec = 1000000};
-
-    (void)nanosleep(&ms, NULL);
-}
-
-enum status __real_store_template_load(struct store *s, const char *id,
-                                       struct store_template *t, struct face_work *w,
-                                       struct face *f, struct errinfo *err);
-enum status __wrap_store_template_load(struct store *s, const char *id,
-                                       struct store_template *t, struct face_work *w,
-                                       struct face *f, struct errinfo *err);
-
-enum status __wrap_store_template_load(struct store *s, const char *id,
-                                       struct store_template *t, struct face_work *w,
-                                       struct face *f, struct errinfo *err)
-{
-    enum status st = __real_store_template_load(s, id, t, w, f, err);
-
-    (void)atomic_fetch_add(&loads, 1);
-    while (atomic_load(&held_up))
-        nap();
-
-    if (forgets_meanwhile != NULL)
-        cache_forget(forgets_meanwhile, id);
-    return st;
-}
 
 static int set_up(void **state)
 {
@@ -96,11 +58,29 @@ static int tear_down(void **state)
     return tempdb_end(state);
 }
 
+/* As a worker does it: found, or read and kept; NULL: it is not in the store. */
+static const struct face *find_or_load(struct cache *c, const char *id,
+                                       struct face_work *w)
+{
+    const uint64_t mark = cache_mark(c);
+    const struct face *f = cache_find(c, id);
+    struct store_template t;
+    struct face loaded = {0};
+
+    if (f != NULL)
+        return f;
+    if (store_template_load(store, id, &t, w, &loaded, NULL) != ST_OK) {
+        face_free(&loaded);
+        return NULL;
+    }
+    return cache_keep(c, mark, id, false, &loaded);
+}
+
 static const struct face *hold(struct cache *c, size_t i)
 {
-    const struct face *f;
+    const struct face *f = find_or_load(c, tmpl[i].id, work);
 
-    assert_int_equal(cache_hold(c, store, tmpl[i].id, work, &f, &e), ST_OK);
+    assert_non_null(f);
     assert_int_equal(f->surface.mesh.nv, tmpl[i].points);
     return f;
 }
@@ -214,144 +194,67 @@ static void test_dropped_while_held(void **state)
     cache_free(c);
 }
 
-/* A template is deleted while a worker loads it: the worker may use it, but the cache does
- * not keep it. */
+static struct face load(size_t i)
+{
+    struct store_template t;
+    struct face f = {0};
+
+    assert_int_equal(store_template_load(store, tmpl[i].id, &t, work, &f, &e), ST_OK);
+    return f;
+}
+
+/* Deleted while a worker was reading it: the worker may use it, but it does not stay.  Nor
+ * does another, which may be read again. */
 static void test_forgotten_while_loaded(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
 
     (void)state;
-    forgets_meanwhile = c;
-    use(c, 0);
-    forgets_meanwhile = NULL;
-    cache_look(c, &s);
-    assert_int_equal(s.entries, 0);
-    assert_int_equal(s.bytes, 0);
+    for (size_t i = 0; i < 2; i++) {
+        const uint64_t mark = cache_mark(c);
+        struct face f = load(i);
+        const struct face *held;
+
+        cache_forget(c, tmpl[0].id);
+        held = cache_keep(c, mark, tmpl[i].id, false, &f);
+        assert_non_null(held);
+        assert_int_equal(held->surface.mesh.nv, tmpl[i].points);
+        cache_release(c, held);
+        cache_look(c, &s);
+        assert_int_equal(s.entries, 0);
+        assert_int_equal(s.bytes, 0);
+    }
     use(c, 0);
     cache_look(c, &s);
     assert_int_equal(s.entries, 1);
     cache_free(c);
 }
 
-static void test_unknown(void **state)
+/* Two read the same at once: both have it, one of them is kept. */
+static void test_loaded_twice(void **state)
 {
     struct cache *c = cache_new(SIZE_MAX);
-    const struct face *f;
-
-    (void)state;
-    assert_int_equal(
-        cache_hold(c, store, "00000000000000000000000000000000", work, &f, &e),
-        ST_ENOTFOUND);
-    assert_null(f);
-    cache_free(c);
-}
-
-/* ---- loading ahead */
-
-/* The first hold of a model that was loaded ahead is not counted as a hit. */
-static void test_ahead(void **state)
-{
-    struct cache *c = cache_new(SIZE_MAX);
+    struct face a = load(0), b = load(0);
+    const struct face *first, *second;
     struct cache_state s;
 
     (void)state;
-    cache_load(c, store, tmpl[0].id, work);
-    cache_load(c, store, tmpl[0].id, work);
-    cache_load(c, store, "00000000000000000000000000000000", work);
-    atomic_store(&loads, 0);
-    use(c, 0);
+    assert_null(cache_find(c, tmpl[0].id));
+    assert_null(cache_find(c, tmpl[0].id));
+    first = cache_keep(c, cache_mark(c), tmpl[0].id, false, &a);
+    second = cache_keep(c, cache_mark(c), tmpl[0].id, true, &b);
+    assert_int_equal(a.surface.mesh.nv, 0); /* it is the cache's */
+    assert_ptr_not_equal(first, second);
     cache_look(c, &s);
     assert_int_equal(s.entries, 1);
-    assert_int_equal(s.misses, 2); /* the unknown one too */
-    assert_int_equal(s.hits, 0);
-    use(c, 0);
-    cache_look(c, &s);
-    assert_int_equal(s.hits, 1);
-    assert_int_equal(atomic_load(&loads), 0);
-
-    forgets_meanwhile = c;
-    cache_load(c, store, tmpl[1].id, work);
-    forgets_meanwhile = NULL;
-    use(c, 1);
-    cache_look(c, &s);
-    assert_int_equal(s.entries, 2);
-    assert_int_equal(atomic_load(&loads), 2);
+    assert_int_equal(s.misses, 2);
+    assert_int_equal(s.reencoded, 1);
+    assert_ptr_equal(cache_find(c, tmpl[0].id), first);
+    cache_release(c, first);
+    cache_release(c, first);
+    cache_release(c, second);
     cache_free(c);
-
-    c = cache_new(0); /* no room: loading ahead does nothing */
-    cache_load(c, store, tmpl[0].id, work);
-    assert_int_equal(atomic_load(&loads), 2);
-    cache_free(c);
-}
-
-static void *load_ahead(void *arg)
-{
-    struct face_work *w = face_work_new(NULL);
-
-    if (w == NULL)
-        return arg;
-    cache_load(arg, store, tmpl[0].id, w);
-    face_work_free(w);
-    return NULL;
-}
-
-static void *let_go(void *arg)
-{
-    for (int i = 0; i < 20; i++)
-        nap();
-    atomic_store(&held_up, false);
-    return arg;
-}
-
-/* A hold of a model that is being loaded ahead waits for it; a second load ahead does not. */
-static void test_ahead_waits(void **state)
-{
-    struct cache *c = cache_new(SIZE_MAX);
-    pthread_t loader, waker;
-    void *failed;
-
-    (void)state;
-    atomic_store(&loads, 0);
-    atomic_store(&held_up, true);
-    assert_int_equal(pthread_create(&loader, NULL, load_ahead, c), 0);
-    while (atomic_load(&loads) == 0)
-        nap();
-    cache_load(c, store, tmpl[0].id, work);
-    assert_int_equal(pthread_create(&waker, NULL, let_go, NULL), 0);
-    use(c, 0);
-    assert_int_equal(pthread_join(loader, &failed), 0);
-    assert_null(failed);
-    assert_int_equal(pthread_join(waker, NULL), 0);
-    assert_int_equal(atomic_load(&loads), 1);
-    cache_free(c);
-}
-
-/* The thread loads what is asked for; then more is asked for than the queue has room for, and
- * the thread is stopped while it loads. */
-static void test_ahead_thread(void **state)
-{
-    struct app app = {.store = store, .cache = cache_new(SIZE_MAX)};
-    struct cache_state s = {0};
-
-    (void)state;
-    app.ahead = ahead_start(&app);
-    assert_non_null(app.ahead);
-    for (size_t i = 0; i < FACES; i++)
-        ahead_ask(app.ahead, tmpl[i].id);
-    while (s.entries < FACES) {
-        nap();
-        cache_look(app.cache, &s);
-    }
-    for (size_t i = 0; i < FACES; i++)
-        cache_forget(app.cache, tmpl[i].id);
-    for (size_t i = 0; i < 1000; i++)
-        ahead_ask(app.ahead, tmpl[i % FACES].id);
-    ahead_stop(app.ahead);
-    ahead_stop(NULL);
-    for (size_t i = 0; i < FACES; i++)
-        use(app.cache, i);
-    cache_free(app.cache);
 }
 
 /* ---- many threads */
@@ -371,10 +274,8 @@ static void *hammer(void *arg)
         k = (r >> 16) % FACES;
         if (r % 7 == 0)
             cache_forget(c, tmpl[k].id);
-        if (r % 5 == 0)
-            cache_load(c, store, tmpl[k].id, w);
-        bad = cache_hold(c, store, tmpl[k].id, w, &f, NULL) != ST_OK ||
-              f->surface.mesh.nv != tmpl[k].points;
+        f = find_or_load(c, tmpl[k].id, w);
+        bad = f == NULL || f->surface.mesh.nv != tmpl[k].points;
         cache_release(c, f);
     }
     face_work_free(w);
@@ -452,13 +353,9 @@ static void *look_for_gone(void *arg)
         st = store_template_list(store, subject, &t, &n, NULL);
         bad = st != ST_OK && st != ST_ENOTFOUND;
         for (size_t k = 0; k < n && !bad; k++) {
-            const struct face *f;
-
-            if (i % 2 == 0)
-                cache_load(going.cache, store, t[k].id, w);
-            st = cache_hold(going.cache, store, t[k].id, w, &f, NULL);
-            bad = atoi(t[k].label) <= gone || (st != ST_OK && st != ST_ENOTFOUND) ||
-                  (st == ST_OK && f->surface.mesh.nv != t[k].points);
+            const struct face *f = find_or_load(going.cache, t[k].id, w);
+            bad = atoi(t[k].label) <= gone ||
+                  (f != NULL && f->surface.mesh.nv != t[k].points);
             cache_release(going.cache, f);
         }
         free(t);
@@ -516,10 +413,7 @@ int main(void)
         cmocka_unit_test(test_off),
         cmocka_unit_test(test_dropped_while_held),
         cmocka_unit_test(test_forgotten_while_loaded),
-        cmocka_unit_test(test_unknown),
-        cmocka_unit_test(test_ahead),
-        cmocka_unit_test(test_ahead_waits),
-        cmocka_unit_test(test_ahead_thread),
+        cmocka_unit_test(test_loaded_twice),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_gone),
         cmocka_unit_test(test_gone_beside),

@@ -188,7 +188,7 @@ static void test_attempts(void **state)
         {6, 0, 240},    {14, 0, 61440},      {15, 0, OPTIONS_WAIT_MAX},
         {16, 0, 86400}, {1000000, 0, 86400}, {1000000, 86400, 0},
     };
-    struct attempts *a = attempts_new(NULL, 3, 30);
+    struct attempts *a = attempts_new(3, 30);
 
     (void)state;
     assert_non_null(a);
@@ -197,7 +197,7 @@ static void test_attempts(void **state)
                          want[i].wait_s * 1000);
     assert_int_equal(attempts_wait_ms(a, 3, 29999), 1);
     attempts_free(a);
-    assert_non_null(a = attempts_new(NULL, 0, 30));
+    assert_non_null(a = attempts_new(0, 30));
     assert_int_equal(attempts_wait_ms(a, 1000, 0), 0);
     attempts_free(a);
     attempts_free(NULL);

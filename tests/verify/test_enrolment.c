@@ -15,19 +15,22 @@
 #define POINTS 1500
 
 static struct store *store;
-static struct face model,
-    again; /* the loaded template; another scan of the subject of tempdb_face[0] */
+#define MODELS 4
+static struct face model[MODELS]; /* [models], held */
+static int models;
+static struct face again; /* another scan of tempdb_face[0]'s person */
 static struct errinfo e;
 static const struct face *rival; /* enrolled by release(); NULL: nothing */
 
-static enum status hold(void *arg, const char *id, struct face_work *w,
-                        const struct face **out, struct errinfo *err)
+static const struct face *keep(void *arg, uint64_t mark, const struct store_template *t,
+                               struct face *f)
 {
-    struct store_template t;
-
     (void)arg;
-    *out = &model;
-    return store_template_load(store, id, &t, w, &model, err);
+    (void)t;
+    assert_int_equal(mark, 0);
+    assert_true(models < MODELS);
+    model[models] = *f;
+    return &model[models++];
 }
 
 /* Enrols `rival` once: a concurrent enrolment between comparing and storing. */
@@ -37,6 +40,7 @@ static void release(void *arg, const struct face *f)
 
     (void)arg;
     (void)f;
+    face_free(&model[--models]);
     if (rival != NULL)
         tempdb_enroll(store, "alice", "", rival, &t);
     rival = NULL;
@@ -44,8 +48,8 @@ static void release(void *arg, const struct face *f)
 
 static enum status add(const struct face *f, bool force, struct enrolment_outcome *out)
 {
-    struct nearest_context c = {
-        .store = store, .work = tempdb_work, .hold = hold, .release = release};
+    struct admission_context c = {
+        .store = store, .work = tempdb_work, .keep = keep, .release = release};
     const struct enrolment x = {
         .actor = "test", .subject = "alice", .label = "", .face = f, .force = force};
 
@@ -65,7 +69,6 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-    face_free(&model);
     face_free(&again);
     return tempdb_end_faces(state);
 }
