@@ -262,16 +262,3 @@ enum status store_subject_rename(struct store *s, const char *actor, const char 
     add_event(&what, "rename_subject", "renamed");
     return st != ST_OK ? st : change(s, actor, subject, &what, e);
 }
-
-void store_subject_seen(struct store *s, const struct store_subject *one)
-{
-    char now[STORE_RULES_TIME];
-    struct store_txn t;
-    int64_t ms;
-
-    if (store_rules_now(&ms, NULL) != ST_OK || store_rules_recent(one->seen, ms) ||
-        store_txn_begin(s, SQL_TRY, &t, NULL) != ST_OK)
-        return;
-    store_rules_time(ms, now);
-    (void)store_txn_end(&t, row_subject_seen(&t, one->id, now, NULL), NULL);
-}

@@ -33,8 +33,4 @@ enum status store_subject_set(struct store *s, const char *actor, const char *su
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e);
 
-/* store_subject_seen(s, one): as it was read, it is seen now.  Noted at most once a minute,
- * and only where that waits neither for the disk nor for another writer. */
-void store_subject_seen(struct store *s, const struct store_subject *one);
-
 #endif

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include <sqlite3.h>
 
 #include "errinfo.h"
 #include "face.h"
@@ -270,6 +269,18 @@ static void test_disable(void **state)
     store_close(s);
 }
 
+static void see(struct store *s, const struct store_subject *one)
+{
+    const struct store_settle what = {.subject = one,
+                                      .actor = "",
+                                      .kind = "verify",
+                                      .template_id = "",
+                                      .outcome = "match"};
+    struct store_settled out = {0};
+
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+}
+
 static void test_seen(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -283,16 +294,16 @@ static void test_seen(void **state)
     assert_string_equal(one.seen, t.created);
     tempdb_sql("UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'");
     one = get(s, "alice");
-    store_subject_seen(s, &one);
+    see(s, &one);
     assert_true(strcmp(get(s, "alice").seen, t.created) >= 0);
     /* Once a minute; but a time that is still to come is a mistake. */
     one = get(s, "alice");
     tempdb_sql("UPDATE subjects SET seen = NULL");
-    store_subject_seen(s, &one);
+    see(s, &one);
     assert_string_equal(get(s, "alice").seen, "");
     tempdb_sql("UPDATE subjects SET seen = '9026-01-01T00:00:00.000Z'");
     one = get(s, "alice");
-    store_subject_seen(s, &one);
+    see(s, &one);
     assert_true(get(s, "alice").seen[0] == '2');
     /* The same scan again is a visit too. */
     tempdb_sql("UPDATE subjects SET seen = NULL");
@@ -301,29 +312,6 @@ static void test_seen(void **state)
     assert_false(created);
     assert_true(get(s, "alice").seen[0] == '2');
     assert_int_equal(events("enroll"), 1);
-    store_close(s);
-}
-
-/* Nobody waits for it to be noted. */
-static void test_seen_locked(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-    struct store_subject one;
-    sqlite3 *db;
-
-    (void)state;
-    enroll(s, "alice", &t);
-    tempdb_sql("UPDATE subjects SET seen = NULL");
-    one = get(s, "alice");
-    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
-    store_subject_seen(s, &one);
-    assert_string_equal(get(s, "alice").seen, "");
-    assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    store_subject_seen(s, &one);
-    assert_true(get(s, "alice").seen[0] == '2');
     store_close(s);
 }
 
@@ -416,12 +404,11 @@ static void test_vacuum(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_set),    cmocka_unit_test(test_together),
-        cmocka_unit_test(test_times),  cmocka_unit_test(test_rename),
-        cmocka_unit_test(test_hold),   cmocka_unit_test(test_disable),
-        cmocka_unit_test(test_seen),   cmocka_unit_test(test_seen_locked),
-        cmocka_unit_test(test_due),    cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_vacuum),
+        cmocka_unit_test(test_set),     cmocka_unit_test(test_together),
+        cmocka_unit_test(test_times),   cmocka_unit_test(test_rename),
+        cmocka_unit_test(test_hold),    cmocka_unit_test(test_disable),
+        cmocka_unit_test(test_seen),    cmocka_unit_test(test_due),
+        cmocka_unit_test(test_damaged), cmocka_unit_test(test_vacuum),
     };
 
     return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
