@@ -6,12 +6,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# metric SERIES: its value.
-metric() {
-    req GET /metrics
-    awk -v name="$1" '$1 == name { print $2 }' "$T/body"
-}
-
 for s in $(seq 12); do
     scan "$s" 0 "$T/s$s.ply"
 done
