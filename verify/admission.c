@@ -99,10 +99,11 @@ enum status admission_read(struct admission_context *c,
                            const struct admission_request *ask, struct admission *out,
                            struct errinfo *e)
 {
-    struct reading r = {c, ask, out, 0};
+    struct reading r = {.context = c, .ask = ask};
     enum status st;
 
     *out = (struct admission){0};
+    r.out = out;
     out->mark = c->mark != NULL ? c->mark(c->arg) : 0;
     st = store_admit(c->store,
                      &(struct store_admit){.subject = ask->subject,
