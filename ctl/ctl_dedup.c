@@ -60,7 +60,7 @@ static double clock_s(void)
     return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-/* ---- who is compared */
+/* ---- templates that are compared */
 
 static enum status no_memory(struct dedup *d)
 {

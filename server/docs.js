@@ -128,13 +128,13 @@ function parameters(list) {
     ]).flat());
 }
 
-function answer(status, response) {
-    const r = deref(response);
+function response(status, described) {
+    const r = deref(described);
     const kind = status < 300 ? 'good' : status < 500 ? 'refused' : 'fault';
     const headers = Object.entries(r.headers || {}).map(([name, h]) => [
         el('dt', el('code', name)), el('dd', paragraphs(deref(h).description))]);
 
-    return details('answer', el('span', el('span.status.' + kind, status), r.description),
+    return details('response', el('span', el('span.status.' + kind, status), r.description),
         el('div', ...content(r.content),
             headers.length ? details('schema', 'Headers', el('dl', ...headers.flat())) : null));
 }
@@ -165,8 +165,8 @@ function operation(method, path, item) {
         el('h4', 'Parameters'), parameters(all),
         ...(body ? [el('h4', 'Body'), ...paragraphs(body.description), ...content(body.content)]
             : []),
-        el('h4', 'Answers'),
-        ...Object.entries(op.responses).map(([status, r]) => answer(status, r)));
+        el('h4', 'Responses'),
+        ...Object.entries(op.responses).map(([status, r]) => response(status, r)));
 
     section.id = op.operationId;
     return section;

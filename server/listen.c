@@ -14,7 +14,7 @@
 
 /* Make the way free: remove a socket that nobody listens on.  What is not a socket stays,
  * and bind() will say that the address is in use. */
-static void remove_stale(const struct listen_socket *s)
+static void remove_abandoned(const struct listen_socket *s)
 {
     const char *path = address_path(&s->ss);
     struct stat sb;
@@ -37,7 +37,7 @@ static bool bind_path(struct listen_socket *s)
     const char *path = address_path(&s->ss);
     struct stat sb;
 
-    remove_stale(s);
+    remove_abandoned(s);
     if (fchmod(s->fd, UNIX_MODE) != 0 ||
         bind(s->fd, (const struct sockaddr *)&s->ss, s->len) != 0 ||
         lstat(path, &sb) != 0)

@@ -90,7 +90,7 @@ static void warn_of_calibration(struct store *s)
 }
 
 /* Each costs time at its first use, until the templates are re-encoded. */
-static void warn_of_stale(struct store *s)
+static void warn_of_outdated(struct store *s)
 {
     struct log_entry l;
     uint64_t n;
@@ -213,7 +213,7 @@ int main(int argc, char **argv)
     }
     say_listening(&o, app.store, url);
     warn_of_calibration(app.store);
-    warn_of_stale(app.store);
+    warn_of_outdated(app.store);
     d.http = http;
     d.progress_ms = log_clock_ms();
     service_ready(url);
