@@ -1,7 +1,7 @@
 #include "ctl.h"
 
 #include <stdarg.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -80,6 +80,25 @@ const char *ctl_bytes(uint64_t n, char out[32])
         v /= 1000;
     (void)snprintf(out, 32, "%.*f %s", i == 0 ? 0 : 1, v, unit[i]);
     return out;
+}
+
+void ctl_say(const struct ctl *c, const char *fmt, ...)
+{
+    va_list args;
+
+    if (c->json)
+        return;
+    va_start(args, fmt);
+    (void)vprintf(fmt, args);
+    va_end(args);
+}
+
+bool ctl_print(FILE *to, char *text)
+{
+    const bool ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
+
+    free(text);
+    return ok;
 }
 
 double ctl_clock_ms(void)

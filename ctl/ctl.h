@@ -1,6 +1,6 @@
 /* ctl.h -- what every part of surfacectl is given: what the command line said, the output,
  * and the error that it ends with.  From the bottom up:
- *   ctl, ctl_out, ctl_dir      errors and exit codes; JSON; files that are written
+ *   ctl, ctl_dir               errors, exit codes, output; files that are written
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_key, ctl_model, ctl_config.h  the database, opened by its key and for a model
  *   ctl_scan, ctl_face         a scan as a face, compared
@@ -12,9 +12,10 @@
 #include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include "errinfo.h"
 #include "face.h"
-#include "ctl_out.h"
+#include "json.h"
 
 struct keyfile; /* keyfile.h */
 struct model;   /* model.h */
@@ -69,8 +70,8 @@ struct ctl {
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct options *settings;         /* of the daemon, once read; by ctl_config_free() */
     struct keyfile *asked;            /* a passphrase, once asked for; to be freed */
-    struct ctl_out *out;
-    struct errinfo e; /* why a command did not end with 0, 1 or 2 */
+    struct json *out;                 /* NULL without json */
+    struct errinfo e;                 /* why a command did not end with 0, 1 or 2 */
 };
 
 /* ctl_fail(c, st): the exit code for a status; c->e has the text.
@@ -85,6 +86,14 @@ bool ctl_confirmed(struct ctl *c, const char *what, const char *word);
 
 /* Bytes as people read them: "1.5 MB". */
 const char *ctl_bytes(uint64_t n, char out[32]);
+
+/* A command's result is JSON, in c->out, or text.
+ * ctl_say(c, ...): print text, unless it is JSON.
+ * ctl_print(to, text): print a line of JSON and free() it.  false: it is NULL (out of
+ * memory), or cannot be written. */
+__attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,
+                                                   ...);
+bool ctl_print(FILE *to, char *text);
 
 double ctl_clock_ms(void); /* from any start; it does not jump */
 

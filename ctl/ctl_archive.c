@@ -26,14 +26,13 @@ static int run_export(struct ctl *c)
     store_close(s);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_text(c->out, "archive", c->dir);
-    ctl_out_number(c->out, "subjects", (double)x.subjects);
-    ctl_out_number(c->out, "templates", (double)x.templates);
-    ctl_out_number(c->out, "bytes", (double)x.bytes);
-    if (!c->json)
-        (void)printf("%s: %llu subjects, %llu templates, %s\n", c->dir,
-                     (unsigned long long)x.subjects, (unsigned long long)x.templates,
-                     ctl_bytes(x.bytes, size));
+    json_text(c->out, "archive", c->dir);
+    json_number(c->out, "subjects", (double)x.subjects);
+    json_number(c->out, "templates", (double)x.templates);
+    json_number(c->out, "bytes", (double)x.bytes);
+    ctl_say(c, "%s: %llu subjects, %llu templates, %s\n", c->dir,
+            (unsigned long long)x.subjects, (unsigned long long)x.templates,
+            ctl_bytes(x.bytes, size));
     return EXIT_FINE;
 }
 
@@ -51,13 +50,13 @@ static int run_import(struct ctl *c)
     store_close(s);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_number(c->out, "subjects", (double)m.subjects);
-    ctl_out_number(c->out, "templates", (double)m.templates);
-    ctl_out_number(c->out, "subjects_new", (double)m.new_subjects);
-    ctl_out_number(c->out, "templates_new", (double)m.new_templates);
-    ctl_out_number(c->out, "subjects_erased", (double)m.erased);
-    ctl_out_number(c->out, "templates_to_reencode", (double)m.outdated);
-    ctl_out_flag(c->out, "imported", !c->dry_run);
+    json_number(c->out, "subjects", (double)m.subjects);
+    json_number(c->out, "templates", (double)m.templates);
+    json_number(c->out, "subjects_new", (double)m.new_subjects);
+    json_number(c->out, "templates_new", (double)m.new_templates);
+    json_number(c->out, "subjects_erased", (double)m.erased);
+    json_number(c->out, "templates_to_reencode", (double)m.outdated);
+    json_flag(c->out, "imported", !c->dry_run);
     if (c->json)
         return EXIT_FINE;
     (void)printf("%llu subjects, %llu templates; new %s: %llu and %llu\n",

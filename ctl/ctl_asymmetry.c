@@ -44,7 +44,7 @@ static int run(struct ctl *c)
              (st = face_asymmetry(&f, w, &a)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK) {
-        describe_asymmetry(ctl_out_document(c->out), &a, &f, c->engine, NULL);
+        describe_asymmetry(c->out, &a, &f, c->engine, NULL);
         if (!c->json)
             print_asymmetry(&a, &f);
     }

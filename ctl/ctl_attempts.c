@@ -12,21 +12,20 @@ static enum status list(struct ctl *c, struct store *s)
 
     if (st != ST_OK)
         return st;
-    ctl_out_array(c->out, "attempts");
-    if (!c->json && n > 0)
-        (void)printf("%-32s %8s  %s\n", "SUBJECT", "FAILURES", "LAST");
+    json_array(c->out, "attempts");
+    if (n > 0)
+        ctl_say(c, "%-32s %8s  %s\n", "SUBJECT", "FAILURES", "LAST");
     for (size_t i = 0; i < n; i++) {
-        ctl_out_object(c->out, NULL);
-        ctl_out_text(c->out, "subject", a[i].subject);
-        ctl_out_number(c->out, "failures", a[i].failures);
-        ctl_out_text(c->out, "last", a[i].at);
-        ctl_out_close(c->out);
-        if (!c->json)
-            (void)printf("%-32s %8u  %s\n", a[i].subject, a[i].failures, a[i].at);
+        json_object(c->out, NULL);
+        json_text(c->out, "subject", a[i].subject);
+        json_number(c->out, "failures", a[i].failures);
+        json_text(c->out, "last", a[i].at);
+        json_close(c->out);
+        ctl_say(c, "%-32s %8u  %s\n", a[i].subject, a[i].failures, a[i].at);
     }
-    ctl_out_close(c->out);
-    if (!c->json && n == 0)
-        (void)printf("no failed verifications\n");
+    json_close(c->out);
+    if (n == 0)
+        ctl_say(c, "no failed verifications\n");
     free(a);
     return ST_OK;
 }
@@ -37,10 +36,9 @@ static enum status reset(struct ctl *c, struct store *s)
 
     if (st != ST_OK)
         return st;
-    ctl_out_text(c->out, "subject", c->args[0]);
-    ctl_out_number(c->out, "failures", 0);
-    if (!c->json)
-        (void)printf("%s: no failed verifications any more\n", c->args[0]);
+    json_text(c->out, "subject", c->args[0]);
+    json_number(c->out, "failures", 0);
+    ctl_say(c, "%s: no failed verifications any more\n", c->args[0]);
     return ST_OK;
 }
 

@@ -37,21 +37,20 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
 {
     char ref[16];
 
-    ctl_out_object(c->out, NULL);
-    ctl_out_number(c->out, "seq", (double)a->seq);
-    ctl_out_text(c->out, "at", a->at);
-    ctl_out_text(c->out, "kind", a->kind);
-    ctl_out_text(c->out, "actor", a->actor);
-    ctl_out_text(c->out, "subject", a->subject[0] != '\0' ? a->subject : NULL);
-    ctl_out_text(c->out, "subject_ref", a->ref);
-    ctl_out_text(c->out, "template_id", a->template_id);
-    ctl_out_text(c->out, "outcome", a->outcome);
-    ctl_out_text(c->out, "hash", a->hash);
-    ctl_out_close(c->out);
-    if (!c->json)
-        (void)printf("%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n",
-                     a->seq, a->at, a->at + 11, a->kind, who(a, ref), a->template_id,
-                     a->outcome, a->actor);
+    json_object(c->out, NULL);
+    json_number(c->out, "seq", (double)a->seq);
+    json_text(c->out, "at", a->at);
+    json_text(c->out, "kind", a->kind);
+    json_text(c->out, "actor", a->actor);
+    json_text(c->out, "subject", a->subject[0] != '\0' ? a->subject : NULL);
+    json_text(c->out, "subject_ref", a->ref);
+    json_text(c->out, "template_id", a->template_id);
+    json_text(c->out, "outcome", a->outcome);
+    json_text(c->out, "hash", a->hash);
+    json_close(c->out);
+    ctl_say(c, "%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n", a->seq,
+            a->at, a->at + 11, a->kind, who(a, ref), a->template_id, a->outcome,
+            a->actor);
 }
 
 static enum status show(struct ctl *c, struct store *s)
@@ -68,27 +67,27 @@ static enum status show(struct ctl *c, struct store *s)
 
     if (st != ST_OK)
         return st;
-    ctl_out_array(c->out, "entries");
-    if (!c->json && n > 0)
-        (void)printf("%8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "ENTRY",
-                     "TIME (UTC)", "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
+    json_array(c->out, "entries");
+    if (n > 0)
+        ctl_say(c, "%8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "ENTRY", "TIME (UTC)",
+                "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
     for (size_t i = 0; i < n; i++)
         show_entry(c, &a[i]);
-    ctl_out_close(c->out);
-    if (!c->json && n == 0)
-        (void)printf("no entries\n");
+    json_close(c->out);
+    if (n == 0)
+        ctl_say(c, "no entries\n");
     free(a);
     return ST_OK;
 }
 
 /* ---- checkpoint */
 
-static void out_mark(struct ctl_out *o, const struct store_audit_mark *m)
+static void out_mark(struct json *o, const struct store_audit_mark *m)
 {
-    ctl_out_number(o, "checkpoint", (double)m->seq);
-    ctl_out_text(o, "at", m->at);
-    ctl_out_text(o, "hash", m->hash);
-    ctl_out_text(o, "signature", m->signature);
+    json_number(o, "checkpoint", (double)m->seq);
+    json_text(o, "at", m->at);
+    json_text(o, "hash", m->hash);
+    json_text(o, "signature", m->signature);
 }
 
 static enum status checkpoint(struct ctl *c, struct store *s)
@@ -101,11 +100,11 @@ static enum status checkpoint(struct ctl *c, struct store *s)
         (st = store_audit_sign(s, CTL_ACTOR, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
         return st;
     out_mark(c->out, &m);
-    ctl_out_text(c->out, "public_key", public_key);
-    if (!c->json)
-        (void)printf("entry       %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
-                     "public key  %s\n",
-                     m.seq, m.at, m.hash, m.signature, public_key);
+    json_text(c->out, "public_key", public_key);
+    ctl_say(c,
+            "entry       %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
+            "public key  %s\n",
+            m.seq, m.at, m.hash, m.signature, public_key);
     return ST_OK;
 }
 
@@ -120,43 +119,42 @@ struct export
 };
 
 /* A line of its own: what add() says of arg. */
-static enum status put_line(FILE *to, void (*add)(struct ctl_out *, const void *),
+static enum status put_line(FILE *to, void (*add)(struct json *, const void *),
                             const void *arg, struct errinfo *e)
 {
-    struct ctl_out *o = ctl_out_new(true);
+    struct json *j = json_new();
 
-    if (o != NULL)
-        add(o, arg);
-    return ctl_out_line(o, to)
+    add(j, arg);
+    return ctl_print(to, json_compact(j))
                ? ST_OK
                : errinfo_set(e, ST_EIO, "the audit log cannot be written");
 }
 
-static void add_head(struct ctl_out *o, const void *arg)
+static void add_head(struct json *o, const void *arg)
 {
     const struct export *x = arg;
 
-    ctl_out_number(o, "surface_audit", 1);
-    ctl_out_text(o, "public_key", x->public_key);
-    ctl_out_text(o, "at", x->end.at);
-    ctl_out_number(o, "entries", (double)x->end.seq);
+    json_number(o, "surface_audit", 1);
+    json_text(o, "public_key", x->public_key);
+    json_text(o, "at", x->end.at);
+    json_number(o, "entries", (double)x->end.seq);
 }
 
-static void add_entry(struct ctl_out *o, const void *arg)
+static void add_entry(struct json *o, const void *arg)
 {
     const struct store_audit_entry *a = arg;
 
-    ctl_out_number(o, "seq", (double)a->seq);
-    ctl_out_text(o, "at", a->at);
-    ctl_out_text(o, "kind", a->kind);
-    ctl_out_text(o, "actor", a->actor);
-    ctl_out_text(o, "subject", a->ref);
-    ctl_out_text(o, "template_id", a->template_id);
-    ctl_out_text(o, "outcome", a->outcome);
-    ctl_out_text(o, "hash", a->hash);
+    json_number(o, "seq", (double)a->seq);
+    json_text(o, "at", a->at);
+    json_text(o, "kind", a->kind);
+    json_text(o, "actor", a->actor);
+    json_text(o, "subject", a->ref);
+    json_text(o, "template_id", a->template_id);
+    json_text(o, "outcome", a->outcome);
+    json_text(o, "hash", a->hash);
 }
 
-static void add_mark(struct ctl_out *o, const void *arg)
+static void add_mark(struct json *o, const void *arg)
 {
     out_mark(o, arg);
 }
@@ -230,9 +228,9 @@ static int run_export(struct ctl *c)
     free(x.marks);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_text(c->out, "file", c->dir != NULL ? c->dir : "");
-    ctl_out_number(c->out, "entries", (double)x.end.seq);
-    ctl_out_text(c->out, "public_key", x.public_key);
+    json_text(c->out, "file", c->dir != NULL ? c->dir : "");
+    json_number(c->out, "entries", (double)x.end.seq);
+    json_text(c->out, "public_key", x.public_key);
     if (!c->json)
         (void)fprintf(c->dir != NULL ? stdout : stderr,
                       "%" PRIu64 " entries; public key %s\n", x.end.seq, x.public_key);
@@ -245,12 +243,11 @@ static void tell_problem(void *arg, uint64_t seq, const char *line)
 {
     struct ctl *c = arg;
 
-    ctl_out_object(c->out, NULL);
-    ctl_out_number(c->out, "entry", (double)seq);
-    ctl_out_text(c->out, "problem", line);
-    ctl_out_close(c->out);
-    if (!c->json)
-        (void)printf("at entry %" PRIu64 ": %s\n", seq, line);
+    json_object(c->out, NULL);
+    json_number(c->out, "entry", (double)seq);
+    json_text(c->out, "problem", line);
+    json_close(c->out);
+    ctl_say(c, "at entry %" PRIu64 ": %s\n", seq, line);
 }
 
 /* A line as a document; NULL: it is none. */
@@ -419,23 +416,21 @@ static int run_verify(struct ctl *c)
         return ctl_usage(c, "a file is verified by --public-key, a database without");
     if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return EXIT_USAGE;
-    ctl_out_array(c->out, "problems");
+    json_array(c->out, "problems");
     st = c->nargs > 0 ? verify_file(c, &found) : verify_database(c, &found, public_key);
-    ctl_out_close(c->out);
+    json_close(c->out);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_flag(c->out, "ok", found.problems == 0);
-    ctl_out_number(c->out, "entries", (double)found.entries);
-    ctl_out_number(c->out, "checkpoints", (double)found.checkpoints);
-    ctl_out_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
-    ctl_out_number(c->out, "first_entry",
-                   found.problems > 0 ? (double)found.first : (double)NAN);
-    if (!c->json)
-        (void)printf("%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64
-                     " problems%s%s\n",
-                     found.problems == 0 ? "ok" : "NOT ok", found.entries,
-                     found.checkpoints, found.problems,
-                     public_key[0] != '\0' ? "; public key " : "", public_key);
+    json_flag(c->out, "ok", found.problems == 0);
+    json_number(c->out, "entries", (double)found.entries);
+    json_number(c->out, "checkpoints", (double)found.checkpoints);
+    json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
+    json_number(c->out, "first_entry",
+                found.problems > 0 ? (double)found.first : (double)NAN);
+    ctl_say(
+        c, "%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64 " problems%s%s\n",
+        found.problems == 0 ? "ok" : "NOT ok", found.entries, found.checkpoints,
+        found.problems, public_key[0] != '\0' ? "; public key " : "", public_key);
     return found.problems == 0 ? EXIT_FINE : EXIT_NO;
 }
 
@@ -454,18 +449,17 @@ static int run_erased(struct ctl *c)
     store_close(s);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_array(c->out, "erased");
+    json_array(c->out, "erased");
     for (size_t i = 0; i < n; i++) {
-        ctl_out_object(c->out, NULL);
-        ctl_out_text(c->out, "at", list[i].at);
-        ctl_out_text(c->out, "lookup", list[i].lookup);
-        ctl_out_close(c->out);
-        if (!c->json)
-            (void)printf("%s  %s\n", list[i].at, list[i].lookup);
+        json_object(c->out, NULL);
+        json_text(c->out, "at", list[i].at);
+        json_text(c->out, "lookup", list[i].lookup);
+        json_close(c->out);
+        ctl_say(c, "%s  %s\n", list[i].at, list[i].lookup);
     }
-    ctl_out_close(c->out);
-    if (!c->json && n == 0)
-        (void)printf("%s\n", subject == NULL ? "no subject was erased" : "not erased");
+    json_close(c->out);
+    if (n == 0)
+        ctl_say(c, "%s\n", subject == NULL ? "no subject was erased" : "not erased");
     free(list);
     return subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
 }

@@ -20,10 +20,10 @@ static void print_count(uint64_t n, const char *what)
 
 static void out_copied(struct ctl *c, const struct store_copied *k)
 {
-    ctl_out_number(c->out, "subjects", (double)k->subjects);
-    ctl_out_number(c->out, "templates", (double)k->templates);
-    ctl_out_number(c->out, "events", (double)k->events);
-    ctl_out_number(c->out, "bytes", (double)k->bytes);
+    json_number(c->out, "subjects", (double)k->subjects);
+    json_number(c->out, "templates", (double)k->templates);
+    json_number(c->out, "events", (double)k->events);
+    json_number(c->out, "bytes", (double)k->bytes);
 }
 
 static int run_backup(struct ctl *c)
@@ -39,7 +39,7 @@ static int run_backup(struct ctl *c)
     store_close(s);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_text(c->out, "backup", c->args[0]);
+    json_text(c->out, "backup", c->args[0]);
     out_copied(c, &copied);
     if (!c->json) {
         (void)printf("%s: verified: ", c->args[0]);
@@ -91,15 +91,15 @@ static int run_restore(struct ctl *c)
         st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_object(c->out, "backup");
+    json_object(c->out, "backup");
     out_copied(c, &r.backup);
-    ctl_out_close(c->out);
-    ctl_out_number(c->out, "subjects_before", (double)r.had_subjects);
-    ctl_out_number(c->out, "templates_before", (double)r.had_templates);
-    ctl_out_number(c->out, "subjects_lost", (double)r.lost);
-    ctl_out_number(c->out, "subjects_erased", (double)r.erased);
-    ctl_out_number(c->out, "tokens_revoked", (double)r.revoked);
-    ctl_out_flag(c->out, "restored", !c->dry_run);
+    json_close(c->out);
+    json_number(c->out, "subjects_before", (double)r.had_subjects);
+    json_number(c->out, "templates_before", (double)r.had_templates);
+    json_number(c->out, "subjects_lost", (double)r.lost);
+    json_number(c->out, "subjects_erased", (double)r.erased);
+    json_number(c->out, "tokens_revoked", (double)r.revoked);
+    json_flag(c->out, "restored", !c->dry_run);
     if (!c->json)
         tell_restored(c, &r);
     return EXIT_FINE;

@@ -169,31 +169,31 @@ static enum status learn(struct ctl *c, struct result *r)
 
 /* ---- printing */
 
-static void out_table(struct ctl_out *o, const struct decision *d)
+static void out_table(struct json *o, const struct decision *d)
 {
-    ctl_out_array(o, "table");
+    json_array(o, "table");
     for (uint32_t i = 0; i < d->n; i++) {
-        ctl_out_object(o, NULL);
-        ctl_out_number(o, "mm", d->knot[i].mm);
-        ctl_out_rate(o, "rate", d->knot[i].rate);
-        ctl_out_close(o);
+        json_object(o, NULL);
+        json_number(o, "mm", d->knot[i].mm);
+        json_rate(o, "rate", d->knot[i].rate);
+        json_close(o);
     }
-    ctl_out_close(o);
-    ctl_out_number(o, "halving_mm", d->halving_mm);
+    json_close(o);
+    json_number(o, "halving_mm", d->halving_mm);
 }
 
 /* What is the same of a new one and of those in the list. */
-static void out_calibration(struct ctl_out *o, const struct store_calibration *k)
+static void out_calibration(struct json *o, const struct store_calibration *k)
 {
-    ctl_out_text(o, "source", k->shipped ? "shipped" : "database");
-    ctl_out_number(o, "threshold_mm", k->decision.threshold_mm);
-    ctl_out_rate(o, "fmr", k->fmr);
+    json_text(o, "source", k->shipped ? "shipped" : "database");
+    json_number(o, "threshold_mm", k->decision.threshold_mm);
+    json_rate(o, "fmr", k->fmr);
     if (!k->shipped) {
-        ctl_out_number(o, "low_mm", k->low_mm);
-        ctl_out_number(o, "high_mm", k->high_mm);
-        ctl_out_number(o, "subjects", (double)k->subjects);
-        ctl_out_number(o, "impostors", (double)k->impostors);
-        ctl_out_number(o, "genuine", (double)k->genuine);
+        json_number(o, "low_mm", k->low_mm);
+        json_number(o, "high_mm", k->high_mm);
+        json_number(o, "subjects", (double)k->subjects);
+        json_number(o, "impostors", (double)k->impostors);
+        json_number(o, "genuine", (double)k->genuine);
     }
     out_table(o, &k->decision);
 }
@@ -201,35 +201,35 @@ static void out_calibration(struct ctl_out *o, const struct store_calibration *k
 static void out_result(struct ctl *c, const struct result *r)
 {
     const struct ctl_cross_subject *who = r->cross.subject;
-    struct ctl_out *o = c->out;
+    struct json *o = c->out;
 
     out_calibration(o, &r->k);
-    ctl_out_number(o, "templates", r->cross.ntemplate);
-    ctl_out_number(o, "pairs", (double)r->pairs);
-    ctl_out_number(o, "replicates", RATES_REPLICATES);
-    ctl_out_number(o, "seed", (double)SEED);
-    ctl_out_object(o, "shipped");
-    ctl_out_number(o, "threshold_mm", c->model->decision.threshold_mm);
-    ctl_out_rate(o, "fmr", r->shipped_fmr);
+    json_number(o, "templates", r->cross.ntemplate);
+    json_number(o, "pairs", (double)r->pairs);
+    json_number(o, "replicates", RATES_REPLICATES);
+    json_number(o, "seed", (double)SEED);
+    json_object(o, "shipped");
+    json_number(o, "threshold_mm", c->model->decision.threshold_mm);
+    json_rate(o, "fmr", r->shipped_fmr);
     if (r->k.genuine > 0)
-        ctl_out_rate(o, "fnmr", r->shipped_fnmr);
-    ctl_out_close(o);
+        json_rate(o, "fnmr", r->shipped_fnmr);
+    json_close(o);
     if (r->k.genuine > 0) {
-        ctl_out_rate(o, "fnmr", r->fnmr);
-        ctl_out_rate(o, "fnmr_low", r->fnmr_low);
-        ctl_out_rate(o, "fnmr_high", r->fnmr_high);
+        json_rate(o, "fnmr", r->fnmr);
+        json_rate(o, "fnmr_low", r->fnmr_low);
+        json_rate(o, "fnmr_high", r->fnmr_high);
     }
-    ctl_out_number(o, "scans_outside", (double)r->cross.outside);
-    ctl_out_number(o, "scans_refused", (double)r->cross.refused);
-    ctl_out_array(o, "suspicious");
+    json_number(o, "scans_outside", (double)r->cross.outside);
+    json_number(o, "scans_refused", (double)r->cross.refused);
+    json_array(o, "suspicious");
     for (size_t i = 0; i < r->nsuspect; i++) {
-        ctl_out_object(o, NULL);
-        ctl_out_text(o, "a", who[r->suspect[i].a].id);
-        ctl_out_text(o, "b", who[r->suspect[i].b].id);
-        ctl_out_number(o, "disparity_mm", r->suspect[i].mm);
-        ctl_out_close(o);
+        json_object(o, NULL);
+        json_text(o, "a", who[r->suspect[i].a].id);
+        json_text(o, "b", who[r->suspect[i].b].id);
+        json_number(o, "disparity_mm", r->suspect[i].mm);
+        json_close(o);
     }
-    ctl_out_close(o);
+    json_close(o);
 }
 
 static void print_suspects(const struct result *r)
@@ -297,13 +297,13 @@ static enum status store_it(struct ctl *c, struct store *s, struct store_calibra
         st = store_calibration_add(s, CTL_ACTOR, k, &c->e);
     if (st != ST_OK)
         return st;
-    ctl_out_flag(c->out, "stored", !c->dry_run);
+    json_flag(c->out, "stored", !c->dry_run);
     if (!c->dry_run)
-        ctl_out_number(c->out, "version", (double)k->version);
-    if (!c->json && c->dry_run)
-        (void)printf("\nnothing was stored (--dry-run)\n");
-    else if (!c->json)
-        (void)printf("\nversion %lld is in force\n", (long long)k->version);
+        json_number(c->out, "version", (double)k->version);
+    if (c->dry_run)
+        ctl_say(c, "\nnothing was stored (--dry-run)\n");
+    else
+        ctl_say(c, "\nversion %lld is in force\n", (long long)k->version);
     return ST_OK;
 }
 
@@ -336,8 +336,7 @@ static enum status reset(struct ctl *c, struct store *s)
                                   .decision = *d};
 
     out_calibration(c->out, &k);
-    if (!c->json)
-        (void)printf("back to the shipped table: %.4f mm\n", d->threshold_mm);
+    ctl_say(c, "back to the shipped table: %.4f mm\n", d->threshold_mm);
     return store_it(c, s, &k);
 }
 
@@ -351,35 +350,30 @@ static enum status list(struct ctl *c, struct store *s)
         return st;
     if ((st = calibration_in_force(s, &now, &c->e)) != ST_OK)
         goto out;
-    ctl_out_array(c->out, "calibrations");
-    if (!c->json)
-        (void)printf("%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED",
-                     "SOURCE", "THRESHOLD", "INTERVAL", "FMR", "SUBJECTS");
+    json_array(c->out, "calibrations");
+    ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",
+            "THRESHOLD", "INTERVAL", "FMR", "SUBJECTS");
     for (size_t i = 0; i < n; i++) {
-        ctl_out_object(c->out, NULL);
-        ctl_out_number(c->out, "version", (double)k[i].version);
-        ctl_out_text(c->out, "created", k[i].created);
-        ctl_out_text(c->out, "actor", k[i].actor);
-        ctl_out_text(c->out, "engine", k[i].engine);
+        json_object(c->out, NULL);
+        json_number(c->out, "version", (double)k[i].version);
+        json_text(c->out, "created", k[i].created);
+        json_text(c->out, "actor", k[i].actor);
+        json_text(c->out, "engine", k[i].engine);
         out_calibration(c->out, &k[i]);
-        ctl_out_close(c->out);
-        if (!c->json)
-            (void)printf("%7lld  %-24s  %-8s  %9.4f  %6.4f - %6.4f  %7.2g  %8llu\n",
-                         (long long)k[i].version, k[i].created,
-                         k[i].shipped ? "shipped" : "database",
-                         k[i].decision.threshold_mm, k[i].low_mm, k[i].high_mm, k[i].fmr,
-                         (unsigned long long)k[i].subjects);
+        json_close(c->out);
+        ctl_say(c, "%7lld  %-24s  %-8s  %9.4f  %6.4f - %6.4f  %7.2g  %8llu\n",
+                (long long)k[i].version, k[i].created,
+                k[i].shipped ? "shipped" : "database", k[i].decision.threshold_mm,
+                k[i].low_mm, k[i].high_mm, k[i].fmr, (unsigned long long)k[i].subjects);
     }
-    ctl_out_close(c->out);
-    ctl_out_object(c->out, "in_force");
-    ctl_out_number(c->out, "version", (double)now.version);
-    ctl_out_text(c->out, "source", now.shipped ? "shipped" : "database");
-    ctl_out_number(c->out, "threshold_mm", now.decision.threshold_mm);
-    ctl_out_close(c->out);
-    if (!c->json)
-        (void)printf("in force: %s, %.4f mm\n",
-                     now.shipped ? "the shipped table" : "the newest",
-                     now.decision.threshold_mm);
+    json_close(c->out);
+    json_object(c->out, "in_force");
+    json_number(c->out, "version", (double)now.version);
+    json_text(c->out, "source", now.shipped ? "shipped" : "database");
+    json_number(c->out, "threshold_mm", now.decision.threshold_mm);
+    json_close(c->out);
+    ctl_say(c, "in force: %s, %.4f mm\n",
+            now.shipped ? "the shipped table" : "the newest", now.decision.threshold_mm);
 out:
     free(k);
     return st;

@@ -8,9 +8,8 @@ static void report(void *arg, const char *line)
 {
     const struct ctl *c = arg;
 
-    ctl_out_text(c->out, NULL, line);
-    if (!c->json)
-        (void)printf("%s\n", line);
+    json_text(c->out, NULL, line);
+    ctl_say(c, "%s\n", line);
 }
 
 static int run(struct ctl *c)
@@ -19,20 +18,18 @@ static int run(struct ctl *c)
     struct store *s = NULL;
     enum status st = ctl_key_open(c, STORE_READ, &s);
 
-    ctl_out_array(c->out, "problems");
+    json_array(c->out, "problems");
     if (st == ST_OK)
         st = store_check(s, report, c, &found, &c->e);
-    ctl_out_close(c->out);
+    json_close(c->out);
     store_close(s);
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_number(c->out, "templates", (double)found.templates);
-    ctl_out_number(c->out, "bad_templates", (double)found.bad_templates);
-    ctl_out_number(c->out, "events", (double)found.events);
-    ctl_out_flag(c->out, "ok", found.problems == 0);
-    if (!c->json)
-        (void)printf(
-            "%s: %llu templates, %llu bad; %llu events; %llu problems in all\n",
+    json_number(c->out, "templates", (double)found.templates);
+    json_number(c->out, "bad_templates", (double)found.bad_templates);
+    json_number(c->out, "events", (double)found.events);
+    json_flag(c->out, "ok", found.problems == 0);
+    ctl_say(c, "%s: %llu templates, %llu bad; %llu events; %llu problems in all\n",
             found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
             (unsigned long long)found.bad_templates, (unsigned long long)found.events,
             (unsigned long long)found.problems);

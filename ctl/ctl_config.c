@@ -90,18 +90,18 @@ static void out_settings(struct ctl *c)
     const struct settings *s = c->settings->settings;
     char from[PATH_MAX + 32];
 
-    ctl_out_object(c->out, "settings");
+    json_object(c->out, "settings");
     for (size_t i = 0; i < OPTIONS_ROWS; i++) {
         const char *value = settings_value(s, i, from, sizeof from);
 
         if (value == NULL)
             continue;
-        ctl_out_object(c->out, options_table[i].name);
-        ctl_out_text(c->out, "value", value);
-        ctl_out_text(c->out, "from", from);
-        ctl_out_close(c->out);
+        json_object(c->out, options_table[i].name);
+        json_text(c->out, "value", value);
+        json_text(c->out, "from", from);
+        json_close(c->out);
     }
-    ctl_out_close(c->out);
+    json_close(c->out);
 }
 
 static int run_show(struct ctl *c)
@@ -133,12 +133,12 @@ static int run_check(struct ctl *c)
     }
     if (!c->json)
         (void)fputs(is_good(c) ? "the configuration is good\n" : problems, stdout);
-    ctl_out_array(c->out, "problems");
+    json_array(c->out, "problems");
     rest = problems;
     while ((line = next_problem(&rest)) != NULL)
-        ctl_out_text(c->out, NULL, line);
-    ctl_out_close(c->out);
-    ctl_out_flag(c->out, "ok", is_good(c));
+        json_text(c->out, NULL, line);
+    json_close(c->out);
+    json_flag(c->out, "ok", is_good(c));
     free(problems);
     return is_good(c) ? EXIT_FINE : EXIT_NO;
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "corpus.h"
-#include "ctl_out.h"
+#include "json.h"
 
 void ctl_corpus_tell(const struct corpus *k)
 {
@@ -16,20 +16,20 @@ void ctl_corpus_tell(const struct corpus *k)
         (void)fprintf(stderr, "surfacectl: not read: %s\n", text);
 }
 
-void ctl_corpus_left(struct ctl_out *o, const struct corpus *k)
+void ctl_corpus_left(struct json *o, const struct corpus *k)
 {
     for (uint32_t i = 0; i < k->nleft; i++) {
-        ctl_out_object(o, NULL);
-        ctl_out_text(o, "file", k->left[i].file);
-        ctl_out_text(o, "reason", k->left[i].why);
-        ctl_out_close(o);
+        json_object(o, NULL);
+        json_text(o, "file", k->left[i].file);
+        json_text(o, "reason", k->left[i].why);
+        json_close(o);
     }
 }
 
-void ctl_corpus_skipped(struct ctl_out *o, const struct corpus *k)
+void ctl_corpus_skipped(struct json *o, const struct corpus *k)
 {
     char text[200];
 
     skipped_text(&k->skipped, text, sizeof text);
-    ctl_out_text(o, "not_read", text[0] != '\0' ? text : NULL);
+    json_text(o, "not_read", text[0] != '\0' ? text : NULL);
 }

@@ -2,8 +2,8 @@
 #ifndef CTL_CORPUS_H
 #define CTL_CORPUS_H
 
-struct corpus;  /* corpus.h */
-struct ctl_out; /* ctl_out.h */
+struct corpus; /* corpus.h */
+struct json;   /* json.h */
 
 /* ctl_corpus_tell(k): the scans that are left out, and what is no scan by its name, on
  * standard error.
@@ -11,7 +11,7 @@ struct ctl_out; /* ctl_out.h */
  * that is open.
  * ctl_corpus_skipped(o, k): the latter as the member "not_read"; null where there is none. */
 void ctl_corpus_tell(const struct corpus *k);
-void ctl_corpus_left(struct ctl_out *o, const struct corpus *k);
-void ctl_corpus_skipped(struct ctl_out *o, const struct corpus *k);
+void ctl_corpus_left(struct json *o, const struct corpus *k);
+void ctl_corpus_skipped(struct json *o, const struct corpus *k);
 
 #endif

@@ -366,9 +366,9 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
         keep_scores(p, s.score, corpus->nscan);
-    ctl_out_array(c->out, "left_out");
+    json_array(c->out, "left_out");
     ctl_corpus_left(c->out, corpus);
-    ctl_out_close(c->out);
+    json_close(c->out);
     ctl_corpus_skipped(c->out, corpus);
     ctl_corpus_tell(corpus);
 out:

@@ -334,13 +334,13 @@ static void tell_costs(const struct dedup *d)
     const double chance =
         d->pairs * decision_fmr(&d->calibration.decision, d->threshold_mm);
 
-    ctl_out_text(d->c->out, "engine", d->c->engine);
-    ctl_out_number(d->c->out, "subjects", d->nsubject);
-    ctl_out_number(d->c->out, "templates", d->n);
-    ctl_out_number(d->c->out, "pairs", d->pairs);
-    ctl_out_number(d->c->out, "estimate_s", d->estimate_s);
-    ctl_out_number(d->c->out, "threshold_mm", d->threshold_mm);
-    ctl_out_rate(d->c->out, "by_chance", chance);
+    json_text(d->c->out, "engine", d->c->engine);
+    json_number(d->c->out, "subjects", d->nsubject);
+    json_number(d->c->out, "templates", d->n);
+    json_number(d->c->out, "pairs", d->pairs);
+    json_number(d->c->out, "estimate_s", d->estimate_s);
+    json_number(d->c->out, "threshold_mm", d->threshold_mm);
+    json_rate(d->c->out, "by_chance", chance);
     (void)fprintf(stderr,
                   "surfacectl: %.0f comparisons of %" PRIu32
                   " subjects' templates, about "
@@ -355,30 +355,29 @@ static void tell_pair(const struct dedup *d, const struct pair *p)
     const double fmr = decision_fmr(&d->calibration.decision, p->mm);
     const bool same = strcmp(a->digest, b->digest) == 0;
 
-    ctl_out_object(d->c->out, NULL);
-    ctl_out_text(d->c->out, "subject_a", d->subject[p->x]);
-    ctl_out_text(d->c->out, "subject_b", d->subject[p->y]);
-    ctl_out_text(d->c->out, "template_a", a->id);
-    ctl_out_text(d->c->out, "template_b", b->id);
-    ctl_out_number(d->c->out, "disparity_mm", p->mm);
-    ctl_out_rate(d->c->out, "fmr_at_score", fmr);
-    ctl_out_flag(d->c->out, "same_scan", same);
-    ctl_out_close(d->c->out);
-    if (!d->c->json)
-        (void)printf("%9.4f  %8.1e  %s  %s%s\n", p->mm, fmr, d->subject[p->x],
-                     d->subject[p->y], same ? "  (the very same scan)" : "");
+    json_object(d->c->out, NULL);
+    json_text(d->c->out, "subject_a", d->subject[p->x]);
+    json_text(d->c->out, "subject_b", d->subject[p->y]);
+    json_text(d->c->out, "template_a", a->id);
+    json_text(d->c->out, "template_b", b->id);
+    json_number(d->c->out, "disparity_mm", p->mm);
+    json_rate(d->c->out, "fmr_at_score", fmr);
+    json_flag(d->c->out, "same_scan", same);
+    json_close(d->c->out);
+    ctl_say(d->c, "%9.4f  %8.1e  %s  %s%s\n", p->mm, fmr, d->subject[p->x],
+            d->subject[p->y], same ? "  (the very same scan)" : "");
 }
 
 static void tell_found(const struct dedup *d)
 {
-    if (!d->c->json && d->nfound > 0)
-        (void)printf("%9s  %8s  %s\n", "SCORE", "FMR", "SUBJECTS");
-    ctl_out_array(d->c->out, "duplicates");
+    if (d->nfound > 0)
+        ctl_say(d->c, "%9s  %8s  %s\n", "SCORE", "FMR", "SUBJECTS");
+    json_array(d->c->out, "duplicates");
     for (size_t i = 0; i < d->nfound; i++)
         tell_pair(d, &d->found[i]);
-    ctl_out_close(d->c->out);
-    ctl_out_number(d->c->out, "compared", (double)d->compared);
-    ctl_out_number(d->c->out, "inconclusive", (double)d->inconclusive);
+    json_close(d->c->out);
+    json_number(d->c->out, "compared", (double)d->compared);
+    json_number(d->c->out, "inconclusive", (double)d->inconclusive);
     if (d->c->json)
         return;
     (void)printf("%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,

@@ -39,13 +39,13 @@ __attribute__((format(printf, 5, 6))) static void say(struct doctor *d, enum lev
     (void)vsnprintf(text, sizeof text, format, args);
     va_end(args);
     d->troubles += level == TROUBLE;
-    ctl_out_object(d->c->out, NULL);
-    ctl_out_text(d->c->out, "level", word[level]);
-    ctl_out_text(d->c->out, "about", about);
-    ctl_out_text(d->c->out, "finding", text);
+    json_object(d->c->out, NULL);
+    json_text(d->c->out, "level", word[level]);
+    json_text(d->c->out, "about", about);
+    json_text(d->c->out, "finding", text);
     if (level != FINE)
-        ctl_out_text(d->c->out, "todo", todo);
-    ctl_out_close(d->c->out);
+        json_text(d->c->out, "todo", todo);
+    json_close(d->c->out);
     if (d->c->json)
         return;
     (void)printf("%-8s %-9s %s\n", word[level], about, text);
@@ -298,7 +298,7 @@ static int run(struct ctl *c)
     else
         (void)snprintf(d.key, sizeof d.key, "%s.key", c->db);
     (void)snprintf(d.next, sizeof d.next, "%.*s.new", (int)sizeof d.next - 5, d.key);
-    ctl_out_array(c->out, "findings");
+    json_array(c->out, "findings");
     if (look_at_file(&d)) {
         look_at_folder(&d);
         look_at_wal(&d); /* before it is brought in */
@@ -309,8 +309,8 @@ static int run(struct ctl *c)
                 look_at_templates(&d);
         }
     }
-    ctl_out_close(c->out);
-    ctl_out_flag(c->out, "ok", d.troubles == 0);
+    json_close(c->out);
+    json_flag(c->out, "ok", d.troubles == 0);
     return d.troubles == 0 ? EXIT_FINE : EXIT_NO;
 }
 

@@ -20,33 +20,33 @@ static enum status enroll_file(struct ctl *c, struct store *s, const char *subje
                                 .label = c->label != NULL ? c->label : "",
                                 .face = f,
                                 .force = force};
-    struct ctl_out *o = c->out;
+    struct json *o = c->out;
     struct enrolment_outcome out;
     enum status st = ctl_scan_read(c, path, w, f);
 
     if (st == ST_OK)
         st = ctl_face_enroll(c, s, &x, path, w, &out);
-    ctl_out_object(o, NULL);
-    ctl_out_text(o, "file", path);
+    json_object(o, NULL);
+    json_text(o, "file", path);
     if (st == ST_OK) {
         const struct store_template *t = &out.tmpl;
 
-        ctl_out_text(o, "template_id", t->id);
-        ctl_out_flag(o, "created", out.created);
-        ctl_out_number(o, "points", t->points);
-        ctl_out_number(o, "triangles", t->triangles);
-        ctl_out_text(o, "digest", t->digest);
-        describe_quality(ctl_out_document(o), "quality", &t->quality, &f->frame);
+        json_text(o, "template_id", t->id);
+        json_flag(o, "created", out.created);
+        json_number(o, "points", t->points);
+        json_number(o, "triangles", t->triangles);
+        json_text(o, "digest", t->digest);
+        describe_quality(o, "quality", &t->quality, &f->frame);
         if (!c->json) {
             (void)printf("%s  %s  %u points, quality %.2f%s", t->id, path, t->points,
                          t->quality.score, out.created ? "" : " (was there already)");
             ctl_face_reasons(stdout, f);
         }
     } else {
-        ctl_out_text(o, "error", c->e.msg);
+        json_text(o, "error", c->e.msg);
         (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
     }
-    ctl_out_close(o);
+    json_close(o);
     return st;
 }
 
@@ -71,15 +71,15 @@ static int enroll_files(struct ctl *c)
         code = ctl_fail(c, st);
         goto out;
     }
-    ctl_out_text(c->out, "subject", subject);
-    ctl_out_array(c->out, "templates");
+    json_text(c->out, "subject", subject);
+    json_array(c->out, "templates");
     for (int i = 1; i < c->nargs; i++) /* one bad scan does not stop the others */
         if ((st = enroll_file(c, s, subject, c->args[i], w, &f)) != ST_OK) {
             failed++;
             code = ctl_fail(c, st);
         }
-    ctl_out_close(c->out);
-    ctl_out_number(c->out, "failed", failed);
+    json_close(c->out);
+    json_number(c->out, "failed", failed);
     if (failed > 0)
         (void)errinfo_set(&c->e, c->e.code, "%d of %d scans were not enrolled", failed,
                           c->nargs - 1);

@@ -146,12 +146,12 @@ static enum status enroll_subject(void *arg, size_t i, struct face_work *work,
 static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
                         const struct outcome *o)
 {
-    ctl_out_object(c->out, NULL);
-    ctl_out_text(c->out, "file", k->scan[i].file);
-    ctl_out_text(c->out, "subject", k->subject[k->scan[i].subject].id);
-    ctl_out_text(c->out, "reason", status_message(o->e.code));
-    ctl_out_text(c->out, "detail", o->e.msg);
-    ctl_out_close(c->out);
+    json_object(c->out, NULL);
+    json_text(c->out, "file", k->scan[i].file);
+    json_text(c->out, "subject", k->subject[k->scan[i].subject].id);
+    json_text(c->out, "reason", status_message(o->e.code));
+    json_text(c->out, "detail", o->e.msg);
+    json_close(c->out);
     (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
 }
 
@@ -162,8 +162,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     const uint32_t left = w->corpus->nleft;
     uint32_t count[FAILED + 1] = {0}, why[ST_COUNT] = {0};
 
-    ctl_out_text(c->out, "collection", c->args[0]);
-    ctl_out_array(c->out, "failures");
+    json_text(c->out, "collection", c->args[0]);
+    json_array(c->out, "failures");
     for (uint32_t k = 0; k < n; k++) {
         const struct outcome *o = &w->outcome[w->scan[k]];
 
@@ -174,16 +174,16 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
         }
     }
     ctl_corpus_left(c->out, w->corpus);
-    ctl_out_close(c->out);
+    json_close(c->out);
     ctl_corpus_skipped(c->out, w->corpus);
     ctl_corpus_tell(w->corpus);
-    ctl_out_number(c->out, "scans", n);
-    ctl_out_number(c->out, "enrolled", count[ENROLLED]);
-    ctl_out_number(c->out, "present", count[PRESENT]);
-    ctl_out_number(c->out, "failed", count[FAILED]);
-    ctl_out_number(c->out, "left_out", left);
-    ctl_out_number(c->out, "undone", count[UNDONE]);
-    ctl_out_number(c->out, "seconds", seconds);
+    json_number(c->out, "scans", n);
+    json_number(c->out, "enrolled", count[ENROLLED]);
+    json_number(c->out, "present", count[PRESENT]);
+    json_number(c->out, "failed", count[FAILED]);
+    json_number(c->out, "left_out", left);
+    json_number(c->out, "undone", count[UNDONE]);
+    json_number(c->out, "seconds", seconds);
     if (c->json)
         return count[FAILED] + left;
     (void)printf("%u scans of %s: %u enrolled, %u were there already, %u failed", n,

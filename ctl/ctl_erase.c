@@ -10,22 +10,22 @@
 
 static bool due_given; /* --due */
 
-static void out_receipt(struct ctl_out *o, const struct store_receipt *r)
+static void out_receipt(struct json *o, const struct store_receipt *r)
 {
-    ctl_out_text(o, "subject", r->subject);
-    ctl_out_number(o, "templates_removed", r->templates);
-    ctl_out_array(o, "template_ids");
+    json_text(o, "subject", r->subject);
+    json_number(o, "templates_removed", r->templates);
+    json_array(o, "template_ids");
     for (uint32_t i = 0; i < r->templates; i++)
-        ctl_out_text(o, NULL, r->template_id[i]);
-    ctl_out_close(o);
-    ctl_out_text(o, "erased_at", r->at);
-    ctl_out_text(o, "digest", r->digest);
-    ctl_out_object(o, "audit");
-    ctl_out_number(o, "seq", (double)r->seq);
-    ctl_out_text(o, "hash", r->hash);
-    ctl_out_close(o);
-    ctl_out_text(o, "signature", r->signature);
-    ctl_out_text(o, "public_key", r->public_key);
+        json_text(o, NULL, r->template_id[i]);
+    json_close(o);
+    json_text(o, "erased_at", r->at);
+    json_text(o, "digest", r->digest);
+    json_object(o, "audit");
+    json_number(o, "seq", (double)r->seq);
+    json_text(o, "hash", r->hash);
+    json_close(o);
+    json_text(o, "signature", r->signature);
+    json_text(o, "public_key", r->public_key);
 }
 
 int ctl_erase_would(struct ctl *c, const struct store_subject *one, uint32_t templates,
@@ -34,11 +34,10 @@ int ctl_erase_would(struct ctl *c, const struct store_subject *one, uint32_t tem
     if (one->hold)
         return ctl_fail(c,
                         errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id));
-    ctl_out_text(c->out, "subject", one->id);
-    ctl_out_number(c->out, "templates", templates);
-    ctl_out_flag(c->out, "deleted", false);
-    if (!c->json)
-        (void)printf("this %s; nothing was changed\n", what);
+    json_text(c->out, "subject", one->id);
+    json_number(c->out, "templates", templates);
+    json_flag(c->out, "deleted", false);
+    ctl_say(c, "this %s; nothing was changed\n", what);
     return EXIT_FINE;
 }
 
@@ -57,12 +56,12 @@ static int erase_one(struct ctl *c, struct store *s, const struct store_subject 
     st = store_subject_erase(s, CTL_ACTOR, one->id, &r, &c->e);
     if (st == ST_OK) {
         out_receipt(c->out, &r);
-        if (!c->json)
-            (void)printf("deleted subject %s with %u template%s, at %s\n"
-                         "  receipt   %s\n"
-                         "  audit     entry %llu\n",
-                         one->id, r.templates, r.templates == 1 ? "" : "s", r.at,
-                         r.digest, (unsigned long long)r.seq);
+        ctl_say(c,
+                "deleted subject %s with %u template%s, at %s\n"
+                "  receipt   %s\n"
+                "  audit     entry %llu\n",
+                one->id, r.templates, r.templates == 1 ? "" : "s", r.at, r.digest,
+                (unsigned long long)r.seq);
     }
     store_receipt_free(&r);
     return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
@@ -86,16 +85,15 @@ static int run_erase(struct ctl *c)
 static void tell_due(struct ctl *c, const char *key, bool hold,
                      const struct store_subject *due, size_t n)
 {
-    ctl_out_array(c->out, key);
+    json_array(c->out, key);
     for (size_t i = 0; i < n; i++) {
         if (due[i].hold != hold)
             continue;
-        ctl_out_text(c->out, NULL, due[i].id);
-        if (!c->json)
-            (void)printf("%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates,
-                         due[i].expires, hold ? "on hold: kept" : "");
+        json_text(c->out, NULL, due[i].id);
+        ctl_say(c, "%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates, due[i].expires,
+                hold ? "on hold: kept" : "");
     }
-    ctl_out_close(c->out);
+    json_close(c->out);
 }
 
 static enum status erase_due(struct ctl *c, struct store *s,
@@ -124,8 +122,8 @@ static int purge(struct ctl *c, struct store *s, const struct store_subject *due
 
     for (size_t i = 0; i < n; i++)
         most += !due[i].hold;
-    if (!c->json && n > 0)
-        (void)printf("%-32s %9s  %-16s\n", "SUBJECT", "TEMPLATES", "EXPIRED");
+    if (n > 0)
+        ctl_say(c, "%-32s %9s  %-16s\n", "SUBJECT", "TEMPLATES", "EXPIRED");
     tell_due(c, "due", false, due, n);
     tell_due(c, "kept", true, due, n);
     (void)snprintf(what, sizeof what, "erases %zu subject%s", most, most == 1 ? "" : "s");
@@ -137,9 +135,8 @@ static int purge(struct ctl *c, struct store *s, const struct store_subject *due
         if (st != ST_OK)
             return ctl_fail(c, st);
     }
-    ctl_out_number(c->out, "erased", (double)erased);
-    if (!c->json)
-        (void)printf("%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
+    json_number(c->out, "erased", (double)erased);
+    ctl_say(c, "%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
     return EXIT_FINE;
 }
 

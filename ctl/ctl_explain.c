@@ -121,8 +121,8 @@ static int run(struct ctl *c)
         st = write_all(c, &x, path, &picture);
     if (st == ST_OK) {
         explain_text_out(c->out, &x);
-        ctl_out_text(c->out, "directory", path);
-        ctl_out_flag(c->out, "picture", picture);
+        json_text(c->out, "directory", path);
+        json_flag(c->out, "picture", picture);
         if (!c->json) {
             (void)explain_text(stdout, &x, NULL);
             (void)printf("written to   %s\n", path);

@@ -9,7 +9,7 @@
 /* Say where the key is, since the database is lost without it. */
 static void tell_key(struct ctl *c, const char *path, bool made)
 {
-    ctl_out_text(c->out, "key", path);
+    json_text(c->out, "key", path);
     if (made && !c->json)
         (void)printf(
             "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
@@ -33,9 +33,8 @@ static enum status open_new(struct ctl *c, enum store_mode mode, const char *wor
     if ((st = ctl_key_open(c, mode, &s)) != ST_OK)
         return st;
     store_close(s);
-    ctl_out_text(c->out, "database", c->db);
-    if (!c->json)
-        (void)printf("%s: %s\n", c->db, word);
+    json_text(c->out, "database", c->db);
+    ctl_say(c, "%s: %s\n", c->db, word);
     if (access(path, F_OK) == 0)
         tell_key(c, path, !there);
     return ST_OK;
@@ -50,26 +49,26 @@ static int run_init(struct ctl *c)
 
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_flag(c->out, "created", !there);
+    json_flag(c->out, "created", !there);
     return EXIT_FINE;
 }
 
 /* What an upgrade would do. */
 static int migrate_dry(struct ctl *c, const struct store_look *l, bool old)
 {
-    ctl_out_flag(c->out, "upgraded", false);
-    ctl_out_flag(c->out, "would_upgrade", old);
-    ctl_out_number(c->out, "schema", l->version);
-    ctl_out_number(c->out, "subjects", (double)l->subjects);
-    ctl_out_number(c->out, "templates", (double)l->templates);
-    if (!c->json && old)
-        (void)printf(
-            "%s: schema version %d, would be upgraded to %d: %llu subjects, %llu "
-            "templates; the old one would be kept as %s.v%d.bak\n",
-            c->db, l->version, l->newest, (unsigned long long)l->subjects,
-            (unsigned long long)l->templates, c->db, l->version);
-    else if (!c->json)
-        (void)printf("%s: is of this version\n", c->db);
+    json_flag(c->out, "upgraded", false);
+    json_flag(c->out, "would_upgrade", old);
+    json_number(c->out, "schema", l->version);
+    json_number(c->out, "subjects", (double)l->subjects);
+    json_number(c->out, "templates", (double)l->templates);
+    if (old)
+        ctl_say(c,
+                "%s: schema version %d, would be upgraded to %d: %llu subjects, %llu "
+                "templates; the old one would be kept as %s.v%d.bak\n",
+                c->db, l->version, l->newest, (unsigned long long)l->subjects,
+                (unsigned long long)l->templates, c->db, l->version);
+    else
+        ctl_say(c, "%s: is of this version\n", c->db);
     return EXIT_FINE;
 }
 
@@ -89,13 +88,12 @@ static int run_migrate(struct ctl *c)
                   old ? "upgraded to this version" : "is of this version");
     if (st != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_flag(c->out, "upgraded", old);
+    json_flag(c->out, "upgraded", old);
     if (old) {
         (void)snprintf(backup, sizeof backup, "%s.v%d.bak", c->db, l.version);
-        ctl_out_text(c->out, "backup", backup);
-        if (!c->json)
-            (void)printf("The old database is kept as %s: delete it when all is well.\n",
-                         backup);
+        json_text(c->out, "backup", backup);
+        ctl_say(c, "The old database is kept as %s: delete it when all is well.\n",
+                backup);
     }
     return EXIT_FINE;
 }

@@ -24,9 +24,8 @@ struct review {
 static void problem(struct review *v, const char *text)
 {
     v->problems++;
-    ctl_out_text(v->c->out, NULL, text);
-    if (!v->c->json)
-        (void)printf("%s\n", text);
+    json_text(v->c->out, NULL, text);
+    ctl_say(v->c, "%s\n", text);
 }
 
 /* ---- the file: as the response to DELETE over HTTP, or subject erase --json */
@@ -183,7 +182,7 @@ static int run(struct ctl *c)
     st = sodium_init() >= 0 ? read_receipt(&v)
                             : errinfo_set(&c->e, ST_EINTERNAL,
                                           "the cryptographic library does not start");
-    ctl_out_array(c->out, "problems");
+    json_array(c->out, "problems");
     if (st == ST_OK && !store_receipt_true(&v.r))
         problem(&v, "what it says is not what was signed");
     if (st == ST_OK && c->public_key != NULL &&
@@ -191,17 +190,16 @@ static int run(struct ctl *c)
         problem(&v, "it is signed by another key than the one given");
     if (st == ST_OK && c->db != NULL)
         st = ask_database(&v);
-    ctl_out_close(c->out);
+    json_close(c->out);
     if (st == ST_OK) {
-        ctl_out_flag(c->out, "ok", v.problems == 0);
-        ctl_out_text(c->out, "subject", v.r.subject);
-        ctl_out_text(c->out, "erased_at", v.r.at);
-        ctl_out_number(c->out, "templates", v.r.templates);
-        ctl_out_number(c->out, "entry", (double)v.r.seq);
-        if (!c->json)
-            (void)printf("%s: %s with %u template%s, at %s, entry %" PRIu64 "\n",
-                         v.problems == 0 ? "ok" : "NOT ok", v.r.subject, v.r.templates,
-                         v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
+        json_flag(c->out, "ok", v.problems == 0);
+        json_text(c->out, "subject", v.r.subject);
+        json_text(c->out, "erased_at", v.r.at);
+        json_number(c->out, "templates", v.r.templates);
+        json_number(c->out, "entry", (double)v.r.seq);
+        ctl_say(c, "%s: %s with %u template%s, at %s, entry %" PRIu64 "\n",
+                v.problems == 0 ? "ok" : "NOT ok", v.r.subject, v.r.templates,
+                v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
     }
     store_receipt_free(&v.r);
     if (st != ST_OK)

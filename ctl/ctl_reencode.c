@@ -78,28 +78,28 @@ static size_t report(const struct batch *b)
     struct ctl *c = b->c;
     size_t count[RESULTS] = {0};
 
-    ctl_out_text(c->out, "engine", c->engine);
-    ctl_out_array(c->out, "failures");
+    json_text(c->out, "engine", c->engine);
+    json_array(c->out, "failures");
     for (size_t i = 0; i < b->n; i++) {
         const struct outcome *o = &b->outcome[i];
 
         count[o->result]++;
         if (o->result != FAILED)
             continue;
-        ctl_out_object(c->out, NULL);
-        ctl_out_text(c->out, "template_id", b->id[i]);
-        ctl_out_text(c->out, "detail", o->e.msg);
-        ctl_out_close(c->out);
+        json_object(c->out, NULL);
+        json_text(c->out, "template_id", b->id[i]);
+        json_text(c->out, "detail", o->e.msg);
+        json_close(c->out);
         (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
     }
-    ctl_out_close(c->out);
-    ctl_out_number(c->out, "templates", (double)b->n);
-    ctl_out_number(c->out, "reencoded", (double)count[REENCODED]);
-    ctl_out_number(c->out, "current", (double)count[CURRENT]);
-    ctl_out_number(c->out, "gone", (double)count[GONE]);
-    ctl_out_number(c->out, "failed", (double)count[FAILED]);
-    ctl_out_number(c->out, "undone", (double)count[UNDONE]);
-    ctl_out_flag(c->out, "dry_run", c->dry_run);
+    json_close(c->out);
+    json_number(c->out, "templates", (double)b->n);
+    json_number(c->out, "reencoded", (double)count[REENCODED]);
+    json_number(c->out, "current", (double)count[CURRENT]);
+    json_number(c->out, "gone", (double)count[GONE]);
+    json_number(c->out, "failed", (double)count[FAILED]);
+    json_number(c->out, "undone", (double)count[UNDONE]);
+    json_flag(c->out, "dry_run", c->dry_run);
     if (c->json)
         return count[FAILED];
     (void)printf("%zu templates: %zu %s by %s, %zu current, %zu failed\n", b->n,

@@ -37,10 +37,10 @@ static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
     static const char *const word[] = {"plaintext", "file", "passphrase"};
     const bool in_file = to->in_file || to->kind == VAULT_FILE;
 
-    ctl_out_text(c->out, "database", c->db);
-    ctl_out_text(c->out, "kind", word[to->kind]);
+    json_text(c->out, "database", c->db);
+    json_text(c->out, "kind", word[to->kind]);
     if (in_file)
-        ctl_out_text(c->out, "key", path);
+        json_text(c->out, "key", path);
     if (c->json)
         return;
     if (in_file)

@@ -17,19 +17,19 @@ static void tell_simplified(struct ctl *c, const struct face *f,
 {
     const double share = (double)r->kept / f->surface.mesh.nv;
 
-    ctl_out_text(c->out, "file", c->dir);
-    ctl_out_number(c->out, "points", f->surface.mesh.nv);
-    ctl_out_number(c->out, "kept", r->kept);
-    ctl_out_number(c->out, "share", share);
-    ctl_out_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
-    ctl_out_number(c->out, "disparity_mm", r->disparity / LATTICE_PER_MM);
-    if (!c->json)
-        (void)printf("kept         %u of %u points, %.1f %%\n"
-                     "error        %.3f mm at most at one of the scan's points\n"
-                     "disparity    %.4f mm in the mean\n"
-                     "file         %s\n",
-                     r->kept, f->surface.mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
-                     r->disparity / LATTICE_PER_MM, c->dir);
+    json_text(c->out, "file", c->dir);
+    json_number(c->out, "points", f->surface.mesh.nv);
+    json_number(c->out, "kept", r->kept);
+    json_number(c->out, "share", share);
+    json_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
+    json_number(c->out, "disparity_mm", r->disparity / LATTICE_PER_MM);
+    ctl_say(c,
+            "kept         %u of %u points, %.1f %%\n"
+            "error        %.3f mm at most at one of the scan's points\n"
+            "disparity    %.4f mm in the mean\n"
+            "file         %s\n",
+            r->kept, f->surface.mesh.nv, 100 * share, r->error / LATTICE_PER_MM,
+            r->disparity / LATTICE_PER_MM, c->dir);
 }
 
 static int run(struct ctl *c)

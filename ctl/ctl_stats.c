@@ -14,15 +14,15 @@ static enum status stats(struct ctl *c, struct store *s)
     if ((st = store_stats(s, &t, &c->e)) != ST_OK ||
         (st = store_reencode_count(s, &other, &c->e)) != ST_OK)
         return st;
-    ctl_out_number(c->out, "subjects", (double)t.subjects);
-    ctl_out_number(c->out, "templates", (double)t.templates);
-    ctl_out_number(c->out, "to_reencode", (double)other);
-    ctl_out_number(c->out, "points", (double)t.points);
-    ctl_out_number(c->out, "template_bytes", (double)t.template_bytes);
-    ctl_out_number(c->out, "file_bytes", (double)t.file_bytes);
-    ctl_out_number(c->out, "events", (double)t.events);
-    ctl_out_number(c->out, "tokens", (double)t.tokens);
-    ctl_out_number(c->out, "schema", t.schema);
+    json_number(c->out, "subjects", (double)t.subjects);
+    json_number(c->out, "templates", (double)t.templates);
+    json_number(c->out, "to_reencode", (double)other);
+    json_number(c->out, "points", (double)t.points);
+    json_number(c->out, "template_bytes", (double)t.template_bytes);
+    json_number(c->out, "file_bytes", (double)t.file_bytes);
+    json_number(c->out, "events", (double)t.events);
+    json_number(c->out, "tokens", (double)t.tokens);
+    json_number(c->out, "schema", t.schema);
     if (c->json)
         return ST_OK;
     (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
@@ -54,11 +54,10 @@ static enum status vacuum(struct ctl *c, struct store *s)
         (st = store_vacuum(s, &c->e)) != ST_OK ||
         (st = store_stats(s, &after, &c->e)) != ST_OK)
         return st;
-    ctl_out_number(c->out, "bytes_before", (double)before.file_bytes);
-    ctl_out_number(c->out, "bytes_after", (double)after.file_bytes);
-    if (!c->json)
-        (void)printf("%s: %s before, %s now\n", c->db, ctl_bytes(before.file_bytes, was),
-                     ctl_bytes(after.file_bytes, is));
+    json_number(c->out, "bytes_before", (double)before.file_bytes);
+    json_number(c->out, "bytes_after", (double)after.file_bytes);
+    ctl_say(c, "%s: %s before, %s now\n", c->db, ctl_bytes(before.file_bytes, was),
+            ctl_bytes(after.file_bytes, is));
     return ST_OK;
 }
 

@@ -27,26 +27,25 @@ static enum status list(struct ctl *c, struct store *s)
     size_t n = 0, total = 0;
     enum status st;
 
-    ctl_out_array(c->out, "subjects");
+    json_array(c->out, "subjects");
     while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
            n > 0) {
-        if (!c->json && total == 0)
-            (void)printf("%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
-                         "STATE");
+        if (total == 0)
+            ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
+                    "STATE");
         for (size_t i = 0; i < n; i++) {
-            ctl_out_object(c->out, NULL);
-            describe_subject(ctl_out_document(c->out), &page[i]);
-            ctl_out_number(c->out, "templates", page[i].templates);
-            ctl_out_close(c->out);
-            if (!c->json)
-                (void)printf("%-32s %9u  %-24s  %s\n", page[i].id, page[i].templates,
-                             page[i].created, state_of(&page[i]));
+            json_object(c->out, NULL);
+            describe_subject(c->out, &page[i]);
+            json_number(c->out, "templates", page[i].templates);
+            json_close(c->out);
+            ctl_say(c, "%-32s %9u  %-24s  %s\n", page[i].id, page[i].templates,
+                    page[i].created, state_of(&page[i]));
         }
         total += n;
         after = page[n - 1].key;
         free(page);
     }
-    ctl_out_close(c->out);
+    json_close(c->out);
     if (st == ST_OK && !c->json && total == 0)
         (void)printf("no subjects\n");
     return st;
@@ -79,16 +78,16 @@ static enum status show(struct ctl *c, struct store *s)
 
     if (st != ST_OK || (st = store_template_list(s, one.id, &list, &n, &c->e)) != ST_OK)
         return st;
-    describe_subject(ctl_out_document(c->out), &one);
-    ctl_out_array(c->out, "templates");
+    describe_subject(c->out, &one);
+    json_array(c->out, "templates");
     if (!c->json)
         print_subject(&one, n);
     for (size_t i = 0; i < n; i++) {
-        ctl_out_object(c->out, NULL);
+        json_object(c->out, NULL);
         ctl_template_tell(c, &list[i]);
-        ctl_out_close(c->out);
+        json_close(c->out);
     }
-    ctl_out_close(c->out);
+    json_close(c->out);
     free(list);
     return ST_OK;
 }
@@ -103,9 +102,8 @@ static enum status tell(struct ctl *c, struct store *s, const char *id, const ch
 
     if (st != ST_OK)
         return st;
-    describe_subject(ctl_out_document(c->out), &one);
-    if (!c->json)
-        (void)printf("%s: %s\n", one.id, done);
+    describe_subject(c->out, &one);
+    ctl_say(c, "%s: %s\n", one.id, done);
     return ST_OK;
 }
 

@@ -17,8 +17,8 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
     const bool other = !face_same_engine(t->engine, c->engine);
 
-    describe_template(ctl_out_document(c->out), t, NULL);
-    ctl_out_flag(c->out, "to_reencode", other);
+    describe_template(c->out, t, NULL);
+    json_flag(c->out, "to_reencode", other);
     if (c->json)
         return;
     (void)printf("template  %s\n", t->id);
@@ -44,9 +44,9 @@ static enum status list_one(struct ctl *c, struct store *s, const char *subject,
 
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         if (c->json) {
-            ctl_out_object(c->out, NULL);
+            json_object(c->out, NULL);
             ctl_template_tell(c, &t[i]);
-            ctl_out_close(c->out);
+            json_close(c->out);
             continue;
         }
         if (*total == 0 && i == 0)
@@ -88,9 +88,9 @@ static enum status list(struct ctl *c, struct store *s)
     size_t total = 0;
     enum status st;
 
-    ctl_out_array(c->out, "templates");
+    json_array(c->out, "templates");
     st = c->nargs > 0 ? list_one(c, s, c->args[0], &total) : list_all(c, s, &total);
-    ctl_out_close(c->out);
+    json_close(c->out);
     if (st == ST_OK && !c->json && total == 0)
         (void)printf("no templates\n");
     return st;
@@ -125,13 +125,12 @@ static int run_export(struct ctl *c)
         st = store_event(s, "export_template", CTL_ACTOR, t.subject, t.id, "written",
                          &c->e);
     if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.surface.mesh, &c->e)) == ST_OK) {
-        ctl_out_text(c->out, "template_id", t.id);
-        ctl_out_text(c->out, "subject", t.subject);
-        ctl_out_text(c->out, "file", c->dir);
-        ctl_out_number(c->out, "points", t.points);
-        ctl_out_number(c->out, "triangles", t.triangles);
-        if (!c->json)
-            (void)printf("%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
+        json_text(c->out, "template_id", t.id);
+        json_text(c->out, "subject", t.subject);
+        json_text(c->out, "file", c->dir);
+        json_number(c->out, "points", t.points);
+        json_number(c->out, "triangles", t.triangles);
+        ctl_say(c, "%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
     }
     store_close(s);
     face_free(&f);
@@ -154,10 +153,9 @@ static int delete_one(struct ctl *c, struct store *s, const struct store_templat
         return EXIT_USAGE;
     if ((st = store_template_delete(s, CTL_ACTOR, t->id, &c->e)) != ST_OK)
         return ctl_fail(c, st);
-    ctl_out_text(c->out, "template_id", t->id);
-    ctl_out_number(c->out, "templates_removed", 1);
-    if (!c->json)
-        (void)printf("deleted template %s of %s\n", t->id, t->subject);
+    json_text(c->out, "template_id", t->id);
+    json_number(c->out, "templates_removed", 1);
+    ctl_say(c, "deleted template %s of %s\n", t->id, t->subject);
     return EXIT_FINE;
 }
 

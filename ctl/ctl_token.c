@@ -17,28 +17,28 @@ static const char *state_of(const struct store_token *t)
 /* A time; null where it is not set. */
 static void out_time(struct ctl *c, const char *key, const char *time)
 {
-    ctl_out_text(c->out, key, time[0] != '\0' ? time : NULL);
+    json_text(c->out, key, time[0] != '\0' ? time : NULL);
 }
 
 static void out_token(struct ctl *c, const struct store_token *t)
 {
     char name[STORE_SCOPES_MAX];
 
-    ctl_out_text(c->out, "id", t->id);
-    ctl_out_text(c->out, "name", t->name);
-    ctl_out_array(c->out, "scopes");
+    json_text(c->out, "id", t->id);
+    json_text(c->out, "name", t->name);
+    json_array(c->out, "scopes");
     for (unsigned one = 1; one <= STORE_SCOPE_ALL; one <<= 1)
         if (t->scopes & one) {
             store_scopes_write(one, name);
-            ctl_out_text(c->out, NULL, name);
+            json_text(c->out, NULL, name);
         }
-    ctl_out_close(c->out);
-    ctl_out_text(c->out, "created", t->created);
+    json_close(c->out);
+    json_text(c->out, "created", t->created);
     out_time(c, "expires_at", t->expires);
     out_time(c, "last_used", t->used);
     out_time(c, "old_secret_until", t->old_until);
-    ctl_out_text(c->out, "state", state_of(t));
-    ctl_out_flag(c->out, "revoked", t->revoked);
+    json_text(c->out, "state", state_of(t));
+    json_flag(c->out, "revoked", t->revoked);
 }
 
 /* The secret on standard output, alone, for $(...); what is said of it elsewhere. */
@@ -47,7 +47,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     char list[STORE_SCOPES_MAX];
 
     out_token(c, t);
-    ctl_out_text(c->out, "token", secret);
+    json_text(c->out, "token", secret);
     if (c->json)
         return;
     store_scopes_write(t->scopes, list);
@@ -140,14 +140,13 @@ static enum status list(struct ctl *c, struct store *s)
 
     if (st != ST_OK)
         return st;
-    ctl_out_array(c->out, "tokens");
-    if (!c->json)
-        (void)printf("%-32s  %-7s  %-16s  %-16s  %-16s  %-41s  %s\n", "TOKEN ID", "STATE",
-                     "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
+    json_array(c->out, "tokens");
+    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-41s  %s\n", "TOKEN ID", "STATE",
+            "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
     for (size_t i = 0; i < n; i++) {
-        ctl_out_object(c->out, NULL);
+        json_object(c->out, NULL);
         out_token(c, &t[i]);
-        ctl_out_close(c->out);
+        json_close(c->out);
         if (c->json)
             continue;
         store_scopes_write(t[i].scopes, words);
@@ -157,7 +156,7 @@ static enum status list(struct ctl *c, struct store *s)
         print_time(t[i].used, "never");
         (void)printf("  %-41s  %s\n", words, t[i].name);
     }
-    ctl_out_close(c->out);
+    json_close(c->out);
     free(t);
     return ST_OK;
 }
@@ -169,10 +168,9 @@ static enum status revoke(struct ctl *c, struct store *s)
 
     if (st != ST_OK || (st = store_token_revoke(s, CTL_ACTOR, id, &c->e)) != ST_OK)
         return st;
-    ctl_out_text(c->out, "id", id);
-    ctl_out_flag(c->out, "revoked", true);
-    if (!c->json)
-        (void)printf("revoked %s\n", id);
+    json_text(c->out, "id", id);
+    json_flag(c->out, "revoked", true);
+    ctl_say(c, "revoked %s\n", id);
     return ST_OK;
 }
 

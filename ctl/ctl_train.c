@@ -36,17 +36,17 @@ static enum status read_scan(void *arg, size_t i, struct face_work *w, struct er
 
 static void list_refused(struct ctl *c, const struct scans *s)
 {
-    ctl_out_array(c->out, "refused");
+    json_array(c->out, "refused");
     ctl_corpus_left(c->out, s->corpus);
     for (uint32_t i = 0; i < s->corpus->nscan; i++)
         if (s->refused[i] != NULL) {
-            ctl_out_object(c->out, NULL);
-            ctl_out_text(c->out, "file", s->corpus->scan[i].file);
-            ctl_out_text(c->out, "reason", s->refused[i]);
-            ctl_out_close(c->out);
+            json_object(c->out, NULL);
+            json_text(c->out, "file", s->corpus->scan[i].file);
+            json_text(c->out, "reason", s->refused[i]);
+            json_close(c->out);
             (void)fprintf(stderr, "surfacectl: not used: %s\n", s->refused[i]);
         }
-    ctl_out_close(c->out);
+    json_close(c->out);
     ctl_corpus_skipped(c->out, s->corpus);
     ctl_corpus_tell(s->corpus);
 }
@@ -59,15 +59,13 @@ static void say(void *arg, const char *line)
 
 static void print_figures(struct ctl *c, const char *key, const struct rates_figures *f)
 {
-    ctl_out_object(c->out, key);
-    ctl_out_rate(c->out, "eer", f->eer);
-    ctl_out_number(c->out, "tar_at_fmr_1e-2", f->tar[0]);
-    ctl_out_number(c->out, "tar_at_fmr_1e-3", f->tar[1]);
-    ctl_out_close(c->out);
-    if (!c->json)
-        (void)printf(
-            "%-12s EER %.2f %%; accepted %.1f %% at FMR 1 %%, %.1f %% at 0.1 %%\n", key,
-            100 * f->eer, 100 * f->tar[0], 100 * f->tar[1]);
+    json_object(c->out, key);
+    json_rate(c->out, "eer", f->eer);
+    json_number(c->out, "tar_at_fmr_1e-2", f->tar[0]);
+    json_number(c->out, "tar_at_fmr_1e-3", f->tar[1]);
+    json_close(c->out);
+    ctl_say(c, "%-12s EER %.2f %%; accepted %.1f %% at FMR 1 %%, %.1f %% at 0.1 %%\n",
+            key, 100 * f->eer, 100 * f->tar[0], 100 * f->tar[1]);
 }
 
 static void print_report(struct ctl *c, const char *path, const struct model *m,
@@ -76,23 +74,22 @@ static void print_report(struct ctl *c, const char *path, const struct model *m,
     char engine[FACE_ENGINE_MAX + 1];
 
     face_engine(m, engine);
-    ctl_out_text(c->out, "model", path);
-    ctl_out_text(c->out, "name", m->name);
-    ctl_out_text(c->out, "engine", engine);
-    ctl_out_number(c->out, "genuine", (double)r->genuine);
-    ctl_out_number(c->out, "impostor", (double)r->impostor);
-    ctl_out_number(c->out, "threshold_mm", r->threshold_mm);
-    if (!c->json)
-        (void)printf("pairs        %zu of one subject, %zu of different ones\n",
-                     r->genuine, r->impostor);
+    json_text(c->out, "model", path);
+    json_text(c->out, "name", m->name);
+    json_text(c->out, "engine", engine);
+    json_number(c->out, "genuine", (double)r->genuine);
+    json_number(c->out, "impostor", (double)r->impostor);
+    json_number(c->out, "threshold_mm", r->threshold_mm);
+    ctl_say(c, "pairs        %zu of one subject, %zu of different ones\n", r->genuine,
+            r->impostor);
     print_figures(c, "before", &r->before);
     print_figures(c, "after", &r->after);
-    if (!c->json)
-        (void)printf("             (after: each half of the subjects judged by what the "
-                     "other taught)\n"
-                     "threshold    %.4f mm for a false match rate of 0.1 %%\n"
-                     "model        %s: %s\n",
-                     r->threshold_mm, path, strchr(engine, ' ') + 1);
+    ctl_say(c,
+            "             (after: each half of the subjects judged by what the "
+            "other taught)\n"
+            "threshold    %.4f mm for a false match rate of 0.1 %%\n"
+            "model        %s: %s\n",
+            r->threshold_mm, path, strchr(engine, ' ') + 1);
 }
 
 /* A name that the file can hold. */

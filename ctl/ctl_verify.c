@@ -13,7 +13,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
     const struct face_result *r = x->result;
 
-    describe_comparison(ctl_out_document(c->out), x);
+    describe_comparison(c->out, x);
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
@@ -87,9 +87,8 @@ static int run_verify(struct ctl *c)
                             .times = &(struct describe_times){
                                 NAN, NAN, best.nearest.align_ms, best.nearest.measure_ms,
                                 ctl_clock_ms() - start}});
-        if (!c->json)
-            (void)printf("template     %s (the nearest of %u of %s, enrolled %s)\n",
-                         best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
+        ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n",
+                best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
     }
     store_close(s);
     face_free(&probe);

@@ -4,7 +4,7 @@
 
 #include "describe.h"
 #include "ctl_face.h"
-#include "ctl_out.h"
+#include "ctl.h"
 #include "tuning.h"
 #include "verdict.h"
 
@@ -108,27 +108,27 @@ enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-static void out_spread(struct ctl_out *o, const struct explain_spread *s)
+static void out_spread(struct json *o, const struct explain_spread *s)
 {
-    ctl_out_number(o, "median_mm", s->median_mm);
-    ctl_out_number(o, "mean_amount_mm", s->mean_mm);
-    ctl_out_number(o, "limit_mm", s->limit_mm);
-    ctl_out_number(o, "share_beyond", s->beyond);
-    ctl_out_array(o, "amount_quantiles");
+    json_number(o, "median_mm", s->median_mm);
+    json_number(o, "mean_amount_mm", s->mean_mm);
+    json_number(o, "limit_mm", s->limit_mm);
+    json_number(o, "share_beyond", s->beyond);
+    json_array(o, "amount_quantiles");
     for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
-        ctl_out_object(o, NULL);
-        ctl_out_number(o, "share", explain_levels[k]);
-        ctl_out_number(o, "mm", s->quantile_mm[k]);
-        ctl_out_close(o);
+        json_object(o, NULL);
+        json_number(o, "share", explain_levels[k]);
+        json_number(o, "mm", s->quantile_mm[k]);
+        json_close(o);
     }
-    ctl_out_close(o);
+    json_close(o);
 }
 
-void explain_text_out(struct ctl_out *o, const struct explanation *x)
+void explain_text_out(struct json *o, const struct explanation *x)
 {
-    ctl_out_text(o, "template", x->a);
-    ctl_out_text(o, "probe", x->b);
-    describe_comparison(ctl_out_document(o),
+    json_text(o, "template", x->a);
+    json_text(o, "probe", x->b);
+    describe_comparison(o,
                         &(struct describe_comparison){.result = &x->result,
                                                       .probe = &x->probe,
                                                       .engine = x->engine,
@@ -136,31 +136,28 @@ void explain_text_out(struct ctl_out *o, const struct explanation *x)
                                                       .template_id = x->template_id,
                                                       .templates_compared = x->compared,
                                                       .measure = true});
-    describe_quality(ctl_out_document(o), "template_quality", &x->tmpl.quality,
-                     &x->tmpl.frame);
-    ctl_out_text(o, "reason", reason(&x->result));
-    ctl_out_object(o, "region_weight");
+    describe_quality(o, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
+    json_text(o, "reason", reason(&x->result));
+    json_object(o, "region_weight");
     for (int i = 0; i < GRID_REGIONS; i++)
-        ctl_out_number(o, grid_region_name((enum grid_region)i),
-                       x->result.region_weight[i]);
-    ctl_out_close(o);
-    ctl_out_object(o, "gap");
-    ctl_out_number(o, "points", (double)x->n);
-    ctl_out_number(o, "compared", (double)x->gap.n);
+        json_number(o, grid_region_name((enum grid_region)i), x->result.region_weight[i]);
+    json_close(o);
+    json_object(o, "gap");
+    json_number(o, "points", (double)x->n);
+    json_number(o, "compared", (double)x->gap.n);
     out_spread(o, &x->gap);
-    ctl_out_close(o);
-    ctl_out_object(o, "rest");
-    ctl_out_number(o, "cells", (double)x->rest.n);
+    json_close(o);
+    json_object(o, "rest");
+    json_number(o, "cells", (double)x->rest.n);
     out_spread(o, &x->rest);
-    ctl_out_close(o);
+    json_close(o);
 }
 
 enum status explain_text_json(FILE *to, const void *x, struct errinfo *e)
 {
-    struct ctl_out *o = ctl_out_new(true);
+    struct json *j = json_new();
 
-    if (o == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    explain_text_out(o, x);
-    return ctl_out_end(o, to) ? ST_OK : errinfo_set(e, ST_EIO, "it cannot be written");
+    explain_text_out(j, x);
+    return ctl_print(to, json_pretty(j)) ? ST_OK
+                                         : errinfo_set(e, ST_ENOMEM, "out of memory");
 }

@@ -191,10 +191,10 @@ static void print_error(struct ctl *c, int code)
 {
     (void)fflush(stdout);
     (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
-    ctl_out_object(c->out, "error");
-    ctl_out_text(c->out, "detail", c->e.msg);
-    ctl_out_number(c->out, "exit", code);
-    ctl_out_close(c->out);
+    json_object(c->out, "error");
+    json_text(c->out, "detail", c->e.msg);
+    json_number(c->out, "exit", code);
+    json_close(c->out);
 }
 
 int main(int argc, char **argv)
@@ -209,7 +209,7 @@ int main(int argc, char **argv)
         return EXIT_FINE;
     }
     ok = ok && read_environment(&l);
-    if ((l.c.out = ctl_out_new(l.c.json)) == NULL) {
+    if (l.c.json && (l.c.out = json_new()) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
         return EXIT_OSERR;
     }
@@ -225,7 +225,7 @@ int main(int argc, char **argv)
     keyfile_free(l.c.asked);
     if (code > EXIT_INCONCLUSIVE)
         print_error(&l.c, code);
-    if (!ctl_out_end(l.c.out, stdout)) {
+    if ((l.c.json && !ctl_print(stdout, json_pretty(l.c.out))) || fflush(stdout) != 0) {
         (void)fprintf(stderr, "surfacectl: the output cannot be written\n");
         return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
     }
