@@ -23,7 +23,7 @@
 #define SUSPECTS 20 /* shown as text; all as JSON */
 
 static bool wants_list, wants_reset; /* --list, --reset */
-static const char *genuine;          /* --genuine */
+static const char *mated;            /* --mated */
 
 struct suspect {
     uint32_t a, b;
@@ -119,16 +119,16 @@ static enum status compare_all(struct ctl *c, struct store *s, struct result *r)
         return st;
     if (!rates_supported(c->fmr, pairs_of(p->nsubject)))
         return too_few(c, p->nenrolled, pairs_of(p->nsubject));
-    st = ctl_cross_impostors(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
+    st = ctl_cross_non_mated(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
     /* Each pair was compared from both sides, or else in so many comparisons. */
     r->pairs =
         p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
     if (st == ST_OK && !rates_supported(c->fmr, r->pairs))
         return too_few(c, p->nenrolled, r->pairs);
     if (st == ST_OK)
-        st = ctl_cross_genuine(c, p);
-    if (st == ST_OK && genuine != NULL)
-        st = ctl_cross_manifest(c, p, genuine);
+        st = ctl_cross_mated(c, p);
+    if (st == ST_OK && mated != NULL)
+        st = ctl_cross_manifest(c, p, mated);
     return st;
 }
 
@@ -192,8 +192,8 @@ static void out_calibration(struct json *o, const struct store_calibration *k)
         json_number(o, "low_mm", k->low_mm);
         json_number(o, "high_mm", k->high_mm);
         json_number(o, "subjects", (double)k->subjects);
-        json_number(o, "impostors", (double)k->impostors);
-        json_number(o, "genuine", (double)k->genuine);
+        json_number(o, "non_mated", (double)k->impostors);
+        json_number(o, "mated", (double)k->genuine);
     }
     out_table(o, &k->decision);
 }
@@ -385,7 +385,7 @@ static int run(struct ctl *c)
     struct store *s = NULL;
     enum status st;
 
-    if ((wants_list && wants_reset) || (!learns && (genuine != NULL || c->fmr > 0)) ||
+    if ((wants_list && wants_reset) || (!learns && (mated != NULL || c->fmr > 0)) ||
         (wants_list && c->dry_run))
         return ctl_usage(c, "--list takes no other option of calibrate, and --reset only "
                             "--dry-run");
@@ -406,7 +406,7 @@ const struct ctl_command ctl_calibrate = {
     .options =
         (const struct ctl_option[]){
             CTL_OPTION(
-                "genuine", "MANIFEST", ctl_option_text, &genuine,
+                "mated", "MANIFEST", ctl_option_text, &mated,
                 "more scans of the subjects: a folder, or a table with the columns\n"
                 "file and subject"),
             CTL_OPTION("list", NULL, ctl_option_flag, &wants_list,
@@ -419,6 +419,6 @@ const struct ctl_command ctl_calibrate = {
     .help =
         "The templates of different subjects are compared with each other.  At the threshold the\n"
         "share --fmr (0.001) of these comparisons would match.  Subjects with several templates,\n"
-        "and the scans of --genuine, tell the false non-match rate.  A running daemon decides by\n"
+        "and the scans of --mated, tell the false non-match rate.  A running daemon decides by\n"
         "the new threshold at once.",
     .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

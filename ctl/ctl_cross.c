@@ -231,7 +231,7 @@ static uint32_t wanted(const struct ctl_cross *p, uint32_t subject, double limit
     return share >= others ? others : share > 1 ? (uint32_t)share : others > 0;
 }
 
-enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit,
+enum status ctl_cross_non_mated(struct ctl *c, struct ctl_cross *p, double limit,
                                 uint64_t seed)
 {
     struct trial *trial;
@@ -266,7 +266,7 @@ enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit
     return st;
 }
 
-enum status ctl_cross_genuine(struct ctl *c, struct ctl_cross *p)
+enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p)
 {
     struct trial *trial = malloc((p->ntemplate + (size_t)1) * sizeof *trial);
     size_t n = 0;

@@ -38,15 +38,15 @@ enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
                            struct ctl_cross *p);
 void ctl_cross_free(struct ctl_cross *p);
 
-/* ctl_cross_impostors(c, p, limit, seed): add the scores of each subject's templates
+/* ctl_cross_non_mated(c, p, limit, seed): add the scores of each subject's templates
  * against every other's; where that is more than about limit comparisons of two templates,
  * each subject is met by as many others' templates, drawn without replacement.
- * ctl_cross_genuine(c, p): each template against the same subject's others.
+ * ctl_cross_mated(c, p): each template against the same subject's others.
  * ctl_cross_manifest(c, p, path): the scans of a corpus (corpus.h) against the
  * templates of their subjects. */
-enum status ctl_cross_impostors(struct ctl *c, struct ctl_cross *p, double limit,
+enum status ctl_cross_non_mated(struct ctl *c, struct ctl_cross *p, double limit,
                                 uint64_t seed);
-enum status ctl_cross_genuine(struct ctl *c, struct ctl_cross *p);
+enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p);
 enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *path);
 
 #endif

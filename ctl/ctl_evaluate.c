@@ -76,7 +76,7 @@ static enum status write_all(struct report *r, const char *path, struct errinfo 
 
 /* ---- the command */
 
-static uint32_t impostors; /* --impostors */
+static uint32_t non_mated; /* --non-mated */
 
 static enum status evaluate(struct ctl *c, const struct corpus *corpus,
                             const struct ctl_trials_options *o, const char *calibration)
@@ -121,7 +121,7 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
 static int run(struct ctl *c)
 {
     struct ctl_trials_options o = {
-        .model = c->model, .non_mated = impostors, .threads = c->threads};
+        .model = c->model, .non_mated = non_mated, .threads = c->threads};
     struct store_calibration k;
     struct corpus *corpus = NULL;
     struct store *s = NULL;
@@ -150,7 +150,7 @@ const struct ctl_command ctl_evaluate = {
     .shared = CTL_UNITS | CTL_MODEL | CTL_THRESHOLD | CTL_OUT | CTL_THREADS,
     .options =
         (const struct ctl_option[]){
-            CTL_OPTION("impostors", "N", ctl_option_whole, &impostors,
+            CTL_OPTION("non-mated", "N", ctl_option_whole, &non_mated,
                        "compare each probe with N other subjects (all, up to 200,000\n"
                        "comparisons)"),
             CTL_OPTION_END},

@@ -77,8 +77,8 @@ static void print_report(struct ctl *c, const char *path, const struct model *m,
     json_text(c->out, "model", path);
     json_text(c->out, "name", m->name);
     json_text(c->out, "engine", engine);
-    json_number(c->out, "genuine", (double)r->genuine);
-    json_number(c->out, "impostor", (double)r->impostor);
+    json_number(c->out, "mated", (double)r->genuine);
+    json_number(c->out, "non_mated", (double)r->impostor);
     json_number(c->out, "threshold_mm", r->threshold_mm);
     ctl_say(c, "pairs        %zu of one subject, %zu of different ones\n", r->genuine,
             r->impostor);

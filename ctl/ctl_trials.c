@@ -88,9 +88,9 @@ static uint32_t share(const struct corpus *c)
             all += size[c->subject[c->scan[i].subject].population] - 1;
         }
     free(size);
-    if (all <= CTL_TRIALS_IMPOSTORS)
+    if (all <= CTL_TRIALS_NON_MATED)
         return UINT32_MAX;
-    return nprobe < CTL_TRIALS_IMPOSTORS ? CTL_TRIALS_IMPOSTORS / nprobe : 1;
+    return nprobe < CTL_TRIALS_NON_MATED ? CTL_TRIALS_NON_MATED / nprobe : 1;
 }
 
 static enum status plan_all(struct ctl_trials *t)

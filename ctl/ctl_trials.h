@@ -10,8 +10,8 @@
 struct decision; /* decision.h */
 struct model;    /* model.h */
 
-/* Without --impostors so many non-mated comparisons are made, at most. */
-#define CTL_TRIALS_IMPOSTORS 200000
+/* Without --non-mated so many non-mated comparisons are made, at most. */
+#define CTL_TRIALS_NON_MATED 200000
 
 struct ctl_trial {
     uint32_t template, probe; /* of corpus.scan */
@@ -39,7 +39,7 @@ struct ctl_trials {
 struct ctl_trials_options {
     const struct model *model;
     const struct decision *decision; /* NULL: the model's */
-    uint32_t non_mated; /* of each probe; 0: all, but CTL_TRIALS_IMPOSTORS in all */
+    uint32_t non_mated; /* of each probe; 0: all, but CTL_TRIALS_NON_MATED in all */
     uint32_t threads;   /* 0: one a core */
 };
 

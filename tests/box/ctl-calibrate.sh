@@ -24,12 +24,12 @@ is "one in a thousand of 66 pairs" $CODE 65
 ok "says how many people it takes: $(said .error.detail)" \
     matches "$(said .error.detail)" '0.001 takes 78 subjects.*3000 pairs.*12 \(66 pairs.*0.045'
 for wrong in "--fmr 0" "--fmr 0.6" "--fmr nan" "--fmr" "--list --reset" "--list --dry-run" \
-    "--reset --fmr 0.1" "--list --genuine x" "--yes"; do
+    "--reset --fmr 0.1" "--list --mated x" "--yes"; do
     # shellcheck disable=SC2086 # words
     ctl calibrate $wrong
     is "calibrate $wrong" $CODE 64
 done
-ctl calibrate --fmr 0.05 --genuine "$T/nowhere"
+ctl calibrate --fmr 0.05 --mated "$T/nowhere"
 is "a manifest that is not there" $CODE 66
 
 # ---- shown, not stored
@@ -38,7 +38,7 @@ req GET /readyz
 is "the shipped table" "$(get '.calibration | [.version, .source] | @csv')" '0,"shipped"'
 ctl calibrate --fmr 0.05 --dry-run
 is "a dry run" $CODE 0
-is "what it rests on" "$(said '[.subjects, .templates, .pairs, .impostors, .genuine] | @csv')" \
+is "what it rests on" "$(said '[.subjects, .templates, .pairs, .non_mated, .mated] | @csv')" \
     12,13,66,143,2
 is "is not stored" "$(said .stored)" false
 ok "its interval holds it" jq -e '.low_mm <= .threshold_mm and .threshold_mm <= .high_mm
@@ -63,9 +63,9 @@ cp "$T/s3.ply" "$T/more/s3_enrolled.ply"
 scan 99 1 "$T/more/stranger_1.ply" --points 1000
 "$BUILD/facegen" --subject 4 --points 120 --format xyz | awk '{ print $1 / 99, $2, $3 }' \
     >"$T/more/s4_bad.xyz"
-ctl calibrate --fmr 0.05 --dry-run --genuine "$T/more"
+ctl calibrate --fmr 0.05 --dry-run --mated "$T/more"
 is "two more, two that do not count, one refused" \
-    "$(said '[.genuine, .scans_outside, .scans_refused] | @csv')" 4,2,1
+    "$(said '[.mated, .scans_outside, .scans_refused] | @csv')" 4,2,1
 
 # ---- in force at once
 ctl calibrate --fmr 0.05

@@ -163,11 +163,11 @@ for n in 1 3; do
     that "$n threads: the same scores" cmp evaluation/scores.csv "by-$n/scores.csv"
     that "$n threads: the same rates" cmp evaluation/rates.csv "by-$n/rates.csv"
 done
-expect 0 "JSON" "$ctl" evaluate scans --json --impostors 2 --out drawn
+expect 0 "JSON" "$ctl" evaluate scans --json --non-mated 2 --out drawn
 that "what is printed is report.json" cmp out drawn/report.json
 is "two non-mated comparisons a probe" "$(lines drawn non-mated .)" 22
 is "it says so" "$(get drawn .non_mated.of_each_probe)" 2
-expect 0 "drawn again" "$ctl" evaluate scans --impostors 2 --threads 1 --out again
+expect 0 "drawn again" "$ctl" evaluate scans --non-mated 2 --threads 1 --out again
 that "the same are drawn" cmp drawn/scores.csv again/scores.csv
 expect 0 "another threshold" "$ctl" evaluate scans --threshold-mm 5 --out wide
 is "all are accepted there" "$(get wide '.non_mated | .match == .comparisons and .fmr.value == 1')" true
@@ -230,7 +230,7 @@ mkdir empty
 expect 65 "an empty folder" "$ctl" evaluate empty --out none
 has err 'no scans'
 expect 64 "no folder given" "$ctl" evaluate
-expect 64 "no impostors" "$ctl" evaluate scans --impostors 0
+expect 64 "no non-mated comparisons" "$ctl" evaluate scans --non-mated 0
 expect 64 "no threads" "$ctl" evaluate scans --threads few
 that "nothing was written" [ ! -e none ]
 : >file
@@ -239,7 +239,7 @@ expect 74 "the output is no folder" "$ctl" evaluate scans --out file
 
 # The calibration of a database.
 expect 0 init "$ctl" --db faces.db init
-expect 0 "by a database" "$ctl" --db faces.db evaluate scans --impostors 1 --out by-db
+expect 0 "by a database" "$ctl" --db faces.db evaluate scans --non-mated 1 --out by-db
 has by-db/report.md 'calibration as shipped'
 expect 66 "no such database" "$ctl" --db nowhere.db evaluate scans
 expect 0 "help" "$ctl" evaluate --help

@@ -68,7 +68,7 @@ expect 0 "enroll json" "$ctl" --json enroll bob b0.ply
 has out '"created":.*true'
 expect 0 verify "$ctl" verify alice a1.ply
 has out '^decision *match'
-expect 1 "verify an impostor" "$ctl" verify alice b0.ply
+expect 1 "verify another person" "$ctl" verify alice b0.ply
 has out '^decision *no_match'
 expect 0 "verify json" "$ctl" verify bob b1.xyz --json
 has out '"decision":.*"match"'

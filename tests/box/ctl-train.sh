@@ -39,8 +39,8 @@ expect 0 "train" "$ctl" train "$T/scans" --label 'made up' --threads 2 --out "$T
 says "$T/err" "a bad scan is told of" 'not used: .*s3_p5.ply'
 is "listed too" "$(jq -r '.refused[].file' "$T/out")" s3_p5.ply
 is "name" "$(jq -r .name "$T/out")" "made up"
-is "genuine" "$(jq .genuine "$T/out")" 251
-is "impostor" "$(jq .impostor "$T/out")" 3012
+is "mated" "$(jq .mated "$T/out")" 251
+is "non-mated" "$(jq .non_mated "$T/out")" 3012
 ok "figures" jq -e '(.before, .after) | .eer >= 0 and .eer <= 1' "$T/out" >/dev/null
 engine=$(jq -r .engine "$T/out")
 threshold=$(jq .threshold_mm "$T/out")
