@@ -8,18 +8,19 @@
 
 #include "store.h"
 
-int ctl_usage(struct ctl *c, const char *fmt, ...)
+enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 {
     va_list args;
 
+    c->code = EXIT_USAGE;
     c->e.code = ST_EINVAL;
     va_start(args, fmt);
     (void)vsnprintf(c->e.msg, sizeof c->e.msg, fmt, args);
     va_end(args);
-    return EXIT_USAGE;
+    return ST_EINVAL;
 }
 
-int ctl_fail(struct ctl *c, enum status st)
+int ctl_exit(const struct ctl *c, enum status st)
 {
     static const int code[ST_COUNT] = {[ST_OK] = EXIT_FINE,
                                        [ST_EINVAL] = EXIT_DATA,
@@ -44,30 +45,30 @@ int ctl_fail(struct ctl *c, enum status st)
                                        [ST_EINTERNAL] = EXIT_SOFTWARE,
                                        [ST_EHELD] = EXIT_NOPERM};
 
-    c->e.code = st;
-    return code[st];
+    return st == ST_OK || c->code == EXIT_USAGE ? c->code : code[st];
 }
 
-bool ctl_confirmed(struct ctl *c, const char *what, const char *word)
+enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
 {
     char line[STORE_SUBJECT_MAX + 8] = "";
     const bool terminal = isatty(STDIN_FILENO) == 1;
 
     if (c->yes)
-        return true;
+        return ST_OK;
     if (terminal) {
         (void)fprintf(stderr, "This %s for good.\nType %s to go on: ", what, word);
         if (fgets(line, sizeof line, stdin) != NULL) {
             line[strcspn(line, "\r\n")] = '\0';
             if (strcmp(line, word) == 0)
-                return true;
+                return ST_OK;
         }
     }
-    (void)errinfo_set(&c->e, ST_EDENIED,
-                      "nothing was changed: what %.120s needs --yes, or %.40s typed on a "
-                      "terminal",
-                      what, word);
-    return false;
+    c->code = EXIT_USAGE;
+    return errinfo_set(
+        &c->e, ST_EDENIED,
+        "nothing was changed: what %.120s needs --yes, or %.40s typed on a "
+        "terminal",
+        what, word);
 }
 
 const char *ctl_bytes(uint64_t n, char out[32])

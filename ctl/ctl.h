@@ -17,9 +17,11 @@
 #include "face.h"
 #include "json.h"
 
-struct keyfile; /* keyfile.h */
-struct model;   /* model.h */
-struct options; /* options.h */
+struct keyfile;     /* keyfile.h */
+struct model;       /* model.h */
+struct options;     /* options.h */
+struct store;       /* store.h */
+struct ctl_command; /* ctl_command.h */
 
 #define CTL_ACTOR "surfacectl" /* in the events table */
 
@@ -45,7 +47,7 @@ struct ctl_expires { /* --expires */
 };
 
 struct ctl {
-    const char *name; /* of the command */
+    const struct ctl_command *cmd;
     int nargs;
     char **args; /* its arguments */
 
@@ -70,19 +72,24 @@ struct ctl {
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct options *settings;         /* of the daemon, once read; by ctl_config_free() */
     struct keyfile *asked;            /* a passphrase, once asked for; to be freed */
+    struct store *store;              /* the database, once opened (ctl_model.h) */
+    struct face_work *work;           /* where the command takes scans (CTL_UNITS) */
+    int code;                         /* EXIT_FINE until a command says otherwise */
     struct json *out;                 /* NULL without json */
     struct errinfo e;                 /* why a command did not end with 0, 1 or 2 */
 };
 
-/* ctl_fail(c, st): the exit code for a status; c->e has the text.
- * ctl_usage(c, ...): EXIT_USAGE, with the text in c->e. */
-int ctl_fail(struct ctl *c, enum status st);
-__attribute__((format(printf, 2, 3))) int ctl_usage(struct ctl *c, const char *fmt, ...);
+/* ctl_exit(c, st): the exit code of a command that returned st.
+ * ctl_usage(c, ...): the command line is wrong, which the text goes into c->e for: ST_EINVAL,
+ * and the exit code EXIT_USAGE. */
+int ctl_exit(const struct ctl *c, enum status st);
+__attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
+                                                            const char *fmt, ...);
 
-/* ctl_confirmed(c, what, word): true with --yes, or when a person on a terminal types the
- * word after reading what will be done ("This erases ..."); else return EXIT_USAGE: c->e
- * says why. */
-bool ctl_confirmed(struct ctl *c, const char *what, const char *word);
+/* ctl_confirm(c, what, word): ST_OK with --yes, or when a person on a terminal types the
+ * word after reading what will be done ("This erases ..."); else ST_EDENIED, and the exit
+ * code EXIT_USAGE. */
+enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
 
 /* Bytes as people read them: "1.5 MB". */
 const char *ctl_bytes(uint64_t n, char out[32]);

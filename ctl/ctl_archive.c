@@ -8,24 +8,18 @@
 
 static bool all; /* --all */
 
-static int run_export(struct ctl *c)
-{
-    char size[32];
-    struct store_exported x;
-    struct keyfile *k = NULL;
-    struct store *s = NULL;
-    enum status st;
+static enum status export(struct ctl *c) {
+    char size[32]; struct store_exported x; struct keyfile *k = NULL; enum status st;
 
-    if (c->dir == NULL || all == (c->nargs > 0))
-        return ctl_usage(c, "export needs %s",
-                         c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
-    if ((st = ctl_key_open(c, STORE_WRITE, &s)) == ST_OK &&
+    if (c->dir == NULL || all == (c->nargs > 0)) return ctl_usage(
+        c, "export needs %s",
+        c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
+    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
-        st = store_export(s, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x, &c->e);
+        st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x,
+                          &c->e);
     keyfile_free(k);
-    store_close(s);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
+    if (st != ST_OK) return st;
     json_text(c->out, "archive", c->dir);
     json_number(c->out, "subjects", (double)x.subjects);
     json_number(c->out, "templates", (double)x.templates);
@@ -33,23 +27,22 @@ static int run_export(struct ctl *c)
     ctl_say(c, "%s: %llu subjects, %llu templates, %s\n", c->dir,
             (unsigned long long)x.subjects, (unsigned long long)x.templates,
             ctl_bytes(x.bytes, size));
-    return EXIT_FINE;
+    return ST_OK;
 }
 
-static int run_import(struct ctl *c)
+/* Writes with --dry-run too, and rolls back. */
+static enum status import(struct ctl *c)
 {
     struct store_imported m;
     struct keyfile *k = NULL;
-    struct store *s = NULL;
     enum status st;
 
-    if ((st = ctl_model_open(c, STORE_WRITE, &s)) == ST_OK &&
+    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, false, &k)) == ST_OK)
-        st = store_import(s, CTL_ACTOR, c->args[0], k, c->dry_run, &m, &c->e);
+        st = store_import(c->store, CTL_ACTOR, c->args[0], k, c->dry_run, &m, &c->e);
     keyfile_free(k);
-    store_close(s);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_number(c->out, "subjects", (double)m.subjects);
     json_number(c->out, "templates", (double)m.templates);
     json_number(c->out, "subjects_new", (double)m.new_subjects);
@@ -57,20 +50,19 @@ static int run_import(struct ctl *c)
     json_number(c->out, "subjects_erased", (double)m.erased);
     json_number(c->out, "templates_to_reencode", (double)m.outdated);
     json_flag(c->out, "imported", !c->dry_run);
-    if (c->json)
-        return EXIT_FINE;
-    (void)printf("%llu subjects, %llu templates; new %s: %llu and %llu\n",
-                 (unsigned long long)m.subjects, (unsigned long long)m.templates,
-                 c->dry_run ? "would be" : "are", (unsigned long long)m.new_subjects,
-                 (unsigned long long)m.new_templates);
+    ctl_say(c, "%llu subjects, %llu templates; new %s: %llu and %llu\n",
+            (unsigned long long)m.subjects, (unsigned long long)m.templates,
+            c->dry_run ? "would be" : "are", (unsigned long long)m.new_subjects,
+            (unsigned long long)m.new_templates);
     if (m.erased > 0)
-        (void)printf("%llu subjects were erased here and are left out\n",
-                     (unsigned long long)m.erased);
+        ctl_say(c, "%llu subjects were erased here and are left out\n",
+                (unsigned long long)m.erased);
     if (m.outdated > 0)
-        (void)printf("%llu templates were made by another engine: surfacectl template "
-                     "reencode\n",
-                     (unsigned long long)m.outdated);
-    return EXIT_FINE;
+        ctl_say(c,
+                "%llu templates were made by another engine: surfacectl template "
+                "reencode\n",
+                (unsigned long long)m.outdated);
+    return ST_OK;
 }
 
 const struct ctl_command ctl_archive_export = {
@@ -82,7 +74,7 @@ const struct ctl_command ctl_archive_export = {
     .options = (const struct ctl_option[]){CTL_OPTION("all", NULL, ctl_option_flag, &all,
                                                       "every subject"),
                                            CTL_OPTION_END},
-    .run = run_export,
+    .run = export,
     .summary = "write subjects to an archive for another machine",
     .help =
         "The new file --out is encrypted with a passphrase that is asked for, or with the line\n"
@@ -97,7 +89,7 @@ const struct ctl_command ctl_archive_import = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_ARCHIVE_KEY | CTL_DRY_RUN,
-    .run = run_import,
+    .run = import,
     .summary = "read subjects from an archive",
     .help =
         "All of it or nothing; it is verified first.  Subjects and templates that are here\n"

@@ -31,28 +31,22 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
     ctl_face_reasons(stdout, f);
 }
 
-static int run(struct ctl *c)
+static enum status measure(struct ctl *c)
 {
-    struct face_work *w = face_work_new(c->model);
     struct face f = {0};
     struct asymmetry a;
-    enum status st;
+    enum status st = ctl_scan_read(c, c->args[0], c->work, &f);
 
-    if (w == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else if ((st = ctl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
-             (st = face_asymmetry(&f, w, &a)) != ST_OK)
+    if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK) {
         describe_asymmetry(c->out, &a, &f, c->engine, NULL);
         if (!c->json)
             print_asymmetry(&a, &f);
+        c->code = asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
     }
     face_free(&f);
-    face_work_free(w);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    return asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
+    return st;
 }
 
 const struct ctl_command ctl_asymmetry = {
@@ -62,7 +56,7 @@ const struct ctl_command ctl_asymmetry = {
     .shared = CTL_UNITS | CTL_MODEL,
     .exits = {"done", NULL,
               "inconclusive: too little of the face lies over its mirror image"},
-    .run = run,
+    .run = measure,
     .summary = "measure a scan against its own mirror image",
     .help =
         "The symmetry plane is corrected until the gap between the face and its mirror image is\n"

@@ -4,11 +4,11 @@
 
 #include "ctl_command.h"
 
-static enum status list(struct ctl *c, struct store *s)
+static enum status list(struct ctl *c)
 {
     struct store_attempts *a;
     size_t n;
-    enum status st = store_attempts_list(s, &a, &n, &c->e);
+    enum status st = store_attempts_list(c->store, &a, &n, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -30,9 +30,9 @@ static enum status list(struct ctl *c, struct store *s)
     return ST_OK;
 }
 
-static enum status reset(struct ctl *c, struct store *s)
+static enum status reset(struct ctl *c)
 {
-    enum status st = store_attempts_reset(s, CTL_ACTOR, c->args[0], &c->e);
+    enum status st = store_attempts_reset(c->store, CTL_ACTOR, c->args[0], &c->e);
 
     if (st != ST_OK)
         return st;
@@ -44,9 +44,8 @@ static enum status reset(struct ctl *c, struct store *s)
 
 const struct ctl_command ctl_attempts_list = {
     .name = "attempts list",
-    .database = CTL_NEEDS_DATABASE,
-    .work = list,
-    .mode = STORE_READ,
+    .database = CTL_READS_DATABASE,
+    .run = list,
     .summary = "list the subjects that failed to be verified",
     .help =
         "After some failed verifications in a row the daemon locks a subject out for a while.\n"
@@ -57,9 +56,8 @@ const struct ctl_command ctl_attempts_reset = {
     .name = "attempts reset",
     .args = "SUBJECT",
     .takes = {1, 1},
-    .database = CTL_NEEDS_DATABASE,
-    .work = reset,
-    .mode = STORE_WRITE,
+    .database = CTL_WRITES_DATABASE,
+    .run = reset,
     .summary = "end a subject's lock-out",
     .help =
         "Its failed verifications are forgotten; the daemon accepts the next one at once.",

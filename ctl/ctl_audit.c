@@ -6,14 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "json.h"
 #include "store_chain.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_dir.h"
-#include "ctl_key.h"
+#include "ctl_model.h"
 
 #define SHOWN 100  /* entries without --limit */
 #define PAGE  1000 /* read at a time */
@@ -53,7 +52,7 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
             a->actor);
 }
 
-static enum status show(struct ctl *c, struct store *s)
+static enum status show(struct ctl *c)
 {
     const struct store_audit_filter wanted = {.limit = limit != 0 ? limit : SHOWN,
                                               .newest = true,
@@ -63,7 +62,7 @@ static enum status show(struct ctl *c, struct store *s)
                                               .since = since};
     struct store_audit_entry *a = NULL;
     size_t n = 0;
-    const enum status st = store_audit_list(s, &wanted, &a, &n, &c->e);
+    const enum status st = store_audit_list(c->store, &wanted, &a, &n, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -90,14 +89,14 @@ static void out_mark(struct json *o, const struct store_audit_mark *m)
     json_text(o, "signature", m->signature);
 }
 
-static enum status checkpoint(struct ctl *c, struct store *s)
+static enum status checkpoint(struct ctl *c)
 {
     struct store_audit_mark m;
     char public_key[65];
-    enum status st = store_audit_public(s, public_key, &c->e);
+    enum status st = store_audit_public(c->store, public_key, &c->e);
 
-    if (st != ST_OK ||
-        (st = store_audit_sign(s, CTL_ACTOR, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
+    if (st != ST_OK || (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_SIGN, &m,
+                                              &c->e)) != ST_OK)
         return st;
     out_mark(c->out, &m);
     json_text(c->out, "public_key", public_key);
@@ -193,48 +192,28 @@ static enum status put_log(FILE *to, const void *arg, struct errinfo *e)
     return st;
 }
 
-static enum status put_file(struct ctl *c, const struct export *x)
-{
-    const char *slash = strrchr(c->dir, '/');
-    char *folder = strndup(slash != NULL ? c->dir : "./",
-                           slash != NULL ? (size_t)(slash - c->dir) + 1 : 2);
-    enum status st;
-    int dir = -1;
+static enum status export(struct ctl *c) {
+    struct export x = {.nmark = 0}; enum status st;
 
-    if (folder == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if ((st = ctl_dir_open(folder, &dir, &c->e)) == ST_OK)
-        st = ctl_dir_write(dir, slash != NULL ? slash + 1 : c->dir, put_log, x, &c->e);
-    if (dir >= 0)
-        (void)close(dir);
-    free(folder);
-    return st;
-}
-
-static int run_export(struct ctl *c)
-{
-    struct export x = {.nmark = 0};
-    enum status st;
-
-    if (c->dir == NULL && c->json)
-        return ctl_usage(c, "the log is JSON lines already: --json needs --out FILE");
-    if ((st = ctl_key_open(c, STORE_WRITE, &x.store)) == ST_OK &&
-        (st = store_audit_public(x.store, x.public_key, &c->e)) == ST_OK &&
-        (st = store_audit_sign(x.store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
+    if (c->dir == NULL && c->json) return ctl_usage(
+        c, "the log is JSON lines already: --json needs --out FILE");
+    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
+        (st = store_audit_public(c->store, x.public_key, &c->e)) == ST_OK &&
+        (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
             ST_OK &&
-        (st = store_audit_marks(x.store, &x.marks, &x.nmark, &c->e)) == ST_OK)
-        st = c->dir != NULL ? put_file(c, &x) : put_log(stdout, &x, &c->e);
-    store_close(x.store);
-    free(x.marks);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    json_text(c->out, "file", c->dir != NULL ? c->dir : "");
-    json_number(c->out, "entries", (double)x.end.seq);
-    json_text(c->out, "public_key", x.public_key);
-    if (!c->json)
-        (void)fprintf(c->dir != NULL ? stdout : stderr,
-                      "%" PRIu64 " entries; public key %s\n", x.end.seq, x.public_key);
-    return EXIT_FINE;
+        (st = store_audit_marks(c->store, &x.marks, &x.nmark, &c->e)) == ST_OK){
+        x.store = c->store; st = c->dir != NULL ? ctl_dir_file(c->dir, put_log, &x, &c->e)
+                                                : put_log(stdout, &x, &c->e);}
+free(x.marks);
+if (st != ST_OK)
+    return st;
+json_text(c->out, "file", c->dir != NULL ? c->dir : "");
+json_number(c->out, "entries", (double)x.end.seq);
+json_text(c->out, "public_key", x.public_key);
+if (!c->json)
+    (void)fprintf(c->dir != NULL ? stdout : stderr,
+                  "%" PRIu64 " entries; public key %s\n", x.end.seq, x.public_key);
+return ST_OK;
 }
 
 /* ---- verify */
@@ -396,17 +375,15 @@ static enum status verify_file(struct ctl *c, struct store_audit *out)
 static enum status verify_database(struct ctl *c, struct store_audit *out,
                                    char public_key[65])
 {
-    struct store *s = NULL;
     enum status st;
 
-    if ((st = ctl_key_open(c, STORE_READ, &s)) == ST_OK &&
-        (st = store_audit_public(s, public_key, &c->e)) == ST_OK)
-        st = store_audit_verify(s, tell_problem, c, out, &c->e);
-    store_close(s);
+    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK &&
+        (st = store_audit_public(c->store, public_key, &c->e)) == ST_OK)
+        st = store_audit_verify(c->store, tell_problem, c, out, &c->e);
     return st;
 }
 
-static int run_verify(struct ctl *c)
+static enum status verify(struct ctl *c)
 {
     struct store_audit found;
     char public_key[65] = "";
@@ -415,12 +392,13 @@ static int run_verify(struct ctl *c)
     if ((c->nargs > 0) != (c->public_key != NULL))
         return ctl_usage(c, "a file is verified by --public-key, a database without");
     if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
-        return EXIT_USAGE;
+        return ST_EINVAL;
     json_array(c->out, "problems");
     st = c->nargs > 0 ? verify_file(c, &found) : verify_database(c, &found, public_key);
     json_close(c->out);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
+    c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
     json_flag(c->out, "ok", found.problems == 0);
     json_number(c->out, "entries", (double)found.entries);
     json_number(c->out, "checkpoints", (double)found.checkpoints);
@@ -431,24 +409,20 @@ static int run_verify(struct ctl *c)
         c, "%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64 " problems%s%s\n",
         found.problems == 0 ? "ok" : "NOT ok", found.entries, found.checkpoints,
         found.problems, public_key[0] != '\0' ? "; public key " : "", public_key);
-    return found.problems == 0 ? EXIT_FINE : EXIT_NO;
+    return ST_OK;
 }
 
 /* ---- erased */
 
-static int run_erased(struct ctl *c)
+static enum status erased(struct ctl *c)
 {
     const char *subject = c->nargs > 0 ? c->args[0] : NULL;
     struct store_erased *list = NULL;
-    struct store *s = NULL;
     size_t n = 0;
-    enum status st = ctl_key_open(c, STORE_READ, &s);
+    enum status st = store_audit_erased(c->store, subject, &list, &n, &c->e);
 
-    if (st == ST_OK)
-        st = store_audit_erased(s, subject, &list, &n, &c->e);
-    store_close(s);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_array(c->out, "erased");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
@@ -461,14 +435,15 @@ static int run_erased(struct ctl *c)
     if (n == 0)
         ctl_say(c, "%s\n", subject == NULL ? "no subject was erased" : "not erased");
     free(list);
-    return subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
+    c->code = subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
+    return ST_OK;
 }
 
 /* ---- the commands */
 
 const struct ctl_command ctl_audit_show = {
     .name = "audit show",
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_READS_DATABASE,
     .options =
         (const struct ctl_option[]){
             CTL_OPTION("subject", "ID", ctl_option_text, &about,
@@ -479,8 +454,7 @@ const struct ctl_command ctl_audit_show = {
                        "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
             CTL_OPTION("limit", "N", ctl_option_whole, &limit, "the newest N (100)"),
             CTL_OPTION_END},
-    .work = show,
-    .mode = STORE_READ,
+    .run = show,
     .summary = "list who did what, and when",
     .help =
         "The newest entries of the audit log, oldest first.  The actor is a token's id or a\n"
@@ -495,7 +469,7 @@ const struct ctl_command ctl_audit_verify = {
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
     .exits = {"the log is as it was written", "it is not: each problem is printed"},
-    .run = run_verify,
+    .run = verify,
     .summary = "find audit entries that were removed or changed",
     .help =
         "In the database; or, with --public-key and without a database, in a FILE that audit\n"
@@ -507,7 +481,7 @@ const struct ctl_command ctl_audit_export = {
     .name = "audit export",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_OUT,
-    .run = run_export,
+    .run = export,
     .summary = "write the audit log as signed JSON lines",
     .help =
         "To --out, or standard output.  It has a keyed hash in place of each subject's id.",
@@ -515,9 +489,8 @@ const struct ctl_command ctl_audit_export = {
 
 const struct ctl_command ctl_audit_checkpoint = {
     .name = "audit checkpoint",
-    .database = CTL_NEEDS_DATABASE,
-    .work = checkpoint,
-    .mode = STORE_WRITE,
+    .database = CTL_WRITES_DATABASE,
+    .run = checkpoint,
     .summary = "sign the audit log as it is now",
     .help =
         "Keep the output elsewhere: with it, an older log that was put back can be recognised.",
@@ -527,9 +500,9 @@ const struct ctl_command ctl_audit_erased = {
     .name = "audit erased",
     .args = "[SUBJECT]",
     .takes = {0, 1},
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_READS_DATABASE,
     .exits = {"done", "SUBJECT was not erased, or was enrolled again"},
-    .run = run_erased,
+    .run = erased,
     .summary = "list when subjects were erased",
     .help = "All of them, or SUBJECT alone.",
     .example = "surfacectl --db faces.db audit erased alice"};

@@ -26,19 +26,18 @@ static void out_copied(struct ctl *c, const struct store_copied *k)
     json_number(c->out, "bytes", (double)k->bytes);
 }
 
-static int run_backup(struct ctl *c)
+static enum status backup(struct ctl *c)
 {
     struct store_copied copied;
     struct store_key key;
-    struct store *s = NULL;
     char size[32];
     enum status st = key_of(c, c->db, &key);
 
-    if (st == ST_OK && (st = store_open(c->db, STORE_READ, &key, &s, &c->e)) == ST_OK)
-        st = store_backup(s, c->args[0], &key, &copied, &c->e);
-    store_close(s);
+    if (st == ST_OK &&
+        (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
+        st = store_backup(c->store, c->args[0], &key, &copied, &c->e);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_text(c->out, "backup", c->args[0]);
     out_copied(c, &copied);
     if (!c->json) {
@@ -48,7 +47,7 @@ static int run_backup(struct ctl *c)
         print_count(copied.templates, "template");
         (void)printf(", %s\n", ctl_bytes(copied.bytes, size));
     }
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 static void tell_restored(const struct ctl *c, const struct store_restored *r)
@@ -81,7 +80,7 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
         (void)printf("restored\n");
 }
 
-static int run_restore(struct ctl *c)
+static enum status restore(struct ctl *c)
 {
     struct store_restored r;
     struct store_key key;
@@ -90,7 +89,7 @@ static int run_restore(struct ctl *c)
     if (st == ST_OK)
         st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_object(c->out, "backup");
     out_copied(c, &r.backup);
     json_close(c->out);
@@ -102,7 +101,7 @@ static int run_restore(struct ctl *c)
     json_flag(c->out, "restored", !c->dry_run);
     if (!c->json)
         tell_restored(c, &r);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_backup = {
@@ -110,7 +109,7 @@ const struct ctl_command ctl_backup = {
     .args = "FILE",
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
-    .run = run_backup,
+    .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
         "The copy is of one moment.  Before it gets its name it is verified: every page, every\n"
@@ -124,7 +123,7 @@ const struct ctl_command ctl_backup_restore = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_DRY_RUN,
-    .run = run_restore,
+    .run = restore,
     .summary = "replace the database by a backup",
     .help =
         "FILE is verified first.  Subjects that were erased since the backup are erased in it\n"

@@ -110,10 +110,10 @@ static size_t pairs_of(size_t n)
     return n > 1 ? n * (n - 1) / 2 : 0;
 }
 
-static enum status compare_all(struct ctl *c, struct store *s, struct result *r)
+static enum status compare_all(struct ctl *c, struct result *r)
 {
     struct ctl_cross *p = &r->cross;
-    enum status st = ctl_cross_load(c, s, SEED, p);
+    enum status st = ctl_cross_load(c, SEED, p);
 
     if (st != ST_OK)
         return st;
@@ -289,12 +289,12 @@ static void print_result(const struct ctl *c, const struct result *r)
 
 /* ---- the command */
 
-static enum status store_it(struct ctl *c, struct store *s, struct store_calibration *k)
+static enum status store_it(struct ctl *c, struct store_calibration *k)
 {
     enum status st = ST_OK;
 
     if (!c->dry_run)
-        st = store_calibration_add(s, CTL_ACTOR, k, &c->e);
+        st = store_calibration_add(c->store, CTL_ACTOR, k, &c->e);
     if (st != ST_OK)
         return st;
     json_flag(c->out, "stored", !c->dry_run);
@@ -307,10 +307,10 @@ static enum status store_it(struct ctl *c, struct store *s, struct store_calibra
     return ST_OK;
 }
 
-static enum status calibrate(struct ctl *c, struct store *s)
+static enum status calibrate(struct ctl *c)
 {
     struct result r = {0};
-    enum status st = compare_all(c, s, &r);
+    enum status st = compare_all(c, &r);
 
     if (st == ST_OK)
         st = learn(c, &r);
@@ -318,7 +318,7 @@ static enum status calibrate(struct ctl *c, struct store *s)
         out_result(c, &r);
         if (!c->json)
             print_result(c, &r);
-        st = store_it(c, s, &r.k);
+        st = store_it(c, &r.k);
     }
     free(r.suspect);
     rates_free(r.rates);
@@ -326,7 +326,7 @@ static enum status calibrate(struct ctl *c, struct store *s)
     return st;
 }
 
-static enum status reset(struct ctl *c, struct store *s)
+static enum status reset(struct ctl *c)
 {
     const struct decision *d = &c->model->decision;
     struct store_calibration k = {.shipped = true,
@@ -337,18 +337,18 @@ static enum status reset(struct ctl *c, struct store *s)
 
     out_calibration(c->out, &k);
     ctl_say(c, "back to the shipped table: %.4f mm\n", d->threshold_mm);
-    return store_it(c, s, &k);
+    return store_it(c, &k);
 }
 
-static enum status list(struct ctl *c, struct store *s)
+static enum status list(struct ctl *c)
 {
     struct store_calibration *k, now;
     size_t n;
-    enum status st = store_calibration_list(s, &k, &n, &c->e);
+    enum status st = store_calibration_list(c->store, &k, &n, &c->e);
 
     if (st != ST_OK)
         return st;
-    if ((st = calibration_in_force(s, &now, &c->e)) != ST_OK)
+    if ((st = calibration_in_force(c->store, &now, &c->e)) != ST_OK)
         goto out;
     json_array(c->out, "calibrations");
     ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",
@@ -379,10 +379,9 @@ out:
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const bool learns = !wants_list && !wants_reset;
-    struct store *s = NULL;
     enum status st;
 
     if ((wants_list && wants_reset) || (!learns && (mated != NULL || c->fmr > 0)) ||
@@ -391,11 +390,10 @@ static int run(struct ctl *c)
                             "--dry-run");
     if (!(c->fmr > 0))
         c->fmr = DEFAULT_FMR;
-    st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE, &s);
-    if (st == ST_OK)
-        st = wants_list ? list(c, s) : wants_reset ? reset(c, s) : calibrate(c, s);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE);
+    if (st != ST_OK)
+        return st;
+    return wants_list ? list(c) : wants_reset ? reset(c) : calibrate(c);
 }
 
 const struct ctl_command ctl_calibrate = {

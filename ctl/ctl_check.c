@@ -2,7 +2,6 @@
 #include <stdio.h>
 
 #include "ctl_command.h"
-#include "ctl_key.h"
 
 static void report(void *arg, const char *line)
 {
@@ -12,19 +11,17 @@ static void report(void *arg, const char *line)
     ctl_say(c, "%s\n", line);
 }
 
-static int run(struct ctl *c)
+static enum status check(struct ctl *c)
 {
     struct store_check found;
-    struct store *s = NULL;
-    enum status st = ctl_key_open(c, STORE_READ, &s);
+    enum status st;
 
     json_array(c->out, "problems");
-    if (st == ST_OK)
-        st = store_check(s, report, c, &found, &c->e);
+    st = store_check(c->store, report, c, &found, &c->e);
     json_close(c->out);
-    store_close(s);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
+    c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
     json_number(c->out, "templates", (double)found.templates);
     json_number(c->out, "bad_templates", (double)found.bad_templates);
     json_number(c->out, "events", (double)found.events);
@@ -33,14 +30,14 @@ static int run(struct ctl *c)
             found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
             (unsigned long long)found.bad_templates, (unsigned long long)found.events,
             (unsigned long long)found.problems);
-    return found.problems == 0 ? EXIT_FINE : EXIT_NO;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_check = {
     .name = "check",
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_READS_DATABASE,
     .exits = {"no problems", "problems were found"},
-    .run = run,
+    .run = check,
     .summary = "read and verify the whole database",
     .help =
         "The database's integrity, references and schema; the audit log; of each template the\n"

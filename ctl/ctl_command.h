@@ -8,8 +8,10 @@
 
 enum ctl_database {
     CTL_NO_DATABASE,
-    CTL_NEEDS_DATABASE,
-    CTL_TAKES_DATABASE, /* --db or SURFACED_DB, where there is one: c->db may be NULL */
+    CTL_TAKES_DATABASE,  /* --db or SURFACED_DB, where there is one: c->db may be NULL */
+    CTL_NEEDS_DATABASE,  /* c->db; run() opens it */
+    CTL_READS_DATABASE,  /* it is open, in c->store */
+    CTL_WRITES_DATABASE, /* for writing, unless with --dry-run */
 };
 
 struct ctl_command {
@@ -25,10 +27,8 @@ struct ctl_command {
     unsigned shared; /* options, besides those of a database and of all */
     const struct ctl_option *options; /* of its own, or NULL */
 
-    /* One of these does it; both fill c->e on failure. */
-    int (*run)(struct ctl *c);                           /* returns an exit code */
-    enum status (*work)(struct ctl *c, struct store *s); /* on the database, opened in */
-    enum store_mode mode;                                /* this mode */
+    /* Do it.  Where that failed c->e says why; else c->code is the exit code. */
+    enum status (*run)(struct ctl *c);
 };
 
 #define CTL_MANY (1 << 30) /* arguments */

@@ -149,7 +149,7 @@ static void print_function(void)
                  "complete -o filenames -F _surfacectl surfacectl\n");
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const bool zsh = strcmp(c->args[0], "zsh") == 0;
 
@@ -160,7 +160,7 @@ static int run(struct ctl *c)
     if (zsh)
         (void)printf("autoload -Uz bashcompinit && bashcompinit\n");
     print_function();
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_completion = {

@@ -74,8 +74,10 @@ enum status ctl_config_database(struct ctl *c, bool model)
             errinfo_set(&c->e, ST_EINVAL, "which database?  %.200s", next_problem(&rest));
     }
     free(problems);
-    if (st != ST_OK)
+    if (st != ST_OK) {
+        c->code = EXIT_USAGE;
         return st;
+    }
     if (c->db == NULL)
         c->db = c->settings->db;
     if (c->key == NULL)
@@ -104,7 +106,7 @@ static void out_settings(struct ctl *c)
     json_close(c->out);
 }
 
-static int run_show(struct ctl *c)
+static enum status show(struct ctl *c)
 {
     char *problems, *rest;
     enum status st = load(c, false, &problems);
@@ -115,21 +117,21 @@ static int run_show(struct ctl *c)
                          next_problem(&rest));
     free(problems);
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     if (!c->json)
         settings_print(c->settings->settings, stdout);
     out_settings(c);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
-static int run_check(struct ctl *c)
+static enum status check(struct ctl *c)
 {
     char *problems, *rest;
     const char *line;
 
     if (load(c, true, &problems) != ST_OK) {
         free(problems);
-        return ctl_fail(c, ST_ENOMEM);
+        return ST_ENOMEM;
     }
     if (!c->json)
         (void)fputs(is_good(c) ? "the configuration is good\n" : problems, stdout);
@@ -140,13 +142,14 @@ static int run_check(struct ctl *c)
     json_close(c->out);
     json_flag(c->out, "ok", is_good(c));
     free(problems);
-    return is_good(c) ? EXIT_FINE : EXIT_NO;
+    c->code = is_good(c) ? EXIT_FINE : EXIT_NO;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_config_show = {
     .name = "config show",
     .shared = CTL_CONFIG,
-    .run = run_show,
+    .run = show,
     .summary = "print the daemon's settings and their sources",
     .help =
         "As they would be in force if surfaced was started now: by the file --config,\n"
@@ -157,7 +160,7 @@ const struct ctl_command ctl_config_check = {
     .name = "config check",
     .shared = CTL_CONFIG,
     .exits = {"surfaced would start", "it would not: each problem is printed"},
-    .run = run_check,
+    .run = check,
     .summary = "find what is wrong with the daemon's settings",
     .help =
         "Each problem is printed with its place.  Nothing is written; a running daemon keeps the\n"

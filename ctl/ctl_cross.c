@@ -8,11 +8,11 @@
 #include "codec.h"
 #include "ctl.h"
 #include "ctl_corpus.h"
+#include "ctl_each.h"
 #include "ctl_scan.h"
 #include "corpus.h"
 #include "pool.h"
 
-#define PAGE   1000 /* subjects read at a time */
 #define NOBODY UINT32_MAX
 
 static enum status no_memory(struct ctl *c)
@@ -22,31 +22,32 @@ static enum status no_memory(struct ctl *c)
 
 /* ---- loading */
 
-/* Every subject with a template, in order; the caller frees *out. */
-static enum status list_subjects(struct ctl *c, struct store *s,
-                                 struct ctl_cross_subject **out, uint32_t *count)
+struct list {
+    struct ctl *c;
+    struct ctl_cross_subject *subject;
+    uint32_t n, room;
+};
+
+/* Those that have a template. */
+static enum status list_subject(void *arg, const struct store_subject *one,
+                                struct errinfo *e)
 {
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n = 0;
-    enum status st;
+    struct list *l = arg;
 
-    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
-           n > 0) {
-        void *larger = realloc(*out, (*count + n) * sizeof **out);
+    (void)e;
+    if (one->templates == 0)
+        return ST_OK;
+    if (l->n == l->room) {
+        const uint32_t room = 2 * l->room + 64;
+        void *larger = realloc(l->subject, room * sizeof *l->subject);
 
-        if (larger == NULL) {
-            free(page);
-            return no_memory(c);
-        }
-        *out = larger;
-        for (size_t i = 0; i < n; i++)
-            if (page[i].templates > 0)
-                memcpy((*out)[(*count)++].id, page[i].id, sizeof page[i].id);
-        after = page[n - 1].key;
-        free(page);
+        if (larger == NULL)
+            return no_memory(l->c);
+        l->subject = larger;
+        l->room = room;
     }
-    return st;
+    memcpy(l->subject[l->n++].id, one->id, sizeof one->id);
+    return ST_OK;
 }
 
 /* Keep n of list[0..m-1], in their order (Knuth's algorithm S). */
@@ -60,14 +61,13 @@ static void draw_subjects(struct ctl_cross_subject *list, uint32_t m, uint32_t n
             list[taken++] = list[i];
 }
 
-static enum status load_subject(struct ctl *c, struct store *s,
-                                struct ctl_cross_subject *one, struct face_work *w,
+static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
                                 struct ctl_cross *p)
 {
     struct store_template *list = NULL, t;
     size_t n = 0;
     void *faces, *digests;
-    enum status st = store_template_list(s, one->id, &list, &n, &c->e);
+    enum status st = store_template_list(c->store, one->id, &list, &n, &c->e);
 
     one->first = p->ntemplate;
     one->n = 0;
@@ -86,7 +86,8 @@ static enum status load_subject(struct ctl *c, struct store *s,
         struct face *f = &p->face[p->ntemplate];
 
         memset(f, 0, sizeof *f);
-        if ((st = store_template_load(s, list[i].id, &t, w, f, &c->e)) == ST_OK) {
+        if ((st = store_template_load(c->store, list[i].id, &t, c->work, f, &c->e)) ==
+            ST_OK) {
             memcpy(p->digest[p->ntemplate++], t.digest, sizeof t.digest);
             one->n++;
         } else {
@@ -100,15 +101,13 @@ static enum status load_subject(struct ctl *c, struct store *s,
     return st;
 }
 
-enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
-                           struct ctl_cross *p)
+enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
 {
-    struct face_work *w = face_work_new(c->model);
-    enum status st = w != NULL ? ST_OK : no_memory(c);
-    uint32_t all = 0;
+    struct list list = {.c = c};
+    enum status st = ctl_each_subject(c->store, list_subject, &list, &c->e);
+    uint32_t all = list.n;
 
-    if (st == ST_OK)
-        st = list_subjects(c, s, &p->subject, &all);
+    p->subject = list.subject;
     p->nenrolled = all;
     if (st == ST_OK && all > CTL_CROSS_MAX) {
         draw_subjects(p->subject, all, CTL_CROSS_MAX, seed);
@@ -116,11 +115,10 @@ enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
     }
     for (uint32_t i = 0; i < all && st == ST_OK; i++) {
         p->subject[p->nsubject] = p->subject[i];
-        if ((st = load_subject(c, s, &p->subject[p->nsubject], w, p)) == ST_OK &&
+        if ((st = load_subject(c, &p->subject[p->nsubject], p)) == ST_OK &&
             p->subject[p->nsubject].n > 0)
             p->nsubject++;
     }
-    face_work_free(w);
     return st;
 }
 

@@ -32,10 +32,9 @@ struct ctl_cross {
     size_t refused; /* scans that are no face */
 };
 
-/* ctl_cross_load(c, s, seed, p): *p is all zero.  Of more than CTL_CROSS_MAX
+/* ctl_cross_load(c, seed, p): *p is all zero.  Of more than CTL_CROSS_MAX
  * subjects that many are drawn.  c->e is filled on failure, here and below. */
-enum status ctl_cross_load(struct ctl *c, struct store *s, uint64_t seed,
-                           struct ctl_cross *p);
+enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p);
 void ctl_cross_free(struct ctl_cross *p);
 
 /* ctl_cross_non_mated(c, p, limit, seed): add the scores of each subject's templates

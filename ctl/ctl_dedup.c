@@ -11,10 +11,10 @@
 #include "decision.h"
 #include "pool.h"
 #include "ctl_command.h"
+#include "ctl_each.h"
 #include "ctl_model.h"
 
-#define PAGE   1000 /* subjects read at a time */
-#define TRIALS 16   /* comparisons that the time is estimated by */
+#define TRIALS 16 /* comparisons that the time is estimated by */
 #define NOBODY UINT32_MAX
 
 static const char *only; /* --subject */
@@ -33,7 +33,6 @@ struct pair {
 
 struct dedup {
     struct ctl *c;
-    struct store *store;
     char (*subject)[STORE_SUBJECT_MAX + 1]; /* [nsubject] with templates, as they came */
     uint32_t nsubject;
     struct entry *entry; /* [n] */
@@ -67,15 +66,15 @@ static enum status no_memory(struct dedup *d)
     return errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
 }
 
-static enum status list_one(struct dedup *d, const char *subject)
+static enum status list_one(void *arg, const struct store_subject *one, struct errinfo *e)
 {
+    struct dedup *d = arg;
     struct store_template *t = NULL;
     void *larger;
     size_t n = 0;
-    enum status st = store_template_list(d->store, subject, &t, &n, &d->c->e);
+    enum status st =
+        one->templates > 0 ? store_template_list(d->c->store, one->id, &t, &n, e) : ST_OK;
 
-    if (st == ST_ENOTFOUND)
-        return ST_OK; /* erased since it was listed */
     if (st != ST_OK || n == 0)
         goto out;
     st = ST_ENOMEM;
@@ -85,7 +84,7 @@ static enum status list_one(struct dedup *d, const char *subject)
     if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
         goto out;
     d->entry = larger;
-    if (only != NULL && strcmp(subject, only) == 0)
+    if (only != NULL && strcmp(one->id, only) == 0)
         d->alone = d->nsubject;
     memcpy(d->subject[d->nsubject], t[0].subject, sizeof t[0].subject);
     for (size_t i = 0; i < n; i++, d->n++) {
@@ -102,23 +101,10 @@ out:
 
 static enum status list_all(struct dedup *d)
 {
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n = 0;
     enum status st;
 
     d->alone = NOBODY;
-    while ((st = store_subject_list(d->store, after, PAGE, &page, &n, &d->c->e)) ==
-               ST_OK &&
-           n > 0) {
-        for (size_t i = 0; i < n && st == ST_OK; i++)
-            if (page[i].templates > 0)
-                st = list_one(d, page[i].id);
-        after = page[n - 1].key;
-        free(page);
-        if (st != ST_OK)
-            break;
-    }
+    st = ctl_each_subject(d->c->store, list_one, d, &d->c->e);
     if (st == ST_OK && only != NULL && d->alone == NOBODY)
         st = errinfo_set(&d->c->e, ST_ENOTFOUND,
                          "there is no subject %.128s with a template", only);
@@ -191,7 +177,7 @@ static enum status load(const struct dedup *d, uint32_t i, struct face_work *w,
                         struct face *f, struct errinfo *e)
 {
     struct store_template t;
-    const enum status st = store_template_load(d->store, d->entry[i].id, &t, w, f, e);
+    const enum status st = store_template_load(d->c->store, d->entry[i].id, &t, w, f, e);
 
     if (st != ST_ENOTFOUND && st != ST_EVERSION)
         return st;
@@ -399,7 +385,7 @@ static enum status dedup(struct dedup *d)
     struct ctl *c = d->c;
     enum status st;
 
-    if ((st = calibration_in_force(d->store, &d->calibration, &c->e)) != ST_OK ||
+    if ((st = calibration_in_force(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
     d->threshold_mm = d->calibration.decision.threshold_mm;
@@ -422,24 +408,22 @@ static enum status dedup(struct dedup *d)
     return ST_OK;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct dedup d = {.c = c};
     enum status st;
-    int code;
 
     if (c->fmr > 0 && c->threshold_mm > 0)
         return ctl_usage(c, "--fmr or --threshold-mm, not both");
     (void)pthread_mutex_init(&d.lock, NULL);
-    if ((st = ctl_model_open(c, STORE_READ, &d.store)) == ST_OK)
+    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK)
         st = dedup(&d);
-    code = st != ST_OK ? ctl_fail(c, st) : d.nfound > 0 ? EXIT_NO : EXIT_FINE;
-    store_close(d.store);
+    c->code = d.nfound > 0 ? EXIT_NO : EXIT_FINE;
     (void)pthread_mutex_destroy(&d.lock);
     free(d.subject);
     free(d.entry);
     free(d.found);
-    return code;
+    return st;
 }
 
 const struct ctl_command ctl_dedup = {

@@ -66,7 +66,8 @@ static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e)
+enum status ctl_dir_file(const char *path, newfile_writer *write, const void *arg,
+                         struct errinfo *e)
 {
     const char *slash = strrchr(path, '/');
     const char *name = slash != NULL ? slash + 1 : path;
@@ -82,9 +83,14 @@ enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo 
     if (st == ST_OK)
         st = ctl_dir_open(folder, &dir, e);
     if (st == ST_OK)
-        st = ctl_dir_write(dir, name, write_mesh, m, e);
+        st = ctl_dir_write(dir, name, write, arg, e);
     if (dir >= 0)
         (void)close(dir);
     free(folder);
     return st;
+}
+
+enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e)
+{
+    return ctl_dir_file(path, write_mesh, m, e);
 }

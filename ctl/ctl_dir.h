@@ -17,8 +17,11 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
 enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
                           const void *arg, struct errinfo *e);
 
-/* ctl_dir_mesh(path, m, e): the mesh in a file, PLY in millimetres; its folder is made
- * if it is missing. */
+/* ctl_dir_file(path, write, arg, e): the same for a path; its folder is made if it is
+ * missing.
+ * ctl_dir_mesh(path, m, e): a mesh there, PLY in millimetres. */
+enum status ctl_dir_file(const char *path, newfile_writer *write, const void *arg,
+                         struct errinfo *e);
 enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e);
 
 /* ctl_dir_remove(dir, name, e): of a former run, where there is one. */

@@ -10,10 +10,9 @@
 
 #include "keyfile.h"
 #include "ctl_command.h"
-#include "store.h"
+#include "ctl_each.h"
 
 #define LEAST_FREE (UINT64_C(64) << 20) /* bytes */
-#define PAGE       1000                 /* subjects read at a time */
 #define STICKY     01000                /* S_ISVTX, which POSIX leaves to XSI */
 
 enum level { FINE, NOTE, TROUBLE };
@@ -238,20 +237,24 @@ static bool look_at_key(struct doctor *d)
     return st == ST_OK;
 }
 
-static enum status count_others(struct store *s, const char *subject, uint64_t *all,
-                                uint64_t *others, struct errinfo *e)
+struct tally {
+    struct store *store;
+    uint64_t all, others;
+};
+
+static enum status count_others(void *arg, const struct store_subject *one,
+                                struct errinfo *e)
 {
+    struct tally *t = arg;
     struct store_template *list;
     size_t n;
-    const enum status st = store_template_list(s, subject, &list, &n, e);
+    const enum status st = store_template_list(t->store, one->id, &list, &n, e);
 
-    if (st == ST_ENOTFOUND)
-        return ST_OK; /* erased meanwhile */
     if (st != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++)
-        *others += store_template_outdated(s, &list[i]);
-    *all += n;
+        t->others += store_template_outdated(t->store, &list[i]);
+    t->all += n;
     free(list);
     return ST_OK;
 }
@@ -259,37 +262,28 @@ static enum status count_others(struct store *s, const char *subject, uint64_t *
 static void look_at_templates(struct doctor *d)
 {
     const struct store_key key = {.path = d->c->key, .make = VAULT_FILE};
-    struct store_subject *page = NULL;
-    struct store *s = NULL;
+    struct tally t = {.all = 0};
     struct errinfo e;
-    uint64_t all = 0, others = 0;
-    int64_t after = 0;
-    size_t n = 0;
-    enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+    enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);
 
-    if (st == ST_OK)
-        store_use_model(s, d->c->model);
-    while (st == ST_OK &&
-           (st = store_subject_list(s, after, PAGE, &page, &n, &e)) == ST_OK && n > 0) {
-        for (size_t i = 0; i < n && st == ST_OK; i++)
-            st = count_others(s, page[i].id, &all, &others, &e);
-        after = page[n - 1].key;
-        free(page);
+    if (st == ST_OK) {
+        store_use_model(t.store, d->c->model);
+        st = ctl_each_subject(t.store, count_others, &t, &e);
     }
-    store_close(s);
+    store_close(t.store);
     if (st != ST_OK)
         say(d, TROUBLE, "templates", "surfacectl check finds all that is damaged", "%s",
             e.msg);
-    else if (others > 0)
+    else if (t.others > 0)
         say(d, TROUBLE, "templates",
             "surfacectl template reencode, or name their model with --model",
             "%llu of %llu were made by another engine than %s",
-            (unsigned long long)others, (unsigned long long)all, d->c->engine);
+            (unsigned long long)t.others, (unsigned long long)t.all, d->c->engine);
     else
-        say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)all);
+        say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)t.all);
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct doctor d = {.c = c};
 
@@ -311,7 +305,8 @@ static int run(struct ctl *c)
     }
     json_close(c->out);
     json_flag(c->out, "ok", d.troubles == 0);
-    return d.troubles == 0 ? EXIT_FINE : EXIT_NO;
+    c->code = d.troubles == 0 ? EXIT_FINE : EXIT_NO;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_doctor = {

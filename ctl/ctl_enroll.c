@@ -12,8 +12,8 @@
 static bool force;       /* --force */
 static const char *kind; /* --kind */
 
-static enum status enroll_file(struct ctl *c, struct store *s, const char *subject,
-                               const char *path, struct face_work *w, struct face *f)
+static enum status enroll_file(struct ctl *c, const char *subject, const char *path,
+                               struct face *f)
 {
     const struct enrolment x = {.actor = CTL_ACTOR,
                                 .subject = subject,
@@ -22,10 +22,10 @@ static enum status enroll_file(struct ctl *c, struct store *s, const char *subje
                                 .force = force};
     struct json *o = c->out;
     struct enrolment_outcome out;
-    enum status st = ctl_scan_read(c, path, w, f);
+    enum status st = ctl_scan_read(c, path, c->work, f);
 
     if (st == ST_OK)
-        st = ctl_face_enroll(c, s, &x, path, w, &out);
+        st = ctl_face_enroll(c, &x, path, c->work, &out);
     json_object(o, NULL);
     json_text(o, "file", path);
     if (st == ST_OK) {
@@ -50,47 +50,33 @@ static enum status enroll_file(struct ctl *c, struct store *s, const char *subje
     return st;
 }
 
-static int enroll_files(struct ctl *c)
+static enum status enroll_files(struct ctl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new(c->model);
     struct face f = {0};
-    struct store *s = NULL;
-    int failed = 0, code = EXIT_FINE;
-    enum status st;
+    int failed = 0;
+    enum status st = ctl_face_subject(c, subject, ""), worst;
 
-    if (w == NULL)
-        return ctl_fail(c, errinfo_set(&c->e, ST_ENOMEM, "out of memory"));
-    if (!store_subject_valid(subject))
-        st = errinfo_set(&c->e, ST_EINVAL,
-                         "'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
-                         subject, STORE_SUBJECT_MAX);
-    else
-        st = ctl_model_open(c, STORE_WRITE, &s);
-    if (st != ST_OK) {
-        code = ctl_fail(c, st);
-        goto out;
-    }
+    if (st != ST_OK || (st = ctl_model_open(c, STORE_WRITE)) != ST_OK)
+        return st;
     json_text(c->out, "subject", subject);
     json_array(c->out, "templates");
+    worst = ST_OK;
     for (int i = 1; i < c->nargs; i++) /* one bad scan does not stop the others */
-        if ((st = enroll_file(c, s, subject, c->args[i], w, &f)) != ST_OK) {
+        if ((st = enroll_file(c, subject, c->args[i], &f)) != ST_OK) {
             failed++;
-            code = ctl_fail(c, st);
+            worst = st;
         }
     json_close(c->out);
     json_number(c->out, "failed", failed);
-    if (failed > 0)
-        (void)errinfo_set(&c->e, c->e.code, "%d of %d scans were not enrolled", failed,
-                          c->nargs - 1);
-out:
-    store_close(s);
     face_free(&f);
-    face_work_free(w);
-    return code;
+    if (failed == 0)
+        return ST_OK;
+    return errinfo_set(&c->e, worst, "%d of %d scans were not enrolled", failed,
+                       c->nargs - 1);
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct stat sb;
 

@@ -24,7 +24,6 @@ struct folder {
     struct ctl *c;
     const char *kind; /* NULL: all */
     bool force;
-    struct store *store;
     const struct corpus *corpus;
     uint32_t *scan;  /* [corpus->nscan] those that are enrolled, a subject's together */
     uint32_t *first; /* [corpus->nsubject + 2] each subject's first, of scan */
@@ -58,13 +57,13 @@ static uint32_t sort_scans(struct folder *w)
 /* ---- one subject after the other */
 
 /* Has the subject this very cloud?  Nobody of that id: no. */
-static enum status is_there(struct ctl *c, struct store *s, const char *subject,
-                            const struct face *f, bool *there)
+static enum status is_there(struct ctl *c, const char *subject, const struct face *f,
+                            bool *there)
 {
     struct store_template *t = NULL;
     char digest[65];
     size_t n = 0;
-    enum status st = store_template_list(s, subject, &t, &n, &c->e);
+    enum status st = store_template_list(c->store, subject, &t, &n, &c->e);
 
     *there = false;
     if (st == ST_ENOTFOUND)
@@ -98,21 +97,18 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     struct outcome *o = &w->outcome[i];
     struct enrolment_outcome out = {.created = false};
     bool there = false, stored = false;
+    char where[104];
     enum status st;
 
-    if (!store_subject_valid(x.subject))
-        st = errinfo_set(
-            &c->e, ST_EINVAL,
-            "%.100s: '%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
-            scan->path, x.subject, STORE_SUBJECT_MAX);
-    else
+    (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
+    if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
         st = ctl_scan_read(c, scan->path, work, f);
     if (st == ST_OK) {
         stored = true;
-        st = is_there(c, w->store, x.subject, f, &there);
+        st = is_there(c, x.subject, f, &there);
     }
     if (st == ST_OK && !there)
-        st = ctl_face_enroll(c, w->store, &x, scan->path, work, &out);
+        st = ctl_face_enroll(c, &x, scan->path, work, &out);
     if (st == ST_OK) {
         o->result = out.created ? ENROLLED : PRESENT;
         return ST_OK;
@@ -219,28 +215,22 @@ static enum status enroll(struct folder *w, uint32_t *failed, uint32_t *n)
     return st;
 }
 
-int ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
+enum status ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
 {
     struct folder w = {.c = c, .kind = kind, .force = force};
     struct corpus *corpus = NULL;
-    uint32_t failed = 0, n = 0, left = 0;
+    uint32_t failed = 0, n = 0;
     enum status st = corpus_read(c->args[0], &corpus, &c->e);
 
     w.corpus = corpus;
-    if (st == ST_OK && (st = ctl_model_open(c, STORE_WRITE, &w.store)) == ST_OK)
+    if (st == ST_OK && (st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = enroll(&w, &failed, &n);
-    if (corpus != NULL)
-        left = corpus->nleft;
-    store_close(w.store);
+    if (st == ST_OK && failed > 0)
+        st = errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed,
+                         n + corpus->nleft);
     corpus_free(corpus);
     free(w.scan);
     free(w.first);
     free(w.outcome);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    if (failed == 0)
-        return EXIT_FINE;
-    (void)errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed,
-                      n + left);
-    return EXIT_DATA;
+    return st;
 }

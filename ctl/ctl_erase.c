@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_key.h"
+#include "ctl_model.h"
 
 static bool due_given; /* --due */
 
@@ -28,57 +28,44 @@ static void out_receipt(struct json *o, const struct store_receipt *r)
     json_text(o, "public_key", r->public_key);
 }
 
-int ctl_erase_would(struct ctl *c, const struct store_subject *one, uint32_t templates,
-                    const char *what)
+enum status ctl_erase_would(struct ctl *c, const struct store_subject *one,
+                            uint32_t templates, const char *what)
 {
     if (one->hold)
-        return ctl_fail(c,
-                        errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id));
+        return errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id);
     json_text(c->out, "subject", one->id);
     json_number(c->out, "templates", templates);
     json_flag(c->out, "deleted", false);
     ctl_say(c, "this %s; nothing was changed\n", what);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
-static int erase_one(struct ctl *c, struct store *s, const struct store_subject *one)
+static enum status erase(struct ctl *c)
 {
     char what[256];
+    struct store_subject one;
     struct store_receipt r;
-    enum status st;
+    enum status st = store_subject_get(c->store, c->args[0], &one, &c->e);
 
-    (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one->id,
-                   one->templates, one->templates == 1 ? "" : "s");
+    if (st != ST_OK)
+        return st;
+    (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one.id,
+                   one.templates, one.templates == 1 ? "" : "s");
     if (c->dry_run)
-        return ctl_erase_would(c, one, one->templates, what);
-    if (!ctl_confirmed(c, what, one->id))
-        return EXIT_USAGE;
-    st = store_subject_erase(s, CTL_ACTOR, one->id, &r, &c->e);
-    if (st == ST_OK) {
+        return ctl_erase_would(c, &one, one.templates, what);
+    if ((st = ctl_confirm(c, what, one.id)) != ST_OK)
+        return st;
+    if ((st = store_subject_erase(c->store, CTL_ACTOR, one.id, &r, &c->e)) == ST_OK) {
         out_receipt(c->out, &r);
         ctl_say(c,
                 "deleted subject %s with %u template%s, at %s\n"
                 "  receipt   %s\n"
                 "  audit     entry %llu\n",
-                one->id, r.templates, r.templates == 1 ? "" : "s", r.at, r.digest,
+                one.id, r.templates, r.templates == 1 ? "" : "s", r.at, r.digest,
                 (unsigned long long)r.seq);
     }
     store_receipt_free(&r);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
-}
-
-static int run_erase(struct ctl *c)
-{
-    struct store_subject one;
-    struct store *s = NULL;
-    enum status st = ctl_key_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
-    int code;
-
-    if (st == ST_OK)
-        st = store_subject_get(s, c->args[0], &one, &c->e);
-    code = st == ST_OK ? erase_one(c, s, &one) : ctl_fail(c, st);
-    store_close(s);
-    return code;
+    return st;
 }
 
 /* Those that can be erased, or are kept: in the JSON, and as text. */
@@ -96,15 +83,15 @@ static void tell_due(struct ctl *c, const char *key, bool hold,
     json_close(c->out);
 }
 
-static enum status erase_due(struct ctl *c, struct store *s,
-                             const struct store_subject *due, size_t n, size_t *erased)
+static enum status erase_due(struct ctl *c, const struct store_subject *due, size_t n,
+                             size_t *erased)
 {
     for (size_t i = 0; i < n; i++) {
         enum status st;
 
         if (due[i].hold)
             continue;
-        st = store_subject_purge(s, CTL_ACTOR, due[i].id, &c->e);
+        st = store_subject_purge(c->store, CTL_ACTOR, due[i].id, &c->e);
         if (st == ST_OK)
             ++*erased;
         else if (st != ST_ENOTFOUND && st != ST_EHELD)
@@ -113,8 +100,7 @@ static enum status erase_due(struct ctl *c, struct store *s,
     return ST_OK;
 }
 
-static int purge(struct ctl *c, struct store *s, const struct store_subject *due,
-                 size_t n)
+static enum status purge(struct ctl *c, const struct store_subject *due, size_t n)
 {
     char what[64], count[32];
     size_t most = 0, erased = 0;
@@ -128,44 +114,37 @@ static int purge(struct ctl *c, struct store *s, const struct store_subject *due
     tell_due(c, "kept", true, due, n);
     (void)snprintf(what, sizeof what, "erases %zu subject%s", most, most == 1 ? "" : "s");
     (void)snprintf(count, sizeof count, "%zu", most);
-    if (!c->dry_run && most > 0) {
-        if (!ctl_confirmed(c, what, count))
-            return EXIT_USAGE;
-        st = erase_due(c, s, due, n, &erased);
-        if (st != ST_OK)
-            return ctl_fail(c, st);
-    }
+    if (!c->dry_run && most > 0 &&
+        ((st = ctl_confirm(c, what, count)) != ST_OK ||
+         (st = erase_due(c, due, n, &erased)) != ST_OK))
+        return st;
     json_number(c->out, "erased", (double)erased);
     ctl_say(c, "%zu due, %zu on hold, %zu erased\n", most, n - most, erased);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
-static int run_purge(struct ctl *c)
+static enum status run_purge(struct ctl *c)
 {
     struct store_subject *due = NULL;
-    struct store *s = NULL;
     size_t n = 0;
     enum status st;
-    int code;
 
     if (!due_given)
         return ctl_usage(c, "it is: surfacectl purge --due");
-    st = ctl_key_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &s);
-    if (st == ST_OK)
-        st = store_subject_due(s, &due, &n, &c->e);
-    code = st == ST_OK ? purge(c, s, due, n) : ctl_fail(c, st);
-    store_close(s);
+    if ((st = ctl_model_open(c, c->dry_run ? STORE_READ : STORE_WRITE)) == ST_OK &&
+        (st = store_subject_due(c->store, &due, &n, &c->e)) == ST_OK)
+        st = purge(c, due, n);
     free(due);
-    return code;
+    return st;
 }
 
 const struct ctl_command ctl_erase = {
     .name = "subject erase",
     .args = "SUBJECT",
     .takes = {1, 1},
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_WRITES_DATABASE,
     .shared = CTL_DRY_RUN | CTL_YES,
-    .run = run_erase,
+    .run = erase,
     .summary = "delete a subject with all its templates",
     .help =
         "Its key is deleted too, so that copies of its data cannot be decrypted.  A receipt is\n"

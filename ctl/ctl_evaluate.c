@@ -118,28 +118,24 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct ctl_trials_options o = {
         .model = c->model, .non_mated = non_mated, .threads = c->threads};
     struct store_calibration k;
     struct corpus *corpus = NULL;
-    struct store *s = NULL;
     const char *calibration = "as shipped";
     enum status st = ST_OK;
 
-    if (c->db != NULL && (st = ctl_model_open(c, STORE_READ, &s)) == ST_OK &&
-        (st = calibration_in_force(s, &k, &c->e)) == ST_OK) {
+    if (c->db != NULL && (st = ctl_model_open(c, STORE_READ)) == ST_OK &&
+        (st = calibration_in_force(c->store, &k, &c->e)) == ST_OK) {
         o.decision = &k.decision;
         calibration = k.shipped ? calibration : "of the database";
     }
-    store_close(s);
-    if (st == ST_OK)
-        st = corpus_read(c->args[0], &corpus, &c->e);
-    if (st == ST_OK)
+    if (st == ST_OK && (st = corpus_read(c->args[0], &corpus, &c->e)) == ST_OK)
         st = evaluate(c, corpus, &o, calibration);
     corpus_free(corpus);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    return st;
 }
 
 const struct ctl_command ctl_evaluate = {

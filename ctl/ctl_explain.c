@@ -14,56 +14,52 @@
 
 /* A from the database: the template of a subject that decides, or the template named.
  * *none: there is neither. */
-static enum status template_stored(struct ctl *c, struct face_work *w,
-                                   struct explanation *x, struct store_template *t,
-                                   bool *none)
+static enum status template_stored(struct ctl *c, struct explanation *x,
+                                   struct store_template *t, bool *none)
 {
     struct ctl_nearest best;
-    struct store *s;
-    enum status st = ctl_model_open(c, STORE_WRITE, &s);
+    enum status st = ctl_model_open(c, STORE_WRITE);
 
     if (st != ST_OK)
         return st;
-    st = ctl_face_nearest(c, s, x->a, &x->probe, w, &best);
+    st = ctl_face_nearest(c, x->a, &x->probe, &best);
     if (st == ST_ENOTFOUND && store_id_valid(x->a))
-        st = ctl_face_template(c, s, x->a, &x->probe, w, &best);
+        st = ctl_face_template(c, x->a, &x->probe, &best);
     *none = st == ST_ENOTFOUND;
     if (st == ST_OK) {
         x->compared = best.nearest.compared;
         x->result = best.nearest.result;
-        st = store_template_load(s, best.tmpl.id, t, w, &x->tmpl, &c->e);
+        st = store_template_load(c->store, best.tmpl.id, t, c->work, &x->tmpl, &c->e);
         x->subject = t->subject;
         x->template_id = t->id;
     }
     if (st == ST_OK)
-        st = store_event(s, "explain", CTL_ACTOR, t->subject, t->id,
+        st = store_event(c->store, "explain", CTL_ACTOR, t->subject, t->id,
                          verdict_decision(x->result.decision), &c->e);
-    store_close(s);
     return st;
 }
 
-static enum status compare(struct ctl *c, struct face_work *w, struct explanation *x,
-                           struct store_template *t)
+static enum status compare(struct ctl *c, struct explanation *x, struct store_template *t)
 {
     bool scan = true; /* A is one */
     enum status st = ctl_scan_points(c, x->b, &x->pts, &x->n);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, x->b, x->pts, x->n, w, &x->probe);
+        st = ctl_scan_build(c, x->b, x->pts, x->n, c->work, &x->probe);
     if (st == ST_OK && c->db != NULL && store_subject_valid(x->a)) {
         bool none = false;
 
-        st = template_stored(c, w, x, t, &none);
+        st = template_stored(c, x, t, &none);
         scan = none && access(x->a, F_OK) == 0;
         st = scan ? ST_OK : st;
     }
     if (st == ST_OK && scan) {
-        st = ctl_scan_read(c, x->a, w, &x->tmpl);
+        st = ctl_scan_read(c, x->a, c->work, &x->tmpl);
         if (st == ST_OK)
-            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, w, &x->result);
+            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, c->work, &x->result);
     }
     if (st == ST_OK)
-        st = explain_fields(x, w);
+        st = explain_fields(x, c->work);
     if (st != ST_OK && c->e.msg[0] == '\0')
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     return st;
@@ -103,20 +99,15 @@ static enum status write_all(struct ctl *c, const struct explanation *x, const c
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "explanation";
     struct explanation x = {
         .a = c->args[0], .b = c->args[1], .engine = c->engine, .compared = 1};
-    struct face_work *w = face_work_new(c->model);
     struct store_template t = {0};
     bool picture = false;
-    enum status st;
+    enum status st = compare(c, &x, &t);
 
-    if (w == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else
-        st = compare(c, w, &x, &t);
     if (st == ST_OK)
         st = write_all(c, &x, path, &picture);
     if (st == ST_OK) {
@@ -131,8 +122,8 @@ static int run(struct ctl *c)
             (void)fprintf(stderr, "surfacectl: no picture: %s\n", c->e.msg);
     }
     explain_free(&x);
-    face_work_free(w);
-    return st == ST_OK ? ctl_face_exit(x.result.decision) : ctl_fail(c, st);
+    c->code = ctl_face_exit(x.result.decision);
+    return st;
 }
 
 const struct ctl_command ctl_explain = {

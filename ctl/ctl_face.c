@@ -9,6 +9,16 @@
 #include "ctl.h"
 #include "ctl_face.h"
 
+enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
+{
+    return store_subject_valid(id)
+               ? ST_OK
+               : errinfo_set(
+                     &c->e, ST_EINVAL,
+                     "%s'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
+                     where, id, STORE_SUBJECT_MAX);
+}
+
 int ctl_face_exit(enum face_decision d)
 {
     return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
@@ -26,11 +36,10 @@ static struct admission_context context(struct store *s, struct face_work *w)
         .store = s, .work = w, .clock_ms = ctl_clock_ms, .pass_over = pass_over};
 }
 
-static enum status nearest(struct ctl *c, struct store *s,
-                           const struct admission_request *ask, const struct face *probe,
-                           struct face_work *w, struct ctl_nearest *best)
+static enum status nearest(struct ctl *c, const struct admission_request *ask,
+                           const struct face *probe, struct ctl_nearest *best)
 {
-    struct admission_context with = context(s, w);
+    struct admission_context with = context(c->store, c->work);
     struct admission a;
     enum status st = admission_read(&with, ask, &a, &c->e);
 
@@ -44,25 +53,22 @@ static enum status nearest(struct ctl *c, struct store *s,
     return st;
 }
 
-enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
-                             const struct face *probe, struct face_work *w,
+enum status ctl_face_nearest(struct ctl *c, const char *subject, const struct face *probe,
                              struct ctl_nearest *best)
 {
-    return nearest(c, s, &(struct admission_request){.subject = subject}, probe, w, best);
+    return nearest(c, &(struct admission_request){.subject = subject}, probe, best);
 }
 
-enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
-                              const struct face *probe, struct face_work *w,
+enum status ctl_face_template(struct ctl *c, const char *id, const struct face *probe,
                               struct ctl_nearest *best)
 {
-    return nearest(c, s, &(struct admission_request){.template_id = id}, probe, w, best);
+    return nearest(c, &(struct admission_request){.template_id = id}, probe, best);
 }
 
-enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
-                            const char *path, struct face_work *w,
-                            struct enrolment_outcome *out)
+enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, const char *path,
+                            struct face_work *w, struct enrolment_outcome *out)
 {
-    struct admission_context with = context(s, w);
+    struct admission_context with = context(c->store, w);
     const enum status st = enrolment_add(&with, x, out, &c->e);
 
     if (st == ST_EMISMATCH) {

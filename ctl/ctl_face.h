@@ -9,7 +9,7 @@
 
 struct ctl; /* ctl.h */
 
-/* ctl_face_nearest(c, s, subject, probe, w, best): the probe compared with a subject's
+/* ctl_face_nearest(c, subject, probe, best): the probe compared with a subject's
  * templates, by the database's calibration (nearest_find()).  ST_EDENIED: the subject may
  * not be verified.  ctl_face_template(): with one template of it. */
 struct ctl_nearest {
@@ -17,18 +17,18 @@ struct ctl_nearest {
     struct store_template tmpl; /* that decides */
     struct store_subject subject;
 };
-enum status ctl_face_nearest(struct ctl *c, struct store *s, const char *subject,
-                             const struct face *probe, struct face_work *w,
+enum status ctl_face_nearest(struct ctl *c, const char *subject, const struct face *probe,
                              struct ctl_nearest *best);
-enum status ctl_face_template(struct ctl *c, struct store *s, const char *id,
-                              const struct face *probe, struct face_work *w,
+enum status ctl_face_template(struct ctl *c, const char *id, const struct face *probe,
                               struct ctl_nearest *best);
 
-/* ctl_face_enroll(c, s, x, path, w, out): enrolment_add(); the path begins what c->e says of a
+/* ctl_face_enroll(c, x, path, w, out): enrolment_add(); the path begins what c->e says of a
  * sample that does not fit. */
-enum status ctl_face_enroll(struct ctl *c, struct store *s, const struct enrolment *x,
-                            const char *path, struct face_work *w,
-                            struct enrolment_outcome *out);
+enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, const char *path,
+                            struct face_work *w, struct enrolment_outcome *out);
+
+/* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
+enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
 int ctl_face_exit(enum face_decision d);
 

@@ -119,7 +119,7 @@ static void print_group(const char *group)
 static void print_command(const struct ctl_command *k)
 {
     (void)printf("Usage: surfacectl%s %s%s%s\n\n%c%s.\n%s\n\n",
-                 k->database == CTL_NEEDS_DATABASE   ? " --db PATH"
+                 k->database >= CTL_NEEDS_DATABASE   ? " --db PATH"
                  : k->database == CTL_TAKES_DATABASE ? " [--db PATH]"
                                                      : "",
                  k->name, k->args != NULL ? " " : "", k->args != NULL ? k->args : "",
@@ -166,7 +166,7 @@ bool ctl_help_is_group(const char *word)
 
 /* ---- the command */
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const struct ctl_command *cmd = NULL;
     const char *word = c->nargs > 0 ? c->args[0] : NULL;
@@ -176,13 +176,13 @@ static int run(struct ctl *c)
         return ctl_usage(c, "help is text, not JSON");
     if (word != NULL && strcmp(word, "exit") == 0) {
         print_exit_codes();
-        return EXIT_FINE;
+        return ST_OK;
     }
     if (word != NULL && (cmd = ctl_table_find(c->args, c->nargs, &used)) == NULL &&
         !ctl_help_is_group(word))
         return ctl_usage(c, "there is no command %.80s (surfacectl help)", word);
     ctl_help_print(false, cmd, word);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_help = {

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "ctl_command.h"
-#include "ctl_key.h"
+#include "ctl_model.h"
 
 /* Say where the key is, since the database is lost without it. */
 static void tell_key(struct ctl *c, const char *path, bool made)
@@ -20,7 +20,6 @@ static void tell_key(struct ctl *c, const char *path, bool made)
 /* Make or upgrade; the key's file is new where there was none before. */
 static enum status open_new(struct ctl *c, enum store_mode mode, const char *word)
 {
-    struct store *s = NULL;
     char usual[PATH_MAX];
     const char *path = c->key != NULL ? c->key : usual;
     bool there;
@@ -30,9 +29,8 @@ static enum status open_new(struct ctl *c, enum store_mode mode, const char *wor
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     (void)snprintf(usual, sizeof usual, "%s.key", c->db);
     there = access(path, F_OK) == 0;
-    if ((st = ctl_key_open(c, mode, &s)) != ST_OK)
+    if ((st = ctl_model_open(c, mode)) != ST_OK)
         return st;
-    store_close(s);
     json_text(c->out, "database", c->db);
     ctl_say(c, "%s: %s\n", c->db, word);
     if (access(path, F_OK) == 0)
@@ -40,7 +38,7 @@ static enum status open_new(struct ctl *c, enum store_mode mode, const char *wor
     return ST_OK;
 }
 
-static int run_init(struct ctl *c)
+static enum status init(struct ctl *c)
 {
     enum vault_kind kind;
     const bool there = store_kind(c->db, &kind, NULL) == ST_OK;
@@ -48,13 +46,13 @@ static int run_init(struct ctl *c)
         open_new(c, STORE_CREATE, there ? "was initialised before" : "initialised");
 
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_flag(c->out, "created", !there);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 /* What an upgrade would do. */
-static int migrate_dry(struct ctl *c, const struct store_look *l, bool old)
+static enum status migrate_dry(struct ctl *c, const struct store_look *l, bool old)
 {
     json_flag(c->out, "upgraded", false);
     json_flag(c->out, "would_upgrade", old);
@@ -69,10 +67,10 @@ static int migrate_dry(struct ctl *c, const struct store_look *l, bool old)
                 (unsigned long long)l->templates, c->db, l->version);
     else
         ctl_say(c, "%s: is of this version\n", c->db);
-    return EXIT_FINE;
+    return ST_OK;
 }
 
-static int run_migrate(struct ctl *c)
+static enum status migrate(struct ctl *c)
 {
     struct store_look l;
     char backup[PATH_MAX];
@@ -80,14 +78,14 @@ static int run_migrate(struct ctl *c)
     enum status st = store_look(c->db, &l, &c->e);
 
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     old = l.version > 0 && l.version < l.newest;
     if (c->dry_run)
         return migrate_dry(c, &l, old);
     st = open_new(c, STORE_MIGRATE,
                   old ? "upgraded to this version" : "is of this version");
     if (st != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     json_flag(c->out, "upgraded", old);
     if (old) {
         (void)snprintf(backup, sizeof backup, "%s.v%d.bak", c->db, l.version);
@@ -95,14 +93,14 @@ static int run_migrate(struct ctl *c)
         ctl_say(c, "The old database is kept as %s: delete it when all is well.\n",
                 backup);
     }
-    return EXIT_FINE;
+    return ST_OK;
 }
 
 const struct ctl_command ctl_init = {
     .name = "init",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_PASSPHRASE | CTL_PLAINTEXT,
-    .run = run_init,
+    .run = init,
     .summary = "make a new database",
     .help =
         "What identifies people is encrypted with the key in the file PATH.key, or --key.  The\n"
@@ -114,7 +112,7 @@ const struct ctl_command ctl_init_migrate = {
     .name = "migrate",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_DRY_RUN,
-    .run = run_migrate,
+    .run = migrate,
     .summary = "upgrade a database of an older version",
     .help =
         "In one transaction.  A verified copy of the old database is kept, as PATH.v1.bak for\n"

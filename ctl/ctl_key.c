@@ -97,15 +97,6 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
     return ST_OK;
 }
 
-enum status ctl_key_open(struct ctl *c, enum store_mode mode, struct store **s)
-{
-    struct store_key key;
-    const enum status st = ctl_key(c, c->db, &key);
-
-    *s = NULL;
-    return st != ST_OK ? st : store_open(c->db, mode, &key, s, &c->e);
-}
-
 enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
 {
     static const char option[] = "--archive-key";
@@ -118,16 +109,4 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
         return keyfile_read(c->archive_key, out, &c->e);
     return make ? ctl_key_new(c, option, out)
                 : ask(c, "Passphrase of the archive", option, out);
-}
-
-int ctl_key_run(struct ctl *c, enum store_mode mode,
-                enum status (*what)(struct ctl *c, struct store *s))
-{
-    struct store *s = NULL;
-    enum status st = ctl_key_open(c, mode, &s);
-
-    if (st == ST_OK)
-        st = what(c, s);
-    store_close(s);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
 }

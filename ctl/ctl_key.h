@@ -1,5 +1,5 @@
 /* ctl_key.h -- keys and passphrases that the command line names or that are asked for on
- * the terminal, and the database opened by them. */
+ * the terminal. */
 #ifndef CTL_KEY_H
 #define CTL_KEY_H
 #include "store.h"
@@ -11,17 +11,11 @@ struct keyfile; /* keyfile.h */
  * is asked for on the terminal, once.
  * ctl_key_new(c, option, out): a new passphrase, typed twice there; for keyfile_free().
  * option: what names a file with it instead.
- * ctl_key_open(c, mode, s): store_open() by the key for c->db.
  * ctl_key_archive(c, make, out): the key or passphrase that encrypts an archive; asked for
  * twice where one is made.  Released by keyfile_free().
  * All fill c->e on failure. */
 enum status ctl_key(struct ctl *c, const char *db, struct store_key *key);
 enum status ctl_key_new(struct ctl *c, const char *option, struct keyfile **out);
-enum status ctl_key_open(struct ctl *c, enum store_mode mode, struct store **s);
 enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out);
-
-/* ctl_key_run(c, mode, what): open the database, do that, close it; an exit code. */
-int ctl_key_run(struct ctl *c, enum store_mode mode,
-                enum status (*what)(struct ctl *c, struct store *s));
 
 #endif

@@ -6,7 +6,7 @@
 #include "calibration.h"
 #include "model.h"
 #include "modelfile.h"
-#include "ctl.h"
+#include "ctl_command.h"
 #include "ctl_key.h"
 #include "ctl_model.h"
 
@@ -24,15 +24,17 @@ enum status ctl_model_read(struct ctl *c, struct model **owned)
     return st;
 }
 
-enum status ctl_model_open(struct ctl *c, enum store_mode mode, struct store **s)
+enum status ctl_model_open(struct ctl *c, enum store_mode mode)
 {
     struct store_calibration k;
-    enum status st = ctl_key_open(c, mode, s);
+    struct store_key key;
+    enum status st = ctl_key(c, c->db, &key);
 
-    if (st != ST_OK)
+    if (st != ST_OK || (st = store_open(c->db, mode, &key, &c->store, &c->e)) != ST_OK)
         return st;
-    store_use_model(*s, c->model);
-    if (calibration_in_force(*s, &k, NULL) == ST_OK && k.ignored)
+    store_use_model(c->store, c->model);
+    if ((c->cmd->shared & CTL_MODEL) != 0 &&
+        calibration_in_force(c->store, &k, NULL) == ST_OK && k.ignored)
         (void)fprintf(stderr,
                       "surfacectl: calibration %" PRId64
                       " is not used: it was made by %s, "

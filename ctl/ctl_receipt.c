@@ -10,7 +10,7 @@
 #include "store_receipt.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
-#include "ctl_key.h"
+#include "ctl_model.h"
 
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
 #define TEMPLATES_MAX 100000
@@ -109,13 +109,13 @@ static enum status read_receipt(struct review *v)
 
 /* ---- the database that is said to have given it */
 
-static enum status look_at_log(struct review *v, struct store *s)
+static enum status look_at_log(struct review *v)
 {
     const struct store_audit_filter wanted = {
         .after = v->r.seq - 1, .limit = 1, .subject = v->r.subject};
     struct store_audit_entry *a = NULL;
     size_t n;
-    const enum status st = store_audit_list(s, &wanted, &a, &n, &v->c->e);
+    const enum status st = store_audit_list(v->c->store, &wanted, &a, &n, &v->c->e);
 
     if (st == ST_OK &&
         (n == 0 || a->seq != v->r.seq || strcmp(a->kind, "delete_subject") != 0 ||
@@ -125,11 +125,12 @@ static enum status look_at_log(struct review *v, struct store *s)
     return st;
 }
 
-static enum status look_at_erased(struct review *v, struct store *s)
+static enum status look_at_erased(struct review *v)
 {
     struct store_erased *list = NULL;
     size_t n, i = 0;
-    const enum status st = store_audit_erased(s, v->r.subject, &list, &n, &v->c->e);
+    const enum status st =
+        store_audit_erased(v->c->store, v->r.subject, &list, &n, &v->c->e);
 
     while (st == ST_OK && i < n && strcmp(list[i].at, v->r.at) != 0)
         i++;
@@ -139,13 +140,13 @@ static enum status look_at_erased(struct review *v, struct store *s)
     return st;
 }
 
-static enum status look_at_templates(struct review *v, struct store *s)
+static enum status look_at_templates(struct review *v)
 {
     struct store_template t;
     enum status st = ST_OK;
 
     for (uint32_t i = 0; st == ST_OK && i < v->r.templates; i++) {
-        st = store_template_get(s, v->r.template_id[i], &t, &v->c->e);
+        st = store_template_get(v->c->store, v->r.template_id[i], &t, &v->c->e);
         if (st == ST_OK)
             problem(v, "a template of it is there");
         else if (st == ST_ENOTFOUND || st == ST_EINVAL) /* "????": it was damaged */
@@ -156,29 +157,27 @@ static enum status look_at_templates(struct review *v, struct store *s)
 
 static enum status ask_database(struct review *v)
 {
-    struct store *s = NULL;
+    struct ctl *c = v->c;
     char public_key[65];
     enum status st;
 
-    if ((st = ctl_key_open(v->c, STORE_READ, &s)) == ST_OK &&
-        (st = store_audit_public(s, public_key, &v->c->e)) == ST_OK) {
-        if (strcmp(public_key, v->r.public_key) != 0)
-            problem(v, "it is of another database: its public key is another");
-        else if ((st = look_at_log(v, s)) == ST_OK &&
-                 (st = look_at_erased(v, s)) == ST_OK)
-            st = look_at_templates(v, s);
-    }
-    store_close(s);
+    if ((st = ctl_model_open(c, STORE_READ)) != ST_OK ||
+        (st = store_audit_public(c->store, public_key, &c->e)) != ST_OK)
+        return st;
+    if (strcmp(public_key, v->r.public_key) != 0)
+        problem(v, "it is of another database: its public key is another");
+    else if ((st = look_at_log(v)) == ST_OK && (st = look_at_erased(v)) == ST_OK)
+        st = look_at_templates(v);
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct review v = {.c = c};
     enum status st;
 
     if (c->public_key == NULL && c->db == NULL && ctl_config_database(c, false) != ST_OK)
-        return EXIT_USAGE;
+        return ST_EINVAL;
     st = sodium_init() >= 0 ? read_receipt(&v)
                             : errinfo_set(&c->e, ST_EINTERNAL,
                                           "the cryptographic library does not start");
@@ -202,9 +201,8 @@ static int run(struct ctl *c)
                 v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
     }
     store_receipt_free(&v.r);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    return v.problems == 0 ? EXIT_FINE : EXIT_NO;
+    c->code = v.problems == 0 ? EXIT_FINE : EXIT_NO;
+    return st;
 }
 
 const struct ctl_command ctl_receipt = {

@@ -5,7 +5,6 @@
 
 #include "pool.h"
 #include "ctl_command.h"
-#include "ctl_model.h"
 
 enum result { UNDONE, REENCODED, CURRENT, GONE, FAILED, RESULTS };
 
@@ -16,7 +15,6 @@ struct outcome { /* of a template */
 
 struct batch {
     struct ctl *c;
-    struct store *store;
     char (*id)[STORE_ID_LEN + 1];
     size_t n;
     struct outcome *outcome; /* [n] */
@@ -27,9 +25,9 @@ static enum status try_one(const struct batch *b, const char *id, struct face_wo
                            struct face *f, struct store_template *t, bool *done,
                            struct errinfo *e)
 {
-    const enum status st = store_template_load(b->store, id, t, w, f, e);
+    const enum status st = store_template_load(b->c->store, id, t, w, f, e);
 
-    *done = st == ST_OK && store_template_outdated(b->store, t);
+    *done = st == ST_OK && store_template_outdated(b->c->store, t);
     return st;
 }
 
@@ -41,8 +39,8 @@ static enum status do_one(void *arg, size_t i, struct face_work *w, struct errin
     struct face f = {0};
     bool done = false;
     enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
-                                   : store_reencode(b->store, CTL_ACTOR, b->id[i], w, &f,
-                                                    &t, &done, &o->e);
+                                   : store_reencode(b->c->store, CTL_ACTOR, b->id[i], w,
+                                                    &f, &t, &done, &o->e);
 
     face_free(&f);
     if (st == ST_OK)
@@ -67,7 +65,7 @@ static enum status take_ids(struct batch *b)
     if ((b->id = calloc(b->n, sizeof *b->id)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; i < b->n && st == ST_OK; i++)
-        if ((st = store_template_get(b->store, c->args[i], &t, &c->e)) == ST_OK)
+        if ((st = store_template_get(b->c->store, c->args[i], &t, &c->e)) == ST_OK)
             memcpy(b->id[i], t.id, sizeof t.id);
     return st;
 }
@@ -115,8 +113,8 @@ static size_t report(const struct batch *b)
 static enum status reencode(struct batch *b, size_t *failed)
 {
     struct ctl *c = b->c;
-    enum status st =
-        c->nargs > 0 ? take_ids(b) : store_reencode_due(b->store, &b->id, &b->n, &c->e);
+    enum status st = c->nargs > 0 ? take_ids(b)
+                                  : store_reencode_due(b->c->store, &b->id, &b->n, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -128,31 +126,25 @@ static enum status reencode(struct batch *b, size_t *failed)
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     struct batch b = {.c = c};
     size_t failed = 0;
-    enum status st = ctl_model_open(c, c->dry_run ? STORE_READ : STORE_WRITE, &b.store);
+    enum status st = reencode(&b, &failed);
 
-    if (st == ST_OK)
-        st = reencode(&b, &failed);
-    store_close(b.store);
     free(b.id);
     free(b.outcome);
-    if (st != ST_OK)
-        return ctl_fail(c, st);
-    if (failed == 0)
-        return EXIT_FINE;
-    (void)errinfo_set(&c->e, ST_EVERSION, "%zu of %zu templates stay as they are", failed,
-                      b.n);
-    return EXIT_DATA;
+    if (st == ST_OK && failed > 0)
+        st = errinfo_set(&c->e, ST_EVERSION, "%zu of %zu templates stay as they are",
+                         failed, b.n);
+    return st;
 }
 
 const struct ctl_command ctl_reencode = {
     .name = "template reencode",
     .args = "[ID...]",
     .takes = {0, CTL_MANY},
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_WRITES_DATABASE,
     .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
     .exits = {"every one of these templates is of this engine"},
     .run = run,

@@ -6,6 +6,7 @@
 #include "keyfile.h"
 #include "ctl_command.h"
 #include "ctl_key.h"
+#include "ctl_model.h"
 
 static const char *new_key; /* --new-key */
 static bool keep_old;       /* --keep-old */
@@ -54,49 +55,39 @@ static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
 }
 
 /* The old key's file goes with it, and with that whatever was backed up until now. */
-static bool may_lose_key(struct ctl *c)
+static enum status confirm_loss(struct ctl *c)
 {
     enum vault_kind kind;
 
-    return keep_old || store_kind(c->db, &kind, &c->e) != ST_OK || kind != VAULT_FILE ||
-           ctl_confirmed(c,
-                         "removes the old key, without which older backups cannot "
-                         "be read (--keep-old keeps it)",
-                         "rekey");
+    if (keep_old || store_kind(c->db, &kind, &c->e) != ST_OK || kind != VAULT_FILE)
+        return ST_OK;
+    return ctl_confirm(c,
+                       "removes the old key, without which older backups cannot be read "
+                       "(--keep-old keeps it)",
+                       "rekey");
 }
 
-static int run(struct ctl *c)
+static enum status rekey(struct ctl *c)
 {
     char usual[PATH_MAX];
     struct store_rekey to;
     struct keyfile *owned = NULL;
-    struct store *s = NULL;
     const bool plaintext = c->plaintext, passphrase = c->passphrase;
-    int code = EXIT_FINE;
     enum status st;
 
     /* These are of the new key, not of how the database is opened. */
     c->plaintext = c->passphrase = false;
-    st = ctl_key_open(c, STORE_WRITE, &s);
+    st = ctl_model_open(c, STORE_WRITE);
     c->plaintext = plaintext;
     c->passphrase = passphrase;
-    if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK) {
-        if (!may_lose_key(c)) {
-            code = EXIT_USAGE;
-            goto out;
-        }
-        st = store_rekey(s, CTL_ACTOR, &to, &c->e);
+    if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&
+        (st = confirm_loss(c)) == ST_OK &&
+        (st = store_rekey(c->store, CTL_ACTOR, &to, &c->e)) == ST_OK) {
+        (void)snprintf(usual, sizeof usual, "%s.key", c->db);
+        tell(c, &to, c->key != NULL ? c->key : usual);
     }
-    if (st != ST_OK) {
-        code = ctl_fail(c, st);
-        goto out;
-    }
-    (void)snprintf(usual, sizeof usual, "%s.key", c->db);
-    tell(c, &to, c->key != NULL ? c->key : usual);
-out:
-    store_close(s);
     keyfile_free(owned);
-    return code;
+    return st;
 }
 
 const struct ctl_command ctl_rekey = {
@@ -110,7 +101,7 @@ const struct ctl_command ctl_rekey = {
             CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
                        "keep the file of the old key, as FILE.old"),
             CTL_OPTION_END},
-    .run = run,
+    .run = rekey,
     .summary = "change the database's key",
     .help =
         "A new random key replaces the old one in PATH.key, or --key; or a copy of the one in\n"

@@ -32,12 +32,11 @@ static void tell_simplified(struct ctl *c, const struct face *f,
             r->disparity / LATTICE_PER_MM, c->dir);
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const double tolerance = tolerance_mm * LATTICE_PER_MM;
     const struct simplify_limit limit = {mean ? (double)INFINITY : tolerance,
                                          mean ? tolerance : (double)INFINITY, 0};
-    struct face_work *w;
     struct simplify_result r;
     struct scratch scratch = {0};
     struct mesh small = {0};
@@ -46,19 +45,16 @@ static int run(struct ctl *c)
 
     if (!(tolerance_mm > 0) || c->dir == NULL)
         return ctl_usage(c, "simplify needs --tolerance MM and --out FILE");
-    if ((w = face_work_new(c->model)) == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else if ((st = ctl_scan_read(c, c->args[0], w, &f)) == ST_OK &&
-             (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch,
-                                 &small, NULL, &r)) != ST_OK)
+    if ((st = ctl_scan_read(c, c->args[0], c->work, &f)) == ST_OK &&
+        (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
+                            NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &small, &c->e)) == ST_OK)
         tell_simplified(c, &f, &r);
     mesh_free(&small);
     scratch_free(&scratch);
     face_free(&f);
-    face_work_free(w);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    return st;
 }
 
 const struct ctl_command ctl_simplify = {

@@ -3,16 +3,15 @@
 
 #include "ctl_command.h"
 
-static enum status stats(struct ctl *c, struct store *s)
+static enum status stats(struct ctl *c)
 {
     struct store_stats t;
     char text[32];
     uint64_t other = 0;
     enum status st;
 
-    store_use_model(s, c->model);
-    if ((st = store_stats(s, &t, &c->e)) != ST_OK ||
-        (st = store_reencode_count(s, &other, &c->e)) != ST_OK)
+    if ((st = store_stats(c->store, &t, &c->e)) != ST_OK ||
+        (st = store_reencode_count(c->store, &other, &c->e)) != ST_OK)
         return st;
     json_number(c->out, "subjects", (double)t.subjects);
     json_number(c->out, "templates", (double)t.templates);
@@ -44,15 +43,15 @@ static enum status stats(struct ctl *c, struct store *s)
     return ST_OK;
 }
 
-static enum status vacuum(struct ctl *c, struct store *s)
+static enum status vacuum(struct ctl *c)
 {
     struct store_stats before, after;
     char was[32], is[32];
     enum status st;
 
-    if ((st = store_stats(s, &before, &c->e)) != ST_OK ||
-        (st = store_vacuum(s, &c->e)) != ST_OK ||
-        (st = store_stats(s, &after, &c->e)) != ST_OK)
+    if ((st = store_stats(c->store, &before, &c->e)) != ST_OK ||
+        (st = store_vacuum(c->store, &c->e)) != ST_OK ||
+        (st = store_stats(c->store, &after, &c->e)) != ST_OK)
         return st;
     json_number(c->out, "bytes_before", (double)before.file_bytes);
     json_number(c->out, "bytes_after", (double)after.file_bytes);
@@ -63,19 +62,17 @@ static enum status vacuum(struct ctl *c, struct store *s)
 
 const struct ctl_command ctl_stats = {
     .name = "stats",
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
-    .work = stats,
-    .mode = STORE_READ,
+    .run = stats,
     .summary = "count what is in the database",
     .help = "Subjects, templates, points, events and tokens, and what they take on disk.",
     .example = "surfacectl --db faces.db stats"};
 
 const struct ctl_command ctl_stats_vacuum = {
     .name = "vacuum",
-    .database = CTL_NEEDS_DATABASE,
-    .work = vacuum,
-    .mode = STORE_WRITE,
+    .database = CTL_WRITES_DATABASE,
+    .run = vacuum,
     .summary = "give the room of deleted rows back to the disk",
     .help =
         "The database is written again, so it takes as much room once more while this runs, and\n"

@@ -6,10 +6,9 @@
 #include "store_rules.h"
 #include "describe.h"
 #include "ctl_command.h"
-#include "ctl_key.h"
+#include "ctl_each.h"
+#include "ctl_model.h"
 #include "ctl_template.h"
-
-#define PAGE 1000 /* subjects read at a time */
 
 static const char *consent, *purpose; /* --consent, --purpose */
 
@@ -20,34 +19,38 @@ static const char *state_of(const struct store_subject *one)
                      : (one->disabled ? "disabled" : "");
 }
 
-static enum status list(struct ctl *c, struct store *s)
+struct listing {
+    struct ctl *c;
+    size_t n;
+};
+
+static enum status list_one(void *arg, const struct store_subject *one, struct errinfo *e)
 {
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n = 0, total = 0;
+    struct listing *l = arg;
+    struct ctl *c = l->c;
+
+    (void)e;
+    if (l->n++ == 0)
+        ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED", "STATE");
+    json_object(c->out, NULL);
+    describe_subject(c->out, one);
+    json_number(c->out, "templates", one->templates);
+    json_close(c->out);
+    ctl_say(c, "%-32s %9u  %-24s  %s\n", one->id, one->templates, one->created,
+            state_of(one));
+    return ST_OK;
+}
+
+static enum status list(struct ctl *c)
+{
+    struct listing l = {.c = c};
     enum status st;
 
     json_array(c->out, "subjects");
-    while ((st = store_subject_list(s, after, PAGE, &page, &n, &c->e)) == ST_OK &&
-           n > 0) {
-        if (total == 0)
-            ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
-                    "STATE");
-        for (size_t i = 0; i < n; i++) {
-            json_object(c->out, NULL);
-            describe_subject(c->out, &page[i]);
-            json_number(c->out, "templates", page[i].templates);
-            json_close(c->out);
-            ctl_say(c, "%-32s %9u  %-24s  %s\n", page[i].id, page[i].templates,
-                    page[i].created, state_of(&page[i]));
-        }
-        total += n;
-        after = page[n - 1].key;
-        free(page);
-    }
+    st = ctl_each_subject(c->store, list_one, &l, &c->e);
     json_close(c->out);
-    if (st == ST_OK && !c->json && total == 0)
-        (void)printf("no subjects\n");
+    if (st == ST_OK && l.n == 0)
+        ctl_say(c, "no subjects\n");
     return st;
 }
 
@@ -69,14 +72,15 @@ static void print_subject(const struct store_subject *one, size_t templates)
         (void)printf("  disabled  is not verified\n");
 }
 
-static enum status show(struct ctl *c, struct store *s)
+static enum status show(struct ctl *c)
 {
     struct store_subject one;
     struct store_template *list = NULL;
     size_t n;
-    enum status st = store_subject_get(s, c->args[0], &one, &c->e);
+    enum status st = store_subject_get(c->store, c->args[0], &one, &c->e);
 
-    if (st != ST_OK || (st = store_template_list(s, one.id, &list, &n, &c->e)) != ST_OK)
+    if (st != ST_OK ||
+        (st = store_template_list(c->store, one.id, &list, &n, &c->e)) != ST_OK)
         return st;
     describe_subject(c->out, &one);
     json_array(c->out, "templates");
@@ -95,10 +99,10 @@ static enum status show(struct ctl *c, struct store *s)
 /* ---- changes */
 
 /* Tell what the subject is now, in words too. */
-static enum status tell(struct ctl *c, struct store *s, const char *id, const char *done)
+static enum status tell(struct ctl *c, const char *id, const char *done)
 {
     struct store_subject one;
-    enum status st = store_subject_get(s, id, &one, &c->e);
+    enum status st = store_subject_get(c->store, id, &one, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -118,17 +122,22 @@ static const char *expiry(const struct ctl *c, char text[STORE_RULES_TIME])
     return text;
 }
 
-static enum status set(struct ctl *c, struct store *s)
+static enum status set(struct ctl *c)
 {
     struct store_subject new = {0};
     char text[STORE_RULES_TIME];
     const char *id = c->args[0], *expires = expiry(c, text);
     const struct store_subject_change what = {
         .reference = consent, .purpose = purpose, .expires = expires};
-    enum status st = store_subject_set(s, CTL_ACTOR, id, &what, &c->e);
+    enum status st;
 
+    if (consent == NULL && purpose == NULL && expires == NULL)
+        return ctl_usage(c, "subject set needs --consent, --purpose or --expires");
+    if ((st = ctl_model_open(c, STORE_WRITE)) != ST_OK)
+        return st;
+    st = store_subject_set(c->store, CTL_ACTOR, id, &what, &c->e);
     if (st == ST_OK)
-        return tell(c, s, id, "recorded");
+        return tell(c, id, "recorded");
     if (st != ST_ENOTFOUND)
         return st;
     (void)snprintf(new.id, sizeof new.id, "%s", id);
@@ -140,81 +149,73 @@ static enum status set(struct ctl *c, struct store *s)
                    consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
-    st = store_subject_add(s, CTL_ACTOR, &new, &c->e);
-    return st == ST_OK ? tell(c, s, id, "added") : st;
+    st = store_subject_add(c->store, CTL_ACTOR, &new, &c->e);
+    return st == ST_OK ? tell(c, id, "added") : st;
 }
 
-static enum status rename_it(struct ctl *c, struct store *s)
+static enum status rename_it(struct ctl *c)
 {
     const enum status st =
-        store_subject_rename(s, CTL_ACTOR, c->args[0], c->args[1], &c->e);
+        store_subject_rename(c->store, CTL_ACTOR, c->args[0], c->args[1], &c->e);
 
-    return st == ST_OK ? tell(c, s, c->args[1], "is its id now") : st;
+    return st == ST_OK ? tell(c, c->args[1], "is its id now") : st;
 }
 
-static enum status change(struct ctl *c, struct store *s,
-                          const struct store_subject_change *what, const char *done)
+static enum status change(struct ctl *c, const struct store_subject_change *what,
+                          const char *done)
 {
-    const enum status st = store_subject_set(s, CTL_ACTOR, c->args[0], what, &c->e);
+    const enum status st =
+        store_subject_set(c->store, CTL_ACTOR, c->args[0], what, &c->e);
 
-    return st == ST_OK ? tell(c, s, c->args[0], done) : st;
+    return st == ST_OK ? tell(c, c->args[0], done) : st;
 }
 
 static const bool yes = true, no = false;
 
-static enum status disable(struct ctl *c, struct store *s)
+static enum status disable(struct ctl *c)
 {
-    return change(c, s, &(struct store_subject_change){.disabled = &yes}, "disabled");
+    return change(c, &(struct store_subject_change){.disabled = &yes}, "disabled");
 }
 
-static enum status enable(struct ctl *c, struct store *s)
+static enum status enable(struct ctl *c)
 {
-    return change(c, s, &(struct store_subject_change){.disabled = &no}, "enabled");
+    return change(c, &(struct store_subject_change){.disabled = &no}, "enabled");
 }
 
-static enum status hold(struct ctl *c, struct store *s)
+static enum status hold(struct ctl *c)
 {
-    return change(c, s, &(struct store_subject_change){.hold = &yes}, "on hold");
+    return change(c, &(struct store_subject_change){.hold = &yes}, "on hold");
 }
 
-static enum status release(struct ctl *c, struct store *s)
+static enum status release(struct ctl *c)
 {
-    return change(c, s, &(struct store_subject_change){.hold = &no}, "not on hold");
-}
-
-static int run_set(struct ctl *c)
-{
-    if (consent == NULL && purpose == NULL && !c->expires.given)
-        return ctl_usage(c, "subject set needs --consent, --purpose or --expires");
-    return ctl_key_run(c, STORE_WRITE, set);
+    return change(c, &(struct store_subject_change){.hold = &no}, "not on hold");
 }
 
 /* ---- the commands */
 
-#define ONE_SUBJECT .args = "SUBJECT", .takes = {1, 1}, .database = CTL_NEEDS_DATABASE
+#define ONE_SUBJECT(how) .args = "SUBJECT", .takes = {1, 1}, .database = how
 
 const struct ctl_command ctl_subject_list = {
     .name = "subject list",
-    .database = CTL_NEEDS_DATABASE,
-    .work = list,
-    .mode = STORE_READ,
+    .database = CTL_READS_DATABASE,
+    .run = list,
     .summary = "list the subjects",
     .help = "In the order in which they were added.",
     .example = "surfacectl --db faces.db subject list"};
 
 const struct ctl_command ctl_subject_show = {
     .name = "subject show",
-    ONE_SUBJECT,
+    ONE_SUBJECT(CTL_READS_DATABASE),
     .shared = CTL_MODEL,
-    .work = show,
-    .mode = STORE_READ,
+    .run = show,
     .summary = "describe a subject and its templates",
     .help = "Its consent, purpose, expiry, when it was last seen, and each template.",
     .example = "surfacectl --db faces.db subject show alice"};
 
 const struct ctl_command ctl_subject_set = {
     .name = "subject set",
-    ONE_SUBJECT,
+    ONE_SUBJECT(CTL_NEEDS_DATABASE),
     .shared = CTL_EXPIRES,
     .options =
         (const struct ctl_option[]){
@@ -223,7 +224,7 @@ const struct ctl_command ctl_subject_set = {
             CTL_OPTION("purpose", "TEXT", ctl_option_text, &purpose,
                        "what the consent is for; '' for none"),
             CTL_OPTION_END},
-    .run = run_set,
+    .run = set,
     .summary = "record a subject's consent and expiry",
     .help =
         "What is not given stays as it is.  A subject that does not exist is added, without a\n"
@@ -236,9 +237,8 @@ const struct ctl_command ctl_subject_rename = {
     .name = "subject rename",
     .args = "SUBJECT NEW",
     .takes = {2, 2},
-    .database = CTL_NEEDS_DATABASE,
-    .work = rename_it,
-    .mode = STORE_WRITE,
+    .database = CTL_WRITES_DATABASE,
+    .run = rename_it,
     .summary = "change a subject's id",
     .help =
         "Its templates and everything recorded about it stay.  If another subject has the id,\n"
@@ -247,27 +247,24 @@ const struct ctl_command ctl_subject_rename = {
 
 const struct ctl_command ctl_subject_disable = {
     .name = "subject disable",
-    ONE_SUBJECT,
-    .work = disable,
-    .mode = STORE_WRITE,
+    ONE_SUBJECT(CTL_WRITES_DATABASE),
+    .run = disable,
     .summary = "stop verifying a subject",
     .help = "Everything of it is kept; `subject enable` undoes this.",
     .example = "surfacectl --db faces.db subject disable alice"};
 
 const struct ctl_command ctl_subject_enable = {
     .name = "subject enable",
-    ONE_SUBJECT,
-    .work = enable,
-    .mode = STORE_WRITE,
+    ONE_SUBJECT(CTL_WRITES_DATABASE),
+    .run = enable,
     .summary = "verify a disabled subject again",
     .help = "At once, also by a running daemon.",
     .example = "surfacectl --db faces.db subject enable alice"};
 
 const struct ctl_command ctl_subject_hold = {
     .name = "subject hold",
-    ONE_SUBJECT,
-    .work = hold,
-    .mode = STORE_WRITE,
+    ONE_SUBJECT(CTL_WRITES_DATABASE),
+    .run = hold,
     .summary = "protect a subject from being erased",
     .help =
         "Until `subject release` nobody can delete the subject or a template of it, even after\n"
@@ -276,9 +273,8 @@ const struct ctl_command ctl_subject_hold = {
 
 const struct ctl_command ctl_subject_release = {
     .name = "subject release",
-    ONE_SUBJECT,
-    .work = release,
-    .mode = STORE_WRITE,
+    ONE_SUBJECT(CTL_WRITES_DATABASE),
+    .run = release,
     .summary = "end a subject's hold",
     .help = "It can be erased again; this erases nothing.",
     .example = "surfacectl --db faces.db subject release alice"};

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_key.h"
+#include "ctl_model.h"
 
 static unsigned scopes; /* --scope; 0: not given */
 static int64_t grace_s; /* --grace */
@@ -57,15 +57,25 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     (void)printf("%s\n", secret);
 }
 
-static enum status create(struct ctl *c, struct store *s)
+/* Open the database for a secret that is valid until --expires. */
+static enum status open_for_secret(struct ctl *c)
+{
+    if (c->expires.at_s > 0 && c->expires.life_s <= 0)
+        return ctl_usage(c, "--expires is in the past");
+    return ctl_model_open(c, STORE_WRITE);
+}
+
+static enum status create(struct ctl *c)
 {
     struct store_token t;
     char secret[65];
     const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
-    enum status st =
-        store_token_create(s, CTL_ACTOR, name, scopes != 0 ? scopes : STORE_SCOPE_ALL,
-                           c->expires.life_s, secret, &t, &c->e);
+    enum status st = open_for_secret(c);
 
+    if (st == ST_OK)
+        st = store_token_create(c->store, CTL_ACTOR, name,
+                                scopes != 0 ? scopes : STORE_SCOPE_ALL, c->expires.life_s,
+                                secret, &t, &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
     return st;
@@ -73,7 +83,7 @@ static enum status create(struct ctl *c, struct store *s)
 
 /* The id of the token that the argument names: by its id, or by a name that no other token has
  * which is not revoked. */
-static enum status find(struct ctl *c, struct store *s, char id[STORE_ID_LEN + 1])
+static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
 {
     const char *name = c->args[0];
     struct store_token *t;
@@ -84,7 +94,7 @@ static enum status find(struct ctl *c, struct store *s, char id[STORE_ID_LEN + 1
     (void)snprintf(id, STORE_ID_LEN + 1, "%s", name);
     if (store_id_valid(name))
         return ST_OK;
-    if ((st = store_token_list(s, &t, &n, &c->e)) != ST_OK)
+    if ((st = store_token_list(c->store, &t, &n, &c->e)) != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++) {
         if (t[i].revoked || strcmp(t[i].name, name) != 0)
@@ -104,14 +114,14 @@ static enum status find(struct ctl *c, struct store *s, char id[STORE_ID_LEN + 1
     return ST_OK;
 }
 
-static enum status rotate(struct ctl *c, struct store *s)
+static enum status rotate(struct ctl *c)
 {
     struct store_token t;
     char id[STORE_ID_LEN + 1], secret[65];
-    enum status st = find(c, s, id);
+    enum status st = open_for_secret(c);
 
-    if (st == ST_OK)
-        st = store_token_rotate(s, CTL_ACTOR, id, grace_s,
+    if (st == ST_OK && (st = find(c, id)) == ST_OK)
+        st = store_token_rotate(c->store, CTL_ACTOR, id, grace_s,
                                 c->expires.given ? c->expires.life_s : -1, secret, &t,
                                 &c->e);
     if (st != ST_OK)
@@ -131,12 +141,12 @@ static void print_time(const char *time, const char *none)
         (void)printf("  %.10s %.5s", time, time + 11);
 }
 
-static enum status list(struct ctl *c, struct store *s)
+static enum status list(struct ctl *c)
 {
     struct store_token *t;
     char words[STORE_SCOPES_MAX];
     size_t n;
-    enum status st = store_token_list(s, &t, &n, &c->e);
+    enum status st = store_token_list(c->store, &t, &n, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -161,35 +171,17 @@ static enum status list(struct ctl *c, struct store *s)
     return ST_OK;
 }
 
-static enum status revoke(struct ctl *c, struct store *s)
+static enum status revoke(struct ctl *c)
 {
     char id[STORE_ID_LEN + 1];
-    enum status st = find(c, s, id);
+    enum status st = find(c, id);
 
-    if (st != ST_OK || (st = store_token_revoke(s, CTL_ACTOR, id, &c->e)) != ST_OK)
+    if (st != ST_OK || (st = store_token_revoke(c->store, CTL_ACTOR, id, &c->e)) != ST_OK)
         return st;
     json_text(c->out, "id", id);
     json_flag(c->out, "revoked", true);
     ctl_say(c, "revoked %s\n", id);
     return ST_OK;
-}
-
-/* A secret that is valid until then. */
-static int with_secret(struct ctl *c, enum status (*make)(struct ctl *, struct store *))
-{
-    if (c->expires.at_s > 0 && c->expires.life_s <= 0)
-        return ctl_usage(c, "--expires is in the past");
-    return ctl_key_run(c, STORE_WRITE, make);
-}
-
-static int run_create(struct ctl *c)
-{
-    return with_secret(c, create);
-}
-
-static int run_rotate(struct ctl *c)
-{
-    return with_secret(c, rotate);
 }
 
 /* ---- the commands */
@@ -207,7 +199,7 @@ const struct ctl_command ctl_token_create = {
                 "what the token may do: enroll,verify,identify,read,delete,manage,\n"
                 "detail (all)"),
             CTL_OPTION_END},
-    .run = run_create,
+    .run = create,
     .summary = "make a Bearer token for the daemon",
     .help =
         "The token is printed once, on standard output; only a hash of it is stored.  It may do\n"
@@ -217,9 +209,8 @@ const struct ctl_command ctl_token_create = {
 
 const struct ctl_command ctl_token_list = {
     .name = "token list",
-    .database = CTL_NEEDS_DATABASE,
-    .work = list,
-    .mode = STORE_READ,
+    .database = CTL_READS_DATABASE,
+    .run = list,
     .summary = "list the tokens",
     .help = "What each may do, until when, and when it was last used.",
     .example = "surfacectl --db faces.db token list"};
@@ -235,7 +226,7 @@ const struct ctl_command ctl_token_rotate = {
             CTL_OPTION("grace", "TIME", ctl_option_duration, &grace_s,
                        "how long the old secret stays valid: 1d, 12h, 30m (not at all)"),
             CTL_OPTION_END},
-    .run = run_rotate,
+    .run = rotate,
     .summary = "replace a token's secret",
     .help = "The new secret is printed once.  A running daemon accepts it at once.",
     .example = "surfacectl --db faces.db token rotate front-door --grace 1h"};
@@ -244,9 +235,8 @@ const struct ctl_command ctl_token_revoke = {
     .name = "token revoke",
     .args = "NAME|ID",
     .takes = {1, 1},
-    .database = CTL_NEEDS_DATABASE,
-    .work = revoke,
-    .mode = STORE_WRITE,
+    .database = CTL_WRITES_DATABASE,
+    .run = revoke,
     .summary = "make a token invalid for good",
     .help = "A running daemon refuses it at once.",
     .example = "surfacectl --db faces.db token revoke front-door"};

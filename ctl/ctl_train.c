@@ -92,18 +92,14 @@ static void print_report(struct ctl *c, const char *path, const struct model *m,
             r->threshold_mm, path, strchr(engine, ' ') + 1);
 }
 
-/* A name that the file can hold. */
-static bool check_name(struct ctl *c, const char *name)
+/* A name that the file can hold? */
+static bool valid_name(const char *name)
 {
     const size_t n = strlen(name);
 
     for (size_t i = 0; i < n; i++)
-        if (n > MODEL_NAME_MAX || name[i] < ' ' || name[i] > '~') {
-            (void)errinfo_set(&c->e, ST_EINVAL,
-                              "a model's label is up to %d printable ASCII characters",
-                              MODEL_NAME_MAX);
+        if (n > MODEL_NAME_MAX || name[i] < ' ' || name[i] > '~')
             return false;
-        }
     return true;
 }
 
@@ -131,7 +127,7 @@ static enum status train(struct ctl *c, struct scans *s, const char *path,
     return st;
 }
 
-static int run(struct ctl *c)
+static enum status run(struct ctl *c)
 {
     const char *path = c->dir != NULL ? c->dir : "faces.model";
     const char *name = c->label != NULL ? c->label : "a collection of scans";
@@ -139,10 +135,11 @@ static int run(struct ctl *c)
     struct corpus *corpus = NULL;
     enum status st;
 
-    if (!check_name(c, name))
-        return EXIT_USAGE;
+    if (!valid_name(name))
+        return ctl_usage(c, "a model's label is up to %d printable ASCII characters",
+                         MODEL_NAME_MAX);
     if ((st = corpus_read(c->args[0], &corpus, &c->e)) != ST_OK)
-        return ctl_fail(c, st);
+        return st;
     s.corpus = corpus;
     s.face = calloc(corpus->nscan, sizeof *s.face);
     s.refused = calloc(corpus->nscan, sizeof *s.refused);
@@ -159,7 +156,7 @@ static int run(struct ctl *c)
     free(s.face);
     free(s.refused);
     corpus_free(corpus);
-    return st == ST_OK ? EXIT_FINE : ctl_fail(c, st);
+    return st;
 }
 
 const struct ctl_command ctl_train = {

@@ -6,7 +6,6 @@
 #include "verdict.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
-#include "ctl_model.h"
 #include "ctl_scan.h"
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
@@ -36,7 +35,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 }
 
 /* Whoever has the database is not locked out of it: attempts are not counted. */
-static enum status settle(struct ctl *c, struct store *s, const struct ctl_nearest *best)
+static enum status settle(struct ctl *c, const struct ctl_nearest *best)
 {
     struct errinfo lost = {0};
     struct store_settled out = {.lost = &lost};
@@ -47,35 +46,27 @@ static enum status settle(struct ctl *c, struct store *s, const struct ctl_neare
         .kind = "verify",
         .template_id = best->tmpl.id,
         .outcome = verdict_decision(best->nearest.result.decision)};
-    const enum status st = store_settle(s, &what, &out, &c->e);
+    const enum status st = store_settle(c->store, &what, &out, &c->e);
 
     return st == ST_OK && lost.code != ST_OK
                ? errinfo_set(&c->e, lost.code, "%s", lost.msg)
                : st;
 }
 
-static int run_verify(struct ctl *c)
+static enum status verify(struct ctl *c)
 {
     const char *subject = c->args[0];
-    struct face_work *w = face_work_new(c->model);
+    const double start = ctl_clock_ms();
     struct face probe = {0};
-    struct store *s = NULL;
     struct ctl_nearest best;
-    double start = 0;
-    enum status st;
+    enum status st = ctl_scan_read(c, c->args[1], c->work, &probe);
 
-    if (w == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else
-        st = ctl_model_open(c, STORE_WRITE, &s);
-    start = ctl_clock_ms();
     if (st == ST_OK)
-        st = ctl_scan_read(c, c->args[1], w, &probe);
+        st = ctl_face_nearest(c, subject, &probe, &best);
     if (st == ST_OK)
-        st = ctl_face_nearest(c, s, subject, &probe, w, &best);
-    if (st == ST_OK)
-        st = settle(c, s, &best);
+        st = settle(c, &best);
     if (st == ST_OK) {
+        c->code = ctl_face_exit(best.nearest.result.decision);
         print_result(c, &(struct describe_comparison){
                             .result = &best.nearest.result,
                             .probe = &probe,
@@ -90,25 +81,20 @@ static int run_verify(struct ctl *c)
         ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n",
                 best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
     }
-    store_close(s);
     face_free(&probe);
-    face_work_free(w);
-    return st == ST_OK ? ctl_face_exit(best.nearest.result.decision) : ctl_fail(c, st);
+    return st;
 }
 
-static int run_compare(struct ctl *c)
+static enum status compare(struct ctl *c)
 {
     const double start = ctl_clock_ms();
-    struct face_work *w = face_work_new(c->model);
     struct face a = {0}, b = {0};
     struct face_result r = {0};
     enum status st;
 
-    if (w == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else if ((st = ctl_scan_read(c, c->args[0], w, &a)) == ST_OK &&
-             (st = ctl_scan_read(c, c->args[1], w, &b)) == ST_OK &&
-             (st = face_compare(&a, &b, 0.0, ctl_clock_ms, w, &r)) != ST_OK)
+    if ((st = ctl_scan_read(c, c->args[0], c->work, &a)) == ST_OK &&
+        (st = ctl_scan_read(c, c->args[1], c->work, &b)) == ST_OK &&
+        (st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
         print_result(
@@ -122,18 +108,18 @@ static int run_compare(struct ctl *c)
                                                      ctl_clock_ms() - start}});
     face_free(&a);
     face_free(&b);
-    face_work_free(w);
-    return st == ST_OK ? ctl_face_exit(r.decision) : ctl_fail(c, st);
+    c->code = ctl_face_exit(r.decision);
+    return st;
 }
 
 const struct ctl_command ctl_verify = {
     .name = "verify",
     .args = "SUBJECT FILE",
     .takes = {2, 2},
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_WRITES_DATABASE,
     .shared = CTL_UNITS | CTL_MODEL,
     .exits = {"match", "no match", "inconclusive: too little in common"},
-    .run = run_verify,
+    .run = verify,
     .summary = "compare a scan with a subject's templates",
     .help = "The template with the lowest score decides.",
     .example = "surfacectl --db faces.db verify alice probe.ply"};
@@ -144,7 +130,7 @@ const struct ctl_command ctl_verify_compare = {
     .takes = {2, 2},
     .shared = CTL_UNITS | CTL_MODEL,
     .exits = {"match", "no match", "inconclusive: too little in common"},
-    .run = run_compare,
+    .run = compare,
     .summary = "compare two scans, without a database",
     .help = "B is moved onto A.  Nothing is stored.",
     .example = "surfacectl compare monday.ply tuesday.ply"};

@@ -9,7 +9,6 @@
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_help.h"
-#include "ctl_key.h"
 #include "ctl_model.h"
 #include "ctl_table.h"
 
@@ -140,7 +139,7 @@ static bool read_words(struct line *l, char **words, int n)
         l->group = words[0];
         return (help && n == 1 && ctl_help_is_group(words[0])) || which_of(l, words[0]);
     }
-    l->c.name = l->cmd->name;
+    l->c.cmd = l->cmd;
     l->c.args = words + used;
     l->c.nargs = n - used;
     if (!help && (l->c.nargs < l->cmd->takes[0] || l->c.nargs > l->cmd->takes[1])) {
@@ -187,6 +186,20 @@ static bool read_environment(struct line *l)
     return l->cmd->database == CTL_NO_DATABASE || ctl_config_database(c, model) == ST_OK;
 }
 
+static enum status run(struct ctl *c, struct model **model)
+{
+    const enum ctl_database database = c->cmd->database;
+    enum status st = ctl_model_read(c, model);
+
+    if (st == ST_OK && (c->cmd->shared & CTL_UNITS) != 0 &&
+        (c->work = face_work_new(c->model)) == NULL)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK && database >= CTL_READS_DATABASE)
+        st = ctl_model_open(
+            c, database == CTL_WRITES_DATABASE && !c->dry_run ? STORE_WRITE : STORE_READ);
+    return st == ST_OK ? c->cmd->run(c) : st;
+}
+
 static void print_error(struct ctl *c, int code)
 {
     (void)fflush(stdout);
@@ -200,32 +213,30 @@ static void print_error(struct ctl *c, int code)
 int main(int argc, char **argv)
 {
     struct line l = {.noption = 0};
+    struct ctl *c = &l.c;
     struct model *model = NULL;
     bool ok = read_line(argc, argv, &l);
     int code = EXIT_USAGE;
 
-    if (ok && (l.c.help || l.c.version)) {
-        ctl_help_print(l.c.version, l.cmd, l.group);
+    if (ok && (c->help || c->version)) {
+        ctl_help_print(c->version, l.cmd, l.group);
         return EXIT_FINE;
     }
     ok = ok && read_environment(&l);
-    if (l.c.json && (l.c.out = json_new()) == NULL) {
+    if (c->json && (c->out = json_new()) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
         return EXIT_OSERR;
     }
-    if (ok) {
-        const enum status st = ctl_model_read(&l.c, &model);
-
-        code = st != ST_OK          ? ctl_fail(&l.c, st)
-               : l.cmd->run != NULL ? l.cmd->run(&l.c)
-                                    : ctl_key_run(&l.c, l.cmd->mode, l.cmd->work);
-    }
+    if (ok)
+        code = ctl_exit(c, run(c, &model));
+    store_close(c->store);
+    face_work_free(c->work);
     free(model);
-    ctl_config_free(&l.c);
-    keyfile_free(l.c.asked);
+    ctl_config_free(c);
+    keyfile_free(c->asked);
     if (code > EXIT_INCONCLUSIVE)
-        print_error(&l.c, code);
-    if ((l.c.json && !ctl_print(stdout, json_pretty(l.c.out))) || fflush(stdout) != 0) {
+        print_error(c, code);
+    if ((c->json && !ctl_print(stdout, json_pretty(c->out))) || fflush(stdout) != 0) {
         (void)fprintf(stderr, "surfacectl: the output cannot be written\n");
         return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
     }
