@@ -71,9 +71,7 @@ const struct ctl_command ctl_archive_export = {
     .takes = {0, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_OUT | CTL_ARCHIVE_KEY,
-    .options = (const struct ctl_option[]){CTL_OPTION("all", NULL, ctl_option_flag, &all,
-                                                      "every subject"),
-                                           CTL_OPTION_END},
+    .options = {CTL_OPTION("all", NULL, ctl_option_flag, &all, "every subject")},
     .run = export,
     .summary = "write subjects to an archive for another machine",
     .help =

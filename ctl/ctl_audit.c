@@ -32,20 +32,27 @@ static const char *who(const struct store_audit_entry *a, char out[16])
     return out;
 }
 
+/* An entry's members; subject_key: what its subject's hash is called. */
+static void out_entry(struct json *j, const struct store_audit_entry *a,
+                      const char *subject_key)
+{
+    json_number(j, "seq", (double)a->seq);
+    json_text(j, "at", a->at);
+    json_text(j, "kind", a->kind);
+    json_text(j, "actor", a->actor);
+    json_text(j, subject_key, a->ref);
+    json_text(j, "template_id", a->template_id);
+    json_text(j, "outcome", a->outcome);
+    json_text(j, "hash", a->hash);
+}
+
 static void show_entry(struct ctl *c, const struct store_audit_entry *a)
 {
     char ref[16];
 
     json_object(c->out, NULL);
-    json_number(c->out, "seq", (double)a->seq);
-    json_text(c->out, "at", a->at);
-    json_text(c->out, "kind", a->kind);
-    json_text(c->out, "actor", a->actor);
+    out_entry(c->out, a, "subject_ref");
     json_text(c->out, "subject", a->subject[0] != '\0' ? a->subject : NULL);
-    json_text(c->out, "subject_ref", a->ref);
-    json_text(c->out, "template_id", a->template_id);
-    json_text(c->out, "outcome", a->outcome);
-    json_text(c->out, "hash", a->hash);
     json_close(c->out);
     ctl_say(c, "%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n", a->seq,
             a->at, a->at + 11, a->kind, who(a, ref), a->template_id, a->outcome,
@@ -141,16 +148,7 @@ static void add_head(struct json *o, const void *arg)
 
 static void add_entry(struct json *o, const void *arg)
 {
-    const struct store_audit_entry *a = arg;
-
-    json_number(o, "seq", (double)a->seq);
-    json_text(o, "at", a->at);
-    json_text(o, "kind", a->kind);
-    json_text(o, "actor", a->actor);
-    json_text(o, "subject", a->ref);
-    json_text(o, "template_id", a->template_id);
-    json_text(o, "outcome", a->outcome);
-    json_text(o, "hash", a->hash);
+    out_entry(o, arg, "subject");
 }
 
 static void add_mark(struct json *o, const void *arg)
@@ -354,9 +352,6 @@ static enum status verify_file(struct ctl *c, struct store_audit *out)
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if (sodium_init() < 0)
-        return errinfo_set(&c->e, ST_EINTERNAL,
-                           "the cryptographic library does not start");
     if (sodium_hex2bin(public, sizeof public, c->public_key, strlen(c->public_key), NULL,
                        &n, NULL) != 0 ||
         n != sizeof public)
@@ -444,16 +439,13 @@ static enum status erased(struct ctl *c)
 const struct ctl_command ctl_audit_show = {
     .name = "audit show",
     .database = CTL_READS_DATABASE,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("subject", "ID", ctl_option_text, &about,
-                       "only entries about this subject, erased or not"),
-            CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
-                       "only entries of this kind, like enroll or verify"),
-            CTL_OPTION("since", "TIME", ctl_option_text, &since,
-                       "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
-            CTL_OPTION("limit", "N", ctl_option_whole, &limit, "the newest N (100)"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION("subject", "ID", ctl_option_text, &about,
+                           "only entries about this subject, erased or not"),
+                CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                           "only entries of this kind, like enroll or verify"),
+                CTL_OPTION("since", "TIME", ctl_option_text, &since,
+                           "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
+                CTL_OPTION("limit", "N", ctl_option_whole, &limit, "the newest N (100)")},
     .run = show,
     .summary = "list who did what, and when",
     .help =

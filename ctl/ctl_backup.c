@@ -1,8 +1,11 @@
 /* backup and restore: the database as a whole. */
-#include <stdio.h>
+#include <inttypes.h>
 
 #include "ctl_command.h"
 #include "ctl_key.h"
+
+/* For "%" PRIu64 " subject%s". */
+#define COUNT(n) n, (n) == 1 ? "" : "s"
 
 /* The key of a copy is that of the database: its usual name goes by the database's. */
 static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
@@ -11,11 +14,6 @@ static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
 
     key->of = c->db;
     return st;
-}
-
-static void print_count(uint64_t n, const char *what)
-{
-    (void)printf("%llu %s%s", (unsigned long long)n, what, n == 1 ? "" : "s");
 }
 
 static void out_copied(struct ctl *c, const struct store_copied *k)
@@ -40,44 +38,35 @@ static enum status backup(struct ctl *c)
         return st;
     json_text(c->out, "backup", c->args[0]);
     out_copied(c, &copied);
-    if (!c->json) {
-        (void)printf("%s: verified: ", c->args[0]);
-        print_count(copied.subjects, "subject");
-        (void)printf(", ");
-        print_count(copied.templates, "template");
-        (void)printf(", %s\n", ctl_bytes(copied.bytes, size));
-    }
+    ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n",
+            c->args[0], COUNT(copied.subjects), COUNT(copied.templates),
+            ctl_bytes(copied.bytes, size));
     return ST_OK;
 }
 
 static void tell_restored(const struct ctl *c, const struct store_restored *r)
 {
-    (void)printf("%s: ", c->args[0]);
-    print_count(r->backup.subjects, "subject");
-    (void)printf(", ");
-    print_count(r->backup.templates, "template");
-    if (r->was_there) {
-        (void)printf("; in its place now: ");
-        print_count(r->had_subjects, "subject");
-        (void)printf(", ");
-        print_count(r->had_templates, "template");
-        (void)printf("\n");
-        print_count(r->lost, "subject");
-        (void)printf(" of those are not in the backup\n");
-        print_count(r->erased, "subject");
-        (void)printf(" of the backup were erased since and are erased again\n");
-        print_count(r->revoked, "token");
-        (void)printf(" were revoked since and are revoked again");
-    }
-    (void)printf("\n");
+    ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
+            COUNT(r->backup.subjects), COUNT(r->backup.templates));
+    if (r->was_there)
+        ctl_say(c,
+                "; in its place now: %" PRIu64 " subject%s, %" PRIu64 " template%s\n"
+                "%" PRIu64 " subject%s of those are not in the backup\n"
+                "%" PRIu64 " subject%s of the backup were erased since and are erased "
+                "again\n"
+                "%" PRIu64 " token%s were revoked since and are revoked again",
+                COUNT(r->had_subjects), COUNT(r->had_templates), COUNT(r->lost),
+                COUNT(r->erased), COUNT(r->revoked));
+    ctl_say(c, "\n");
     if (c->dry_run)
-        (void)printf("nothing was changed\n");
+        ctl_say(c, "nothing was changed\n");
     else if (r->was_there)
-        (void)printf("restored; the database that was there is %s.before-restore: delete "
-                     "it when all is well\n",
-                     c->db);
+        ctl_say(c,
+                "restored; the database that was there is %s.before-restore: delete "
+                "it when all is well\n",
+                c->db);
     else
-        (void)printf("restored\n");
+        ctl_say(c, "restored\n");
 }
 
 static enum status restore(struct ctl *c)
@@ -99,8 +88,7 @@ static enum status restore(struct ctl *c)
     json_number(c->out, "subjects_erased", (double)r.erased);
     json_number(c->out, "tokens_revoked", (double)r.revoked);
     json_flag(c->out, "restored", !c->dry_run);
-    if (!c->json)
-        tell_restored(c, &r);
+    tell_restored(c, &r);
     return ST_OK;
 }
 

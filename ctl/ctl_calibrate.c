@@ -12,6 +12,7 @@
 #include "ctl_command.h"
 #include "ctl_cross.h"
 #include "ctl_model.h"
+#include "ctl_pairs.h"
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
@@ -25,11 +26,6 @@
 static bool wants_list, wants_reset; /* --list, --reset */
 static const char *mated;            /* --mated */
 
-struct suspect {
-    uint32_t a, b;
-    double mm;
-};
-
 struct result {
     struct ctl_cross cross;
     struct rates *rates;
@@ -37,35 +33,17 @@ struct result {
     size_t pairs; /* of subjects that were compared, at least */
     double fnmr, fnmr_low, fnmr_high;
     double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
-    struct suspect *suspect;
+    struct ctl_pair *suspect;
     size_t nsuspect;
 };
 
 /* ---- two ids, one face? */
 
-static int by_pair(const void *x, const void *y)
-{
-    const struct suspect *a = x, *b = y;
-
-    if (a->a != b->a)
-        return a->a < b->a ? -1 : 1;
-    if (a->b != b->b)
-        return a->b < b->b ? -1 : 1;
-    return (a->mm > b->mm) - (a->mm < b->mm);
-}
-
-static int by_mm(const void *x, const void *y)
-{
-    const struct suspect *a = x, *b = y;
-
-    return a->mm != b->mm ? (a->mm > b->mm) - (a->mm < b->mm) : by_pair(x, y);
-}
-
 /* Pairs of subjects that are too alike, each once, the most alike first. */
 static enum status find_suspects(const struct ctl *c, struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
-    size_t n = 0, kept = 0;
+    size_t n = 0;
 
     if ((r->suspect = malloc((p->nscore + 1) * sizeof *r->suspect)) == NULL)
         return ST_ENOMEM;
@@ -75,17 +53,14 @@ static enum status find_suspects(const struct ctl *c, struct result *r)
         if (s->template == s->probe ||
             decision_fmr(&c->model->decision, s->mm) >= SUSPICIOUS)
             continue;
-        r->suspect[n++] =
-            s->template <s->probe ? (struct suspect){s->template, s->probe, s->mm}
-                                  : (struct suspect){s->probe, s->template, s->mm};
+        r->suspect[n++] = s->template <s->probe ? (struct ctl_pair){.x = s->template,
+                                                                    .y = s->probe,
+                                                                    .mm = s->mm}
+                                                : (struct ctl_pair){.x = s->probe,
+                                                                    .y = s->template,
+                                                                    .mm = s->mm};
     }
-    qsort(r->suspect, n, sizeof *r->suspect, by_pair);
-    for (size_t i = 0; i < n; i++)
-        if (kept == 0 || r->suspect[i].a != r->suspect[kept - 1].a ||
-            r->suspect[i].b != r->suspect[kept - 1].b)
-            r->suspect[kept++] = r->suspect[i];
-    qsort(r->suspect, kept, sizeof *r->suspect, by_mm);
-    r->nsuspect = kept;
+    r->nsuspect = ctl_pairs_sort(r->suspect, n);
     return ST_OK;
 }
 
@@ -224,8 +199,8 @@ static void out_result(struct ctl *c, const struct result *r)
     json_array(o, "suspicious");
     for (size_t i = 0; i < r->nsuspect; i++) {
         json_object(o, NULL);
-        json_text(o, "a", who[r->suspect[i].a].id);
-        json_text(o, "b", who[r->suspect[i].b].id);
+        json_text(o, "a", who[r->suspect[i].x].id);
+        json_text(o, "b", who[r->suspect[i].y].id);
         json_number(o, "disparity_mm", r->suspect[i].mm);
         json_close(o);
     }
@@ -244,8 +219,8 @@ static void print_suspects(const struct result *r)
         "different people:\n",
         SUSPICIOUS);
     for (size_t i = 0; i < r->nsuspect && i < SUSPECTS; i++)
-        (void)printf("  %.3f mm  %s  %s\n", r->suspect[i].mm, who[r->suspect[i].a].id,
-                     who[r->suspect[i].b].id);
+        (void)printf("  %.3f mm  %s  %s\n", r->suspect[i].mm, who[r->suspect[i].x].id,
+                     who[r->suspect[i].y].id);
     if (r->nsuspect > SUSPECTS)
         (void)printf("  and %zu pairs more (--json has all)\n", r->nsuspect - SUSPECTS);
 }
@@ -401,17 +376,14 @@ const struct ctl_command ctl_calibrate = {
     .args = "[--list | --reset]",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_UNITS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION(
-                "mated", "MANIFEST", ctl_option_text, &mated,
-                "more scans of the subjects: a folder, or a table with the columns\n"
-                "file and subject"),
-            CTL_OPTION("list", NULL, ctl_option_flag, &wants_list,
-                       "list the calibrations"),
-            CTL_OPTION("reset", NULL, ctl_option_flag, &wants_reset,
-                       "go back to the table that comes with the program"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION(
+                    "mated", "MANIFEST", ctl_option_text, &mated,
+                    "more scans of the subjects: a folder, or a table with the columns\n"
+                    "file and subject"),
+                CTL_OPTION("list", NULL, ctl_option_flag, &wants_list,
+                           "list the calibrations"),
+                CTL_OPTION("reset", NULL, ctl_option_flag, &wants_reset,
+                           "go back to the table that comes with the program")},
     .run = run,
     .summary = "compute a threshold from the enrolled templates",
     .help =

@@ -24,8 +24,8 @@ struct ctl_command {
     const char
         *exits[3]; /* what the exit codes 0 to 2 mean; NULL: 0 is done, others never */
     enum ctl_database database;
-    unsigned shared; /* options, besides those of a database and of all */
-    const struct ctl_option *options; /* of its own, or NULL */
+    unsigned shared;              /* options, besides those of a database and of all */
+    struct ctl_option options[5]; /* of its own; ends with one that has no name */
 
     /* Do it.  Where that failed c->e says why; else c->code is the exit code. */
     enum status (*run)(struct ctl *c);

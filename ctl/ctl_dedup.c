@@ -13,6 +13,7 @@
 #include "ctl_command.h"
 #include "ctl_each.h"
 #include "ctl_model.h"
+#include "ctl_pairs.h"
 
 #define TRIALS 16 /* comparisons that the time is estimated by */
 #define NOBODY UINT32_MAX
@@ -23,12 +24,6 @@ struct entry { /* a template */
     char id[STORE_ID_LEN + 1];
     char digest[65];
     uint32_t owner; /* of subject[] */
-};
-
-struct pair {
-    uint32_t a, b; /* of entry[], a before b */
-    uint32_t x, y; /* whose */
-    double mm;
 };
 
 struct dedup {
@@ -44,8 +39,8 @@ struct dedup {
     double pairs;      /* of templates that are to be compared */
     double estimate_s; /* that it takes, where the threads have a core each */
 
-    pthread_mutex_t lock; /* of what follows */
-    struct pair *found;   /* [nfound]; when done, of each two subjects the nearest */
+    pthread_mutex_t lock;   /* of what follows */
+    struct ctl_pair *found; /* [nfound]; when done, of each two subjects the nearest */
     size_t nfound, room;
     uint64_t compared, inconclusive;
 };
@@ -167,7 +162,8 @@ static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double mm)
         d->found = larger;
         d->room = room;
     }
-    d->found[d->nfound++] = (struct pair){a, b, d->entry[a].owner, d->entry[b].owner, mm};
+    d->found[d->nfound++] =
+        (struct ctl_pair){d->entry[a].owner, d->entry[b].owner, a, b, mm};
     return ST_OK;
 }
 
@@ -278,43 +274,6 @@ static enum status estimate(struct dedup *d)
 
 /* ---- output */
 
-static int by_subjects(const void *p, const void *q)
-{
-    const struct pair *v = p, *w = q;
-
-    if (v->x != w->x)
-        return v->x < w->x ? -1 : 1;
-    if (v->y != w->y)
-        return v->y < w->y ? -1 : 1;
-    if (v->mm != w->mm)
-        return v->mm < w->mm ? -1 : 1;
-    return v->a != w->a ? (v->a > w->a) - (v->a < w->a) : (v->b > w->b) - (v->b < w->b);
-}
-
-static int by_mm(const void *p, const void *q)
-{
-    const struct pair *v = p, *w = q;
-
-    return v->mm != w->mm ? (v->mm > w->mm) - (v->mm < w->mm) : by_subjects(p, q);
-}
-
-/* Of each two subjects the nearest templates, the most alike first: the same in whatever
- * order the threads came. */
-static void sort_found(struct dedup *d)
-{
-    size_t n = 0;
-
-    if (d->nfound == 0)
-        return;
-    qsort(d->found, d->nfound, sizeof *d->found, by_subjects);
-    for (size_t i = 0; i < d->nfound; i++)
-        if (n == 0 || d->found[n - 1].x != d->found[i].x ||
-            d->found[n - 1].y != d->found[i].y)
-            d->found[n++] = d->found[i];
-    d->nfound = n;
-    qsort(d->found, d->nfound, sizeof *d->found, by_mm);
-}
-
 static void tell_costs(const struct dedup *d)
 {
     const double chance =
@@ -335,7 +294,7 @@ static void tell_costs(const struct dedup *d)
                   chance, d->threshold_mm);
 }
 
-static void tell_pair(const struct dedup *d, const struct pair *p)
+static void tell_pair(const struct dedup *d, const struct ctl_pair *p)
 {
     const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
     const double fmr = decision_fmr(&d->calibration.decision, p->mm);
@@ -403,7 +362,7 @@ static enum status dedup(struct dedup *d)
         st = pool_run("compare", c->threads, c->model, d->n, do_row, d, &c->e);
     if (st != ST_OK)
         return st;
-    sort_found(d);
+    d->nfound = ctl_pairs_sort(d->found, d->nfound);
     tell_found(d);
     return ST_OK;
 }
@@ -430,10 +389,8 @@ const struct ctl_command ctl_dedup = {
     .name = "dedup",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_THRESHOLD | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
-    .options =
-        (const struct ctl_option[]){CTL_OPTION("subject", "ID", ctl_option_text, &only,
-                                               "compare this subject with the others"),
-                                    CTL_OPTION_END},
+    .options = {CTL_OPTION("subject", "ID", ctl_option_text, &only,
+                           "compare this subject with the others")},
     .exits = {"no duplicates", "duplicates were found"},
     .run = run,
     .summary = "find one face enrolled under two subjects",

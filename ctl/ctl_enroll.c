@@ -99,13 +99,10 @@ const struct ctl_command ctl_enroll = {
     .takes = {1, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_UNITS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("force", NULL, ctl_option_flag, &force,
-                       "enroll scans that do not fit the subject's other samples"),
-            CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
-                       "of a folder or a table, only the scans of this kind"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION("force", NULL, ctl_option_flag, &force,
+                           "enroll scans that do not fit the subject's other samples"),
+                CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                           "of a folder or a table, only the scans of this kind")},
     .run = run,
     .summary = "enroll scans of a subject, or of many",
     .help =

@@ -6,9 +6,6 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_model.h"
-
-static bool due_given; /* --due */
 
 static void out_receipt(struct json *o, const struct store_receipt *r)
 {
@@ -100,7 +97,7 @@ static enum status erase_due(struct ctl *c, const struct store_subject *due, siz
     return ST_OK;
 }
 
-static enum status purge(struct ctl *c, const struct store_subject *due, size_t n)
+static enum status erase_all(struct ctl *c, const struct store_subject *due, size_t n)
 {
     char what[64], count[32];
     size_t most = 0, erased = 0;
@@ -123,17 +120,14 @@ static enum status purge(struct ctl *c, const struct store_subject *due, size_t 
     return ST_OK;
 }
 
-static enum status run_purge(struct ctl *c)
+static enum status purge(struct ctl *c)
 {
     struct store_subject *due = NULL;
     size_t n = 0;
-    enum status st;
+    enum status st = store_subject_due(c->store, &due, &n, &c->e);
 
-    if (!due_given)
-        return ctl_usage(c, "it is: surfacectl purge --due");
-    if ((st = ctl_model_open(c, c->dry_run ? STORE_READ : STORE_WRITE)) == ST_OK &&
-        (st = store_subject_due(c->store, &due, &n, &c->e)) == ST_OK)
-        st = purge(c, due, n);
+    if (st == ST_OK)
+        st = erase_all(c, due, n);
     free(due);
     return st;
 }
@@ -154,17 +148,11 @@ const struct ctl_command ctl_erase = {
 
 const struct ctl_command ctl_erase_purge = {
     .name = "purge",
-    .args = "--due",
-    .database = CTL_NEEDS_DATABASE,
+    .database = CTL_WRITES_DATABASE,
     .shared = CTL_DRY_RUN | CTL_YES,
-    .options =
-        (const struct ctl_option[]){CTL_OPTION("due", NULL, ctl_option_flag, &due_given,
-                                               "the subjects that have expired; "
-                                               "required"),
-                                    CTL_OPTION_END},
-    .run = run_purge,
+    .run = purge,
     .summary = "erase the subjects that have expired",
     .help =
         "Those on hold are listed and kept.  On a terminal their number has to be typed;\n"
         "elsewhere --yes is required.",
-    .example = "surfacectl --db faces.db purge --due --dry-run"};
+    .example = "surfacectl --db faces.db purge --dry-run"};

@@ -144,12 +144,10 @@ const struct ctl_command ctl_evaluate = {
     .takes = {1, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_UNITS | CTL_MODEL | CTL_THRESHOLD | CTL_OUT | CTL_THREADS,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("non-mated", "N", ctl_option_whole, &non_mated,
-                       "compare each probe with N other subjects (all, up to 200,000\n"
-                       "comparisons)"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION(
+        "non-mated", "N", ctl_option_whole, &non_mated,
+        "compare each probe with N other subjects (all, up to 200,000\n"
+        "comparisons)")},
     .run = run,
     .summary = "measure error rates on a collection of scans",
     .help =

@@ -75,9 +75,6 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
     enum status st;
 
     *key = (struct store_key){.path = c->key, .make = VAULT_FILE};
-    if (sodium_init() < 0)
-        return errinfo_set(&c->e, ST_EINTERNAL,
-                           "the cryptographic library does not start");
     if (c->plaintext)
         key->make = VAULT_OPEN;
     else if (c->passphrase)
@@ -102,9 +99,6 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
     static const char option[] = "--archive-key";
 
     *out = NULL;
-    if (sodium_init() < 0)
-        return errinfo_set(&c->e, ST_EINTERNAL,
-                           "the cryptographic library does not start");
     if (c->archive_key != NULL)
         return keyfile_read(c->archive_key, out, &c->e);
     return make ? ctl_key_new(c, option, out)

@@ -20,12 +20,11 @@ struct ctl_option {
     char letter;      /* a short form, or 0 */
 };
 
-/* An option that one command takes, and a list's end. */
+/* An option that one command takes. */
 #define CTL_OPTION(name, arg, read, value, help)                                         \
     {                                                                                    \
         name, arg, read, value, help, 0, 0                                               \
     }
-#define CTL_OPTION_END CTL_OPTION(NULL, NULL, NULL, NULL, NULL)
 
 /* The shared options, a bit each, in the order of help texts. */
 enum ctl_shared {

@@ -1,7 +1,5 @@
 /* audit receipt: is the receipt of an erasure true? */
-#include <errno.h>
 #include <inttypes.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +9,7 @@
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"
+#include "ctl_scan.h"
 
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
 #define TEMPLATES_MAX 100000
@@ -29,34 +28,6 @@ static void problem(struct review *v, const char *text)
 }
 
 /* ---- the file: as the response to DELETE over HTTP, or subject erase --json */
-
-static enum status read_file(struct ctl *c, char **out)
-{
-    const char *path = c->args[0];
-    FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "rb");
-    char *text = malloc(FILE_MAX + 1);
-    enum status st = ST_OK;
-    size_t n;
-
-    *out = text;
-    if (in == NULL) {
-        st = errinfo_set(&c->e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO,
-                         "cannot read %.160s: %s", path, strerror(errno));
-    } else if (text == NULL) {
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    } else {
-        n = fread(text, 1, FILE_MAX + 1, in);
-        if (ferror(in))
-            st = errinfo_set(&c->e, ST_EIO, "cannot read %.160s", path);
-        else if (n > FILE_MAX || memchr(text, '\0', n) != NULL)
-            st = errinfo_set(&c->e, ST_EINVAL, "%.160s is no receipt", path);
-        else
-            text[n] = '\0';
-    }
-    if (in != NULL && in != stdin)
-        (void)fclose(in);
-    return st;
-}
 
 static bool read_templates(const struct json_value *ids, struct store_receipt *r)
 {
@@ -95,10 +66,11 @@ static bool take_receipt(const struct json_value *v, struct store_receipt *r)
 static enum status read_receipt(struct review *v)
 {
     struct json_value *doc = NULL;
-    char *text = NULL;
-    enum status st = read_file(v->c, &text);
+    unsigned char *text;
+    size_t len;
+    enum status st = ctl_scan_file(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
 
-    if (st == ST_OK && (json_read(text, strlen(text), TEMPLATES_MAX + JSON_MEMBERS, &doc,
+    if (st == ST_OK && (json_read((char *)text, len, TEMPLATES_MAX + JSON_MEMBERS, &doc,
                                   NULL) != ST_OK ||
                         !take_receipt(doc, &v->r)))
         st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is no receipt", v->c->args[0]);
@@ -178,9 +150,7 @@ static enum status run(struct ctl *c)
 
     if (c->public_key == NULL && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return ST_EINVAL;
-    st = sodium_init() >= 0 ? read_receipt(&v)
-                            : errinfo_set(&c->e, ST_EINTERNAL,
-                                          "the cryptographic library does not start");
+    st = read_receipt(&v);
     json_array(c->out, "problems");
     if (st == ST_OK && !store_receipt_true(&v.r))
         problem(&v, "what it says is not what was signed");

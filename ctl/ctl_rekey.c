@@ -94,13 +94,10 @@ const struct ctl_command ctl_rekey = {
     .name = "rekey",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_PASSPHRASE | CTL_PLAINTEXT | CTL_YES,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
-                       "a file with the new key or passphrase"),
-            CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
-                       "keep the file of the old key, as FILE.old"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
+                           "a file with the new key or passphrase"),
+                CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
+                           "keep the file of the old key, as FILE.old")},
     .run = rekey,
     .summary = "change the database's key",
     .help =

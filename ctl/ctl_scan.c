@@ -11,14 +11,13 @@
 
 #define MAX_FILE ((size_t)256 << 20)
 
-/* All of a file, to be released by free(). */
-static enum status read_file(const char *path, unsigned char **bytes, size_t *len,
-                             struct errinfo *e)
+enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
+                          size_t *len, struct errinfo *e)
 {
     const bool standard = strcmp(path, "-") == 0;
     FILE *in = standard ? stdin : fopen(path, "rb");
     unsigned char *larger;
-    size_t room = 1 << 20, n;
+    size_t room = 1 << 16, n;
     enum status st = ST_OK;
 
     *len = 0;
@@ -27,18 +26,18 @@ static enum status read_file(const char *path, unsigned char **bytes, size_t *le
         return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%s: %s", path,
                            strerror(errno));
     do {
-        if (*bytes == NULL || *len == room) {
-            room = *bytes == NULL ? room : 2 * room;
+        if (*bytes == NULL || *len + 1 == room) {
+            room *= 2;
             if ((larger = realloc(*bytes, room)) == NULL) {
                 st = errinfo_set(e, ST_ENOMEM, "%s: out of memory", path);
                 break;
             }
             *bytes = larger;
         }
-        *len += n = fread(*bytes + *len, 1, room - *len, in);
-        if (*len > MAX_FILE)
-            st =
-                errinfo_set(e, ST_ELIMIT, "%s: larger than %zu MB", path, MAX_FILE >> 20);
+        *len += n = fread(*bytes + *len, 1, room - 1 - *len, in);
+        (*bytes)[*len] = '\0';
+        if (*len > most)
+            st = errinfo_set(e, ST_ELIMIT, "%s: larger than %zu MB", path, most >> 20);
     } while (n != 0 && st == ST_OK);
     if (st == ST_OK && ferror(in))
         st = errinfo_set(e, ST_EIO, "%s: %s", path, strerror(errno));
@@ -61,7 +60,7 @@ enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
     struct clouderror why = {.what = "out of memory"};
     unsigned char *bytes;
     size_t len;
-    enum status st = read_file(path, &bytes, &len, &c->e);
+    enum status st = ctl_scan_file(path, MAX_FILE, &bytes, &len, &c->e);
 
     *pts = NULL;
     *n = 0;

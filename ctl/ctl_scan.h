@@ -6,6 +6,7 @@
 
 struct ctl;       /* ctl.h */
 struct dvec3;     /* vec.h */
+struct errinfo;   /* errinfo.h */
 struct face;      /* face.h */
 struct face_work; /* face.h */
 
@@ -20,5 +21,11 @@ enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
                             size_t *n);
 enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
                            size_t n, struct face_work *w, struct face *out);
+
+/* ctl_scan_file(path, most, bytes, len, e): all of a file of up to that many bytes ("-":
+ * standard input), with a zero byte behind it; *bytes is released by free(), also on
+ * failure. */
+enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
+                          size_t *len, struct errinfo *e);
 
 #endif

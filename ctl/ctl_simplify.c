@@ -62,13 +62,10 @@ const struct ctl_command ctl_simplify = {
     .args = "FILE",
     .takes = {1, 1},
     .shared = CTL_UNITS | CTL_MODEL | CTL_OUT,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("tolerance", "MM", ctl_option_mm, &tolerance_mm,
-                       "the largest gap that may open; required"),
-            CTL_OPTION("mean", NULL, ctl_option_flag, &mean,
-                       "the tolerance is for the mean gap over the area"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION("tolerance", "MM", ctl_option_mm, &tolerance_mm,
+                           "the largest gap that may open; required"),
+                CTL_OPTION("mean", NULL, ctl_option_flag, &mean,
+                           "the tolerance is for the mean gap over the area")},
     .run = run,
     .summary = "keep the points that a scan's surface needs",
     .help =

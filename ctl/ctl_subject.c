@@ -217,13 +217,10 @@ const struct ctl_command ctl_subject_set = {
     .name = "subject set",
     ONE_SUBJECT(CTL_NEEDS_DATABASE),
     .shared = CTL_EXPIRES,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("consent", "TEXT", ctl_option_text, &consent,
-                       "where the consent is: a number, a file; '' for none"),
-            CTL_OPTION("purpose", "TEXT", ctl_option_text, &purpose,
-                       "what the consent is for; '' for none"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION("consent", "TEXT", ctl_option_text, &consent,
+                           "where the consent is: a number, a file; '' for none"),
+                CTL_OPTION("purpose", "TEXT", ctl_option_text, &purpose,
+                           "what the consent is for; '' for none")},
     .run = set,
     .summary = "record a subject's consent and expiry",
     .help =

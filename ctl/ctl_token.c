@@ -192,13 +192,10 @@ const struct ctl_command ctl_token_create = {
     .takes = {0, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_EXPIRES,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION(
-                "scope", "LIST", ctl_option_scopes, &scopes,
-                "what the token may do: enroll,verify,identify,read,delete,manage,\n"
-                "detail (all)"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION(
+        "scope", "LIST", ctl_option_scopes, &scopes,
+        "what the token may do: enroll,verify,identify,read,delete,manage,\n"
+        "detail (all)")},
     .run = create,
     .summary = "make a Bearer token for the daemon",
     .help =
@@ -221,11 +218,9 @@ const struct ctl_command ctl_token_rotate = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_EXPIRES,
-    .options =
-        (const struct ctl_option[]){
-            CTL_OPTION("grace", "TIME", ctl_option_duration, &grace_s,
-                       "how long the old secret stays valid: 1d, 12h, 30m (not at all)"),
-            CTL_OPTION_END},
+    .options = {CTL_OPTION(
+        "grace", "TIME", ctl_option_duration, &grace_s,
+        "how long the old secret stays valid: 1d, 12h, 30m (not at all)")},
     .run = rotate,
     .summary = "replace a token's secret",
     .help = "The new secret is printed once.  A running daemon accepts it at once.",

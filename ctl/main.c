@@ -1,6 +1,7 @@
 /* surfacectl -- administer a template database from the command line, beside a running
  * daemon or without one. */
 #include <getopt.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -191,6 +192,9 @@ static enum status run(struct ctl *c, struct model **model)
     const enum ctl_database database = c->cmd->database;
     enum status st = ctl_model_read(c, model);
 
+    if (sodium_init() < 0)
+        return errinfo_set(&c->e, ST_EINTERNAL,
+                           "the cryptographic library does not start");
     if (st == ST_OK && (c->cmd->shared & CTL_UNITS) != 0 &&
         (c->work = face_work_new(c->model)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");

@@ -128,18 +128,17 @@ is "in words" "$(cat "$T/text")" 'this deletes subject ann with 1 template; noth
 ctl_exits 0 template show "$id"
 
 # ---- due
-ctl_exits 64 purge
-ctl_exits 0 purge --due --dry-run
+ctl_exits 0 purge --dry-run
 is "nobody is due" "$(said '[.due, .kept] | tojson') $(said .erased)" '[[],[]] 0'
 ctl_exits 0 subject set bob --expires 2020-01-01
 ctl_exits 0 subject set carol --expires 2020-01-02
 ctl_exits 0 subject set dan --expires 2020-01-03
 ctl_exits 0 subject hold carol
-ctl_exits 0 purge --due --dry-run
+ctl_exits 0 purge --dry-run
 is "due" "$(said '[.due, .kept] | tojson') $(said .erased)" '[["bob","dan"],["carol"]] 0'
-ctl_exits 64 purge --due
+ctl_exits 64 purge
 ok "it says what is missing" grep -q -e '--yes' "$T/ctl.err"
-ctl_exits 0 purge --due --yes
+ctl_exits 0 purge --yes
 is "erased" "$(said .erased)" 2
 ctl_exits 0 subject list
 is "who is left" "$(said '[.subjects[].subject] | join(" ")')" 'ann carol'

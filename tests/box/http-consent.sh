@@ -145,7 +145,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "expired" 403 subject_expired
 send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_expired
-ctl purge --due --dry-run
+ctl purge --dry-run
 is "it is due for erasure" "$(said '.due[]')" alice
 change alice '{"expires_at": "2031-01-01"}'
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
