@@ -22,30 +22,16 @@ enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 
 int ctl_exit(const struct ctl *c, enum status st)
 {
-    static const int code[ST_COUNT] = {[ST_OK] = EXIT_FINE,
-                                       [ST_EINVAL] = EXIT_DATA,
-                                       [ST_ENOMEM] = EXIT_OSERR,
-                                       [ST_ELIMIT] = EXIT_DATA,
-                                       [ST_ETOOFEW] = EXIT_DATA,
-                                       [ST_ENOTFINITE] = EXIT_DATA,
-                                       [ST_ERANGE] = EXIT_DATA,
-                                       [ST_EDEGENERATE] = EXIT_DATA,
-                                       [ST_EUNITS] = EXIT_DATA,
-                                       [ST_ENOTFACE] = EXIT_DATA,
-                                       [ST_EQUALITY] = EXIT_DATA,
-                                       [ST_ECORRUPT] = EXIT_DATA,
-                                       [ST_EVERSION] = EXIT_DATA,
-                                       [ST_ENOTFOUND] = EXIT_NOINPUT,
-                                       [ST_EEXISTS] = EXIT_DATA,
-                                       [ST_EMISMATCH] = EXIT_DATA,
-                                       [ST_EDENIED] = EXIT_NOPERM,
-                                       [ST_EBUSY] = EXIT_TEMPFAIL,
-                                       [ST_EIO] = EXIT_IOERR,
-                                       [ST_EDB] = EXIT_SOFTWARE,
-                                       [ST_EINTERNAL] = EXIT_SOFTWARE,
-                                       [ST_EHELD] = EXIT_NOPERM};
+    static const int code[ST_COUNT] = {
+        [ST_ENOMEM] = EXIT_OSERR,   [ST_ENOTFOUND] = EXIT_NOINPUT,
+        [ST_EDENIED] = EXIT_NOPERM, [ST_EHELD] = EXIT_NOPERM,
+        [ST_EBUSY] = EXIT_TEMPFAIL, [ST_EIO] = EXIT_IOERR,
+        [ST_EDB] = EXIT_SOFTWARE,   [ST_EINTERNAL] = EXIT_SOFTWARE,
+    };
 
-    return st == ST_OK || c->code == EXIT_USAGE ? c->code : code[st];
+    return st == ST_OK || c->code == EXIT_USAGE ? c->code
+           : code[st] != 0                      ? code[st]
+                                                : EXIT_DATA;
 }
 
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
@@ -66,8 +52,7 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
     c->code = EXIT_USAGE;
     return errinfo_set(
         &c->e, ST_EDENIED,
-        "nothing was changed: what %.120s needs --yes, or %.40s typed on a "
-        "terminal",
+        "nothing was changed: what %.120s needs --yes, or %.40s typed on a terminal",
         what, word);
 }
 
@@ -100,6 +85,11 @@ bool ctl_print(FILE *to, char *text)
 
     free(text);
     return ok;
+}
+
+void *ctl_grow(void *list, size_t n, size_t size)
+{
+    return (n & (n - 1)) != 0 ? list : realloc(list, (n > 0 ? 2 * n : 1) * size);
 }
 
 double ctl_clock_ms(void)

@@ -102,6 +102,10 @@ __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const ch
                                                    ...);
 bool ctl_print(FILE *to, char *text);
 
+/* ctl_grow(list, n, size): the list of n elements with room for one more, where every element
+ * got its room by this (n is 0 first); NULL: out of memory, and the list is as it was. */
+void *ctl_grow(void *list, size_t n, size_t size);
+
 double ctl_clock_ms(void); /* from any start; it does not jump */
 
 #endif

@@ -16,20 +16,17 @@ void ctl_corpus_tell(const struct corpus *k)
         (void)fprintf(stderr, "surfacectl: not read: %s\n", text);
 }
 
-void ctl_corpus_left(struct json *o, const struct corpus *k)
-{
-    for (uint32_t i = 0; i < k->nleft; i++) {
-        json_object(o, NULL);
-        json_text(o, "file", k->left[i].file);
-        json_text(o, "reason", k->left[i].why);
-        json_close(o);
-    }
-}
-
-void ctl_corpus_skipped(struct json *o, const struct corpus *k)
+void ctl_corpus_left(struct json *j, const struct corpus *k)
 {
     char text[200];
 
+    for (uint32_t i = 0; i < k->nleft; i++) {
+        json_object(j, NULL);
+        json_text(j, "file", k->left[i].file);
+        json_text(j, "reason", k->left[i].why);
+        json_close(j);
+    }
+    json_close(j);
     skipped_text(&k->skipped, text, sizeof text);
-    json_text(o, "not_read", text[0] != '\0' ? text : NULL);
+    json_text(j, "not_read", text[0] != '\0' ? text : NULL);
 }

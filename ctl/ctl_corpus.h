@@ -7,11 +7,9 @@ struct json;   /* json.h */
 
 /* ctl_corpus_tell(k): the scans that are left out, and what is no scan by its name, on
  * standard error.
- * ctl_corpus_left(o, k): the former, each as an object with file and reason, in the array
- * that is open.
- * ctl_corpus_skipped(o, k): the latter as the member "not_read"; null where there is none. */
+ * ctl_corpus_left(j, k): the former, each as an object with file and reason, end the array
+ * that is open; the latter are the member "not_read" behind it, null where there is none. */
 void ctl_corpus_tell(const struct corpus *k);
-void ctl_corpus_left(struct json *o, const struct corpus *k);
-void ctl_corpus_skipped(struct json *o, const struct corpus *k);
+void ctl_corpus_left(struct json *j, const struct corpus *k);
 
 #endif

@@ -25,7 +25,7 @@ static enum status no_memory(struct ctl *c)
 struct list {
     struct ctl *c;
     struct ctl_cross_subject *subject;
-    uint32_t n, room;
+    uint32_t n;
 };
 
 /* Those that have a template. */
@@ -33,19 +33,14 @@ static enum status list_subject(void *arg, const struct store_subject *one,
                                 struct errinfo *e)
 {
     struct list *l = arg;
+    void *larger;
 
     (void)e;
     if (one->templates == 0)
         return ST_OK;
-    if (l->n == l->room) {
-        const uint32_t room = 2 * l->room + 64;
-        void *larger = realloc(l->subject, room * sizeof *l->subject);
-
-        if (larger == NULL)
-            return no_memory(l->c);
-        l->subject = larger;
-        l->room = room;
-    }
+    if ((larger = ctl_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
+        return no_memory(l->c);
+    l->subject = larger;
     memcpy(l->subject[l->n++].id, one->id, sizeof one->id);
     return ST_OK;
 }
@@ -366,8 +361,6 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
         keep_scores(p, s.score, corpus->nscan);
     json_array(c->out, "left_out");
     ctl_corpus_left(c->out, corpus);
-    json_close(c->out);
-    ctl_corpus_skipped(c->out, corpus);
     ctl_corpus_tell(corpus);
 out:
     free(subject);

@@ -41,7 +41,7 @@ struct dedup {
 
     pthread_mutex_t lock;   /* of what follows */
     struct ctl_pair *found; /* [nfound]; when done, of each two subjects the nearest */
-    size_t nfound, room;
+    size_t nfound;
     uint64_t compared, inconclusive;
 };
 
@@ -73,7 +73,7 @@ static enum status list_one(void *arg, const struct store_subject *one, struct e
     if (st != ST_OK || n == 0)
         goto out;
     st = ST_ENOMEM;
-    if ((larger = realloc(d->subject, (d->nsubject + 1) * sizeof *d->subject)) == NULL)
+    if ((larger = ctl_grow(d->subject, d->nsubject, sizeof *d->subject)) == NULL)
         goto out;
     d->subject = larger;
     if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
@@ -153,15 +153,11 @@ static enum status threshold_for(struct dedup *d, double fmr)
 
 static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double mm)
 {
-    if (d->nfound == d->room) {
-        const size_t room = 2 * d->room + 64;
-        void *larger = realloc(d->found, room * sizeof *d->found);
+    void *larger = ctl_grow(d->found, d->nfound, sizeof *d->found);
 
-        if (larger == NULL)
-            return ST_ENOMEM;
-        d->found = larger;
-        d->room = room;
-    }
+    if (larger == NULL)
+        return ST_ENOMEM;
+    d->found = larger;
     d->found[d->nfound++] =
         (struct ctl_pair){d->entry[a].owner, d->entry[b].owner, a, b, mm};
     return ST_OK;
@@ -323,18 +319,17 @@ static void tell_found(const struct dedup *d)
     json_close(d->c->out);
     json_number(d->c->out, "compared", (double)d->compared);
     json_number(d->c->out, "inconclusive", (double)d->inconclusive);
-    if (d->c->json)
-        return;
-    (void)printf("%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,
-                 d->nfound == 1 ? "" : "s", d->compared);
+    ctl_say(d->c, "%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,
+            d->nfound == 1 ? "" : "s", d->compared);
     if (d->inconclusive > 0)
-        (void)printf(", of which %" PRIu64 " had too little in common to tell",
-                     d->inconclusive);
-    (void)printf("\n");
+        ctl_say(d->c, ", of which %" PRIu64 " had too little in common to tell",
+                d->inconclusive);
+    ctl_say(d->c, "\n");
     if ((double)d->compared < d->pairs)
-        (void)printf("%.0f were left out: deleted meanwhile, or of another engine "
-                     "(template reencode)\n",
-                     d->pairs - (double)d->compared);
+        ctl_say(d->c,
+                "%.0f were left out: deleted meanwhile, or of another engine "
+                "(template reencode)\n",
+                d->pairs - (double)d->compared);
 }
 
 /* ---- the command */

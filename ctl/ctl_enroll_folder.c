@@ -170,8 +170,6 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
         }
     }
     ctl_corpus_left(c->out, w->corpus);
-    json_close(c->out);
-    ctl_corpus_skipped(c->out, w->corpus);
     ctl_corpus_tell(w->corpus);
     json_number(c->out, "scans", n);
     json_number(c->out, "enrolled", count[ENROLLED]);
@@ -180,18 +178,16 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     json_number(c->out, "left_out", left);
     json_number(c->out, "undone", count[UNDONE]);
     json_number(c->out, "seconds", seconds);
-    if (c->json)
-        return count[FAILED] + left;
-    (void)printf("%u scans of %s: %u enrolled, %u were there already, %u failed", n,
-                 c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
+    ctl_say(c, "%u scans of %s: %u enrolled, %u were there already, %u failed", n,
+            c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
     if (left > 0)
-        (void)printf(", %u files left out", left);
+        ctl_say(c, ", %u files left out", left);
     if (count[UNDONE] > 0)
-        (void)printf(", %u not tried", count[UNDONE]);
-    (void)printf("; %.1f s\n", seconds);
+        ctl_say(c, ", %u not tried", count[UNDONE]);
+    ctl_say(c, "; %.1f s\n", seconds);
     for (int st = 0; st < ST_COUNT; st++)
         if (why[st] > 0)
-            (void)printf("  %6u  %s\n", why[st], status_message((enum status)st));
+            ctl_say(c, "  %6u  %s\n", why[st], status_message((enum status)st));
     return count[FAILED] + left;
 }
 

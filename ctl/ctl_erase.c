@@ -1,6 +1,4 @@
-/* subject erase, and purge: a subject with everything that is known of it. */
-#include "ctl_erase.h"
-
+/* subject erase, template delete, purge: what is stored of a subject, deleted. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,8 +23,10 @@ static void out_receipt(struct json *o, const struct store_receipt *r)
     json_text(o, "public_key", r->public_key);
 }
 
-enum status ctl_erase_would(struct ctl *c, const struct store_subject *one,
-                            uint32_t templates, const char *what)
+/* What --dry-run tells of a deletion: so many templates of the subject would go, or may not,
+ * which is a failure.  what: "deletes ...". */
+static enum status would_erase(struct ctl *c, const struct store_subject *one,
+                               uint32_t templates, const char *what)
 {
     if (one->hold)
         return errinfo_set(&c->e, ST_EHELD, "subject %s is on hold", one->id);
@@ -49,7 +49,7 @@ static enum status erase(struct ctl *c)
     (void)snprintf(what, sizeof what, "deletes subject %s with %u template%s", one.id,
                    one.templates, one.templates == 1 ? "" : "s");
     if (c->dry_run)
-        return ctl_erase_would(c, &one, one.templates, what);
+        return would_erase(c, &one, one.templates, what);
     if ((st = ctl_confirm(c, what, one.id)) != ST_OK)
         return st;
     if ((st = store_subject_erase(c->store, CTL_ACTOR, one.id, &r, &c->e)) == ST_OK) {
@@ -63,6 +63,29 @@ static enum status erase(struct ctl *c)
     }
     store_receipt_free(&r);
     return st;
+}
+
+static enum status erase_template(struct ctl *c)
+{
+    struct store_subject one;
+    struct store_template t;
+    char what[256];
+    enum status st = store_template_get(c->store, c->args[0], &t, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    (void)snprintf(what, sizeof what, "deletes template %s of %s", t.id, t.subject);
+    if (c->dry_run) {
+        st = store_subject_get(c->store, t.subject, &one, &c->e);
+        return st == ST_OK ? would_erase(c, &one, 1, what) : st;
+    }
+    if ((st = ctl_confirm(c, what, t.id)) != ST_OK ||
+        (st = store_template_delete(c->store, CTL_ACTOR, t.id, &c->e)) != ST_OK)
+        return st;
+    json_text(c->out, "template_id", t.id);
+    json_number(c->out, "templates_removed", 1);
+    ctl_say(c, "deleted template %s of %s\n", t.id, t.subject);
+    return ST_OK;
 }
 
 /* Those that can be erased, or are kept: in the JSON, and as text. */
@@ -145,6 +168,18 @@ const struct ctl_command ctl_erase = {
         "printed, by --json in full, with its signature.  On a terminal the id has to be typed\n"
         "again; elsewhere --yes is required.",
     .example = "surfacectl --db faces.db --yes subject erase alice"};
+
+const struct ctl_command ctl_erase_template = {
+    .name = "template delete",
+    .args = "ID",
+    .takes = {1, 1},
+    .database = CTL_WRITES_DATABASE,
+    .shared = CTL_DRY_RUN | CTL_YES,
+    .run = erase_template,
+    .summary = "delete one template",
+    .help = "On a terminal the id has to be typed again; elsewhere --yes is required.",
+    .example =
+        "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"};
 
 const struct ctl_command ctl_erase_purge = {
     .name = "purge",

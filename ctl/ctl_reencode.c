@@ -98,15 +98,13 @@ static size_t report(const struct batch *b)
     json_number(c->out, "failed", (double)count[FAILED]);
     json_number(c->out, "undone", (double)count[UNDONE]);
     json_flag(c->out, "dry_run", c->dry_run);
-    if (c->json)
-        return count[FAILED];
-    (void)printf("%zu templates: %zu %s by %s, %zu current, %zu failed\n", b->n,
-                 count[REENCODED], c->dry_run ? "can be re-encoded" : "re-encoded",
-                 c->engine, count[CURRENT], count[FAILED]);
+    ctl_say(c, "%zu templates: %zu %s by %s, %zu current, %zu failed\n", b->n,
+            count[REENCODED], c->dry_run ? "can be re-encoded" : "re-encoded", c->engine,
+            count[CURRENT], count[FAILED]);
     if (count[GONE] > 0)
-        (void)printf("%zu were deleted meanwhile\n", count[GONE]);
+        ctl_say(c, "%zu were deleted meanwhile\n", count[GONE]);
     if (count[UNDONE] > 0)
-        (void)printf("%zu were not tried\n", count[UNDONE]);
+        ctl_say(c, "%zu were not tried\n", count[UNDONE]);
     return count[FAILED];
 }
 

@@ -42,16 +42,13 @@ static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
     json_text(c->out, "kind", word[to->kind]);
     if (in_file)
         json_text(c->out, "key", path);
-    if (c->json)
-        return;
     if (in_file)
-        (void)printf("%s: the new key is in %s: keep a copy of it "
-                     "elsewhere.\n",
-                     c->db, path);
+        ctl_say(c, "%s: the new key is in %s: keep a copy of it elsewhere.\n", c->db,
+                path);
     else if (to->kind == VAULT_PASSPHRASE)
-        (void)printf("%s: it is encrypted with the passphrase now.\n", c->db);
+        ctl_say(c, "%s: it is encrypted with the passphrase now.\n", c->db);
     else
-        (void)printf("%s: whoever has the file can read it now.\n", c->db);
+        ctl_say(c, "%s: whoever has the file can read it now.\n", c->db);
 }
 
 /* The old key's file goes with it, and with that whatever was backed up until now. */

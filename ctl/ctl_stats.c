@@ -22,24 +22,22 @@ static enum status stats(struct ctl *c)
     json_number(c->out, "events", (double)t.events);
     json_number(c->out, "tokens", (double)t.tokens);
     json_number(c->out, "schema", t.schema);
-    if (c->json)
-        return ST_OK;
-    (void)printf("subjects     %llu\n", (unsigned long long)t.subjects);
-    (void)printf("templates    %llu", (unsigned long long)t.templates);
+    ctl_say(c, "subjects     %llu\n", (unsigned long long)t.subjects);
+    ctl_say(c, "templates    %llu", (unsigned long long)t.templates);
     if (other > 0)
-        (void)printf(", %llu by another engine (template reencode)",
-                     (unsigned long long)other);
-    (void)printf("\n");
-    (void)printf("points       %llu\n", (unsigned long long)t.points);
-    (void)printf("encoded      %s\n", ctl_bytes(t.template_bytes, text));
-    (void)printf("file         %s\n", ctl_bytes(t.file_bytes, text));
+        ctl_say(c, ", %llu by another engine (template reencode)",
+                (unsigned long long)other);
+    ctl_say(c, "\n");
+    ctl_say(c, "points       %llu\n", (unsigned long long)t.points);
+    ctl_say(c, "encoded      %s\n", ctl_bytes(t.template_bytes, text));
+    ctl_say(c, "file         %s\n", ctl_bytes(t.file_bytes, text));
     if (t.points > 0)
-        (void)printf("per point    %.1f bytes of template, %.1f of file\n",
-                     (double)t.template_bytes / (double)t.points,
-                     (double)t.file_bytes / (double)t.points);
-    (void)printf("events       %llu\n", (unsigned long long)t.events);
-    (void)printf("tokens       %llu\n", (unsigned long long)t.tokens);
-    (void)printf("schema       %u\n", t.schema);
+        ctl_say(c, "per point    %.1f bytes of template, %.1f of file\n",
+                (double)t.template_bytes / (double)t.points,
+                (double)t.file_bytes / (double)t.points);
+    ctl_say(c, "events       %llu\n", (unsigned long long)t.events);
+    ctl_say(c, "tokens       %llu\n", (unsigned long long)t.tokens);
+    ctl_say(c, "schema       %u\n", t.schema);
     return ST_OK;
 }
 

@@ -4,67 +4,39 @@
 
 #include "ctl_command.h"
 
-/* ctl_NAME is at the end of the file whose name it begins with. */
-#define COMMANDS(X)                                                                      \
-    X(init)                                                                              \
-    X(init_migrate)                                                                      \
-    X(enroll)                                                                            \
-    X(verify)                                                                            \
-    X(verify_compare)                                                                    \
-    X(explain)                                                                           \
-    X(asymmetry)                                                                         \
-    X(simplify)                                                                          \
-    X(evaluate)                                                                          \
-    X(train)                                                                             \
-    X(subject_list)                                                                      \
-    X(subject_show)                                                                      \
-    X(subject_set)                                                                       \
-    X(subject_rename)                                                                    \
-    X(subject_disable)                                                                   \
-    X(subject_enable)                                                                    \
-    X(subject_hold)                                                                      \
-    X(subject_release)                                                                   \
-    X(erase)                                                                             \
-    X(erase_purge)                                                                       \
-    X(template_list)                                                                     \
-    X(template_show)                                                                     \
-    X(template_export)                                                                   \
-    X(reencode)                                                                          \
-    X(template_delete)                                                                   \
-    X(dedup)                                                                             \
-    X(config_show)                                                                       \
-    X(config_check)                                                                      \
-    X(check)                                                                             \
-    X(calibrate)                                                                         \
-    X(backup)                                                                            \
-    X(backup_restore)                                                                    \
-    X(archive_export)                                                                    \
-    X(archive_import)                                                                    \
-    X(rekey)                                                                             \
-    X(doctor)                                                                            \
-    X(stats)                                                                             \
-    X(stats_vacuum)                                                                      \
-    X(token_create)                                                                      \
-    X(token_list)                                                                        \
-    X(token_rotate)                                                                      \
-    X(token_revoke)                                                                      \
-    X(attempts_list)                                                                     \
-    X(attempts_reset)                                                                    \
-    X(audit_show)                                                                        \
-    X(audit_verify)                                                                      \
-    X(audit_export)                                                                      \
-    X(audit_checkpoint)                                                                  \
-    X(receipt)                                                                           \
-    X(audit_erased)                                                                      \
-    X(completion)                                                                        \
-    X(help)
+/* Each is at the end of the file whose name its own begins with. */
+extern const struct ctl_command ctl_init, ctl_init_migrate, ctl_enroll, ctl_verify,
+    ctl_verify_compare, ctl_explain, ctl_asymmetry, ctl_simplify, ctl_evaluate, ctl_train,
+    ctl_subject_list, ctl_subject_show, ctl_subject_set, ctl_subject_rename,
+    ctl_subject_disable, ctl_subject_enable, ctl_subject_hold, ctl_subject_release,
+    ctl_erase, ctl_erase_purge, ctl_template_list, ctl_template_show, ctl_template_export,
+    ctl_reencode, ctl_erase_template, ctl_dedup, ctl_config_show, ctl_config_check,
+    ctl_check, ctl_calibrate, ctl_backup, ctl_backup_restore, ctl_archive_export,
+    ctl_archive_import, ctl_rekey, ctl_doctor, ctl_stats, ctl_stats_vacuum,
+    ctl_token_create, ctl_token_list, ctl_token_rotate, ctl_token_revoke,
+    ctl_attempts_list, ctl_attempts_reset, ctl_audit_show, ctl_audit_verify,
+    ctl_audit_export, ctl_audit_checkpoint, ctl_receipt, ctl_audit_erased, ctl_completion,
+    ctl_help;
 
-#define DECLARE(command) extern const struct ctl_command ctl_##command;
-#define ROW(command)     &ctl_##command,
-
-COMMANDS(DECLARE)
-
-const struct ctl_command *const ctl_table[] = {COMMANDS(ROW) NULL};
+/* clang-format off */
+const struct ctl_command *const ctl_table[] = {
+    &ctl_init, &ctl_init_migrate, &ctl_enroll, &ctl_verify, &ctl_verify_compare,
+    &ctl_explain, &ctl_asymmetry, &ctl_simplify, &ctl_evaluate, &ctl_train,
+    &ctl_subject_list, &ctl_subject_show, &ctl_subject_set, &ctl_subject_rename,
+    &ctl_subject_disable, &ctl_subject_enable, &ctl_subject_hold, &ctl_subject_release,
+    &ctl_erase, &ctl_erase_purge,
+    &ctl_template_list, &ctl_template_show, &ctl_template_export, &ctl_reencode,
+    &ctl_erase_template,
+    &ctl_dedup, &ctl_config_show, &ctl_config_check, &ctl_check, &ctl_calibrate,
+    &ctl_backup, &ctl_backup_restore, &ctl_archive_export, &ctl_archive_import,
+    &ctl_rekey, &ctl_doctor, &ctl_stats, &ctl_stats_vacuum,
+    &ctl_token_create, &ctl_token_list, &ctl_token_rotate, &ctl_token_revoke,
+    &ctl_attempts_list, &ctl_attempts_reset,
+    &ctl_audit_show, &ctl_audit_verify, &ctl_audit_export, &ctl_audit_checkpoint,
+    &ctl_receipt, &ctl_audit_erased,
+    &ctl_completion, &ctl_help, NULL,
+};
+/* clang-format on */
 
 bool ctl_table_in(const struct ctl_command *cmd, const char *group)
 {

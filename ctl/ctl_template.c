@@ -9,7 +9,6 @@
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_each.h"
-#include "ctl_erase.h"
 #include "ctl_model.h"
 
 void ctl_template_tell(struct ctl *c, const struct store_template *t)
@@ -18,19 +17,17 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
 
     describe_template(c->out, t, NULL);
     json_flag(c->out, "to_reencode", other);
-    if (c->json)
-        return;
-    (void)printf("template  %s\n", t->id);
-    (void)printf("  subject   %s\n", t->subject);
+    ctl_say(c, "template  %s\n", t->id);
+    ctl_say(c, "  subject   %s\n", t->subject);
     if (t->label[0] != '\0')
-        (void)printf("  label     %s\n", t->label);
-    (void)printf("  created   %s by %s%s\n", t->created, t->engine,
-                 other ? " (to re-encode)" : "");
-    (void)printf("  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
-                 t->quality.density_mm);
-    (void)printf("  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
-                 100 * t->quality.coverage, t->quality.noise_mm);
-    (void)printf("  digest    %s\n", t->digest);
+        ctl_say(c, "  label     %s\n", t->label);
+    ctl_say(c, "  created   %s by %s%s\n", t->created, t->engine,
+            other ? " (to re-encode)" : "");
+    ctl_say(c, "  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
+            t->quality.density_mm);
+    ctl_say(c, "  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
+            100 * t->quality.coverage, t->quality.noise_mm);
+    ctl_say(c, "  digest    %s\n", t->digest);
 }
 
 struct listing {
@@ -115,22 +112,6 @@ face_work_free(w);
 return st;
 }
 
-static enum status delete (struct ctl *c) {
-    struct store_subject one; struct store_template t; char what[256];
-    enum status st = store_template_get(c->store, c->args[0], &t, &c->e);
-
-    if (st != ST_OK) return st;
-    (void)snprintf(what, sizeof what, "deletes template %s of %s", t.id, t.subject);
-    if (c->dry_run){st = store_subject_get(c->store, t.subject, &one, &c->e);
-                    return st == ST_OK ? ctl_erase_would(c, &one, 1, what) : st;}
-if ((st = ctl_confirm(c, what, t.id)) != ST_OK ||
-    (st = store_template_delete(c->store, CTL_ACTOR, t.id, &c->e)) != ST_OK) return st;
-json_text(c->out, "template_id", t.id);
-json_number(c->out, "templates_removed", 1);
-ctl_say(c, "deleted template %s of %s\n", t.id, t.subject);
-return ST_OK;
-}
-
 /* ---- the commands */
 
 const struct ctl_command ctl_template_list = {
@@ -170,15 +151,3 @@ const struct ctl_command ctl_template_export = {
         "it.  An event records the export.",
     .example =
         "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"};
-
-const struct ctl_command ctl_template_delete = {
-    .name = "template delete",
-    .args = "ID",
-    .takes = {1, 1},
-    .database = CTL_WRITES_DATABASE,
-    .shared = CTL_DRY_RUN | CTL_YES,
-    .run = delete,
-    .summary = "delete one template",
-    .help = "On a terminal the id has to be typed again; elsewhere --yes is required.",
-    .example =
-        "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"};

@@ -37,7 +37,6 @@ static enum status read_scan(void *arg, size_t i, struct face_work *w, struct er
 static void list_refused(struct ctl *c, const struct scans *s)
 {
     json_array(c->out, "refused");
-    ctl_corpus_left(c->out, s->corpus);
     for (uint32_t i = 0; i < s->corpus->nscan; i++)
         if (s->refused[i] != NULL) {
             json_object(c->out, NULL);
@@ -46,8 +45,7 @@ static void list_refused(struct ctl *c, const struct scans *s)
             json_close(c->out);
             (void)fprintf(stderr, "surfacectl: not used: %s\n", s->refused[i]);
         }
-    json_close(c->out);
-    ctl_corpus_skipped(c->out, s->corpus);
+    ctl_corpus_left(c->out, s->corpus);
     ctl_corpus_tell(s->corpus);
 }
 

@@ -13,25 +13,15 @@ static const double pi = 3.14159265358979323846;
 
 /* ---- what is compared */
 
-/* A growing list of comparisons. */
-struct plan {
-    struct ctl_trial *trial;
-    size_t n, room;
-};
-
-static bool plan_add(struct plan *p, uint32_t template, uint32_t probe,
+static bool plan_add(struct ctl_trials *t, uint32_t template, uint32_t probe,
                      enum corpus_pair type)
 {
-    if (p->n == p->room) {
-        const size_t room = p->room > 0 ? 2 * p->room : 4096;
-        void *larger = realloc(p->trial, room * sizeof *p->trial);
+    struct ctl_trial *larger = ctl_grow(t->trial, t->n, sizeof *t->trial);
 
-        if (larger == NULL)
-            return false;
-        p->trial = larger;
-        p->room = room;
-    }
-    p->trial[p->n++] = (struct ctl_trial){
+    if (larger == NULL)
+        return false;
+    t->trial = larger;
+    t->trial[t->n++] = (struct ctl_trial){
         .template = template, .probe = probe, .type = type, .rotation_deg = (double)NAN};
     return true;
 }
@@ -49,25 +39,25 @@ static uint32_t draw(uint32_t *list, uint32_t m, uint32_t n, uint64_t seed)
 }
 
 /* The comparisons of one probe: its own template, close relatives', others'. */
-static bool plan_probe(struct plan *p, const struct corpus *c, uint32_t probe,
-                       uint32_t non_mated, uint32_t *list)
+static bool plan_probe(struct ctl_trials *t, uint32_t probe, uint32_t *list)
 {
+    const struct corpus *c = t->corpus;
     const uint32_t subject = c->scan[probe].subject;
     uint64_t seed = SEED + ((uint64_t)probe << 32);
     uint32_t m = 0;
-    bool ok = plan_add(p, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
+    bool ok = plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
 
     for (uint32_t s = 0; s < c->nsubject && ok; s++) {
         const enum corpus_pair type = corpus_pair(c, s, subject);
 
         if (type == CORPUS_RELATIVE)
-            ok = plan_add(p, c->subject[s].enrolled, probe, type);
+            ok = plan_add(t, c->subject[s].enrolled, probe, type);
         else if (type == CORPUS_IMPOSTOR)
             list[m++] = c->subject[s].enrolled;
     }
-    m = draw(list, m, non_mated < m ? non_mated : m, rates_random(&seed));
+    m = draw(list, m, t->non_mated < m ? t->non_mated : m, rates_random(&seed));
     for (uint32_t i = 0; i < m && ok; i++)
-        ok = plan_add(p, list[i], probe, CORPUS_IMPOSTOR);
+        ok = plan_add(t, list[i], probe, CORPUS_IMPOSTOR);
     return ok;
 }
 
@@ -97,15 +87,12 @@ static enum status plan_all(struct ctl_trials *t)
 {
     const struct corpus *c = t->corpus;
     uint32_t *list = malloc(c->nsubject * sizeof *list);
-    struct plan p = {0};
     bool ok = list != NULL && t->non_mated > 0;
 
     for (uint32_t i = 0; i < c->nscan && ok; i++)
         if (!c->scan[i].enrolled)
-            ok = plan_probe(&p, c, i, t->non_mated, list);
+            ok = plan_probe(t, i, list);
     free(list);
-    t->trial = p.trial;
-    t->n = p.n;
     return ok ? ST_OK : ST_ENOMEM;
 }
 

@@ -158,11 +158,9 @@ static void print_spread(FILE *to, const struct explain_spread *s, enum explain_
                             : "what is left in mm, share of the weight",
         -s->limit_mm, s->limit_mm);
     if (s->n > 0)
-        (void)fprintf(to,
-                      "set title 'mean amount %.3f mm; grey: within %s%.3g mm' "
-                      "offset 0,-0.6\n",
-                      s->mean_mm, kind == EXPLAIN_REST ? "the threshold, " : "",
-                      s->limit_mm);
+        (void)fprintf(
+            to, "set title 'mean amount %.3f mm; grey: within %s%.3g mm' offset 0,-0.6\n",
+            s->mean_mm, kind == EXPLAIN_REST ? "the threshold, " : "", s->limit_mm);
     else
         (void)fprintf(to, "set title 'nothing to compare'\n");
     (void)fprintf(to, "$bar << EOD\n");

@@ -96,8 +96,7 @@ enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
         to,
         "rest         what learned change leaves of the gap, in %zu cells of %g "
         "mm, by weight;\n"
-        "             without the roughness from cell to cell its mean is the "
-        "score\n",
+        "             without the roughness from cell to cell its mean is the score\n",
         x->rest.n, GRID_MM);
     print_spread(to, &x->rest);
     (void)fprintf(to, "transform    of the probe onto the template, mm\n");

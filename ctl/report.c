@@ -122,25 +122,24 @@ static double trial_score(const struct ctl_trial *x)
 }
 
 /* The decision itself as a score: 0 is a match at threshold 0. */
+static double as_score(const struct ctl_trial *x, enum corpus_pair type, bool match)
+{
+    return x->type != type ? -1 : match ? 0 : (double)INFINITY;
+}
+
 static double non_mated_match(const struct ctl_trial *x)
 {
-    if (x->type != CORPUS_IMPOSTOR)
-        return -1;
-    return x->decision == FACE_MATCH ? 0 : (double)INFINITY;
+    return as_score(x, CORPUS_IMPOSTOR, x->decision == FACE_MATCH);
 }
 
 static double mated_match(const struct ctl_trial *x)
 {
-    if (x->type != CORPUS_GENUINE)
-        return -1;
-    return x->decision == FACE_MATCH ? 0 : (double)INFINITY;
+    return as_score(x, CORPUS_GENUINE, x->decision == FACE_MATCH);
 }
 
 static double mated_no_match(const struct ctl_trial *x)
 {
-    if (x->type != CORPUS_GENUINE)
-        return -1;
-    return x->decision != FACE_NO_MATCH ? 0 : (double)INFINITY;
+    return as_score(x, CORPUS_GENUINE, x->decision != FACE_NO_MATCH);
 }
 
 /* The rates of a group's mated comparisons and of all non-mated ones. */

@@ -106,8 +106,6 @@ static void refused(const struct report *r, struct json *o)
             json_close(o);
         }
     ctl_corpus_left(o, c);
-    json_close(o);
-    ctl_corpus_skipped(o, c);
 }
 
 void report_json_out(struct json *o, const struct report *r)

@@ -154,8 +154,7 @@ static void det_axis(FILE *to, char axis, size_t n, double most)
         return;
     (void)fprintf(
         to,
-        x ? "set object 1 rectangle from invnorm(%g), graph 0 to invnorm(%g), "
-            "graph 1 "
+        x ? "set object 1 rectangle from invnorm(%g), graph 0 to invnorm(%g), graph 1 "
           : "set object 2 rectangle from graph 0, first invnorm(%g) to graph 1, first "
             "invnorm(%g) ",
         from, least);
@@ -203,8 +202,7 @@ static void det_script(FILE *to, const void *arg)
     (void)fprintf(
         to,
         "x with lines dt 3 lc rgb '#999999' title 'equal error', "
-        "NaN with points pt 7 ps 1.4 lc rgb '#777777' title 'threshold %.3g mm', "
-        "NaN with points pt 6 ps 1.4 lw 2 lc rgb '#777777' title 'no error there', NaN with lines lw 2 dt 2 lc rgb '#777777' title 'bound 3 / N, no error seen'\n",
+        "NaN with points pt 7 ps 1.4 lc rgb '#777777' title 'threshold %.3g mm', NaN with points pt 6 ps 1.4 lw 2 lc rgb '#777777' title 'no error there', NaN with lines lw 2 dt 2 lc rgb '#777777' title 'bound 3 / N, no error seen'\n",
         r->threshold_mm);
 }
 

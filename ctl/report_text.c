@@ -130,10 +130,9 @@ static void text_head(const struct report *r, FILE *to)
         (void)fprintf(to,
                       "of each probe %u of the same population, drawn with seed %llu |\n",
                       t->non_mated, (unsigned long long)t->seed);
-    (void)fprintf(to,
-                  "| intervals | 95 %%, %u bootstrap replicates over subjects, seed "
-                  "%llu |\n",
-                  r->replicates, (unsigned long long)r->seed);
+    (void)fprintf(
+        to, "| intervals | 95 %%, %u bootstrap replicates over subjects, seed %llu |\n",
+        r->replicates, (unsigned long long)r->seed);
     (void)fprintf(
         to,
         "| speed | %.0f comparisons a second on %u thread%s, reading the probes "
@@ -164,11 +163,10 @@ static void text_rates(const struct report *r, FILE *to)
     (void)fprintf(to, "\n");
     for (int k = 0; k < RATES_TARGETS; k++)
         if (!stated(rates_target[k], r->non_mated.n))
-            (void)fprintf(to,
-                          "- FMR %g %%: not supported by %zu non-mated comparisons; it "
-                          "takes %zu\n",
-                          100 * rates_target[k], r->non_mated.n,
-                          rates_needed(rates_target[k]));
+            (void)fprintf(
+                to,
+                "- FMR %g %%: not supported by %zu non-mated comparisons; it takes %zu\n",
+                100 * rates_target[k], r->non_mated.n, rates_needed(rates_target[k]));
         else if (all->f.tar_mm[k] < 0)
             (void)fprintf(to, "- FMR %g %%: no threshold keeps it\n",
                           100 * rates_target[k]);
