@@ -1,5 +1,4 @@
 /* asymmetry: a scan measured against its own mirror image. */
-#include <math.h>
 #include <stdio.h>
 
 #include "asymmetry.h"
@@ -21,14 +20,9 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
                  100 * a->final.overlap);
     (void)printf("plane        %.4f x %+.4f y %+.4f z = %.2f mm, ", a->normal[0],
                  a->normal[1], a->normal[2], a->offset_mm);
-    if (isfinite(a->turn_deg))
-        (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
-                     a->turn_deg, a->shift_mm);
-    else
-        (void)printf("its uncertainty is not known\n");
-    (void)printf("scan         %u points, quality %.2f", f->surface.mesh.nv,
-                 f->quality.score);
-    ctl_face_reasons(stdout, f);
+    ctl_face_known(stdout, a->turn_deg, a->shift_mm);
+    (void)printf("\n");
+    ctl_face_scan(stdout, f);
 }
 
 static enum status measure(struct ctl *c)

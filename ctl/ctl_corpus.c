@@ -1,9 +1,11 @@
 #include "ctl_corpus.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "corpus.h"
-#include "json.h"
+#include "ctl.h"
+#include "ctl_scan.h"
 
 void ctl_corpus_tell(const struct corpus *k)
 {
@@ -29,4 +31,17 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
     json_close(j);
     skipped_text(&k->skipped, text, sizeof text);
     json_text(j, "not_read", text[0] != '\0' ? text : NULL);
+}
+
+enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
+                            struct face *out, char **refused, struct errinfo *e)
+{
+    struct ctl mine = {.units = c->units};
+    const enum status st = ctl_scan_read(&mine, path, w, out);
+
+    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
+        return errinfo_set(e, st, "%s", mine.e.msg);
+    if (st != ST_OK && (*refused = strdup(mine.e.msg)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    return ST_OK;
 }

@@ -1,9 +1,14 @@
-/* ctl_corpus.h -- what of a folder of scans was not taken. */
+/* ctl_corpus.h -- the scans of a collection, and what of it was not taken. */
 #ifndef CTL_CORPUS_H
 #define CTL_CORPUS_H
+#include "status.h"
 
-struct corpus; /* corpus.h */
-struct json;   /* json.h */
+struct ctl;       /* ctl.h */
+struct errinfo;   /* errinfo.h */
+struct face;      /* face.h */
+struct face_work; /* face.h */
+struct corpus;    /* corpus.h */
+struct json;      /* json.h */
 
 /* ctl_corpus_tell(k): the scans that are left out, and what is no scan by its name, on
  * standard error.
@@ -11,5 +16,11 @@ struct json;   /* json.h */
  * that is open; the latter are the member "not_read" behind it, null where there is none. */
 void ctl_corpus_tell(const struct corpus *k);
 void ctl_corpus_left(struct json *j, const struct corpus *k);
+
+/* ctl_corpus_face(c, path, w, out, refused, e): the scan in a file as a face, in c->units; on
+ * any thread, since c is not changed.  Where it is malformed or no face *refused says why, for
+ * free(), and that is no failure.  ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
+enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
+                            struct face *out, char **refused, struct errinfo *e);
 
 #endif

@@ -56,11 +56,6 @@ static double clock_s(void)
 
 /* ---- templates that are compared */
 
-static enum status no_memory(struct dedup *d)
-{
-    return errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
-}
-
 static enum status list_one(void *arg, const struct store_subject *one, struct errinfo *e)
 {
     struct dedup *d = arg;
@@ -91,7 +86,7 @@ static enum status list_one(void *arg, const struct store_subject *one, struct e
     st = ST_OK;
 out:
     free(t);
-    return st == ST_ENOMEM ? no_memory(d) : st;
+    return st == ST_ENOMEM ? errinfo_set(&d->c->e, ST_ENOMEM, "out of memory") : st;
 }
 
 static enum status list_all(struct dedup *d)
@@ -247,7 +242,8 @@ static enum status estimate(struct dedup *d)
     struct face_result x;
     struct row r = {0};
     uint32_t n = 0;
-    enum status st = w != NULL ? ST_OK : no_memory(d);
+    enum status st =
+        w != NULL ? ST_OK : errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
 
     for (uint32_t k = 0; st == ST_OK && k < TRIALS && d->n > 1; k++) {
         const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);

@@ -79,7 +79,7 @@ static enum status write_all(struct report *r, const char *path, struct errinfo 
 static uint32_t non_mated; /* --non-mated */
 
 static enum status evaluate(struct ctl *c, const struct corpus *corpus,
-                            const struct ctl_trials_options *o, const char *calibration)
+                            const struct decision *decision, const char *calibration)
 {
     const time_t now = time(NULL);
     const char *dir = c->dir != NULL ? c->dir : "evaluation";
@@ -88,7 +88,7 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
     struct ctl_trials *t;
     struct tm utc;
     char made[32] = "";
-    enum status st = ctl_trials_run(c, corpus, o, &t);
+    enum status st = ctl_trials_run(c, corpus, decision, non_mated, &t);
 
     if (st != ST_OK)
         return st;
@@ -120,8 +120,7 @@ static enum status evaluate(struct ctl *c, const struct corpus *corpus,
 
 static enum status run(struct ctl *c)
 {
-    struct ctl_trials_options o = {
-        .model = c->model, .non_mated = non_mated, .threads = c->threads};
+    const struct decision *decision = NULL;
     struct store_calibration k;
     struct corpus *corpus = NULL;
     const char *calibration = "as shipped";
@@ -129,11 +128,11 @@ static enum status run(struct ctl *c)
 
     if (c->db != NULL && (st = ctl_model_open(c, STORE_READ)) == ST_OK &&
         (st = calibration_in_force(c->store, &k, &c->e)) == ST_OK) {
-        o.decision = &k.decision;
+        decision = &k.decision;
         calibration = k.shipped ? calibration : "of the database";
     }
     if (st == ST_OK && (st = corpus_read(c->args[0], &corpus, &c->e)) == ST_OK)
-        st = evaluate(c, corpus, &o, calibration);
+        st = evaluate(c, corpus, decision, calibration);
     corpus_free(corpus);
     return st;
 }

@@ -92,14 +92,35 @@ void ctl_face_regions(FILE *to, const struct face_result *r)
     }
 }
 
+void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
+{
+    if (isfinite(turn_deg) && isfinite(shift_mm))
+        (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
+                      turn_deg, shift_mm);
+    else
+        (void)fprintf(to, "its uncertainty is not known");
+}
+
+void ctl_face_score(FILE *to, const struct face_result *r)
+{
+    (void)fprintf(to,
+                  "score        %.3f mm (threshold %.3f mm)\n"
+                  "false match  a share of %.2g of other people would score this low or "
+                  "lower\n",
+                  r->score_mm, r->threshold_mm, r->fmr_at_score);
+}
+
+void ctl_face_scan(FILE *to, const struct face *f)
+{
+    (void)fprintf(to, "scan         %u points, quality %.2f", f->surface.mesh.nv,
+                  f->quality.score);
+    ctl_face_reasons(to, f);
+}
+
 void ctl_face_alignment(FILE *to, const struct align_result *a)
 {
     (void)fprintf(to, "alignment    ");
-    if (isfinite(a->turn_deg) && isfinite(a->shift_mm))
-        (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
-                      a->turn_deg, a->shift_mm);
-    else
-        (void)fprintf(to, "its uncertainty is not known");
+    ctl_face_known(to, a->turn_deg, a->shift_mm);
     if (isfinite(a->rival_mm))
         (void)fprintf(to, "; mean gap %.2f mm, %.2f mm at the next best", a->cost_mm,
                       a->rival_mm);

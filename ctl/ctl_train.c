@@ -9,7 +9,6 @@
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_corpus.h"
-#include "ctl_scan.h"
 #include "train.h"
 #include "train_set.h"
 
@@ -24,14 +23,9 @@ struct scans {
 static enum status read_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
 {
     const struct scans *s = arg;
-    struct ctl c = {.units = s->c->units}; /* for its own error */
-    const enum status st = ctl_scan_read(&c, s->corpus->scan[i].path, w, &s->face[i]);
 
-    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
-        return errinfo_set(e, st, "%s", c.e.msg);
-    if (st != ST_OK && (s->refused[i] = strdup(c.e.msg)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    return ST_OK;
+    return ctl_corpus_face(s->c, s->corpus->scan[i].path, w, &s->face[i], &s->refused[i],
+                           e);
 }
 
 static void list_refused(struct ctl *c, const struct scans *s)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "pool.h"
-#include "ctl_scan.h"
+#include "ctl_corpus.h"
 
 #define SEED UINT64_C(19795) /* the standard's number */
 
@@ -100,24 +100,17 @@ static enum status plan_all(struct ctl_trials *t)
 
 struct run {
     struct ctl_trials *t;
-    struct ctl c; /* units and threshold; an item has its own copy */
-    const struct ctl_trials_options *o;
-    struct face *template; /* [nsubject] */
-    size_t *first;         /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
+    const struct ctl *c;
+    const struct decision *decision; /* NULL: the model's */
+    struct face *template;           /* [nsubject] */
+    size_t *first; /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
 };
 
-/* A model of a scan; why there can be none is kept. */
 static enum status build(const struct run *r, uint32_t scan, struct face_work *w,
                          struct face *out, struct errinfo *e)
 {
-    struct ctl c = r->c; /* its error is this thread's */
-    enum status st = ctl_scan_read(&c, r->t->corpus->scan[scan].path, w, out);
-
-    if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
-        return errinfo_set(e, st, "%s", c.e.msg);
-    if (st != ST_OK && (r->t->refused[scan] = strdup(c.e.msg)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    return ST_OK;
+    return ctl_corpus_face(r->c, r->t->corpus->scan[scan].path, w, out,
+                           &r->t->refused[scan], e);
 }
 
 static enum status enroll_item(void *arg, size_t i, struct face_work *w,
@@ -172,7 +165,7 @@ static enum status compare(const struct run *r, const struct face *face,
                              *probe = &c->scan[x->probe];
     struct face_result f;
     const enum status st = face_compare(&r->template[template->subject], face,
-                                        r -> c.threshold_mm, ctl_clock_ms, w, &f);
+                                        r -> c -> threshold_mm, ctl_clock_ms, w, &f);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
@@ -199,8 +192,8 @@ static enum status probe_item(void *arg, size_t i, struct face_work *w, struct e
     struct face face = {0};
     enum status st = build(r, scan, w, &face, e);
 
-    if (r->o->decision != NULL)
-        face_work_decide(w, r->o->decision);
+    if (r->decision != NULL)
+        face_work_decide(w, r->decision);
     for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++)
         if (t->refused[scan] == NULL && t->refused[t->trial[k].template] == NULL)
             st = compare(r, &face, w, &t->trial[k], e);
@@ -232,30 +225,29 @@ static enum status run_all(struct run *r, struct errinfo *e)
 
     if (st != ST_OK)
         return errinfo_set(e, st, "the comparisons: %s", status_message(st));
-    st = pool_run("enrolling", t->nthread, r->o->model, t->corpus->nsubject, enroll_item,
+    st = pool_run("enrolling", t->nthread, r->c->model, t->corpus->nsubject, enroll_item,
                   r, e);
     t->build_s = (ctl_clock_ms() - start) / 1e3;
     if (st == ST_OK)
-        st = pool_run("comparing", t->nthread, r->o->model, nprobe, probe_item, r, e);
+        st = pool_run("comparing", t->nthread, r->c->model, nprobe, probe_item, r, e);
     t->compare_s = (ctl_clock_ms() - start) / 1e3 - t->build_s;
     return st;
 }
 
 enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
-                           const struct ctl_trials_options *o, struct ctl_trials **out)
+                           const struct decision *decision, uint32_t non_mated,
+                           struct ctl_trials **out)
 {
     struct ctl_trials *t = calloc(1, sizeof *t);
-    struct run r = {.t = t, .o = o};
+    struct run r = {.t = t, .c = c, .decision = decision};
     enum status st = ST_ENOMEM;
 
     *out = NULL;
-    r.c.units = c->units;
-    r.c.threshold_mm = c->threshold_mm;
     if (t != NULL) {
         t->corpus = corpus;
         t->seed = SEED;
-        t->nthread = pool_threads(o->threads);
-        t->non_mated = o->non_mated > 0 ? o->non_mated : share(corpus);
+        t->nthread = pool_threads(c->threads);
+        t->non_mated = non_mated > 0 ? non_mated : share(corpus);
         t->refused = calloc(corpus->nscan, sizeof *t->refused);
         r.template = calloc(corpus->nsubject, sizeof *r.template);
     }

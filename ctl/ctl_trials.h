@@ -8,7 +8,6 @@
 #include "ctl.h"
 
 struct decision; /* decision.h */
-struct model;    /* model.h */
 
 /* Without --non-mated so many non-mated comparisons are made, at most. */
 #define CTL_TRIALS_NON_MATED 200000
@@ -36,22 +35,18 @@ struct ctl_trials {
         compare_s; /* by the clock on the wall: enrolment; all of the probes */
 };
 
-struct ctl_trials_options {
-    const struct model *model;
-    const struct decision *decision; /* NULL: the model's */
-    uint32_t non_mated; /* of each probe; 0: all, but CTL_TRIALS_NON_MATED in all */
-    uint32_t threads;   /* 0: one a core */
-};
-
-/* ctl_trials_run(c, corpus, o, out): c->units and c->threshold_mm are used; progress
- * goes to standard error, when that is a terminal.
- * out  new object, released by ctl_trials_free(); NULL on error; borrows corpus
+/* ctl_trials_run(c, corpus, decision, non_mated, out): progress goes to standard error,
+ * when that is a terminal.
+ * decision   NULL: the model's
+ * non_mated  of each probe; 0: all, but CTL_TRIALS_NON_MATED in all
+ * out        new object, released by ctl_trials_free(); NULL on error; borrows corpus
  * A scan that is malformed or no face is refused and listed, no error.  Non-mated pairs
  * are drawn without replacement, for each probe on its own.
  * Memory: a model of each enrolled scan, and one of a probe for each thread.
  * Returns ST_OK; ST_ENOMEM, ST_EIO, ST_ENOTFOUND with c->e filled. */
 enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
-                           const struct ctl_trials_options *o, struct ctl_trials **out);
+                           const struct decision *decision, uint32_t non_mated,
+                           struct ctl_trials **out);
 void ctl_trials_free(struct ctl_trials *t); /* NULL is allowed */
 
 #endif

@@ -16,11 +16,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
-    (void)printf("score        %.3f mm (threshold %.3f mm)\n", r->score_mm,
-                 r->threshold_mm);
-    (void)printf(
-        "false match  a share of %.2g of other people would score this low or lower\n",
-        r->fmr_at_score);
+    ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
                  100 * r->disparity.overlap, 100 * r->weight_overlap);
     (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
@@ -28,9 +24,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     ctl_face_regions(stdout, r);
     (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->disparity.plain_mm,
                  r->disparity.volume_mm3, r->disparity.area_mm2);
-    (void)printf("scan         %u points, quality %.2f", x->probe->surface.mesh.nv,
-                 x->probe->quality.score);
-    ctl_face_reasons(stdout, x->probe);
+    ctl_face_scan(stdout, x->probe);
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 

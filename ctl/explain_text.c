@@ -26,12 +26,7 @@ static const char *reason(const struct face_result *r)
 static void print_result(FILE *to, const struct face_result *r)
 {
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
-    (void)fprintf(to, "score        %.3f mm (threshold %.3f mm)\n", r->score_mm,
-                  r->threshold_mm);
-    (void)fprintf(to,
-                  "false match  a share of %.2g of other people would score this low or "
-                  "lower\n",
-                  r->fmr_at_score);
+    ctl_face_score(to, r);
     (void)fprintf(to, "volume       %.1f mm3 over %.1f mm2 in common: %.3f mm\n",
                   r->disparity.volume_mm3, r->disparity.area_mm2, r->disparity.plain_mm);
     (void)fprintf(
