@@ -2,8 +2,9 @@
  * and the error that it ends with.  From the bottom up:
  *   ctl, ctl_dir               errors, exit codes, output; files that are written
  *   ctl_option, ctl_command    what an option and a command are
- *   ctl_key, ctl_model, ctl_config.h  the database, opened by its key and for a model
- *   ctl_scan, ctl_face         a scan as a face, compared
+ *   ctl_key, ctl_model, ctl_config  the database, opened by its key and for a model
+ *   ctl_each, ctl_pairs        every subject; of two subjects the nearest templates
+ *   ctl_scan, ctl_face, ctl_corpus  a scan as a face, compared, enrolled; many scans
  *   ctl_trials, ctl_cross      many comparisons
  *   the other files            a command each, or a few of one group
  *   ctl_table, ctl_help, main  the list of the commands, help texts, the command line */
@@ -25,19 +26,19 @@ struct ctl_command; /* ctl_command.h */
 
 #define CTL_ACTOR "surfacectl" /* in the events table */
 
-enum ctl_exit {                        /* as in <sysexits.h> where that has one */
-                EXIT_FINE = 0,         /* done; a match */
-                EXIT_NO = 1,           /* no match; problems, or duplicates, were found */
-                EXIT_INCONCLUSIVE = 2, /* too little in common to say */
-                EXIT_USAGE = 64,
-                EXIT_DATA = 65, /* the scan or the database is malformed or unusable */
-                EXIT_NOINPUT =
-                    66, /* no such file, subject, template, token or database */
-                EXIT_SOFTWARE = 70, /* a defect, or an error of the database engine */
-                EXIT_OSERR = 71,    /* out of memory */
-                EXIT_IOERR = 74,    /* reading or writing failed; disk full */
-                EXIT_TEMPFAIL = 75, /* the database is locked; try again */
-                EXIT_NOPERM = 77
+/* As in <sysexits.h> where that has one; ctl_help.c says what they mean. */
+enum ctl_exit {
+    EXIT_FINE = 0,
+    EXIT_NO = 1,
+    EXIT_INCONCLUSIVE = 2,
+    EXIT_USAGE = 64,
+    EXIT_DATA = 65,
+    EXIT_NOINPUT = 66,
+    EXIT_SOFTWARE = 70,
+    EXIT_OSERR = 71,
+    EXIT_IOERR = 74,
+    EXIT_TEMPFAIL = 75,
+    EXIT_NOPERM = 77
 };
 
 struct ctl_expires { /* --expires */
@@ -80,8 +81,8 @@ struct ctl {
 };
 
 /* ctl_exit(c, st): the exit code of a command that returned st.
- * ctl_usage(c, ...): the command line is wrong, which the text goes into c->e for: ST_EINVAL,
- * and the exit code EXIT_USAGE. */
+ * ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
+ * the exit code EXIT_USAGE. */
 int ctl_exit(const struct ctl *c, enum status st);
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
@@ -102,8 +103,8 @@ __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const ch
                                                    ...);
 bool ctl_print(FILE *to, char *text);
 
-/* ctl_grow(list, n, size): the list of n elements with room for one more, where every element
- * got its room by this (n is 0 first); NULL: out of memory, and the list is as it was. */
+/* ctl_grow(list, n, size): a list of n elements, all of which were added with this (NULL
+ * for the first), with room for one more.  NULL: out of memory, and the list is as it was. */
 void *ctl_grow(void *list, size_t n, size_t size);
 
 double ctl_clock_ms(void); /* from any start; it does not jump */

@@ -124,36 +124,23 @@ struct export
     char public_key[65];
 };
 
-/* A line of its own: what add() says of arg. */
-static enum status put_line(FILE *to, void (*add)(struct json *, const void *),
-                            const void *arg, struct errinfo *e)
+/* The document on a line of its own; it is released. */
+static enum status put_line(FILE *to, struct json *j, struct errinfo *e)
 {
-    struct json *j = json_new();
-
-    add(j, arg);
     return ctl_print(to, json_compact(j))
                ? ST_OK
                : errinfo_set(e, ST_EIO, "the audit log cannot be written");
 }
 
-static void add_head(struct json *o, const void *arg)
+static enum status put_head(FILE *to, const struct export *x, struct errinfo *e)
 {
-    const struct export *x = arg;
+    struct json *j = json_new();
 
-    json_number(o, "surface_audit", 1);
-    json_text(o, "public_key", x->public_key);
-    json_text(o, "at", x->end.at);
-    json_number(o, "entries", (double)x->end.seq);
-}
-
-static void add_entry(struct json *o, const void *arg)
-{
-    out_entry(o, arg, "subject");
-}
-
-static void add_mark(struct json *o, const void *arg)
-{
-    out_mark(o, arg);
+    json_number(j, "surface_audit", 1);
+    json_text(j, "public_key", x->public_key);
+    json_text(j, "at", x->end.at);
+    json_number(j, "entries", (double)x->end.seq);
+    return put_line(to, j, e);
 }
 
 static enum status put_page(FILE *to, struct export *x, const struct store_audit_entry *a,
@@ -162,9 +149,15 @@ static enum status put_page(FILE *to, struct export *x, const struct store_audit
     enum status st = ST_OK;
 
     for (size_t i = 0; st == ST_OK && i < n; i++) {
-        st = put_line(to, add_entry, &a[i], e);
-        while (st == ST_OK && x->next < x->nmark && x->marks[x->next].seq <= a[i].seq)
-            st = put_line(to, add_mark, &x->marks[x->next++], e);
+        struct json *j = json_new();
+
+        out_entry(j, &a[i], "subject");
+        st = put_line(to, j, e);
+        while (st == ST_OK && x->next < x->nmark && x->marks[x->next].seq <= a[i].seq) {
+            j = json_new();
+            out_mark(j, &x->marks[x->next++]);
+            st = put_line(to, j, e);
+        }
     }
     return st;
 }
@@ -176,7 +169,7 @@ static enum status put_log(FILE *to, const void *arg, struct errinfo *e)
     struct store_audit_filter wanted = {.limit = PAGE};
     struct store_audit_entry *a;
     size_t n;
-    enum status st = put_line(to, add_head, &x, e);
+    enum status st = put_head(to, &x, e);
 
     while (st == ST_OK && wanted.after < x.end.seq) {
         if ((st = store_audit_list(x.store, &wanted, &a, &n, e)) != ST_OK)

@@ -144,8 +144,21 @@ static enum status learn(struct ctl *c, struct result *r)
 
 /* ---- printing */
 
-static void out_table(struct json *o, const struct decision *d)
+/* What is the same of a new one and of those in the list. */
+static void out_calibration(struct json *o, const struct store_calibration *k)
 {
+    const struct decision *d = &k->decision;
+
+    json_text(o, "source", k->shipped ? "shipped" : "database");
+    json_number(o, "threshold_mm", d->threshold_mm);
+    json_rate(o, "fmr", k->fmr);
+    if (!k->shipped) {
+        json_number(o, "low_mm", k->low_mm);
+        json_number(o, "high_mm", k->high_mm);
+        json_number(o, "subjects", (double)k->subjects);
+        json_number(o, "non_mated", (double)k->impostors);
+        json_number(o, "mated", (double)k->genuine);
+    }
     json_array(o, "table");
     for (uint32_t i = 0; i < d->n; i++) {
         json_object(o, NULL);
@@ -155,22 +168,6 @@ static void out_table(struct json *o, const struct decision *d)
     }
     json_close(o);
     json_number(o, "halving_mm", d->halving_mm);
-}
-
-/* What is the same of a new one and of those in the list. */
-static void out_calibration(struct json *o, const struct store_calibration *k)
-{
-    json_text(o, "source", k->shipped ? "shipped" : "database");
-    json_number(o, "threshold_mm", k->decision.threshold_mm);
-    json_rate(o, "fmr", k->fmr);
-    if (!k->shipped) {
-        json_number(o, "low_mm", k->low_mm);
-        json_number(o, "high_mm", k->high_mm);
-        json_number(o, "subjects", (double)k->subjects);
-        json_number(o, "non_mated", (double)k->impostors);
-        json_number(o, "mated", (double)k->genuine);
-    }
-    out_table(o, &k->decision);
 }
 
 static void out_result(struct ctl *c, const struct result *r)

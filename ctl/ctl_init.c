@@ -6,17 +6,6 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 
-/* Say where the key is, since the database is lost without it. */
-static void tell_key(struct ctl *c, const char *path, bool made)
-{
-    json_text(c->out, "key", path);
-    if (made && !c->json)
-        (void)printf(
-            "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
-            "the database can be read.\n",
-            path);
-}
-
 /* Make or upgrade; the key's file is new where there was none before. */
 static enum status open_new(struct ctl *c, enum store_mode mode, const char *word)
 {
@@ -33,8 +22,14 @@ static enum status open_new(struct ctl *c, enum store_mode mode, const char *wor
         return st;
     json_text(c->out, "database", c->db);
     ctl_say(c, "%s: %s\n", c->db, word);
-    if (access(path, F_OK) == 0)
-        tell_key(c, path, !there);
+    if (access(path, F_OK) != 0)
+        return ST_OK;
+    json_text(c->out, "key", path);
+    if (!there)
+        ctl_say(c,
+                "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
+                "the database can be read.\n",
+                path);
     return ST_OK;
 }
 

@@ -178,8 +178,3 @@ const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_optio
             return o;
     return NULL;
 }
-
-const char *ctl_option_set(const struct ctl_option *o, struct ctl *c, const char *text)
-{
-    return o->read(text, o->value != NULL ? o->value : (char *)c + o->at);
-}

@@ -61,9 +61,6 @@ const struct ctl_option *ctl_option_at(unsigned shared, const struct ctl_option 
 const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_option *own,
                                          const char *name);
 
-/* ctl_option_set(o, c, text): read the value; NULL: done, else what the option takes. */
-const char *ctl_option_set(const struct ctl_option *o, struct ctl *c, const char *text);
-
 /* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: millimetres above 0, a
  * rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
 const char *ctl_option_flag(const char *text, void *value);

@@ -92,7 +92,8 @@ static enum status show(struct ctl *c)
 }
 
 static enum status export(struct ctl *c) {
-    struct store_template t; struct face_work * w; struct face f = {0}; enum status st;
+    struct store_template t = {.points = 0}; struct face_work * w; struct face f = {0};
+    enum status st;
 
     if (c->dir == NULL) return ctl_usage(c, "template export needs --out FILE");
     if ((w = face_work_new(c->model)) == NULL) return errinfo_set(&c->e, ST_ENOMEM,

@@ -100,7 +100,9 @@ static bool read_values(struct line *l)
             (void)ctl_usage(
                 &l->c, "--%s is an option that %s does not take (surfacectl %s --help)",
                 l->option[k].name, name, name);
-        else if ((wanted = ctl_option_set(o, &l->c, l->value[k])) != NULL)
+        else if ((wanted = o->read(l->value[k], o->value != NULL
+                                                    ? o->value
+                                                    : (char *)&l->c + o->at)) != NULL)
             (void)ctl_usage(&l->c, "--%s takes %s, not '%.80s'", o->name, wanted,
                             l->value[k]);
         if (l->c.e.code != ST_OK)

@@ -6,12 +6,6 @@
 #include "ctl.h"
 #include "report.h"
 
-/* null where the number of comparisons does not support it. */
-static double if_stated(double rate, size_t n)
-{
-    return rates_supported(rate, n) ? rate : (double)NAN;
-}
-
 /* What the rate is below, where it cannot be stated. */
 static void rate(struct json *o, const char *key, double value, double low, double high,
                  size_t n)
@@ -19,7 +13,7 @@ static void rate(struct json *o, const char *key, double value, double low, doub
     const bool supported = rates_supported(value, n);
 
     json_object(o, key);
-    json_rate(o, "value", if_stated(value, n));
+    json_rate(o, "value", supported ? value : (double)NAN);
     json_flag(o, "supported", supported);
     if (!supported && n > 0)
         json_rate(o, "below", fmin(1, report_bound(value, n)));

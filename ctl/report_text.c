@@ -24,12 +24,6 @@ static struct number percent(double share)
     return c;
 }
 
-/* Are there enough comparisons to state an error rate? */
-static bool stated(double rate, size_t n)
-{
-    return rates_supported(rate, n);
-}
-
 /* An error rate with its interval; without enough comparisons, what it is below. */
 static struct report_text_cell error_cell(double rate, double low, double high, size_t n)
 {
@@ -37,9 +31,9 @@ static struct report_text_cell error_cell(double rate, double low, double high, 
 
     if (isnan(rate) || n == 0)
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
-    else if (!stated(rate, n) && report_bound(rate, n) >= 1)
+    else if (!rates_supported(rate, n) && report_bound(rate, n) >= 1)
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
-    else if (!stated(rate, n))
+    else if (!rates_supported(rate, n))
         (void)snprintf(c.s, sizeof c.s, "below %s %% (%.0f of %zu)",
                        percent(report_bound(rate, n)).s, rate * (double)n, n);
     else
@@ -65,7 +59,7 @@ static struct report_text_cell eer_cell(const struct report *r,
     const size_t n = least_of(r, g);
     struct report_text_cell c;
 
-    if (isnan(g->f.eer) || stated(g->f.eer, n) || report_bound(g->f.eer, n) >= 1)
+    if (isnan(g->f.eer) || rates_supported(g->f.eer, n) || report_bound(g->f.eer, n) >= 1)
         return error_cell(g->f.eer, g->low.eer, g->high.eer, n);
     (void)snprintf(c.s, sizeof c.s, "below %s %%", percent(report_bound(g->f.eer, n)).s);
     return c;
@@ -80,12 +74,12 @@ static struct report_text_cell tar_cell(const struct report *r,
 
     if (isnan(tar))
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
-    else if (!stated(rates_target[k], r->non_mated.n))
+    else if (!rates_supported(rates_target[k], r->non_mated.n))
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons",
                        r->non_mated.n);
-    else if (!stated(1 - tar, n) && report_bound(1 - tar, n) >= 1)
+    else if (!rates_supported(1 - tar, n) && report_bound(1 - tar, n) >= 1)
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
-    else if (!stated(1 - tar, n))
+    else if (!rates_supported(1 - tar, n))
         (void)snprintf(c.s, sizeof c.s, "above %s %% (%.0f of %zu)",
                        percent(1 - report_bound(1 - tar, n)).s, tar * (double)n, n);
     else
@@ -162,7 +156,7 @@ static void text_rates(const struct report *r, FILE *to)
     }
     (void)fprintf(to, "\n");
     for (int k = 0; k < RATES_TARGETS; k++)
-        if (!stated(rates_target[k], r->non_mated.n))
+        if (!rates_supported(rates_target[k], r->non_mated.n))
             (void)fprintf(
                 to,
                 "- FMR %g %%: not supported by %zu non-mated comparisons; it takes %zu\n",
