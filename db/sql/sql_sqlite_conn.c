@@ -184,26 +184,60 @@ enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct erri
 
 /* ---- statements */
 
+/* The slot of this text, or an empty one for it; NULL: all are taken.  The highest bits of a
+ * product depend on all bits of the address. */
+static struct sql_rows *find_slot(struct sql_txn *c, const char *text)
+{
+    size_t at = (uint64_t)(uintptr_t)text * 0x9e3779b97f4a7c15U >> 56;
+
+    for (size_t tries = 0; tries < SQL_SQLITE_SLOTS; tries++) {
+        struct sql_rows *r = &c->slot[(at + tries) % SQL_SQLITE_SLOTS];
+
+        if (r->text == text || r->text == NULL)
+            return r;
+    }
+    return NULL;
+}
+
+static bool number_values(struct sql_rows *r)
+{
+    r->parameters = sqlite3_bind_parameter_count(r->stmt);
+    if (r->parameters > SQL_SQLITE_VALUES)
+        return false;
+    for (int i = 0; i < r->parameters; i++) {
+        const char *name = sqlite3_bind_parameter_name(r->stmt, i + 1);
+        const long number = name != NULL ? strtol(name + 1, NULL, 10) : 0;
+
+        if (number < 1 || number > SQL_SQLITE_VALUES)
+            return false;
+        r->value[i] = (unsigned char)(number - 1);
+    }
+    return true;
+}
+
 /* The statement of this text, ready to bind. */
 static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows **out,
                            struct errinfo *e)
 {
-    size_t at = ((uintptr_t)text >> 3) * 0x9e3779b1U % SQL_SQLITE_SLOTS;
-    size_t tries = 0;
+    struct sql_rows *r = *out = find_slot(c, text);
 
-    while (c->slot[at].text != NULL && c->slot[at].text != text &&
-           tries++ < SQL_SQLITE_SLOTS)
-        at = (at + 1) % SQL_SQLITE_SLOTS;
-    *out = &c->slot[at];
-    if ((*out)->text == text && !(*out)->open)
-        return ST_OK;
-    if ((*out)->text != NULL)
+    if (r == NULL)
+        return errinfo_set(e, ST_EINTERNAL, "too many statements: %.80s", text);
+    if (r->open)
         return errinfo_set(e, ST_EINTERNAL, "a statement amid its own rows: %.80s", text);
-    if (sqlite3_prepare_v3(c->db, text, -1, SQLITE_PREPARE_PERSISTENT, &(*out)->stmt,
-                           NULL) != SQLITE_OK)
+    if (r->text != NULL)
+        return ST_OK;
+    if (sqlite3_prepare_v3(c->db, text, -1, SQLITE_PREPARE_PERSISTENT, &r->stmt, NULL) !=
+        SQLITE_OK)
         return sql_sqlite_conn_fail(c, "cannot prepare a statement", e);
-    (*out)->text = text;
-    (*out)->conn = c;
+    if (!number_values(r)) {
+        (void)sqlite3_finalize(r->stmt);
+        r->stmt = NULL;
+        return errinfo_set(e, ST_EINTERNAL, "parameters are $1 to $%d: %.80s",
+                           SQL_SQLITE_VALUES, text);
+    }
+    r->text = text;
+    r->conn = c;
     return ST_OK;
 }
 
@@ -226,26 +260,21 @@ static int bind_value(sqlite3_stmt *stmt, int at, const struct sql_value *v,
     return sqlite3_bind_null(stmt, at);
 }
 
-/* To SQLite $2 is a name, and its number is the order in which names come. */
 static enum status start(struct sql_txn *c, const char *text,
                          const struct sql_value *value, size_t n,
                          sqlite3_destructor_type copied, struct sql_rows **out,
                          struct errinfo *e)
 {
     const enum status st = prepare(c, text, out, e);
+    const struct sql_rows *r = *out;
 
-    if (st != ST_OK)
-        return st;
-    for (int at = sqlite3_bind_parameter_count((*out)->stmt); at > 0; at--) {
-        const char *name = sqlite3_bind_parameter_name((*out)->stmt, at);
-        const long number = name != NULL ? strtol(name + 1, NULL, 10) : 0;
-
-        if (number < 1 || (size_t)number > n)
+    for (int i = 0; st == ST_OK && i < r->parameters; i++) {
+        if (r->value[i] >= n)
             return errinfo_set(e, ST_EINTERNAL, "a value too few for: %.80s", text);
-        if (bind_value((*out)->stmt, at, &value[number - 1], copied) != SQLITE_OK)
+        if (bind_value(r->stmt, i + 1, &value[r->value[i]], copied) != SQLITE_OK)
             return sql_sqlite_conn_fail(c, "cannot bind a value", e);
     }
-    return ST_OK;
+    return st;
 }
 
 enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value *value,
@@ -259,7 +288,7 @@ enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value 
         st = sql_sqlite_conn_fail(t, "cannot write", e);
     if (st == ST_OK)
         t->changed = (uint64_t)sqlite3_changes64(t->db);
-    if (r->stmt != NULL && !r->open) {
+    if (r != NULL && r->stmt != NULL && !r->open) {
         (void)sqlite3_reset(r->stmt);
         (void)sqlite3_clear_bindings(r->stmt); /* the values are the caller's */
     }

@@ -6,7 +6,8 @@
 #include "sql.h"
 
 #define SQL_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
-#define SQL_SQLITE_SLOTS   256  /* more than there are statements: a power of 2 */
+#define SQL_SQLITE_SLOTS   256  /* more than there are statements */
+#define SQL_SQLITE_VALUES  32   /* that a statement takes, at most */
 
 struct sql_rows {
     const char *text; /* NULL: no statement is in this slot */
@@ -14,6 +15,8 @@ struct sql_rows {
     struct sql_txn *conn;
     int rc; /* of the last step */
     bool open;
+    int parameters; /* to SQLite their numbers follow their first use, $2 is but a name */
+    unsigned char value[SQL_SQLITE_VALUES]; /* that parameter i + 1 takes, 0 for $1 */
 };
 
 struct sql_txn { /* of a connection, which has one at a time */
