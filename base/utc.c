@@ -1,6 +1,5 @@
 #include "utc.h"
 
-#include <stdio.h>
 #include <time.h>
 
 #define LAST_MS INT64_C(253402300799999) /* of the year 9999 */
@@ -17,6 +16,15 @@ bool utc_now(int64_t *ms)
     return true;
 }
 
+/* n digits of v, and what follows them. */
+static char *put(char *to, int v, int n, char after)
+{
+    for (int i = n - 1; i >= 0; i--, v /= 10)
+        to[i] = (char)('0' + v % 10);
+    to[n] = after;
+    return to + n + 1;
+}
+
 void utc_print(int64_t ms, char out[UTC_TEXT])
 {
     struct tm tm = {0};
@@ -26,11 +34,14 @@ void utc_print(int64_t ms, char out[UTC_TEXT])
         ms = LAST_MS;
     s = (time_t)(ms / 1000);
     (void)gmtime_r(&s, &tm);
-    (void)snprintf(out, UTC_TEXT, "%04u-%02u-%02uT%02u:%02u:%02u.%03uZ",
-                   (unsigned)(tm.tm_year + 1900) % 10000, (unsigned)(tm.tm_mon + 1) % 100,
-                   (unsigned)tm.tm_mday % 100, (unsigned)tm.tm_hour % 100,
-                   (unsigned)tm.tm_min % 100, (unsigned)tm.tm_sec % 100,
-                   (unsigned)(ms % 1000));
+    out = put(out, tm.tm_year + 1900, 4, '-');
+    out = put(out, tm.tm_mon + 1, 2, '-');
+    out = put(out, tm.tm_mday, 2, 'T');
+    out = put(out, tm.tm_hour, 2, ':');
+    out = put(out, tm.tm_min, 2, ':');
+    out = put(out, tm.tm_sec, 2, '.');
+    out = put(out, (int)(ms % 1000), 3, 'Z');
+    *out = '\0';
 }
 
 /* Exactly n digits as a number; false: others. */

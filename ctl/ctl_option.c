@@ -7,6 +7,7 @@
 
 #include "ctl.h"
 #include "store.h"
+#include "utc.h"
 
 /* ---- values */
 
@@ -97,7 +98,7 @@ static const char *read_expires(const char *text, void *value)
     x->life_s = x->at_s = 0;
     if (strcmp(text, "never") == 0)
         return NULL;
-    if (store_time_read(text, &ms)) {
+    if (utc_read(text, &ms)) {
         x->at_s = ms / 1000;
         x->life_s = x->at_s - now;
         return NULL;

@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store_rules.h"
 #include "describe.h"
 #include "ctl_command.h"
 #include "ctl_each.h"
 #include "ctl_model.h"
 #include "ctl_template.h"
+#include "utc.h"
 
 static const char *consent, *purpose; /* --consent, --purpose */
 
@@ -112,20 +112,20 @@ static enum status tell(struct ctl *c, const char *id, const char *done)
 }
 
 /* The text of --expires: NULL where it is not given. */
-static const char *expiry(const struct ctl *c, char text[STORE_RULES_TIME])
+static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
 {
     if (!c->expires.given)
         return NULL;
     text[0] = '\0';
     if (c->expires.at_s > 0)
-        store_rules_time(c->expires.at_s * 1000, text);
+        utc_print(c->expires.at_s * 1000, text);
     return text;
 }
 
 static enum status set(struct ctl *c)
 {
     struct store_subject new = {0};
-    char text[STORE_RULES_TIME];
+    char text[UTC_TEXT];
     const char *id = c->args[0], *expires = expiry(c, text);
     const struct store_subject_change what = {
         .reference = consent, .purpose = purpose, .expires = expires};

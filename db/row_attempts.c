@@ -6,8 +6,8 @@
 #include "errinfo.h"
 #include "row_subject.h"
 #include "store_column.h"
-#include "store_rules.h"
 #include "store_txn.h"
+#include "utc.h"
 
 static enum status read_counts(const struct sql_rows *r, struct store_attempts *out,
                                int64_t *at_ms, struct errinfo *e)
@@ -44,7 +44,7 @@ enum status row_attempts_get(struct store_txn *t, const char *subject, int64_t n
     if (*future)
         at = now;
     if (out->failures > 0) {
-        store_rules_time(at, out->at);
+        utc_print(at, out->at);
         out->age_ms = now - at;
     }
     return ST_OK;
@@ -106,7 +106,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
         return errinfo_set(e, ST_ECORRUPT, "attempts: a subject's row is damaged");
     memcpy(a->subject, who.id, sizeof a->subject);
     if ((st = read_counts(r, a, &at, e)) == ST_OK)
-        store_rules_time(at, a->at);
+        utc_print(at, a->at);
     return st;
 }
 

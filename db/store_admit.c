@@ -11,6 +11,7 @@
 #include "row_template.h"
 #include "store_rules.h"
 #include "store_txn.h"
+#include "utc.h"
 
 static enum status one_template(struct store_txn *x, const char *id,
                                 struct store_admission *out, struct errinfo *e)
@@ -35,7 +36,7 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
                             int64_t now_ms, struct store_admission *out, bool *future,
                             struct errinfo *e)
 {
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     const char *subject = what->subject;
     enum status st = ST_OK;
 
@@ -48,7 +49,7 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
         (st = row_attempts_get(x, subject, now_ms, &out->attempts, future, e)) != ST_OK ||
         (st = read_calibration(x, what->calibration, out, e)) != ST_OK)
         return st;
-    store_rules_time(now_ms, now);
+    utc_print(now_ms, now);
     out->subject.expired = store_rules_past(out->subject.expires, now);
     if (what->subject != NULL)
         st = row_template_list(x, out->subject.key, &out->t, &out->n, e);

@@ -6,6 +6,8 @@
 #include "bytes.h"
 #include "errinfo.h"
 #include "store_rules.h"
+#include "utc.h"
+#include "utf8.h"
 
 #define DIGEST 32
 
@@ -35,19 +37,18 @@ static bool get_uid(struct bytes *b, unsigned char uid[STORE_UID])
     return bytes_get(b, uid, STORE_UID) && !sodium_is_zero(uid, STORE_UID);
 }
 
-/* As store_rules_time() writes it, or "" where that may be. */
+/* As utc_print() writes it, or "" where that may be. */
 static bool time_valid(const char *at, bool never)
 {
-    static const char like[] = "0000-00-00T00:00:00.000Z";
+    char text[UTC_TEXT];
+    int64_t ms;
 
     if (at[0] == '\0')
         return never;
-    if (strlen(at) != sizeof like - 1)
+    if (!utc_read(at, &ms))
         return false;
-    for (size_t i = 0; i < sizeof like - 1; i++)
-        if (like[i] == '0' ? at[i] < '0' || at[i] > '9' : at[i] != like[i])
-            return false;
-    return true;
+    utc_print(ms, text);
+    return strcmp(at, text) == 0;
 }
 
 /* ---- records */
@@ -98,9 +99,9 @@ static bool parse_subject(struct bytes *b, struct store_subject *s)
     return get_uid(b, s->uid) && bytes_get_text(b, s->id, sizeof s->id) &&
            store_subject_valid(s->id) &&
            bytes_get_text(b, s->reference, sizeof s->reference) &&
-           store_rules_text(s->reference, STORE_NOTE_MAX) &&
+           utf8_is_text(s->reference, STORE_NOTE_MAX) &&
            bytes_get_text(b, s->purpose, sizeof s->purpose) &&
-           store_rules_text(s->purpose, STORE_NOTE_MAX) &&
+           utf8_is_text(s->purpose, STORE_NOTE_MAX) &&
            bytes_get_text(b, s->created, sizeof s->created) &&
            time_valid(s->created, false) &&
            bytes_get_text(b, s->expires, sizeof s->expires) &&
@@ -117,7 +118,7 @@ static bool parse_template(struct bytes *b, struct store_archive_item *item)
     memcpy(t->subject, item->subject.id, sizeof t->subject);
     if (!bytes_get_text(b, t->id, sizeof t->id) || !store_id_valid(t->id) ||
         !bytes_get_text(b, t->label, sizeof t->label) ||
-        !store_rules_text(t->label, STORE_LABEL_MAX) ||
+        !utf8_is_text(t->label, STORE_LABEL_MAX) ||
         !bytes_get_text(b, t->created, sizeof t->created) ||
         !time_valid(t->created, false) ||
         !bytes_get_text(b, t->engine, sizeof t->engine) ||

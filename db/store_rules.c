@@ -6,7 +6,6 @@
 #include "errinfo.h"
 #include "store_types.h"
 #include "utc.h"
-#include "utf8.h"
 
 #define RANDOM_MAX 32
 #define RECENT_MS  60000
@@ -38,11 +37,6 @@ bool store_rules_printable(const char *text, size_t min, size_t max)
         if (text[i] < ' ' || text[i] > '~')
             return false;
     return n >= min && n <= max;
-}
-
-bool store_rules_text(const char *text, size_t max)
-{
-    return utf8_is_text(text, max);
 }
 
 enum status store_rules_subject(const char *subject, struct errinfo *e)
@@ -91,11 +85,6 @@ enum status store_rules_now(int64_t *ms, struct errinfo *e)
     return ST_OK;
 }
 
-void store_rules_time(int64_t ms, char out[STORE_RULES_TIME])
-{
-    utc_print(ms, out);
-}
-
 bool store_rules_past(const char *at, const char *now)
 {
     return at[0] != '\0' && strcmp(at, now) <= 0;
@@ -103,16 +92,9 @@ bool store_rules_past(const char *at, const char *now)
 
 bool store_rules_recent(const char *at, int64_t ms)
 {
-    char now[STORE_RULES_TIME], before[STORE_RULES_TIME];
+    int64_t then;
 
-    store_rules_time(ms, now);
-    store_rules_time(ms > RECENT_MS ? ms - RECENT_MS : 0, before);
-    return at[0] != '\0' && strcmp(at, before) > 0 && strcmp(at, now) <= 0;
-}
-
-bool store_time_read(const char *text, int64_t *ms)
-{
-    return utc_read(text, ms);
+    return utc_read(at, &then) && then <= ms && ms - then < RECENT_MS;
 }
 
 enum status store_rules_act(struct store_act *by, const char *actor, struct errinfo *e)
@@ -124,6 +106,6 @@ enum status store_rules_act(struct store_act *by, const char *actor, struct erri
                            STORE_NAME_MAX);
     by->actor = actor;
     if ((st = store_rules_now(&by->ms, e)) == ST_OK)
-        store_rules_time(by->ms, by->at);
+        utc_print(by->ms, by->at);
     return st;
 }

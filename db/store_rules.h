@@ -5,33 +5,25 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"
+#include "utc.h"
 
 struct errinfo;
-
-#define STORE_RULES_TIME 32 /* bytes for a time, and what is left of a row's field */
 
 struct store_act { /* who changes something, and when */
     const char *actor;
     int64_t ms; /* since 1970, UTC */
-    char at[STORE_RULES_TIME];
+    char at[UTC_TEXT];
 };
 
 /* Is it a subject's id, is it one of a template or a token? */
 bool store_subject_valid(const char *subject);
 bool store_id_valid(const char *id);
 
-/* store_time_read(text, ms): RFC 3339, "2027-01-31T14:30:00+01:00", or the beginning of a
- * day, "2027-01-31" (UTC), as milliseconds since 1970; false: neither, or before 1970. */
-bool store_time_read(const char *text, int64_t *ms);
-
 /* min to max characters, all of set. */
 bool store_rules_consist(const char *text, const char *set, size_t min, size_t max);
 
 /* min to max characters of printable ASCII. */
 bool store_rules_printable(const char *text, size_t min, size_t max);
-
-/* Up to max bytes of UTF-8 without control characters. */
-bool store_rules_text(const char *text, size_t max);
 
 /* ST_OK, or ST_EINVAL with the rule as text; what: "template", "token". */
 enum status store_rules_subject(const char *subject, struct errinfo *e);
@@ -44,19 +36,14 @@ enum status store_rules_event(const char *kind, const char *subject,
 /* 2 * bytes random hexadecimal digits and a NUL; at most 32 bytes. */
 void store_rules_random(char *out, size_t bytes);
 
-/* store_rules_now(ms, e): milliseconds since 1970, UTC, by the system's clock, which may be
- * set back; ST_EINTERNAL where it cannot be read or stands outside of 1970 to 9999. */
+/* store_rules_now(ms, e): utc_now(), or ST_EINTERNAL. */
 enum status store_rules_now(int64_t *ms, struct errinfo *e);
-
-/* store_rules_time(ms, out): such a time as RFC 3339 text of fixed length, so that times
- * compare like their texts; one past the year 9999 becomes its end. */
-void store_rules_time(int64_t ms, char out[STORE_RULES_TIME]);
 
 /* store_rules_past(at, now): is it a time, not "", that has come? */
 bool store_rules_past(const char *at, const char *now);
 
-/* store_rules_recent(at, ms): does the time `at` lie within the minute before ms?  One in the
- * future is from before the clock was set back, and is not recent. */
+/* store_rules_recent(at, ms): is `at` a time in the minute before ms?  One in the future is
+ * from before the clock was set back, and is not recent. */
 bool store_rules_recent(const char *at, int64_t ms);
 
 /* store_rules_act(by, actor, e): actor, if it is one, does something now. */

@@ -10,10 +10,12 @@
 #include "store_column.h"
 #include "store_rules.h"
 #include "store_txn.h"
+#include "utc.h"
+#include "utf8.h"
 
 static enum status need_note(const char *text, struct errinfo *e)
 {
-    if (text == NULL || store_rules_text(text, STORE_NOTE_MAX))
+    if (text == NULL || utf8_is_text(text, STORE_NOTE_MAX))
         return ST_OK;
     return errinfo_set(e, ST_EINVAL,
                        "a consent or a purpose is up to %d bytes of UTF-8 without "
@@ -22,19 +24,18 @@ static enum status need_note(const char *text, struct errinfo *e)
 }
 
 /* An end as it is kept; NULL: nothing is said of it. */
-static enum status read_end(const char *text, char out[STORE_RULES_TIME],
-                            struct errinfo *e)
+static enum status read_end(const char *text, char out[UTC_TEXT], struct errinfo *e)
 {
     int64_t ms;
 
     out[0] = '\0';
     if (text == NULL || text[0] == '\0')
         return ST_OK;
-    if (!store_time_read(text, &ms))
+    if (!utc_read(text, &ms))
         return errinfo_set(
             e, ST_EINVAL,
             "the end is not a time like 2027-01-31T14:30:00Z, from 1970 on");
-    store_rules_time(ms, out);
+    utc_print(ms, out);
     return ST_OK;
 }
 
@@ -43,7 +44,7 @@ static enum status read_end(const char *text, char out[STORE_RULES_TIME],
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     struct store_txn t;
     int64_t ms;
     enum status st;
@@ -53,7 +54,7 @@ enum status store_subject_get(struct store *s, const char *subject,
         (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     st = store_txn_end(&t, row_subject_read(&t, subject, out, e), e);
-    store_rules_time(ms, now);
+    utc_print(ms, now);
     out->expired = st == ST_OK && store_rules_past(out->expires, now);
     return st;
 }
@@ -83,7 +84,7 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
                               struct errinfo *e)
 {
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     struct sql_rows *r;
     struct store_txn t;
     void *list = NULL;
@@ -95,7 +96,7 @@ enum status store_subject_due(struct store *s, struct store_subject **out, size_
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
         (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    store_rules_time(ms, now);
+    utc_print(ms, now);
     st = SQL_QUERY(t.sql, &r, e,
                    "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s "
                    "WHERE s.expires <= $1 ORDER BY s.expires, s.subject_key",
@@ -110,7 +111,7 @@ enum status store_subject_due(struct store *s, struct store_subject **out, size_
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
-    char end[STORE_RULES_TIME];
+    char end[UTC_TEXT];
     struct row_subject p = {0};
     struct store_act by;
     struct store_txn t;
@@ -231,7 +232,7 @@ enum status store_subject_set(struct store *s, const char *actor, const char *su
                       .hold = what->hold,
                       .disabled = what->disabled};
     struct store_subject as_it_is;
-    char end[STORE_RULES_TIME];
+    char end[UTC_TEXT];
     enum status st;
 
     if ((st = need_note(what->reference, e)) != ST_OK ||

@@ -12,6 +12,7 @@
 #include "row_template.h"
 #include "store_rules.h"
 #include "store_txn.h"
+#include "utf8.h"
 
 /* ---- enrolling */
 
@@ -102,7 +103,7 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     if ((st = store_rules_subject(subject, e)) != ST_OK ||
         (st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
-    if (!store_rules_text(label, STORE_LABEL_MAX))
+    if (!utf8_is_text(label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);

@@ -9,6 +9,7 @@
 #include "row_token.h"
 #include "store_rules.h"
 #include "store_txn.h"
+#include "utc.h"
 
 #define SECRET_BYTES 32
 
@@ -35,7 +36,7 @@ static void set_life(const struct store_act *by, int64_t life_s, char expires[32
 {
     expires[0] = '\0';
     if (life_s > 0)
-        store_rules_time(by->ms + life_s * 1000, expires);
+        utc_print(by->ms + life_s * 1000, expires);
 }
 
 /* A new secret and its hash. */
@@ -150,7 +151,7 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e)
 {
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     struct store_txn x;
     int64_t ms;
     enum status st;
@@ -161,7 +162,7 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
         (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
     st = store_txn_end(&x, row_token_list(&x, out, n, e), e);
-    store_rules_time(ms, now);
+    utc_print(ms, now);
     for (size_t i = 0; i < *n; i++)
         (*out)[i].expired = store_rules_past((*out)[i].expires, now);
     return st;
@@ -170,12 +171,12 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
 /* No request waits for this: where it cannot be noted at once, the next one notes it. */
 static void note_use(struct store *s, struct store_token *t, int64_t ms)
 {
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     struct store_txn x;
 
     if (store_rules_recent(t->used, ms) || store_txn_begin(s, SQL_TRY, &x, NULL) != ST_OK)
         return;
-    store_rules_time(ms, now);
+    utc_print(ms, now);
     if (store_txn_end(&x, row_token_used(&x, t->id, now, NULL), NULL) == ST_OK)
         memcpy(t->used, now, sizeof now);
 }
@@ -186,7 +187,7 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
                               struct errinfo *e)
 {
     unsigned char hash[ROW_TOKEN_HASH];
-    char now[STORE_RULES_TIME];
+    char now[UTC_TEXT];
     struct row_token one;
     struct store_txn x;
     int64_t ms;
@@ -200,7 +201,7 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
         (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    store_rules_time(ms, now);
+    utc_print(ms, now);
     st = store_txn_end(&x, row_token_find(&x, hash, &one, e), e);
     if (st == ST_ENOTFOUND ||
         (st == ST_OK &&

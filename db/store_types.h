@@ -76,7 +76,7 @@ struct store_subject {
 
 struct store_subject_change {        /* what is NULL stays as it is */
     const char *reference, *purpose; /* "": none */
-    const char *expires;             /* store_time_read(); "": never */
+    const char *expires;             /* utc_read(); "": never */
     const bool *hold, *disabled;
 };
 

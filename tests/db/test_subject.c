@@ -134,53 +134,6 @@ static void test_together(void **state)
     store_close(s);
 }
 
-static void test_times(void **state)
-{
-    static const struct {
-        const char *text;
-        int64_t ms;
-    } good[] = {{"1970-01-01", 0},
-                {"1970-01-01T00:00:00Z", 0},
-                {"2000-03-01", INT64_C(951868800000)},
-                {"2100-03-01", INT64_C(4107542400000)},
-                {"2027-01-31T14:30:00.1239Z", INT64_C(1801405800123)},
-                {"2027-01-31T14:30:00.5+01:30", INT64_C(1801400400500)},
-                {"2027-01-31T14:30:00-00:30", INT64_C(1801407600000)},
-                {"9999-12-31T23:59:59.999Z", INT64_C(253402300799999)}};
-    static const char *const bad[] = {"",
-                                      "2027",
-                                      "2027-01-31T",
-                                      "2027-01-31T14:30Z",
-                                      "2027-01-31T14:30:00",
-                                      "2027-01-31 14:30:00Z",
-                                      "2027-01-31T14:30:00.Z",
-                                      "2027-01-31T24:00:00Z",
-                                      "2027-01-31T23:60:00Z",
-                                      "2027-01-31T23:59:60Z",
-                                      "2027-01-31T14:30:00+1:00",
-                                      "2027-01-31T14:30:00+24:00",
-                                      "2027-01-31T14:30:00ZZ",
-                                      "2027-02-29",
-                                      "2100-02-29",
-                                      "2027-00-10",
-                                      "2027-13-10",
-                                      "2027-01-00",
-                                      "2027-1-1",
-                                      "1969-12-31",
-                                      "1970-01-01T00:30:00+01:00",
-                                      "9999-12-31T23:59:59-00:01",
-                                      "never"};
-    int64_t ms;
-
-    (void)state;
-    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
-        assert_true(store_time_read(good[i].text, &ms));
-        assert_int_equal(ms, good[i].ms);
-    }
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_false(store_time_read(bad[i], &ms));
-}
-
 static void test_rename(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -405,10 +358,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_set),     cmocka_unit_test(test_together),
-        cmocka_unit_test(test_times),   cmocka_unit_test(test_rename),
-        cmocka_unit_test(test_hold),    cmocka_unit_test(test_disable),
-        cmocka_unit_test(test_seen),    cmocka_unit_test(test_due),
-        cmocka_unit_test(test_damaged), cmocka_unit_test(test_vacuum),
+        cmocka_unit_test(test_rename),  cmocka_unit_test(test_hold),
+        cmocka_unit_test(test_disable), cmocka_unit_test(test_seen),
+        cmocka_unit_test(test_due),     cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_vacuum),
     };
 
     return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
