@@ -9,15 +9,15 @@ PRAGMA user_version = 1;
 
 -- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
 CREATE TABLE root (
-    root_key INTEGER PRIMARY KEY CHECK (root_key = 1),
-    kind     INTEGER NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
-    version  INTEGER NOT NULL CHECK (version >= 1),
-    passes   INTEGER NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
-    mib      INTEGER NOT NULL CHECK (mib >= 0),
-    salt     BLOB NOT NULL CHECK (length(salt) = 16),
-    open     BLOB NOT NULL CHECK (length(open) = 32), -- the key itself, for kind 0
-    public   BLOB NOT NULL CHECK (length(public) = 32), -- Ed25519
-    secrets  BLOB NOT NULL CHECK (length(secrets) = 136)
+    root_key  INTEGER PRIMARY KEY CHECK (root_key = 1),
+    kind      INTEGER NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
+    version   INTEGER NOT NULL CHECK (version >= 1),
+    passes    INTEGER NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
+    mib       INTEGER NOT NULL CHECK (mib >= 0),
+    salt      BLOB NOT NULL CHECK (length(salt) = 16),
+    plaintext BLOB NOT NULL CHECK (length(plaintext) = 32), -- the key itself, for kind 0
+    public    BLOB NOT NULL CHECK (length(public) = 32), -- Ed25519
+    secrets   BLOB NOT NULL CHECK (length(secrets) = 136)
 ) STRICT;
 
 -- A person, under the client's own external id, which is encrypted and found by a keyed hash.

@@ -206,13 +206,13 @@ static bool look_at_key(struct doctor *d)
     struct errinfo e;
     enum status st = store_kind(d->c->db, &kind, &e);
 
-    if (st == ST_OK && kind == VAULT_OPEN &&
+    if (st == ST_OK && kind == VAULT_PLAINTEXT &&
         (st = try_key(d, d->c->key, &e)) == ST_EDENIED) {
         say(d, TROUBLE, "key",
             "surfacectl restore, or no key if it is meant to be plaintext", "%s", e.msg);
         return false;
     }
-    if (st == ST_OK && kind == VAULT_OPEN) {
+    if (st == ST_OK && kind == VAULT_PLAINTEXT) {
         say(d, NOTE, "key", "surfacectl rekey gives it a key",
             "the database is plaintext: whoever has the file can read it");
         return true;

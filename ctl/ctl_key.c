@@ -76,7 +76,7 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
 
     *key = (struct store_key){.path = c->key, .make = VAULT_FILE};
     if (c->plaintext)
-        key->make = VAULT_OPEN;
+        key->make = VAULT_PLAINTEXT;
     else if (c->passphrase)
         key->make = VAULT_PASSPHRASE;
     if (c->key == NULL && c->asked == NULL) {

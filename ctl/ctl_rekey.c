@@ -21,7 +21,7 @@ static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfil
     if (c->plaintext && new_key != NULL)
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     if (c->plaintext)
-        to->kind = VAULT_OPEN;
+        to->kind = VAULT_PLAINTEXT;
     else if (c->passphrase)
         to->kind = VAULT_PASSPHRASE;
     if (new_key != NULL)

@@ -73,36 +73,36 @@ size_t row_crypt_encrypt_subject(const struct row_crypt_key *k,
                                  const struct store_subject *s,
                                  unsigned char out[ROW_CRYPT_ABOUT])
 {
-    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT];
     const size_t n = about_subject(k, s, about);
-    unsigned char *to = open;
+    unsigned char *to = plain;
     size_t len;
 
     bytes_put_text(&to, s->id);
     bytes_put_text(&to, s->reference);
     bytes_put_text(&to, s->purpose);
-    len = (size_t)(to - open);
-    vault_encrypt(k->key, about, n, open, len, out);
-    sodium_memzero(open, len);
+    len = (size_t)(to - plain);
+    vault_encrypt(k->key, about, n, plain, len, out);
+    sodium_memzero(plain, len);
     return len + VAULT_OVER;
 }
 
 bool row_crypt_decrypt_subject(const struct row_crypt_key *k, const void *in, size_t n,
                                struct store_subject *s)
 {
-    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT];
+    unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT];
     const size_t nabout = about_subject(k, s, about);
-    struct bytes b = {open, open};
+    struct bytes b = {plain, plain};
     bool ok;
 
     if (n < VAULT_OVER || n > ROW_CRYPT_ABOUT ||
-        !vault_decrypt(k->key, about, nabout, in, n, open))
+        !vault_decrypt(k->key, about, nabout, in, n, plain))
         return false;
     b.end += n - VAULT_OVER;
     ok = bytes_get_text(&b, s->id, sizeof s->id) && store_subject_valid(s->id) &&
          bytes_get_text(&b, s->reference, sizeof s->reference) &&
          bytes_get_text(&b, s->purpose, sizeof s->purpose) && b.at == b.end;
-    sodium_memzero(open, n - VAULT_OVER);
+    sodium_memzero(plain, n - VAULT_OVER);
     return ok;
 }
 
@@ -129,9 +129,9 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
                                   const struct store_template *t,
                                   unsigned char out[ROW_CRYPT_ABOUT])
 {
-    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT], digest[DIGEST];
+    unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT], digest[DIGEST];
     const size_t n = about_template(k, t, 'a', about);
-    unsigned char *to = open;
+    unsigned char *to = plain;
     size_t len;
 
     (void)sodium_hex2bin(digest, sizeof digest, t->digest, 2 * DIGEST, NULL, NULL, NULL);
@@ -141,22 +141,22 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
     bytes_put_real(&to, t->quality.coverage);
     bytes_put_real(&to, t->quality.density_mm);
     bytes_put_real(&to, t->quality.noise_mm);
-    len = (size_t)(to - open);
-    vault_encrypt(k->key, about, n, open, len, out);
-    sodium_memzero(open, len);
+    len = (size_t)(to - plain);
+    vault_encrypt(k->key, about, n, plain, len, out);
+    sodium_memzero(plain, len);
     return len + VAULT_OVER;
 }
 
 bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, size_t n,
                                 struct store_template *t)
 {
-    unsigned char about[ROW_CRYPT_ABOUT], open[ROW_CRYPT_ABOUT], digest[DIGEST];
+    unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT], digest[DIGEST];
     const size_t nabout = about_template(k, t, 'a', about);
-    struct bytes b = {open, open};
+    struct bytes b = {plain, plain};
     bool ok;
 
     if (n < VAULT_OVER || n > ROW_CRYPT_ABOUT ||
-        !vault_decrypt(k->key, about, nabout, in, n, open))
+        !vault_decrypt(k->key, about, nabout, in, n, plain))
         return false;
     b.end += n - VAULT_OVER;
     ok = bytes_get_text(&b, t->label, sizeof t->label) &&
@@ -166,7 +166,7 @@ bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, s
          bytes_get_real(&b, 1e6, &t->quality.density_mm) &&
          bytes_get_real(&b, 1e6, &t->quality.noise_mm) && b.at == b.end;
     (void)sodium_bin2hex(t->digest, sizeof t->digest, digest, sizeof digest);
-    sodium_memzero(open, n - VAULT_OVER);
+    sodium_memzero(plain, n - VAULT_OVER);
     return ok;
 }
 

@@ -20,7 +20,7 @@
 /* A database has its first key: by whom is not known here. */
 static enum status first_key(struct store_txn *t, struct errinfo *e)
 {
-    static const char *const kept[] = {[VAULT_OPEN] = "plaintext",
+    static const char *const kept[] = {[VAULT_PLAINTEXT] = "plaintext",
                                        [VAULT_FILE] = "file",
                                        [VAULT_PASSPHRASE] = "passphrase"};
     struct store_vaults *v = &t->store->vaults;
@@ -243,7 +243,7 @@ enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *
     struct sql *d;
     enum status st;
 
-    *kind = VAULT_OPEN;
+    *kind = VAULT_PLAINTEXT;
     if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
         return st;
     if (sql_version(d) == 0) {

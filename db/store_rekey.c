@@ -61,7 +61,7 @@ static enum status settle(struct files *f, const struct vault_root *root,
             return st;
     }
     f->fits = store_vault_fits(f->key, root);
-    if ((f->wanted || to->kind == VAULT_OPEN) && !f->fits && is_there(f->key))
+    if ((f->wanted || to->kind == VAULT_PLAINTEXT) && !f->fits && is_there(f->key))
         return errinfo_set(e, ST_EEXISTS,
                            "there is %.140s already, which is not this database's key",
                            f->key);
@@ -173,7 +173,7 @@ static enum status change(struct store *s, const struct store_act *by,
         (st = store_vault_write(t.sql, &root, e)) == ST_OK &&
         (st = row_event_add(&t, by, "rekey", "", "", word[to->kind], e)) == ST_OK)
         st = set_aside(f, e);
-    *plain = st == ST_OK && from.kind == VAULT_OPEN;
+    *plain = st == ST_OK && from.kind == VAULT_PLAINTEXT;
     committed = store_txn_end(&t, st, &why);
     if (committed == ST_OK)
         return store_vault_keep(&s->vaults, next, e);
@@ -213,7 +213,7 @@ enum status store_rekey(struct store *s, const char *actor, const struct store_r
     enum status st;
 
     if ((to->kind == VAULT_PASSPHRASE && to->given == NULL) ||
-        (to->kind == VAULT_OPEN && to->given != NULL))
+        (to->kind == VAULT_PLAINTEXT && to->given != NULL))
         return errinfo_set(e, ST_EINVAL, "a key of another kind");
     if ((st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;

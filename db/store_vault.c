@@ -47,7 +47,8 @@ enum status store_vault_read(struct sql_txn *t, struct vault_root *r, struct err
     struct sql_rows *row;
     uint32_t kind = 0;
     enum status st = sql_query(
-        t, "SELECT kind, version, passes, mib, salt, open, public, secrets FROM root",
+        t,
+        "SELECT kind, version, passes, mib, salt, plaintext, public, secrets FROM root",
         NULL, 0, &row, e);
 
     memset(r, 0, sizeof *r);
@@ -57,7 +58,7 @@ enum status store_vault_read(struct sql_txn *t, struct vault_root *r, struct err
             !store_column_count(row, 2, UINT32_MAX, &r->passes) ||
             !store_column_count(row, 3, UINT32_MAX, &r->mib) ||
             !store_column_bytes(row, 4, r->salt, sizeof r->salt) ||
-            !store_column_bytes(row, 5, r->open, sizeof r->open) ||
+            !store_column_bytes(row, 5, r->plaintext, sizeof r->plaintext) ||
             !store_column_bytes(row, 6, r->public, sizeof r->public) ||
             !store_column_bytes(row, 7, r->secrets, sizeof r->secrets))
             st = errinfo_set(e, ST_ECORRUPT, "the database's key record is damaged");
@@ -74,16 +75,16 @@ enum status store_vault_write(struct sql_txn *t, const struct vault_root *r,
 {
     return SQL_RUN(
         t, e,
-        "INSERT INTO root (root_key, kind, version, passes, mib, salt, open, public, "
+        "INSERT INTO root (root_key, kind, version, passes, mib, salt, plaintext, public, "
         "secrets) VALUES (1, $1, $2, $3, $4, $5, $6, $7, $8) "
         "ON CONFLICT (root_key) DO UPDATE SET kind = excluded.kind, "
         "version = excluded.version, passes = excluded.passes, mib = excluded.mib, "
-        "salt = excluded.salt, open = excluded.open, public = excluded.public, "
+        "salt = excluded.salt, plaintext = excluded.plaintext, public = excluded.public, "
         "secrets = excluded.secrets",
         sql_int((int64_t)r->kind), sql_int(r->version), sql_int(r->passes),
         sql_int(r->mib), sql_blob(r->salt, sizeof r->salt),
-        sql_blob(r->open, sizeof r->open), sql_blob(r->public, sizeof r->public),
-        sql_blob(r->secrets, sizeof r->secrets));
+        sql_blob(r->plaintext, sizeof r->plaintext),
+        sql_blob(r->public, sizeof r->public), sql_blob(r->secrets, sizeof r->secrets));
 }
 
 /* ---- opening */
@@ -105,7 +106,7 @@ bool store_vault_fits(const char *path, const struct vault_root *r)
 {
     struct vault *vault = NULL;
     const bool fits =
-        r->kind != VAULT_OPEN && open_by_file(path, r, &vault, NULL) == ST_OK;
+        r->kind != VAULT_PLAINTEXT && open_by_file(path, r, &vault, NULL) == ST_OK;
 
     vault_free(vault);
     return fits;
@@ -159,7 +160,7 @@ static enum status open_root(const struct store_vaults *v, const struct vault_ro
 {
     enum status st;
 
-    if (r->kind == VAULT_OPEN) {
+    if (r->kind == VAULT_PLAINTEXT) {
         st = allow_plaintext(v, e);
         return st == ST_OK ? vault_open(r, NULL, 0, out, e) : st;
     }
@@ -236,7 +237,7 @@ static enum status make_root(struct store_vaults *v, struct vault_root *r,
     struct keyfile *k = NULL;
     enum status st;
 
-    if (v->make == VAULT_OPEN) {
+    if (v->make == VAULT_PLAINTEXT) {
         st = allow_plaintext(v, e);
         return st == ST_OK ? vault_make(v->make, NULL, 0, r, out, e) : st;
     }

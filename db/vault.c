@@ -68,7 +68,7 @@ static void root_about(const struct vault_root *r, unsigned char out[ROOT_ABOUT]
     bytes_put_number(&to, r->passes, 4);
     bytes_put_number(&to, r->mib, 4);
     bytes_put(&to, r->salt, sizeof r->salt);
-    bytes_put(&to, r->open, sizeof r->open);
+    bytes_put(&to, r->plaintext, sizeof r->plaintext);
     bytes_put(&to, r->public, sizeof r->public);
 }
 
@@ -76,8 +76,8 @@ static enum status master_key(const struct vault_root *r, const void *secret, si
                               unsigned char out[VAULT_KEY], struct errinfo *e)
 {
     switch (r->kind) {
-    case VAULT_OPEN:
-        memcpy(out, r->open, VAULT_KEY);
+    case VAULT_PLAINTEXT:
+        memcpy(out, r->plaintext, VAULT_KEY);
         return ST_OK;
     case VAULT_FILE:
         if (len != VAULT_KEY)
@@ -100,7 +100,7 @@ static enum status master_key(const struct vault_root *r, const void *secret, si
 static bool root_possible(const struct vault_root *r)
 {
     return r->version >= 1 &&
-           (r->kind == VAULT_OPEN || r->kind == VAULT_FILE ||
+           (r->kind == VAULT_PLAINTEXT || r->kind == VAULT_FILE ||
             (r->kind == VAULT_PASSPHRASE && r->passes >= 1 && r->passes <= MAX_PASSES &&
              r->mib >= 1 && r->mib <= MAX_MIB));
 }
@@ -125,8 +125,8 @@ static enum status make(enum vault_kind kind, int64_t version, const struct secr
         root->mib = MIB;
     }
     randombytes_buf(root->salt, sizeof root->salt);
-    if (kind == VAULT_OPEN)
-        randombytes_buf(root->open, sizeof root->open);
+    if (kind == VAULT_PLAINTEXT)
+        randombytes_buf(root->plaintext, sizeof root->plaintext);
     if ((st = master_key(root, secret, len, v->master, e)) != ST_OK) {
         vault_free(v);
         return st;

@@ -28,7 +28,7 @@ struct vault;
 #define VAULT_SECRET_MAX 1024 /* bytes of a passphrase */
 
 enum vault_kind { /* where the master key comes from; stored, so never renumbered */
-                  VAULT_OPEN =
+                  VAULT_PLAINTEXT =
                       0, /* the root itself: the database alone suffices to read it */
                   VAULT_FILE = 1,      /* 256 random bits in a file */
                   VAULT_PASSPHRASE = 2 /* by Argon2id */
@@ -38,14 +38,14 @@ struct vault_root { /* what the database keeps of its vault */
     enum vault_kind kind;
     int64_t version;      /* 1, and one more each time the master key is another */
     uint32_t passes, mib; /* of Argon2id, else 0 */
-    unsigned char salt[VAULT_SALT];  /* random, also names the master key */
-    unsigned char open[VAULT_KEY];   /* VAULT_OPEN: the master key, else 0 */
-    unsigned char public[VAULT_KEY]; /* what signatures are verified with */
+    unsigned char salt[VAULT_SALT];     /* random, also names the master key */
+    unsigned char plaintext[VAULT_KEY]; /* VAULT_PLAINTEXT: the master key, else 0 */
+    unsigned char public[VAULT_KEY];    /* what signatures are verified with */
     unsigned char secrets[VAULT_SECRETS + VAULT_OVER];
 };
 
 /* vault_make(kind, secret, len, root, out, e): new secrets under a master key.  secret:
- * VAULT_FILE its 32 bytes, VAULT_PASSPHRASE 1 to VAULT_SECRET_MAX, VAULT_OPEN none.
+ * VAULT_FILE its 32 bytes, VAULT_PASSPHRASE 1 to VAULT_SECRET_MAX, VAULT_PLAINTEXT none.
  * Argon2id takes 0.3 s and 128 MB.  *out is released by vault_free().
  * Returns ST_OK, ST_EINVAL (length), ST_ENOMEM. */
 enum status vault_make(enum vault_kind kind, const void *secret, size_t len,

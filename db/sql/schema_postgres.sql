@@ -5,15 +5,15 @@
 
 -- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
 CREATE TABLE root (
-    root_key BIGINT PRIMARY KEY CHECK (root_key = 1),
-    kind     BIGINT NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
-    version  BIGINT NOT NULL CHECK (version >= 1),
-    passes   BIGINT NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
-    mib      BIGINT NOT NULL CHECK (mib >= 0),
-    salt     BYTEA NOT NULL CHECK (length(salt) = 16),
-    open     BYTEA NOT NULL CHECK (length(open) = 32), -- the key itself, for kind 0
-    public   BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
-    secrets  BYTEA NOT NULL CHECK (length(secrets) = 136)
+    root_key  BIGINT PRIMARY KEY CHECK (root_key = 1),
+    kind      BIGINT NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
+    version   BIGINT NOT NULL CHECK (version >= 1),
+    passes    BIGINT NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
+    mib       BIGINT NOT NULL CHECK (mib >= 0),
+    salt      BYTEA NOT NULL CHECK (length(salt) = 16),
+    plaintext BYTEA NOT NULL CHECK (length(plaintext) = 32), -- the key itself, for kind 0
+    public    BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
+    secrets   BYTEA NOT NULL CHECK (length(secrets) = 136)
 );
 
 -- A person, under the client's own external id, which is encrypted and found by a keyed hash.

@@ -86,7 +86,7 @@ ok "its file is gone" test ! -e "$T/phrase"
 rm "$DB.key"
 ctl verify s2 "$T/s2.ply"
 is "needs no key" "$CODE" 0
-sqlite3 "$DB" 'SELECT hex(open) FROM root' >"$T/open"
+sqlite3 "$DB" 'SELECT hex(plaintext) FROM root' >"$T/open"
 is "since it is in the file" "$(held "$T/open")" 1
 ctl rekey --yes
 is "its first key" "$CODE $(said .kind)" "0 file"

@@ -97,7 +97,7 @@ static void test_root(void **state)
         if (memcmp(&bad.kind, &root.kind, sizeof bad.kind) == 0 &&
             bad.version == root.version && bad.passes == root.passes &&
             bad.mib == root.mib && memcmp(bad.salt, root.salt, sizeof bad.salt) == 0 &&
-            memcmp(bad.open, root.open, sizeof bad.open) == 0 &&
+            memcmp(bad.plaintext, root.plaintext, sizeof bad.plaintext) == 0 &&
             memcmp(bad.public, root.public, sizeof bad.public) == 0 &&
             memcmp(bad.secrets, root.secrets, sizeof bad.secrets) == 0)
             continue; /* padding */
@@ -106,8 +106,8 @@ static void test_root(void **state)
         assert_null(again);
     }
     bad = root;
-    bad.kind = VAULT_OPEN;
-    memcpy(bad.open, master, sizeof master);
+    bad.kind = VAULT_PLAINTEXT;
+    memcpy(bad.plaintext, master, sizeof master);
     assert_int_equal(vault_open(&bad, NULL, 0, &again, &e), ST_EDENIED);
     vault_free(v);
 }
