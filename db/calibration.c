@@ -7,7 +7,8 @@
 #include "store_calibration.h"
 #include "store_open.h"
 
-bool calibration_holds(const struct store *s, const struct store_calibration *k)
+/* Was it made for the measure and the model that s is used with? */
+static bool holds(const struct store *s, const struct store_calibration *k)
 {
     return k->shipped || face_same_engine(k->engine, store_made_by(s));
 }
@@ -15,7 +16,7 @@ bool calibration_holds(const struct store *s, const struct store_calibration *k)
 /* What *k, the newest or zeros, means for s. */
 static void complete(const struct store *s, struct store_calibration *k)
 {
-    k->ignored = k->version != 0 && !calibration_holds(s, k);
+    k->ignored = k->version != 0 && !holds(s, k);
     if (k->version == 0 || k->shipped || k->ignored) {
         k->shipped = true;
         k->decision = store_model(s)->decision;

@@ -1,7 +1,7 @@
-/* calibration.h -- the calibration in force: the newest of the store, or the table that is
- * comes with the model (core/model.h; of the one that the store is used with) where there is
- * none, where the newest says so, and where it was made for another measure than this
- * program's or for another model. */
+/* calibration.h -- the calibration in force: the newest of the store, or the table that comes
+ * with the model (core/model.h) that the store is used with, where there is none, where the
+ * newest says so, and where it was made for another measure than this program's or for another
+ * model. */
 #ifndef DB_CALIBRATION_H
 #define DB_CALIBRATION_H
 #include <stdbool.h>
@@ -13,14 +13,10 @@ struct errinfo;
 struct face_work; /* face.h */
 struct store;     /* store.h */
 
-/* calibration_holds(s, k): was k made for the measure and the model that s is used with? */
-bool calibration_holds(const struct store *s, const struct store_calibration *k);
-
 /* calibration_in_force(s, k, e): *k is the newest one, or one of version 0 where there is
- * none; k->decision is what decides, and k->shipped tells whether it is the model's own
- * table; k->ignored, whether that is because the newest does not hold: a program that starts should
- * say so.
- * ST_ECORRUPT: the newest is damaged; it must not be decided then. */
+ * none; k->decision is what decides.  k->shipped: that is the model's own table; k->ignored:
+ * because the newest does not hold, which a program should say when it starts.
+ * ST_ECORRUPT: the newest is damaged; nothing may be decided then. */
 enum status calibration_in_force(struct store *s, struct store_calibration *k,
                                  struct errinfo *e);
 
@@ -30,7 +26,7 @@ void calibration_use(const struct store *s, struct store_calibration k,
                      struct face_work *w);
 
 /* calibration_follow(s, w, version, e): w decides by the calibration in force from now on.
- * version  of the one that w decides by, 0 for a new w; kept by the caller for w.
+ * *version: of the one that w decides by, 0 for a new w; the caller keeps it with w.
  * Costs some microseconds when it is the same as before.  On failure w is as it was. */
 enum status calibration_follow(struct store *s, struct face_work *w, int64_t *version,
                                struct errinfo *e);

@@ -7,6 +7,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "bytes.h"
 #include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
@@ -32,7 +33,7 @@ enum {
     CHECKSUM = 8 /* at the end, over all before it */
 };
 
-/* ---- little-endian numbers at any address */
+/* ---- little-endian numbers at any address: what there are many of, without a loop */
 
 static void put16(unsigned char *p, uint32_t v)
 {
@@ -46,12 +47,6 @@ static void put32(unsigned char *p, uint32_t v)
     put16(p + 2, v >> 16);
 }
 
-static void put64(unsigned char *p, uint64_t v)
-{
-    put32(p, (uint32_t)(v & 0xffffffff));
-    put32(p + 4, (uint32_t)(v >> 32));
-}
-
 static uint32_t get16(const unsigned char *p)
 {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8;
@@ -60,11 +55,6 @@ static uint32_t get16(const unsigned char *p)
 static uint32_t get32(const unsigned char *p)
 {
     return get16(p) | get16(p + 2) << 16;
-}
-
-static uint64_t get64(const unsigned char *p)
-{
-    return get32(p) | (uint64_t)get32(p + 4) << 32;
 }
 
 static bool narrow(uint32_t nv)
@@ -119,23 +109,15 @@ size_t codec_size(const struct mesh *m)
 
 static void put_frame(unsigned char *p, const struct align_pose *a)
 {
-    for (size_t i = 0; i < 12; i++) {
-        const double v = i < 9 ? a->r[i] : a->t[i - 9];
-        uint64_t bits;
-
-        memcpy(&bits, &v, sizeof bits);
-        put64(p + 8 * i, bits);
-    }
+    for (size_t i = 0; i < 12; i++)
+        bytes_put_real(&p, i < 9 ? a->r[i] : a->t[i - 9]);
 }
 
 /* False: no rigid motion, or one beyond the lattice. */
 static bool get_frame(const unsigned char *p, struct align_pose *a)
 {
-    for (size_t i = 0; i < 12; i++) {
-        const uint64_t bits = get64(p + 8 * i);
-
-        memcpy(i < 9 ? &a->r[i] : &a->t[i - 9], &bits, sizeof bits);
-    }
+    for (size_t i = 0; i < 12; i++)
+        *(i < 9 ? &a->r[i] : &a->t[i - 9]) = bytes_real(p + 8 * i);
     return align_pose_rigid(a);
 }
 
@@ -149,7 +131,7 @@ void codec_encode(const struct face *f, unsigned char *buf)
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
     put16(buf + AT_FLAGS, two ? 0 : FLAG_WIDE);
-    put64(buf + AT_LENGTH, len);
+    bytes_set(buf + AT_LENGTH, len, 8);
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
@@ -163,7 +145,7 @@ void codec_encode(const struct face *f, unsigned char *buf)
         put32(p, (uint32_t)m->z[v]);
     p = put_indices(p, m->org, 3 * (size_t)m->nt, two);
     p = put_indices(p, m->parent, m->nv, two);
-    put64(p, XXH3_64bits(buf, len - CHECKSUM));
+    bytes_set(p, XXH3_64bits(buf, len - CHECKSUM), 8);
 }
 
 static enum status check_header(const unsigned char *p, size_t len, struct errinfo *e)
@@ -175,10 +157,10 @@ static enum status check_header(const unsigned char *p, size_t len, struct errin
     if (get16(p + AT_VERSION) != VERSION)
         return errinfo_set(e, ST_EVERSION, "a face model of version %u, not %d",
                            get16(p + AT_VERSION), VERSION);
-    if (get64(p + AT_LENGTH) != len)
+    if (bytes_number(p + AT_LENGTH, 8) != len)
         return errinfo_set(e, ST_ECORRUPT, "%zu bytes where its header says %llu", len,
-                           (unsigned long long)get64(p + AT_LENGTH));
-    if (XXH3_64bits(p, len - CHECKSUM) != get64(p + len - CHECKSUM))
+                           (unsigned long long)bytes_number(p + AT_LENGTH, 8));
+    if (XXH3_64bits(p, len - CHECKSUM) != bytes_number(p + len - CHECKSUM, 8))
         return errinfo_set(e, ST_ECORRUPT, "its checksum is wrong");
     nv = get32(p + AT_POINTS);
     if (nv < 3 || nv > MESH_MAX_POINTS || size_of(nv) != len ||

@@ -138,38 +138,12 @@ enum status row_token_check(struct store_txn *t,
 
 /* ---- writing */
 
-enum status row_token_add(struct store_txn *t, const struct row_token *one,
-                          struct errinfo *e)
-{
-    unsigned char mac[VAULT_HASH];
-    char scopes[STORE_SCOPES_MAX];
-    struct sql_value v[COL_MAC];
-
-    store_scopes_write(one->token.scopes, scopes);
-    v[COL_ID] = sql_text(one->token.id);
-    v[COL_NAME] = sql_text(one->token.name);
-    v[COL_CREATED] = sql_text(one->token.created);
-    v[COL_REVOKED] = sql_null();
-    v[COL_SCOPES] = sql_text(scopes);
-    v[COL_EXPIRES] = sql_text_or_null(one->token.expires);
-    v[COL_OLD_UNTIL] = sql_null();
-    v[COL_HASH] = sql_blob(one->hash, sizeof one->hash);
-    v[COL_OLD_HASH] = sql_null();
-    store_mac(t->vault, label, v, COL_MAC, mac);
-    return SQL_RUN(t->sql, e,
-                   "INSERT INTO tokens (id, name, hash, created, scopes, expires, mac) "
-                   "VALUES ($1, $2, $3, $4, $5, $6, $7)",
-                   v[COL_ID], v[COL_NAME], v[COL_HASH], v[COL_CREATED], v[COL_SCOPES],
-                   v[COL_EXPIRES], sql_blob(mac, sizeof mac));
-}
-
-enum status row_token_rotate(struct store_txn *t, const struct row_token *one,
-                             const unsigned char hash[ROW_TOKEN_HASH], struct errinfo *e)
+/* What a row's MAC is of, and the MAC; the values point into *one and scopes. */
+static void set_values(const struct store_txn *t, const struct row_token *one,
+                       char scopes[STORE_SCOPES_MAX], unsigned char mac[VAULT_HASH],
+                       struct sql_value v[COL_MAC + 1])
 {
     const bool keep = one->token.old_until[0] != '\0';
-    unsigned char mac[VAULT_HASH];
-    char scopes[STORE_SCOPES_MAX];
-    struct sql_value v[COL_MAC];
 
     store_scopes_write(one->token.scopes, scopes);
     v[COL_ID] = sql_text(one->token.id);
@@ -179,14 +153,40 @@ enum status row_token_rotate(struct store_txn *t, const struct row_token *one,
     v[COL_SCOPES] = sql_text(scopes);
     v[COL_EXPIRES] = sql_text_or_null(one->token.expires);
     v[COL_OLD_UNTIL] = sql_text_or_null(one->token.old_until);
-    v[COL_HASH] = sql_blob(hash, ROW_TOKEN_HASH);
-    v[COL_OLD_HASH] = keep ? sql_blob(one->hash, sizeof one->hash) : sql_null();
+    v[COL_HASH] = sql_blob(one->hash, sizeof one->hash);
+    v[COL_OLD_HASH] = keep ? sql_blob(one->old_hash, sizeof one->old_hash) : sql_null();
     store_mac(t->vault, label, v, COL_MAC, mac);
+    v[COL_MAC] = sql_blob(mac, VAULT_HASH);
+}
+
+enum status row_token_add(struct store_txn *t, const struct row_token *one,
+                          struct errinfo *e)
+{
+    unsigned char mac[VAULT_HASH];
+    char scopes[STORE_SCOPES_MAX];
+    struct sql_value v[COL_MAC + 1];
+
+    set_values(t, one, scopes, mac, v);
+    return SQL_RUN(t->sql, e,
+                   "INSERT INTO tokens (id, name, hash, created, scopes, expires, mac) "
+                   "VALUES ($1, $2, $3, $4, $5, $6, $7)",
+                   v[COL_ID], v[COL_NAME], v[COL_HASH], v[COL_CREATED], v[COL_SCOPES],
+                   v[COL_EXPIRES], v[COL_MAC]);
+}
+
+enum status row_token_rotate(struct store_txn *t, const struct row_token *one,
+                             struct errinfo *e)
+{
+    unsigned char mac[VAULT_HASH];
+    char scopes[STORE_SCOPES_MAX];
+    struct sql_value v[COL_MAC + 1];
+
+    set_values(t, one, scopes, mac, v);
     return SQL_RUN(t->sql, e,
                    "UPDATE tokens SET hash = $2, old_hash = $3, old_until = $4, "
                    "expires = $5, scopes = $6, mac = $7 WHERE id = $1",
                    v[COL_ID], v[COL_HASH], v[COL_OLD_HASH], v[COL_OLD_UNTIL],
-                   v[COL_EXPIRES], v[COL_SCOPES], sql_blob(mac, sizeof mac));
+                   v[COL_EXPIRES], v[COL_SCOPES], v[COL_MAC]);
 }
 
 /* A revoked token is good for nothing, whatever else its row says: all of it gets a MAC as it

@@ -17,8 +17,8 @@ struct row_token { /* expired is not set */
  * secret or of the one before the last rotation.  ST_ENOTFOUND, ST_ECORRUPT.
  * row_token_list(t, out, n, e): oldest first; released by free().
  * row_token_add(t, one, e): with one->hash.
- * row_token_rotate(t, one, hash, e): one->hash becomes the old one until token.old_until (""
- * : not at all), `hash` its hash, and it expires at token.expires.
+ * row_token_rotate(t, one, e): its hash is one->hash, the one before is good until
+ * token.old_until ("": no more), and it expires at token.expires.
  * row_token_revoke(t, id, at, e): a damaged one too; ST_ENOTFOUND.
  * row_token_used(t, id, at, e): it was used; this is not authenticated.
  * row_token_check(t, report, arg, e): every row that is damaged is reported. */
@@ -31,7 +31,7 @@ enum status row_token_list(struct store_txn *t, struct store_token **out, size_t
 enum status row_token_add(struct store_txn *t, const struct row_token *one,
                           struct errinfo *e);
 enum status row_token_rotate(struct store_txn *t, const struct row_token *one,
-                             const unsigned char hash[ROW_TOKEN_HASH], struct errinfo *e);
+                             struct errinfo *e);
 enum status row_token_revoke(struct store_txn *t, const char *id, const char *at,
                              struct errinfo *e);
 enum status row_token_used(struct store_txn *t, const char *id, const char *at,

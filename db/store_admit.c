@@ -11,7 +11,6 @@
 #include "row_template.h"
 #include "store_rules.h"
 #include "store_txn.h"
-#include "utc.h"
 
 static enum status one_template(struct store_txn *x, const char *id,
                                 struct store_admission *out, struct errinfo *e)
@@ -36,7 +35,6 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
                             int64_t now_ms, struct store_admission *out, bool *future,
                             struct errinfo *e)
 {
-    char now[UTC_TEXT];
     const char *subject = what->subject;
     enum status st = ST_OK;
 
@@ -49,8 +47,7 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
         (st = row_attempts_get(x, subject, now_ms, &out->attempts, future, e)) != ST_OK ||
         (st = read_calibration(x, what->calibration, out, e)) != ST_OK)
         return st;
-    utc_print(now_ms, now);
-    out->subject.expired = store_rules_past(out->subject.expires, now);
+    out->subject.expired = store_rules_past(out->subject.expires, now_ms);
     if (what->subject != NULL)
         st = row_template_list(x, out->subject.key, &out->t, &out->n, e);
     if (st == ST_OK && what->listed != NULL)

@@ -24,7 +24,7 @@ static enum status may_erase(struct store_txn *t, const struct store_act *by,
         return st;
     if (one.hold)
         return errinfo_set(e, ST_EHELD, "subject %s is on hold", subject);
-    if (due && !store_rules_past(one.expires, by->at))
+    if (due && !store_rules_past(one.expires, by->ms))
         return errinfo_set(e, ST_ENOTFOUND, "subject %s has not expired", subject);
     return ST_OK;
 }
@@ -109,18 +109,6 @@ enum status store_subject_purge(struct store *s, const char *actor, const char *
     struct store_receipt r;
     const enum status st = erase(s, actor, subject, true, &r, e);
 
-    store_receipt_free(&r);
-    return st;
-}
-
-enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
-                                 uint32_t *removed, struct errinfo *e)
-{
-    struct store_receipt r;
-    const enum status st = store_subject_erase(s, actor, subject, &r, e);
-
-    if (removed != NULL)
-        *removed = st == ST_OK ? r.templates : 0;
     store_receipt_free(&r);
     return st;
 }

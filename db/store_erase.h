@@ -3,17 +3,14 @@
 #define DB_STORE_ERASE_H
 #include "store_types.h"
 
-/* store_subject_delete(s, actor, subject, removed, e): the subject and all its templates.
- * removed: how many templates went; may be NULL.  ST_EHELD: it is on hold.  One whose row is
- * damaged may be erased too.
- * store_subject_purge(s, actor, subject, e): the same if it has expired; else ST_ENOTFOUND.
- * store_subject_erase(s, actor, subject, out, e): the same with a receipt; *out is to be
- * released by store_receipt_free(), also on failure. */
-enum status store_subject_delete(struct store *s, const char *actor, const char *subject,
-                                 uint32_t *removed, struct errinfo *e);
-enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
-                                struct errinfo *e);
+/* store_subject_erase(s, actor, subject, out, e): the subject and all its templates, also one
+ * whose row is damaged.  *out is released by store_receipt_free(), also on failure.
+ * ST_EHELD: it is on hold.
+ * store_subject_purge(s, actor, subject, e): only if it has expired, else ST_ENOTFOUND; not
+ * one whose row is damaged. */
 enum status store_subject_erase(struct store *s, const char *actor, const char *subject,
                                 struct store_receipt *out, struct errinfo *e);
+enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
+                                struct errinfo *e);
 
 #endif

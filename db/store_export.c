@@ -1,6 +1,5 @@
 #include "store_export.h"
 
-#include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,21 +102,29 @@ static enum status export_all(struct exporting *x, struct errinfo *e)
     return st;
 }
 
-static enum status export_records(struct exporting *x, char *const *subjects, size_t n,
-                                  struct errinfo *e)
+/* To a file, as newfile_fill() has it. */
+struct wanted {
+    struct exporting *x;
+    char *const *subjects;
+    size_t n; /* 0: all */
+    const struct keyfile *k;
+};
+
+static enum status export_records(const struct wanted *w, struct errinfo *e)
 {
+    struct exporting *x = w->x;
     unsigned char end[17];
     unsigned char *to = end;
     struct store_subject one;
     enum status st = ST_OK;
 
     /* First, so that the events do not tell of an export that came to nothing. */
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = store_subject_get(x->s, subjects[i], &one, e);
-    if (st == ST_OK && n == 0)
+    for (size_t i = 0; i < w->n && st == ST_OK; i++)
+        st = store_subject_get(x->s, w->subjects[i], &one, e);
+    if (st == ST_OK && w->n == 0)
         st = export_all(x, e);
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        if ((st = store_subject_get(x->s, subjects[i], &one, e)) == ST_OK)
+    for (size_t i = 0; i < w->n && st == ST_OK; i++)
+        if ((st = store_subject_get(x->s, w->subjects[i], &one, e)) == ST_OK)
             st = export_subject(x, &one, e);
     if (st != ST_OK)
         return st;
@@ -127,37 +134,33 @@ static enum status export_records(struct exporting *x, char *const *subjects, si
     return archive_write(x->a, end, sizeof end, true, e);
 }
 
+static enum status write_archive(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct wanted *w = arg;
+    enum status st = archive_create(to, w->k, &w->x->a, e);
+
+    if (st == ST_OK)
+        st = export_records(w, e);
+    archive_close(w->x->a);
+    w->x->out->bytes = (uint64_t)ftello(to);
+    return st;
+}
+
 enum status store_export(struct store *s, const char *actor, char *const *subjects,
                          size_t n, const char *path, const struct keyfile *k,
                          struct store_exported *out, struct errinfo *e)
 {
     struct exporting x = {.s = s, .actor = actor, .out = out};
+    const struct wanted w = {&x, subjects, n, k};
     struct newfile file = NEWFILE_NONE;
-    FILE *to = NULL;
     enum status st;
-    int fd;
 
     memset(out, 0, sizeof *out);
     if (access(path, F_OK) == 0)
         return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
-    if ((st = newfile_open(path, &file, e)) != ST_OK)
-        return st;
-    if ((fd = dup(file.fd)) < 0 || (to = fdopen(fd, "wb")) == NULL) {
-        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
-        if (fd >= 0)
-            (void)close(fd);
-        goto out;
-    }
-    if ((st = archive_create(to, k, &x.a, e)) == ST_OK)
-        st = export_records(&x, subjects, n, e);
-    if (st == ST_OK && fflush(to) != 0)
-        st = errinfo_set(e, ST_EIO, "cannot write %.160s: %s", path, strerror(errno));
-    out->bytes = (uint64_t)ftello(to);
-    (void)fclose(to);
-    if (st == ST_OK)
+    if ((st = newfile_open(path, &file, e)) == ST_OK &&
+        (st = newfile_fill(&file, write_archive, &w, e)) == ST_OK)
         st = newfile_keep(&file, e);
-out:
-    archive_close(x.a);
     newfile_close(&file);
     return st;
 }

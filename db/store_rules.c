@@ -85,9 +85,11 @@ enum status store_rules_now(int64_t *ms, struct errinfo *e)
     return ST_OK;
 }
 
-bool store_rules_past(const char *at, const char *now)
+bool store_rules_past(const char *at, int64_t ms)
 {
-    return at[0] != '\0' && strcmp(at, now) <= 0;
+    int64_t then;
+
+    return at[0] != '\0' && (!utc_read(at, &then) || then <= ms);
 }
 
 bool store_rules_recent(const char *at, int64_t ms)

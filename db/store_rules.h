@@ -39,8 +39,8 @@ void store_rules_random(char *out, size_t bytes);
 /* store_rules_now(ms, e): utc_now(), or ST_EINTERNAL. */
 enum status store_rules_now(int64_t *ms, struct errinfo *e);
 
-/* store_rules_past(at, now): is it a time, not "", that has come? */
-bool store_rules_past(const char *at, const char *now);
+/* store_rules_past(at, ms): has the time come?  "": never; what is no time: yes. */
+bool store_rules_past(const char *at, int64_t ms);
 
 /* store_rules_recent(at, ms): is `at` a time in the minute before ms?  One in the future is
  * from before the clock was set back, and is not recent. */

@@ -44,7 +44,6 @@ static enum status read_end(const char *text, char out[UTC_TEXT], struct errinfo
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
-    char now[UTC_TEXT];
     struct store_txn t;
     int64_t ms;
     enum status st;
@@ -54,8 +53,7 @@ enum status store_subject_get(struct store *s, const char *subject,
         (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     st = store_txn_end(&t, row_subject_read(&t, subject, out, e), e);
-    utc_print(ms, now);
-    out->expired = st == ST_OK && store_rules_past(out->expires, now);
+    out->expired = st == ST_OK && store_rules_past(out->expires, ms);
     return st;
 }
 

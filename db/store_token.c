@@ -98,10 +98,12 @@ static enum status rotate(struct store_txn *x, const struct store_act *by, const
         return errinfo_set(e, ST_EDENIED, "token %s was revoked", id);
     if (life_s >= 0)
         set_life(by, life_s, t->expires);
-    t->expired = store_rules_past(t->expires, by->at);
+    t->expired = store_rules_past(t->expires, by->ms);
     set_life(by, grace_s, t->old_until);
     one.token = *t;
-    if ((st = row_token_rotate(x, &one, hash, e)) != ST_OK)
+    memcpy(one.old_hash, one.hash, sizeof one.old_hash);
+    memcpy(one.hash, hash, sizeof one.hash);
+    if ((st = row_token_rotate(x, &one, e)) != ST_OK)
         return st;
     return row_event_add(x, by, "rotate_token", "", "", id, e);
 }
@@ -151,7 +153,6 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e)
 {
-    char now[UTC_TEXT];
     struct store_txn x;
     int64_t ms;
     enum status st;
@@ -162,9 +163,8 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
         (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
     st = store_txn_end(&x, row_token_list(&x, out, n, e), e);
-    utc_print(ms, now);
     for (size_t i = 0; i < *n; i++)
-        (*out)[i].expired = store_rules_past((*out)[i].expires, now);
+        (*out)[i].expired = store_rules_past((*out)[i].expires, ms);
     return st;
 }
 
@@ -187,7 +187,6 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
                               struct errinfo *e)
 {
     unsigned char hash[ROW_TOKEN_HASH];
-    char now[UTC_TEXT];
     struct row_token one;
     struct store_txn x;
     int64_t ms;
@@ -201,7 +200,6 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
         (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    utc_print(ms, now);
     st = store_txn_end(&x, row_token_find(&x, hash, &one, e), e);
     if (st == ST_ENOTFOUND ||
         (st == ST_OK &&
@@ -209,9 +207,11 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
         st = errinfo_set(e, ST_EDENIED, "no such token");
     else if (st == ST_OK && one.token.revoked)
         st = errinfo_set(e, ST_EDENIED, "the token was revoked");
-    else if (st == ST_OK && one.old && strcmp(one.token.old_until, now) <= 0)
+    else if (st == ST_OK && one.old &&
+             (one.token.old_until[0] == '\0' ||
+              store_rules_past(one.token.old_until, ms)))
         st = errinfo_set(e, ST_EDENIED, "the token was rotated");
-    else if (st == ST_OK && store_rules_past(one.token.expires, now))
+    else if (st == ST_OK && store_rules_past(one.token.expires, ms))
         st = errinfo_set(e, ST_EDENIED, "the token has expired");
     if (st != ST_OK)
         return st;

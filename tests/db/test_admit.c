@@ -167,7 +167,7 @@ static void test_ended(void **state)
     what.subject = NULL;
     what.template_id = "00000000000000000000000000000000";
     assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_delete(s, "test", "bob", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
     what.template_id = t[2].id;
     assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
     store_close(s);

@@ -131,7 +131,7 @@ static void test_subjects(void **state)
     struct store *s = tempdb_fresh();
     struct store_template t, *list;
     struct store_subject *page, one;
-    uint32_t removed;
+    struct store_receipt receipt;
     char name[16];
     int64_t last = 0;
     int seen = 0;
@@ -154,13 +154,14 @@ static void test_subjects(void **state)
     } while (n == 10);
     assert_int_equal(seen, 25);
     tempdb_enroll(s, "s03", "", &tempdb_face[1], &t);
-    assert_int_equal(store_subject_delete(s, "test", "s03", &removed, &e), ST_OK);
-    assert_int_equal(removed, 2);
+    assert_int_equal(store_subject_erase(s, "test", "s03", &receipt, &e), ST_OK);
+    assert_int_equal(receipt.templates, 2);
+    store_receipt_free(&receipt);
     assert_int_equal(store_subject_get(s, "s03", &one, &e), ST_ENOTFOUND);
     assert_int_equal(store_template_list(s, "s03", &list, &n, &e), ST_ENOTFOUND);
     assert_null(list);
     assert_int_equal(store_template_get(s, t.id, &t, &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_delete(s, "test", "s03", &removed, &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_erase(s, "test", "s03", &e), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -177,7 +178,7 @@ static void test_events(void **state)
     assert_int_equal(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
     assert_int_equal(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
     assert_int_equal(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
-    assert_int_equal(store_subject_delete(s, "test", "alice", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
     assert_int_equal(store_stats(s, &stats, &e), ST_OK);
     assert_int_equal(stats.events,
                      5); /* create_key, enroll, verify, compare, delete_subject */
@@ -288,7 +289,7 @@ static void test_erased(void **state)
         model, sizeof model);
     assert_true(in_files(key, 64));
     assert_true(in_files(model, sizeof model));
-    assert_int_equal(store_subject_delete(s, "test", "gone", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "test", "gone", &e), ST_OK);
     assert_false(in_files(key, 16));
     assert_false(in_files(model, 16));
     store_close(s);
@@ -311,7 +312,7 @@ static void erase_while_read(bool by_another)
     assert_int_equal(
         sqlite3_exec(db, "BEGIN; SELECT count(*) FROM subjects", NULL, NULL, NULL),
         SQLITE_OK);
-    assert_int_equal(store_subject_delete(eraser, "test", "gone", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(eraser, "test", "gone", &e), ST_OK);
     if (by_another)
         store_close(eraser);
     assert_true(in_files(key, 16));

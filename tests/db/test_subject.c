@@ -167,7 +167,7 @@ static void test_rename(void **state)
 
     /* Another may have the old id; and who was erased may be named again. */
     enroll(s, "alice", &t);
-    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM erased"), 1);
     assert_int_equal(store_subject_rename(s, "", "carol", "alice", &e), ST_OK);
     /* By whom it is had then is not told by it. */
@@ -186,7 +186,7 @@ static void test_hold(void **state)
     assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_true(get(s, "alice").hold);
-    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_EHELD);
+    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_EHELD);
     assert_int_equal(store_template_delete(s, "", t.id, &e), ST_EHELD);
     assert_int_equal(set(s, "alice", NULL, NULL, "2001-01-01T00:00:00.000Z"), ST_OK);
     assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_EHELD);
@@ -199,7 +199,7 @@ static void test_hold(void **state)
     assert_int_equal(events("hold_subject"), 2);
     assert_int_equal(events("release_subject"), 1);
     assert_int_equal(store_template_delete(s, "", t.id, &e), ST_OK);
-    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
     store_close(s);
 }
 
@@ -321,7 +321,7 @@ static void test_damaged(void **state)
     assert_int_equal(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
     assert_int_equal(hold(s, "alice", true), ST_ECORRUPT);
     assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
-    assert_int_equal(store_subject_delete(s, "", "alice", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
     store_close(s);
 }
 
@@ -339,7 +339,7 @@ static void test_vacuum(void **state)
     }
     for (int i = 0; i < 19; i++) {
         (void)snprintf(id, sizeof id, "s%d", i);
-        assert_int_equal(store_subject_delete(s, "", id, NULL, &e), ST_OK);
+        assert_int_equal(tempdb_erase(s, "", id, &e), ST_OK);
     }
     assert_int_equal(store_stats(s, &before, &e), ST_OK);
     if (store_vacuum(s, &e) != ST_OK)

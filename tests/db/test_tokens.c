@@ -362,7 +362,7 @@ static void test_attempts(void **state)
     tempdb_sql("UPDATE attempts SET failures = 1000000");
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
     assert_int_equal(attempts(s).failures, 1000000);
-    assert_int_equal(store_subject_delete(s, "test", "alice", NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 0);
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);

@@ -447,6 +447,7 @@ static void change(struct store *s)
 {
     struct store_template t, *list;
     size_t n;
+    struct store_receipt receipt;
     bool created;
 
     if (store_enroll(s, "test", "dave", "", &face[4], &t, &created, &e) == ST_OK) {
@@ -456,8 +457,9 @@ static void change(struct store *s)
             free(list);
         }
     }
-    if (store_subject_delete(s, "test", "alice", NULL, &e) == ST_OK)
+    if (store_subject_erase(s, "test", "alice", &receipt, &e) == ST_OK)
         MUST(store_subject_get(s, "alice", &(struct store_subject){0}, &e) != ST_OK);
+    store_receipt_free(&receipt);
     ask_subject(s, "bob");
 }
 

@@ -146,6 +146,16 @@ void tempdb_enroll(struct store *s, const char *subject, const char *label,
     assert_true(created);
 }
 
+enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
+                         struct errinfo *e)
+{
+    struct store_receipt receipt;
+    const enum status st = store_subject_erase(s, actor, subject, &receipt, e);
+
+    store_receipt_free(&receipt);
+    return st;
+}
+
 static void print_report(void *arg, const char *line)
 {
     unsigned *lines = arg;

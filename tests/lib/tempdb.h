@@ -30,15 +30,18 @@ struct store *tempdb_fresh(void);
 struct store *tempdb_open(enum store_mode mode);
 
 /* tempdb_sql(text): run statements on the file, as another program would, which does not
- * keep to the tables' CHECKs; made where it is missing.  Waits for who writes, up to 5 s.
+ * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.
  * tempdb_number(text): the first number that a query gives. */
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
 
 /* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
+ * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_check(s): store_check(); what it reports is printed. */
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t);
+enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
+                         struct errinfo *e);
 struct store_check tempdb_check(struct store *s);
 
 #endif
