@@ -1,11 +1,12 @@
 #!/bin/sh
-# Goal: subjects move to another database with all that is known of them, in an archive that
-# nobody can read or change; importing is all or nothing, and twice is once.
+# Goal: subjects move to another database with all that is stored of them, in an archive
+# that is encrypted and authenticated; an import is one transaction, and a second one adds
+# nothing.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 TO=$T/to.db
-# on DATABASE ARGUMENT...: ctl on that one.
+# on DATABASE ARGUMENT...: run ctl on that database.
 on() {
     o_db=$DB DB=$1
     shift
@@ -15,7 +16,7 @@ on() {
 }
 
 
-# everything DATABASE: all that it says of people.
+# everything DATABASE: all that it has of subjects and templates.
 everything() {
     for who in $("$BUILD/surfacectl" --db "$1" --json subject list | jq -r '.subjects[].subject'); do
         "$BUILD/surfacectl" --db "$1" --json subject show "$who"
@@ -35,7 +36,7 @@ od -An -tx1 -N 32 /dev/urandom | tr -d ' \n' >"$T/akey"
 chmod 600 "$T/phrase" "$T/akey"
 export SURFACED_KEY=
 
-# ---- out
+# ---- export
 on "$DB" export alice bob
 is "where to is asked" "$CODE" 64
 on "$DB" export -o "$T/a"
@@ -48,7 +49,7 @@ ok "then there is no archive" test ! -e "$T/a" -a ! -e "$T/a.part"
 on "$DB" export alice bob -o "$T/a" --archive-key "$T/akey"
 is "two are out" "$CODE $(said '.subjects, .templates' | tr '\n' ' ')" "0 2 2 "
 is "for the owner alone" "$(stat -c %a "$T/a")" 600
-ok "nothing stands open" sh -c "! grep -aq 'alice\|left camera\|SURF[^A]' '$T/a'"
+ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF[^A]' '$T/a'"
 on "$DB" export alice -o "$T/a" --archive-key "$T/akey"
 is "an archive is not overwritten" "$CODE" 65
 on "$DB" export --all -o "$T/all" --archive-key "$T/phrase"
@@ -56,7 +57,7 @@ is "all, by a passphrase" "$CODE $(said .subjects)" "0 3"
 is "who was exported is in the events" "$(sqlite3 "$DB" "SELECT count(*) FROM events
     WHERE kind = 'export'" | tr -d '\n')" 5
 
-# ---- in
+# ---- import
 on "$TO" import "$T/a" --archive-key "$T/phrase"
 is "not by a passphrase" "$CODE" 77
 on "$TO" import "$T/all" --archive-key "$T/akey"
@@ -82,7 +83,8 @@ is "alice is alice" "$CODE" 0
 on "$TO" verify bob "$T/s1.ply"
 is "and not bob" "$CODE" 1
 
-# ---- who was erased there does not come back; a daemon that runs sees who does
+# ---- a subject that was erased there does not come back; a running daemon sees the
+# others
 on "$TO" subject erase --yes bob
 DB=$TO
 start_daemon --no-auth
@@ -111,7 +113,7 @@ is "nor by somebody of that id" "$CODE $(said '.templates_new, .subjects_erased'
     tr '\n' ' ')" "0 0 2 "
 on "$TO" subject list
 is "who is there" "$(said '[.subjects[].subject] | join(" ")')" 'carol alice'
-# By the id alone, where another database knew somebody else by it.
+# By the id alone, where it was another subject's in the other database.
 rm -f "$T/third"*
 on "$T/third" init
 on "$T/third" enroll carol "$T/s1.ply"
@@ -122,7 +124,7 @@ on "$T/third" subject set carol --consent back
 on "$T/third" import "$T/all" --archive-key "$T/phrase"
 is "until it is there again" "$CODE $(said '.templates_new, .subjects_erased' | tr '\n' ' ')" "0 1 0 "
 
-# ---- all or nothing: the second of two cannot be
+# ---- all or nothing: the second of two subjects cannot be imported
 DB=$T/faces.db
 rm -f "$TO"*
 on "$TO" init
@@ -135,7 +137,7 @@ is "an id that is another's" "$CODE" 65
 on "$TO" subject list
 is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob
 
-# ---- an archive that is no good
+# ---- a damaged archive
 rm -f "$TO"*
 on "$TO" init
 size=$(stat -c %s "$T/a")

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Goal: the audit log tells who did what; whatever is done to one row of it is found, and
-# where; what was exported can be verified without the database; an erasure leaves a receipt.
+# Goal: the audit log says who did what; a change of any row of it is found, with its
+# place; an export can be verified without the database; an erasure leaves a receipt.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# ---- a log of everything, by the daemon and beside it
+# ---- a log of everything, by the daemon and by the command
 scan 1 0 "$T/a.ply"
 scan 2 0 "$T/b.ply"
 AUTH=
@@ -19,7 +19,7 @@ send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 ctl verify bob "$T/b.ply"
 ctl audit checkpoint
 is "signed" "$CODE $(said .checkpoint)" "0 8"
-# As they are in the file: the subject's key, and some of the model.
+# As they are in the file: the subject's wrapped key, and some of the encrypted model.
 encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
     JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
 for one in $encrypted; do
@@ -211,8 +211,8 @@ cp "$T/whole" "$DB"
 ctl check
 is "restored" "$CODE $(said .events)" "0 $last"
 
-# ---- an id that was changed: what is told of the subject under its former ids is shown too,
-# and nothing of others who had them
+# ---- an id that was changed: what is told of the subject under its former ids is shown
+# too, and nothing of others who had them
 DB=$T/renamed.db
 ctl init
 ctl subject set ann --consent A

@@ -1,9 +1,10 @@
 #!/bin/sh
-# Goal: commands that change a database are killed at one of their changes to its folder, or
-# lose the power there, again and again: afterwards `check` is clean, an acknowledged change is
-# there, no other is half there, what was destroyed is gone, and the command run again ends
-# what it began.
-# CRASH_TRIALS: of each command and kind (6); SEED: of the first; CRASH_ONLY: a command's name.
+# Goal: commands that change a database are killed at one of their changes to its folder,
+# or lose power there, many times: afterwards `check` finds nothing, an acknowledged
+# change is there, no other is half done, erased bytes are gone, and the command, run
+# again, completes.
+# CRASH_TRIALS: of each command and kind (6); SEED: of the first; CRASH_ONLY: a command's
+# name.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -41,7 +42,7 @@ od -An -tx1 -N 32 /dev/urandom | tr -d ' \n' >"$T/akey"
 chmod 600 "$T/akey"
 admin "$T/other" export --all -o "$T/archive" --archive-key "$T/akey"
 
-# crash NAME BASE ARGUMENT...: trials of a command, of both kinds.
+# crash NAME BASE ARGUMENT...: trials of both kinds of a command.
 crash() {
     name=$1 base=$T/$2
     shift 2
@@ -82,7 +83,8 @@ if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
     done
 fi
 
-# ---- what a file system without renameat2(RENAME_NOREPLACE) may leave: two names of one file
+# ---- what a file system without renameat2(RENAME_NOREPLACE) may leave: two names of one
+# file
 if [ -z "${CRASH_ONLY:-}" ]; then
     ln "$db" "$T/second.part"
     sum=$(sha256sum <"$db")

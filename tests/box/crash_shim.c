@@ -116,7 +116,7 @@ static int open_at(const char *path, int flags, mode_t mode)
         return fd;
     }
     if ((flags & O_TRUNC) != 0)
-        abort(); /* nobody does so far */
+        abort(); /* no program does so far */
     made = (flags & O_CREAT) != 0 && syscall(SYS_faccessat, AT_FDCWD, path, F_OK) != 0;
     if (made)
         begin(-1, NULL, 0, 0);
@@ -156,7 +156,7 @@ int openat(int from, const char *path, int flags, ...)
     mode_t mode;
 
     if (from != AT_FDCWD && dir != NULL)
-        abort(); /* nobody does so far */
+        abort(); /* no program does so far */
     MODE(flags, mode);
     return open_at(path, flags, mode);
 }
@@ -262,7 +262,7 @@ static int change_name(enum crash_kind kind, unsigned flags, const char *path,
     long rc;
 
     if (ours && (a == NULL || (to != NULL && b == NULL)))
-        abort(); /* from or to another folder: nobody does so far */
+        abort(); /* from or to another folder: no program does so far */
     if (ours)
         begin(-1, NULL, 0, 0);
     if (kind == CRASH_RENAME)
@@ -282,7 +282,7 @@ int rename(const char *path, const char *to)
 int renameat2(int from, const char *path, int in, const char *to, unsigned flags)
 {
     if (from != AT_FDCWD || in != AT_FDCWD)
-        abort(); /* nobody does so far */
+        abort(); /* no program does so far */
     return change_name(CRASH_RENAME, flags, path, to);
 }
 
@@ -299,6 +299,6 @@ int unlink(const char *path)
 int unlinkat(int from, const char *path, int flags)
 {
     if (from != AT_FDCWD || flags != 0)
-        abort(); /* nobody does so far */
+        abort(); /* no program does so far */
     return change_name(CRASH_UNLINK, 0, path, NULL);
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: dedup finds the same face under two subjects, and nobody else: the most alike first, the
-# same on any number of threads, by the digits of a comparison; it tells the costs in advance
-# and changes nothing.
+# Goal: dedup finds the same face under two subjects, and no other pair: sorted by score,
+# the same for any number of threads, with the digits of a comparison; it says in advance
+# what it costs, and changes nothing.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_MODEL
@@ -14,7 +14,7 @@ for n in 1 2 3 4 5 6; do
 done
 scan 2 1 "$T/again.ply" --points 500 --pose 8 --shift 10
 
-# ---- nobody, one, and people who are different
+# ---- no subject, one, and different ones
 ctl_exits 0 init
 ctl_exits 0 dedup
 is "nobody" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '0 0 0 '
@@ -28,7 +28,7 @@ ctl_exits 0 dedup
 is "different people" "$(said '.subjects, .pairs, .compared' | tr '\n' ' ')" '5 10 10 '
 is "there is no pair" "$(who)" ''
 
-# ---- one person comes again, and one scan is enrolled twice
+# ---- one face under two subjects, and one scan enrolled twice
 ctl_exits 0 enroll stranger "$T/again.ply"
 ctl_exits 0 enroll copy "$T/s4.ply"
 before=$(rows)

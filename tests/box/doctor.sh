@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: surfacectl doctor names the trouble there is around a database, says what to do, and
+# Goal: surfacectl doctor finds the problems around a database, says what to do, and
 # changes nothing.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: no descriptors left, and clients that close their half of the connection: the daemon
-# answers what it can and is as before afterwards.
+# Goal: without free descriptors, and with clients that close their half of the
+# connection, the daemon responds where it can and works as before afterwards.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -10,10 +10,10 @@ start_daemon --no-auth --workers 2
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
 
-# ---- a client that half-closes: the request is there, so it gets its answer
+# ---- a client that half-closes after its request gets the response
 if command -v nc >/dev/null 2>&1 && nc -h 2>&1 | grep -q -- ' *-N'; then
     port=${URL##*:}
-    # half REQUEST-FILE: sent, then nothing more is to come; the answer is in $T/answer.
+    # half REQUEST-FILE: is sent, then its half is closed; the response is in $T/answer.
     half() {
         timeout 60 nc -N 127.0.0.1 "$port" <"$1" >"$T/answer" 2>/dev/null
         STATUS=$(sed -n '1s/^HTTP\/1.1 \([0-9]*\).*/\1/p' "$T/answer")
@@ -29,9 +29,9 @@ if command -v nc >/dev/null 2>&1 && nc -h 2>&1 | grep -q -- ' *-N'; then
         } >"$T/q"
         half "$T/q"
         is "half-closed after a scan ($n)" "$STATUS" 200
-        ok "its answer ($n)" grep -q '"decision":"match"' "$T/answer"
+        ok "its response ($n)" grep -q '"decision":"match"' "$T/answer"
     done
-    # Half a body, and no more to come: nothing that could be answered is there.
+    # Half a body is no request that could be responded to.
     head -c 2000 "$T/q" >"$T/half"
     half "$T/half"
     ok "half a body ($STATUS)" test "$STATUS" != 200
@@ -58,7 +58,7 @@ until [ "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -ge $((used + 5)) ] || [ "
     sleep 0.1
 done
 req GET /healthz -m 3
-ok "no descriptor: no answer, or a right one ($STATUS)" matches "$STATUS" '^(000|200|503)$'
+ok "no descriptor: no response, or a right one ($STATUS)" matches "$STATUS" '^(000|200|503)$'
 ok "it is still there" kill -0 "$PID"
 # shellcheck disable=SC2086 # a list
 kill $clients 2>/dev/null

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: the wall clock steps back, and forward: requests are served, waits end, order is kept
-# by keys and not by times.  Only what is told of times shows the step.
+# Goal: when the wall clock steps back or forward, requests are served, waits end, and
+# lists stay in the order of keys, not of times.  Only reported times show the step.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Goal: kill -9 amid enrolments: everything that was answered with 201 is there after a
-# restart, whatever else is there is whole, and each template has its event, neither without
-# the other.
+# Goal: after kill -9 amid enrolments and a restart, each enrolment with a 201 response is
+# there, any other is complete or absent, and templates and events belong to each other.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -9,8 +8,8 @@ for s in $(seq 8); do
     scan "$s" 0 "$T/s$s.ply" --points 1500
 done
 
-# enroll_on ROUND CLIENT: subject after subject until nobody answers; "STATUS SUBJECT" of each
-# in a.CLIENT.
+# enroll_on ROUND CLIENT: subject after subject until there is no response; "STATUS
+# SUBJECT" of each in a.CLIENT.
 enroll_on() {
     n=0
     while [ "$n" -lt 1000 ]; do
@@ -23,7 +22,7 @@ enroll_on() {
     done
 }
 
-# answered: how many 201 there were so far in this round.
+# answered: how many 201 responses there were so far in this round.
 answered() {
     cat "$T"/a.* 2>/dev/null | grep -c '^201 '
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: SIGTERM under load: whoever got through to the daemon gets a whole answer; others are
-# refused before they have sent anything.
+# Goal: at SIGTERM under load, accepted connections get a complete response; others are
+# refused before the client has sent anything.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Goal: a database that another process has locked, or that cannot be written, is said at
-# once or after a bounded wait, and what only reads goes on.
+# Goal: where another process has locked the database, or it cannot be written, the daemon
+# says so at once or after a bounded wait, and reading goes on.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -65,7 +65,7 @@ stop_daemon
 sqlite3 "$DB" "UPDATE events_end SET mac = x'$mac'"
 ctl_exits 0 attempts reset s1
 
-# ---- not to be written: as somebody whom the file's mode binds, which root is not
+# ---- read-only: as a user whom the file's mode binds, unlike root
 as=
 if [ "$(id -u)" = 0 ]; then
     as="setpriv --reuid 65534 --regid 65534 --clear-groups"
@@ -96,7 +96,7 @@ if $as "$BUILD/surfaced" --version >/dev/null 2>&1 && $as test -x "$T"; then
     is "--check-config on it" $? 2
     chmod 755 "$T/ro"
     DB=$T/ro/faces.db UNDER=$as start_daemon --no-auth
-    # What was opened stays open; what is opened from now on can no more be made.
+    # Open connections stay; new ones cannot create their files any more.
     chmod 555 "$T/ro"
     send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
     is "read-only while it runs: verify" "$STATUS" 200

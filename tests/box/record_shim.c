@@ -1,4 +1,4 @@
-/* record_shim -- to be loaded into a program (LD_PRELOAD): what it asks of its database.
+/* record_shim -- loaded into a program (LD_PRELOAD): records what it asks of its database.
  * RECORD_STATEMENTS  a file that the text of each statement prepared by sqlite3_prepare_v3() is
  *                    added to: the store's, whose driver alone uses that call
  * RECORD_BEGINS      a file that each transaction's first statement is added to, as it runs

@@ -1,14 +1,15 @@
 #!/bin/sh
-# Goal: templates of another engine are never compared as if they were this one's: daemon and
-# command answer as if the scans were enrolled now, say that there are such templates, and
-# `template reencode` re-encodes them for good while the daemon serves: nothing but the model
-# changes, what cannot be made a face of stays and is told, and killed in the middle it goes on.
+# Goal: templates of another engine are never compared as if they were this one's: daemon
+# and command respond as if the scans were enrolled now, say that there are such
+# templates, and `template reencode` re-encodes them for good while the daemon serves:
+# only the model changes, a template that cannot be re-encoded stays and is reported, and
+# a run that was killed is continued by the next.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_MODEL
 
 counts() { said '[.templates, .reencoded, .current, .failed, .undone] | join(" ")'; }
-# models: another mean face; and one that only hollow faces are like.
+# models: one with another mean face; and one that only hollow faces resemble.
 mean() { awk -v how="$1" '/^weight/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
     $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/default.model; }
 mean raised >"$T/raised.model"
@@ -32,7 +33,7 @@ done
 scan 3 0 "$T/dan.xyz" --points 900
 awk '{ print $1, $2, -$3 }' "$T/dan.xyz" >"$T/hollow.xyz"
 
-# ---- what is wanted: enrolled by this engine
+# ---- the reference: enrolled by this engine
 ctl_exits 0 init
 for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply"; done
 engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates[0].engine')
@@ -45,7 +46,7 @@ stop_daemon
 ctl_exits 0 template reencode
 is "nothing to do" "$(counts)" '0 0 0 0 0'
 
-# ---- the same by another
+# ---- the same enrolled by another engine
 DB=$T/other.db
 ctl_exits 0 init
 for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
@@ -130,7 +131,7 @@ is "is taken, to be re-encoded" "$(said '.templates_new, .templates_to_reencode'
 ctl_exits 0 verify alice "$T/alice-later.ply"
 is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/wanted" | head -1)"
 
-# ---- killed in the middle, it goes on.  REPROCESS: how many.
+# ---- killed in the middle, it goes on.  REPROCESS: how many templates.
 DB=$T/many.db many=${REPROCESS:-60}
 mkdir "$T/many"
 for n in $(seq 1 "$many"); do

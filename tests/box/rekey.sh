@@ -1,11 +1,12 @@
 #!/bin/sh
-# Goal: the master key is changed in one step, whatever happens on the way: a daemon that runs
-# goes on, nothing of a key that no longer counts opens anything, and a change that is killed
-# at any moment leaves a database that somebody's key opens.
+# Goal: the master key is changed in one transaction: a running daemon goes on, the old
+# key opens nothing any more, and wherever rekey is killed, a key file that is there opens
+# the database.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# held FILE: how often the bytes of its line, in hexadecimal, are in the database or its log.
+# held FILE: how often the bytes of its line, in hexadecimal, are in the database or its
+# WAL.
 held() {
     cat "$DB" "$DB-wal" 2>/dev/null | od -An -v -tx1 | tr -d ' \n' | grep -oi "$(cat "$1")" | wc -l
 }
@@ -90,7 +91,7 @@ sqlite3 "$DB" 'SELECT hex(plaintext) FROM root' >"$T/open"
 is "since it is in the file" "$(held "$T/open")" 1
 ctl rekey --yes
 is "its first key" "$CODE $(said .kind)" "0 file"
-is "what stood open is gone" "$(held "$T/open")" 0
+is "the plaintext key is gone" "$(held "$T/open")" 0
 ctl check
 is "all is well" "$CODE $(said .templates)" "0 3"
 
@@ -139,5 +140,5 @@ is "killed 60 times (seed $seed), never locked out" "$lost" ""
 ctl verify s1 "$T/s1.ply"
 is "s1 is s1" "$CODE" 0
 ctl rekey --yes
-is "and once more in peace" "$CODE" 0
+is "and once more undisturbed" "$CODE" 0
 finish

@@ -1,4 +1,4 @@
-/* What a verification reads and writes: all of one moment, in one transaction each. */
+/* What a verification reads and writes, in one transaction each. */
 /* link: -Wl,--wrap=sql_begin */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,7 @@ static void assert_transactions(unsigned read, unsigned written)
     reads = writes = 0;
 }
 
-/* A caller's part: which models it wants, and which it has got. */
+/* The caller: which models it wants, and which it was given. */
 struct caller {
     const struct store *store;
     unsigned listed, used;
@@ -123,7 +123,7 @@ static void test_admit(void **state)
     assert_string_equal(c.got[0], t[1].id);
     free(a.t);
 
-    /* One template, and who it is of. */
+    /* One template, and its subject. */
     c = (struct caller){.store = s};
     what.subject = NULL;
     what.template_id = t[2].id;
@@ -134,7 +134,7 @@ static void test_admit(void **state)
     assert_int_equal(c.used, 1);
     free(a.t);
 
-    /* Without callbacks nothing but the lists. */
+    /* Without callbacks: the lists alone. */
     what = (struct store_admit){.subject = "bob"};
     assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
     assert_int_equal(a.n, 1);
@@ -142,7 +142,7 @@ static void test_admit(void **state)
     store_close(s);
 }
 
-/* A callback's status ends it, and nothing is left to be freed. */
+/* A callback's status ends the read, and nothing is left to be freed. */
 static void test_ended(void **state)
 {
     struct store *s = make();
@@ -198,7 +198,7 @@ static void test_state(void **state)
     assert_int_equal(a.k.version, 1);
     assert_true(a.k.fmr == k.fmr);
     free(a.t);
-    /* A caller that has it is not told again. */
+    /* A caller that has this calibration does not get it again. */
     what.calibration = 1;
     assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
     assert_int_equal(a.calibration, 1);
@@ -316,7 +316,7 @@ static void test_settle(void **state)
     store_close(s);
 }
 
-/* Where the audit log takes no more, attempts count all the same. */
+/* Attempts count also where no event can be added. */
 static void test_no_event(void **state)
 {
     struct store *s = make();

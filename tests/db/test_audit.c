@@ -1,5 +1,5 @@
-/* The audit log: whatever another program does to its rows is found, at the right place; what
- * is signed can be verified without the database. */
+/* The audit log: a change of its rows by another program is found, with its place;
+ * signatures can be verified without the database. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -160,8 +160,7 @@ static void test_tampered(void **state)
     }
 }
 
-/* What is written afterwards does not cover it up, and nothing is written behind an end
- * that is not proved. */
+/* Later events do not hide it, and none is added behind an end without the right MAC. */
 static void test_after(void **state)
 {
     struct store *s = written();
@@ -183,7 +182,8 @@ static void test_after(void **state)
     store_close(s);
 }
 
-/* Entries made anew, with hashes that fit, but without the keys: the signature tells. */
+/* Entries replaced, with hashes that fit, but without the keys: the signature is
+ * wrong. */
 static void test_made_anew(void **state)
 {
     unsigned char hash[STORE_CHAIN_HASH] = {0}, public[VAULT_KEY] = {1};
@@ -242,7 +242,7 @@ static void test_signed(void **state)
     assert_int_equal(a.checkpoints, 3);
     assert_int_equal(f.n, 0);
 
-    /* By the public key alone. */
+    /* With the public key alone. */
     assert_int_equal(store_audit_public(s, text, &e), ST_OK);
     for (size_t i = 0; i < VAULT_KEY; i++)
     public[i] =
@@ -287,7 +287,7 @@ static void test_list(void **state)
     (void)state;
     assert_int_equal(store_subject_add(s, "token-1", &alice, &e), ST_OK); /* 2 */
     event(s, "verify", "alice");
-    event(s, "verify", "bob"); /* who is not here */
+    event(s, "verify", "bob"); /* no subject */
     event(s, "compare", "");   /* 5 */
     assert_int_equal(list(s, &(struct store_audit_filter){.names = true}, &a), 5);
     assert_string_equal(a[0].kind, "create_key");
@@ -378,7 +378,8 @@ static void test_receipt(void **state)
     assert_int_equal(n, 0);
     assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK); /* again */
     assert_int_equal(store_audit_erased(s, NULL, &erased, &n, &e), ST_OK);
-    assert_int_equal(n, 1); /* who was erased stays so, whoever comes again */
+    assert_int_equal(
+        n, 1); /* the erased subject stays erased, also when its id is enrolled again */
     free(erased);
     store_receipt_free(&r);
     store_close(s);

@@ -1,5 +1,4 @@
-/* Calibrations: kept, followed by a worker at once, refused when damaged; and a database
- * of version 1, which has none, upgraded. */
+/* Calibrations: stored, followed by a worker at once, refused when damaged. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -121,7 +120,7 @@ static void test_refused(void **state)
     store_close(s);
 }
 
-/* What decides: a comparison of the same two faces, with a threshold to either side. */
+/* Decisions: a comparison of the same two faces, with a threshold to either side. */
 static struct face_result compare(void)
 {
     struct face_result r;
@@ -183,7 +182,8 @@ static void test_followed(void **state)
     store_close(s);
 }
 
-/* A calibration holds for the model that it was made with; else the model's own decides. */
+/* A calibration holds for the model that it was made with; else the model's own
+ * decides. */
 static void test_other_model(void **state)
 {
     struct model *m = malloc(sizeof *m);

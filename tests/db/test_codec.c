@@ -1,5 +1,5 @@
 /* link: -Wl,--wrap=aligned_alloc */
-/* A face model as bytes and back; nothing damaged is taken for a model. */
+/* A face model as bytes and back; damaged bytes are refused. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -203,8 +203,9 @@ static void assert_safe(const struct mesh *m)
     free(loc);
 }
 
-/* With the checksum made right again only the proof stands between the bytes and us.  The
- * mark is test_frame()'s: another one has the frame found anew, which takes a millisecond. */
+/* With the checksum recomputed, only the checks of the decoder are left.  The mark is
+ * test_frame()'s: with another one the frame is found again, which takes a
+ * millisecond. */
 static void test_checked(void **state)
 {
     struct brute_rng r = {brute_seed("sealed")};
@@ -279,7 +280,7 @@ static void test_golden(void **state)
     for (uint32_t v = 0; v < 5; v++)
         assert_int_equal(f.surface.mesh.z[v], v == 1 ? 20000 : -1000);
     assert_true(f.frame.mean_id != 0 &&
-                f.frame.mean_id != frame.mean_id); /* found anew */
+                f.frame.mean_id != frame.mean_id); /* found again */
     assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
     assert_string_equal(
         digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
@@ -344,8 +345,8 @@ static void test_no_mark(void **state)
     face_free(&g);
 }
 
-/* The frame is kept to the last digit; another mean face's is found anew; what is no rigid
- * motion is refused. */
+/* The frame is kept to the last digit; another mean face's is found again; what is no
+ * rigid motion is refused. */
 static void test_frame(void **state)
 {
     static const struct {

@@ -1,5 +1,5 @@
-/* A database that somebody changed who has no key: every byte of it in turn, and many at
- * once.  Whatever is answered is the truth or an error: never another face, subject, token
+/* A database changed by an attacker without the key: every byte of it in turn, and many
+ * at once.  Each call returns the truth or an error: never another face, subject, token
  * or threshold, never a crash. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,8 +26,8 @@
 #define SEED      5
 #define PROCESSES 3
 
-/* A sanitizer makes a byte cost three times as much: it sees every third, and the plain run
- * all of them. */
+/* A sanitizer makes a byte cost three times as much: it sees every third, and the plain
+ * run all of them. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define EVERY 3
 #else
@@ -107,7 +107,7 @@ static void fill(struct store *s)
     assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
 }
 
-/* ---- what may be answered */
+/* ---- what reads may return */
 
 /* Ends the process, which may be a child. */
 #define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
@@ -134,7 +134,7 @@ static void check_template(struct store *s, const struct store_template *t)
                 face.surface.mesh.nv * sizeof *face.surface.mesh.z) == 0);
 }
 
-/* Ask all that decides who is let in.  Returns how many questions were answered. */
+/* Read all that decisions depend on.  Returns how many reads succeeded. */
 static unsigned ask(struct store *s)
 {
     struct store_template *list;
@@ -183,7 +183,7 @@ static void ignore(void *arg, const char *line)
 }
 
 struct tally {
-    unsigned files, refused, whole; /* not opened; every question answered */
+    unsigned files, refused, whole; /* not opened; every read succeeded */
 };
 
 static void try_file(enum store_mode mode, struct tally *t)

@@ -1,6 +1,6 @@
-/* A schema of another version than the program's: refused, or upgraded as a whole with a copy
- * kept.  There is one version so far: the steps to a second and a third are this test's own, in
- * place of sql_schema.c. */
+/* A schema of another version than the program's: refused, or upgraded as a whole with a
+ * copy kept.  There is one version so far: the steps to a second and a third are this
+ * test's own, in place of sql_schema.c. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -88,7 +88,7 @@ static void test_refused(void **state)
     assert_int_equal(look.newest, 2);
     assert_int_equal(look.templates, 1);
     assert_int_equal(tempdb_number("PRAGMA user_version"), 1);
-    /* And an older program a newer database. */
+    /* An older program refuses a newer database. */
     use_schema(2, STEP_2);
     store_close(tempdb_open(STORE_MIGRATE));
     use_schema(1, "");

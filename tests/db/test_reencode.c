@@ -1,5 +1,5 @@
-/* Templates of another engine: what is loaded is what this engine makes of their points, in
- * memory or for good, to the last bit and however often. */
+/* Templates of another engine are re-encoded from their points, in memory or for good:
+ * with the same bits, however often. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,8 +65,8 @@ static void make(uint64_t subject, double spikes, double towards, int engine,
     assert_int_equal(face_build(pts, n, work[engine], f, NULL), ST_OK);
 }
 
-/* The three that are not the shipped one: another mean face; the same one and so the same
- * mark, but laid on otherwise; one that no face is like. */
+/* The three that are not the shipped one: another mean face; the same one, and so the
+ * same mark, but fitted otherwise; one that no face resembles. */
 static void make_models(void)
 {
     for (int i = 0; i < ENGINES; i++) {
@@ -130,7 +130,7 @@ static void test_spikes(void **state)
     face_free(&f);
 }
 
-/* What another engine made, as if this one had made it. */
+/* A template of another engine, marked as this one's. */
 static void test_engines(void **state)
 {
     static struct bytes theirs, ours, again;
@@ -262,7 +262,7 @@ static void test_store(void **state)
     face_free(&f);
 }
 
-/* A template that this engine can make no face of is compared with nothing, and stays. */
+/* A template that cannot be re-encoded is never compared, and stays. */
 static void test_stays(void **state)
 {
     static struct bytes before, after;

@@ -1,4 +1,4 @@
-/* The store: what it promises of templates, subjects and events. */
+/* The store: templates, subjects and events. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,8 @@ static void test_templates(void **state)
     assert_int_equal(a.points, tempdb_face[0].surface.mesh.nv);
     assert_string_equal(a.engine, store_made_by(s));
 
-    /* The same cloud again is the same template; for somebody else it is another. */
+    /* The same cloud again is the same template; for another subject it is another one.
+     * */
     assert_int_equal(
         store_enroll(s, "test", "alice", "x", &tempdb_face[0], &b, &created, &e), ST_OK);
     assert_false(created);
@@ -232,7 +233,7 @@ static void test_bad_arguments(void **state)
     store_close(s);
 }
 
-/* ---- what lies in the files */
+/* ---- the bytes of the files */
 
 /* n bytes of a BLOB, as they lie in the file. */
 static void blob(const char *text, unsigned char *out, size_t n)
@@ -249,7 +250,7 @@ static void blob(const char *text, unsigned char *out, size_t n)
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
-/* Are these bytes in the database or its log? */
+/* Are these bytes in the database or its WAL? */
 static bool in_files(const void *needle, size_t len)
 {
     bool found = false;
@@ -295,8 +296,8 @@ static void test_erased(void **state)
     store_close(s);
 }
 
-/* Somebody reads for longer than an erasure waits: the log is cut when they have ended. */
-/* By this handle, or by one that is closed before the reader is. */
+/* A reader is there for longer than an erasure waits: the WAL is truncated when it has
+ * ended, by this handle or by one that is closed before the reader ends. */
 static void erase_while_read(bool by_another)
 {
     struct store *s = tempdb_fresh(), *eraser = s;
@@ -332,7 +333,7 @@ static void test_erased_while_read(void **state)
     erase_while_read(true);
 }
 
-/* What is stored of a person cannot be read by who has the file alone. */
+/* What is stored of a subject cannot be read with the file alone. */
 static void test_encrypted(void **state)
 {
     struct store *s = tempdb_fresh();

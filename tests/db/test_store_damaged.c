@@ -1,5 +1,5 @@
-/* What the store does with databases that are damaged, foreign, newer or not to be written,
- * without their key, and where the disk is full. */
+/* Databases that are damaged, foreign, newer or read-only, without their key, and on a
+ * full disk. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -135,7 +135,7 @@ static void test_unwritable(void **state)
     (void)snprintf(name, sizeof name, "%s/new", tempdb_dir);
     assert_refused(name, STORE_CREATE, ST_EIO, name);
     assert_refused(tempdb_path, STORE_WRITE, ST_EIO,
-                   tempdb_path); /* there is no room for its log */
+                   tempdb_path); /* there is no room for its WAL */
     assert_int_equal(chmod(tempdb_dir, 0700), 0);
     store_close(tempdb_open(STORE_WRITE));
     if (root)
@@ -211,7 +211,8 @@ static void test_damaged_rows(void **state)
     face_free(&f);
 }
 
-/* The disk is full at any point of an enrolment: nothing half-done, and it goes on later. */
+/* The disk is full at any point of an enrolment: nothing half-done, and it goes on
+ * later. */
 static void test_full_disk(void **state)
 {
     struct store *s = tempdb_fresh();

@@ -1,4 +1,4 @@
-/* The store, used by several at once: threads, its own too, and other processes. */
+/* The store, used at once by several threads, its own too, and by other processes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

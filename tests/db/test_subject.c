@@ -1,5 +1,5 @@
-/* What is known of a subject, and how it changes: set, renamed, held, disabled, seen, due;
- * each change is there whole with its event, or not at all. */
+/* What is stored of a subject, and how it changes: set, renamed, held, disabled, seen,
+ * due; each change is one transaction with its event. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -100,7 +100,7 @@ static void test_set(void **state)
     store_close(s);
 }
 
-/* All of a change or nothing, and what it was is in the events. */
+/* All of a change or nothing, with an event for each part. */
 static void test_together(void **state)
 {
     const bool yes = true, no = false;
@@ -165,12 +165,12 @@ static void test_rename(void **state)
     assert_string_equal(list[0].subject, "carol");
     free(list);
 
-    /* Another may have the old id; and who was erased may be named again. */
+    /* Another subject may get the old id, also after an erasure. */
     enroll(s, "alice", &t);
     assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM erased"), 1);
     assert_int_equal(store_subject_rename(s, "", "carol", "alice", &e), ST_OK);
-    /* By whom it is had then is not told by it. */
+    /* Its later holder is not the one that was renamed. */
     assert_int_equal(tempdb_number("SELECT count(*) FROM erased"), 1);
     store_close(s);
 }
@@ -258,7 +258,7 @@ static void test_seen(void **state)
     one = get(s, "alice");
     see(s, &one);
     assert_true(get(s, "alice").seen[0] == '2');
-    /* The same scan again is a visit too. */
+    /* Enrolling the same scan again counts as seen too. */
     tempdb_sql("UPDATE subjects SET seen = NULL");
     assert_int_equal(store_enroll(s, "", "alice", "", &tempdb_face[0], &t, &created, &e),
                      ST_OK);

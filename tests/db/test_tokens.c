@@ -1,5 +1,4 @@
-/* Tokens and failed verifications: what they are good for, how long, who sees it when, and
- * the databases of version 2, which knew less of them. */
+/* Tokens and failed attempts: scopes, expiry, rotation, revocation, forged rows. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +18,7 @@
 
 static struct errinfo e;
 
-/* tempdb_sql() with rows that are proved. */
+/* tempdb_sql(), with the MACs set again. */
 static void forge(const char *text)
 {
     if (forge_sql(tempdb_path, text, &e) != ST_OK)
@@ -91,7 +90,7 @@ static void test_tokens(void **state)
     assert_int_equal(check(s, ""), ST_EDENIED);
     assert_int_equal(check(s, "' OR 1=1 --"), ST_EDENIED);
 
-    /* Revoked beside us: seen at once. */
+    /* Revoked by another handle: seen at once. */
     other = tempdb_open(STORE_WRITE);
     assert_int_equal(store_token_revoke(other, "test", t.id, &e), ST_OK);
     assert_int_equal(check(s, secret), ST_EDENIED);
@@ -196,7 +195,7 @@ static void test_rotated(void **state)
         tempdb_number("SELECT count(*) FROM events WHERE kind = 'rotate_token'"), 2);
 }
 
-/* When it was last used: noted, but once a minute, and nobody waits for it. */
+/* Last use: noted once a minute, and never waited for. */
 static void test_used(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -223,7 +222,7 @@ static void test_used(void **state)
     assert_int_equal(store_token_check(s, secret, &got, &e), ST_OK);
     assert_true(got.used[0] == '2');
 
-    /* Somebody else holds the database for long. */
+    /* Another process holds the lock for long. */
     tempdb_sql("UPDATE tokens SET used = NULL");
     assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
@@ -277,7 +276,7 @@ static void test_damaged(void **state)
     }
 }
 
-/* What was forged does not become true by what is done to it after. */
+/* A forged row does not get a right MAC by a later change. */
 static void test_forged(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -357,7 +356,7 @@ static void test_attempts(void **state)
         tempdb_number("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
                       "AND actor = 'test'"),
         1);
-    /* It stops counting somewhere, and goes with the subject. */
+    /* The count has a limit, and goes with the subject. */
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
     tempdb_sql("UPDATE attempts SET failures = 1000000");
     assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);

@@ -1,4 +1,5 @@
-/* Keys and what they encrypt: only the right key decrypts, only what was encrypted, only in its place. */
+/* Keys and what they encrypt: only the right key decrypts, only the bytes that were
+ * encrypted, only in their place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +28,7 @@ static void make(struct vault_root *root, struct vault **v)
     assert_int_equal(vault_make(VAULT_FILE, master, sizeof master, root, v, &e), ST_OK);
 }
 
-/* Each bit of the key, of what it is about and of the encrypted bytes counts. */
+/* Each bit of the key, of the associated data and of the encrypted bytes counts. */
 static void test_encrypted(void **state)
 {
     const char text[] = "the volume between two surfaces", about[] = "row 7, column 3";
@@ -112,7 +113,7 @@ static void test_root(void **state)
     vault_free(v);
 }
 
-/* Another master key: what was found before is found again, what was wrapped is not. */
+/* Another master key: lookups stay the same, wrapped keys do not. */
 static void test_change(void **state)
 {
     struct vault_root root, next;
@@ -188,7 +189,7 @@ static void test_keyfile(void **state)
     assert_int_equal(keyfile_read(path, &k, &e), ST_EINVAL);
     write_key("a\0b", 3, 0600);
     assert_int_equal(keyfile_read(path, &k, &e), ST_EINVAL);
-    for (unsigned bit = 0; bit < 5; bit++) { /* who else may do what */
+    for (unsigned bit = 0; bit < 5; bit++) { /* permissions of others */
         static const mode_t loose[] = {0601, 0602, 0604, 0620, 0610};
         const bool harmless = loose[bit] == 0610;
 
@@ -200,7 +201,7 @@ static void test_keyfile(void **state)
     (void)unlink(path);
 }
 
-/* Descriptions come back whole, for their own row alone. */
+/* Descriptions are decrypted as they were, for their own row alone. */
 static void test_rows(void **state)
 {
     struct vault_root root;

@@ -25,7 +25,7 @@ struct change {
     struct crash_op op;
     size_t data;  /* where its bytes are in the log */
     size_t file;  /* of crash_log.file */
-    size_t until; /* the change that waited for this one, or NEVER */
+    size_t until; /* the sync that covers this one, or NEVER */
 };
 
 struct name {
@@ -193,7 +193,7 @@ struct crash_log *crash_log_new(const char *dir)
     return l;
 }
 
-/* Who has the inode now: the newest. */
+/* The file that has the inode now: the newest. */
 static size_t file_of(const struct crash_log *l, uint64_t inode)
 {
     for (size_t i = l->files; i-- > 0;)
@@ -209,7 +209,7 @@ static bool is_name(const struct change *c)
            c->op.kind == CRASH_LINK || c->op.kind == CRASH_UNLINK;
 }
 
-/* The n-th change waits for all before it that it is about. */
+/* The n-th change, a sync, covers all changes before it of the same file or folder. */
 static void waited(struct crash_log *l, size_t n)
 {
     const struct change *c = &l->change[n];
@@ -323,7 +323,7 @@ static void put(struct bytes *b, const unsigned char *data, size_t n, size_t at)
     }
 }
 
-/* Of a write that nobody waited for: all, nothing, or any sectors. */
+/* Of a write that was not synced: all, nothing, or any sectors. */
 static void put_some(struct bytes *b, const unsigned char *data, size_t n, size_t at,
                      struct brute_rng *rng)
 {

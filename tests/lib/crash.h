@@ -1,5 +1,5 @@
-/* crash.h -- for the crash tests: a folder as it may be found after a loss of power, and what
- * a database in it says.  A failure of the test's own ends the program. */
+/* crash.h -- for the crash tests: a folder as it may be found after a loss of power, and
+ * what a database in it says.  A failure of the test's own ends the program. */
 #ifndef TESTS_CRASH_H
 #define TESTS_CRASH_H
 #include <stdbool.h>
@@ -14,7 +14,8 @@ struct brute_rng; /* brute.h */
 /* crash_join(out, dir, name): "DIR/NAME", which must fit. */
 void crash_join(char out[CRASH_PATH], const char *dir, const char *name);
 
-/* Folders of files, without folders in them.  crash_copy(): what is in `to` goes first. */
+/* Folders of files, without folders in them.  crash_copy(): what is in `to` goes
+ * first. */
 void crash_copy(const char *from, const char *to);
 void crash_remove(const char *dir);
 
@@ -22,8 +23,8 @@ void crash_remove(const char *dir);
 
 struct crash_log;
 
-/* crash_log_new(dir): before a program changes the folder; crash_log_read(l, path): what it
- * has changed since, by the log that crash_shim.so has made of it. */
+/* crash_log_new(dir): before a program changes the folder; crash_log_read(l, path): what
+ * it has changed since, by the log that crash_shim.so has made of it. */
 struct crash_log *crash_log_new(const char *dir);
 void crash_log_read(struct crash_log *l, const char *path);
 void crash_log_free(struct crash_log *l); /* NULL is allowed */
@@ -33,9 +34,9 @@ size_t crash_log_n(const struct crash_log *l);
 uint64_t crash_log_bytes(const struct crash_log *l, size_t n);
 
 enum crash_loss {
-    CRASH_KEEP, /* all is on the disk: as if the program alone was killed */
-    CRASH_LOSE, /* nothing is of what was not waited for (fsync) */
-    CRASH_SOME  /* something is of that: any sectors of 512 bytes; names in their order */
+    CRASH_KEEP, /* all is on the disk: the program alone was killed */
+    CRASH_LOSE, /* what was not synced (fsync) is lost */
+    CRASH_SOME /* some of that is there: any sectors of 512 bytes; names in their order */
 };
 
 /* crash_log_state(l, n, loss, rng, dir): the folder after the first n changes, in dir. */
@@ -46,10 +47,10 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
 
 #define CRASH_TEXT (128 << 10)
 
-/* crash_look(dir, text): all that DIR/db says of people and tokens, without random ids; it is
- * opened by DIR/db.key, or what the store finds instead, and checked.  "none": there is no
- * database yet.  false: it cannot be opened, or something
- * is wrong with it, and text says what. */
+/* crash_look(dir, text): all that DIR/db has of subjects and tokens, without random ids;
+ * it is opened with DIR/db.key, or what the store finds instead, and checked.  "none":
+ * there is no database yet.  false: it cannot be opened, or something is wrong with it,
+ * and text says what. */
 bool crash_look(const char *dir, char text[CRASH_TEXT]);
 
 struct crash_secret { /* bytes of a wrapped key, or of a face */

@@ -1,6 +1,5 @@
-/* forge.h -- rows as this program never wrote them, but with the MACs as if it had: for tests of
- * times gone by and of settings that cannot be reached otherwise.  It takes the database's
- * key, as whoever can do this outside the tests has. */
+/* forge.h -- rows as no program writes them, with right MACs: for tests of past times and
+ * of settings that cannot be reached otherwise.  It takes the database's key. */
 #ifndef TESTS_FORGE_H
 #define TESTS_FORGE_H
 #include "status.h"

@@ -1,5 +1,5 @@
 /* tempdb.h -- a database in a folder of its own, for the tests of what is stored; one per
- * program.  Whatever fails here fails the cmocka test that asked for it, and says why. */
+ * program.  A failure here fails the cmocka test that called, and says why. */
 #ifndef TESTS_TEMPDB_H
 #define TESTS_TEMPDB_H
 #include <stdint.h>
@@ -9,9 +9,10 @@
 extern char tempdb_dir[32];  /* the folder, under /tmp */
 extern char tempdb_path[40]; /* the database in it; its key is what store_open() makes */
 
-/* Fixtures of cmocka, for a group: tempdb_begin() makes the folder, tempdb_end() removes it
- * and all files in it.  *state is not used.  Where the folder cannot be removed the program
- * ends with status 1, as cmocka does not count a tear-down that fails.  Both return 0. */
+/* Fixtures of cmocka, for a group: tempdb_begin() makes the folder, tempdb_end() removes
+ * it and all files in it.  *state is not used.  Where the folder cannot be removed the
+ * program ends with status 1, as cmocka does not count a tear-down that fails.  Both
+ * return 0. */
 int tempdb_begin(void **state);
 int tempdb_end(void **state);
 
@@ -24,7 +25,8 @@ int tempdb_begin_faces(void **state);
 int tempdb_end_faces(void **state);
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
- * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is there. */
+ * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
+ * there. */
 void tempdb_remove(void);
 struct store *tempdb_fresh(void);
 struct store *tempdb_open(enum store_mode mode);
@@ -35,7 +37,8 @@ struct store *tempdb_open(enum store_mode mode);
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
 
-/* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
+/* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template
+ * yet.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_check(s): store_check(); what it reports is printed. */
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
