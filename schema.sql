@@ -1,8 +1,8 @@
 -- schema.sql -- the template database in SQLite, schema version 1.
 -- Embedded in the programs at build and run in one transaction on an empty database.
--- A change here is a new user_version, added as a step at the end: a database of version 1 is
--- upgraded by what follows the line "-- version 2", and so on.  What was there before that
--- line stays as it is.
+-- A change of the tables is a new user_version, added as a step at the end: the statements
+-- after a line "-- version 2" upgrade a database of version 1, and so on.  The statements
+-- before that line stay as they are.
 
 PRAGMA application_id = 0x53524644; -- "SRFD"
 PRAGMA user_version = 1;
@@ -20,7 +20,7 @@ CREATE TABLE root (
     secrets   BLOB NOT NULL CHECK (length(secrets) = 136)
 ) STRICT;
 
--- A person, under the client's own external id, which is encrypted and found by a keyed hash.
+-- A person, under the client's own id, which is encrypted and found by a keyed hash.
 CREATE TABLE subjects (
     subject_key INTEGER PRIMARY KEY AUTOINCREMENT,
     lookup      BLOB NOT NULL UNIQUE CHECK (length(lookup) = 32),
@@ -48,25 +48,25 @@ CREATE TABLE templates (
     points       INTEGER NOT NULL CHECK (points BETWEEN 3 AND 2097152),
     triangles    INTEGER NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
     about        BLOB NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
-    model        BLOB NOT NULL CHECK (length(model) > 40), -- last: rows are listed without
-                                                           -- reading it
+    model        BLOB NOT NULL CHECK (length(model) > 40), -- last: lists do not
+                                                           -- read it
     UNIQUE (subject_key, same)            -- the same cloud again is the same template
 ) STRICT;
 
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
 
--- Verifications of a subject that failed one after the other, and when the last did.  No
--- row: the last one was a match, or there was none.
+-- Failed verifications of a subject in a row, and the time of the last.  No row: the last
+-- one was a match, or there was none.
 CREATE TABLE attempts (
     subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
     failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
     at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 ) STRICT;
 
--- Who did what, when, with what outcome: only ever added to.  No biometrics, no tokens; the
--- subject by a keyed hash, which names nobody once the subject was erased.  Each entry's hash
--- is of its columns and of the hash before it (db/store_chain.h).
+-- The audit log: who did what, when, with what outcome.  Rows are only added.  No
+-- biometrics, no tokens, no ids of subjects but a keyed hash of them.  Each entry's hash is
+-- of its columns and of the hash before it (db/store_chain.h).
 CREATE TABLE events (
     seq         INTEGER PRIMARY KEY CHECK (seq >= 1),
     at          TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
@@ -78,7 +78,7 @@ CREATE TABLE events (
     hash        BLOB NOT NULL CHECK (length(hash) = 32)
 ) STRICT;
 
--- The end of the events, so that none can be cut off: a keyed hash of its number and hash.
+-- The last event, so that none can be cut off: the MAC of its number and hash.
 CREATE TABLE events_end (
     events_key INTEGER PRIMARY KEY CHECK (events_key = 1),
     seq        INTEGER NOT NULL CHECK (seq >= 0),
@@ -86,7 +86,7 @@ CREATE TABLE events_end (
     mac        BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- Places in the events that were signed, for verifiers that have the public key alone.
+-- Signed events, for verifiers that have the public key alone.
 CREATE TABLE checkpoints (
     seq       INTEGER PRIMARY KEY CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
@@ -94,8 +94,8 @@ CREATE TABLE checkpoints (
     signature BLOB NOT NULL CHECK (length(signature) = 64)
 ) STRICT;
 
--- Rows that decide who is let in have a MAC (db/FORMAT.md), so that writing the file without
--- the key is not enough to change them.
+-- Rows on which decisions depend have a MAC (db/FORMAT.md): they cannot be changed without
+-- the key.
 
 -- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
 -- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
@@ -138,15 +138,15 @@ CREATE TABLE calibrations (
     mac          BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- The number of the newest calibration, so that the one in force cannot be taken away.
+-- The number of the newest calibration, so that the one in force cannot be deleted.
 CREATE TABLE calibrations_end (
     calibrations_key INTEGER PRIMARY KEY CHECK (calibrations_key = 1),
     version          INTEGER NOT NULL CHECK (version >= 0), -- 0: there never was one
     mac              BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- Subjects that were erased: neither a backup nor an archive from before may bring them back,
--- whatever id they had then, so by uid.  The lookup is of the id that they had last.
+-- Erased subjects, which no older backup or archive may bring back: by uid, since they may
+-- have had another id then.  The lookup is of their last id.
 CREATE TABLE erased (
     uid    BLOB PRIMARY KEY CHECK (length(uid) = 16),
     lookup BLOB NOT NULL CHECK (length(lookup) = 32),

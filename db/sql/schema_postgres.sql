@@ -1,7 +1,7 @@
 -- schema_postgres.sql -- the same database as schema.sql in PostgreSQL, schema version 1.
--- There is no driver for it yet: the store's statements are prepared against these tables
--- (scripts/check_statements.sh), so that one has nothing to change above sql.h.  Times and ids are
--- compared byte by byte: the database has the collation C.
+-- There is no driver for it yet: scripts/check_statements.sh prepares the store's statements
+-- against these tables, so that a driver would change nothing above sql.h.  Times and ids
+-- are compared byte by byte: the database has the collation C.
 
 -- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
 CREATE TABLE root (
@@ -16,7 +16,7 @@ CREATE TABLE root (
     secrets   BYTEA NOT NULL CHECK (length(secrets) = 136)
 );
 
--- A person, under the client's own external id, which is encrypted and found by a keyed hash.
+-- A person, under the client's own id, which is encrypted and found by a keyed hash.
 CREATE TABLE subjects (
     subject_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
     lookup      BYTEA NOT NULL UNIQUE CHECK (length(lookup) = 32),
@@ -44,25 +44,25 @@ CREATE TABLE templates (
     points       BIGINT NOT NULL CHECK (points BETWEEN 3 AND 2097152),
     triangles    BIGINT NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
     about        BYTEA NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
-    model        BYTEA NOT NULL CHECK (length(model) > 40), -- last: rows are listed without
-                                                           -- reading it
+    model        BYTEA NOT NULL CHECK (length(model) > 40), -- last: lists do not
+                                                           -- read it
     UNIQUE (subject_key, same)            -- the same cloud again is the same template
 );
 
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
 
--- Verifications of a subject that failed one after the other, and when the last did.  No
--- row: the last one was a match, or there was none.
+-- Failed verifications of a subject in a row, and the time of the last.  No row: the last
+-- one was a match, or there was none.
 CREATE TABLE attempts (
     subject_key BIGINT PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
     failures    BIGINT NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
     at_ms       BIGINT NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 );
 
--- Who did what, when, with what outcome: only ever added to.  No biometrics, no tokens; the
--- subject by a keyed hash, which names nobody once the subject was erased.  Each entry's hash
--- is of its columns and of the hash before it (db/store_chain.h).
+-- The audit log: who did what, when, with what outcome.  Rows are only added.  No
+-- biometrics, no tokens, no ids of subjects but a keyed hash of them.  Each entry's hash is
+-- of its columns and of the hash before it (db/store_chain.h).
 CREATE TABLE events (
     seq         BIGINT PRIMARY KEY CHECK (seq >= 1),
     at          TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
@@ -74,7 +74,7 @@ CREATE TABLE events (
     hash        BYTEA NOT NULL CHECK (length(hash) = 32)
 );
 
--- The end of the events, so that none can be cut off: a keyed hash of its number and hash.
+-- The last event, so that none can be cut off: the MAC of its number and hash.
 CREATE TABLE events_end (
     events_key BIGINT PRIMARY KEY CHECK (events_key = 1),
     seq        BIGINT NOT NULL CHECK (seq >= 0),
@@ -82,7 +82,7 @@ CREATE TABLE events_end (
     mac        BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
--- Places in the events that were signed, for verifiers that have the public key alone.
+-- Signed events, for verifiers that have the public key alone.
 CREATE TABLE checkpoints (
     seq       BIGINT PRIMARY KEY CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
@@ -90,8 +90,8 @@ CREATE TABLE checkpoints (
     signature BYTEA NOT NULL CHECK (length(signature) = 64)
 );
 
--- Rows that decide who is let in have a MAC (db/FORMAT.md), so that writing the file without
--- the key is not enough to change them.
+-- Rows on which decisions depend have a MAC (db/FORMAT.md): they cannot be changed without
+-- the key.
 
 -- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
 -- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
@@ -134,15 +134,15 @@ CREATE TABLE calibrations (
     mac          BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
--- The number of the newest calibration, so that the one in force cannot be taken away.
+-- The number of the newest calibration, so that the one in force cannot be deleted.
 CREATE TABLE calibrations_end (
     calibrations_key BIGINT PRIMARY KEY CHECK (calibrations_key = 1),
     version          BIGINT NOT NULL CHECK (version >= 0), -- 0: there never was one
     mac              BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
--- Subjects that were erased: neither a backup nor an archive from before may bring them back,
--- whatever id they had then, so by uid.  The lookup is of the id that they had last.
+-- Erased subjects, which no older backup or archive may bring back: by uid, since they may
+-- have had another id then.  The lookup is of their last id.
 CREATE TABLE erased (
     uid    BYTEA PRIMARY KEY CHECK (length(uid) = 16),
     lookup BYTEA NOT NULL CHECK (length(lookup) = 32),
