@@ -20,8 +20,8 @@ enum status keyfile_make(const char *path, struct errinfo *e);
 /* keyfile_copy(k, path, e): the same as keyfile_make() with what k says. */
 enum status keyfile_copy(const struct keyfile *k, const char *path, struct errinfo *e);
 
-/* keyfile_lock(path, fd, e): wait until nobody else who asks changes the keys in that file's
- * folder; given back by close(fd). */
+/* keyfile_lock(path, fd, e): wait until no other caller changes the keys in that file's
+ * folder; released by close(fd). */
 enum status keyfile_lock(const char *path, int *fd, struct errinfo *e);
 
 /* keyfile_move(from, to, e): in the place of what was there, and on the disk. */

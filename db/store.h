@@ -3,7 +3,7 @@
  * full effect or none, and is on the disk when it returns ST_OK (but see store_event()).  Other
  * processes may use the same database at the same time; each call sees what they have
  * committed.  Ids are checked by the callee (ST_EINVAL).
- * actor: who asks, for the events table: a token's id, a program's name or "".
+ * actor: the caller, for the events: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
  * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row or file, not a database),
  * ST_EVERSION (database of another version), ST_EBUSY (locked by another process for longer
