@@ -8,18 +8,23 @@
 
 static bool all; /* --all */
 
-static enum status export(struct ctl *c) {
-    char size[32]; struct store_exported x; struct keyfile *k = NULL; enum status st;
+static enum status export_subjects(struct ctl *c)
+{
+    char size[32];
+    struct store_exported x;
+    struct keyfile *k = NULL;
+    enum status st;
 
-    if (c->dir == NULL || all == (c->nargs > 0)) return ctl_usage(
-        c, "export needs %s",
-        c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
+    if (c->dir == NULL || all == (c->nargs > 0))
+        return ctl_usage(c, "export needs %s",
+                         c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
         st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x,
                           &c->e);
     keyfile_free(k);
-    if (st != ST_OK) return st;
+    if (st != ST_OK)
+        return st;
     json_text(c->out, "archive", c->dir);
     json_number(c->out, "subjects", (double)x.subjects);
     json_number(c->out, "templates", (double)x.templates);
@@ -31,7 +36,7 @@ static enum status export(struct ctl *c) {
 }
 
 /* Writes with --dry-run too, and rolls back. */
-static enum status import(struct ctl *c)
+static enum status import_subjects(struct ctl *c)
 {
     struct store_imported m;
     struct keyfile *k = NULL;
@@ -72,7 +77,7 @@ const struct ctl_command ctl_archive_export = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_OUT | CTL_ARCHIVE_KEY,
     .options = {CTL_OPTION("all", NULL, ctl_option_flag, &all, "every subject")},
-    .run = export,
+    .run = export_subjects,
     .summary = "write subjects to an archive for another machine",
     .help =
         "The new file --out is encrypted with a passphrase that is asked for, or with the line\n"
@@ -87,7 +92,7 @@ const struct ctl_command ctl_archive_import = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_ARCHIVE_KEY | CTL_DRY_RUN,
-    .run = import,
+    .run = import_subjects,
     .summary = "read subjects from an archive",
     .help =
         "All of it or nothing; it is verified first.  Subjects and templates that are here\n"

@@ -91,26 +91,33 @@ static enum status show(struct ctl *c)
     return st;
 }
 
-static enum status export(struct ctl *c) {
-    struct store_template t = {.points = 0}; struct face_work * w; struct face f = {0};
+static enum status export_template(struct ctl *c)
+{
+    struct store_template t = {.points = 0};
+    struct face_work *w;
+    struct face f = {0};
     enum status st;
 
-    if (c->dir == NULL) return ctl_usage(c, "template export needs --out FILE");
-    if ((w = face_work_new(c->model)) == NULL) return errinfo_set(&c->e, ST_ENOMEM,
-                                                                  "out of memory");
+    if (c->dir == NULL)
+        return ctl_usage(c, "template export needs --out FILE");
+    if ((w = face_work_new(c->model)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = store_template_load(c->store, c->args[0], &t, w, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
-    st = store_event(c->store, "export_template", CTL_ACTOR, t.subject, t.id, "written",
-                     &c->e);
-    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.surface.mesh, &c->e)) == ST_OK){
-        json_text(c->out, "template_id", t.id); json_text(c->out, "subject", t.subject);
-        json_text(c->out, "file", c->dir); json_number(c->out, "points", t.points);
+        st = store_event(c->store, "export_template", CTL_ACTOR, t.subject, t.id,
+                         "written", &c->e);
+    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.surface.mesh, &c->e)) == ST_OK) {
+        json_text(c->out, "template_id", t.id);
+        json_text(c->out, "subject", t.subject);
+        json_text(c->out, "file", c->dir);
+        json_number(c->out, "points", t.points);
         json_number(c->out, "triangles", t.triangles);
-        ctl_say(c, "%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);}
-face_free(&f);
-face_work_free(w);
-return st;
+        ctl_say(c, "%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
+    }
+    face_free(&f);
+    face_work_free(w);
+    return st;
 }
 
 /* ---- the commands */
@@ -145,7 +152,7 @@ const struct ctl_command ctl_template_export = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_OUT,
-    .run = export,
+    .run = export_template,
     .summary = "write a template's points and triangles",
     .help =
         "To the file --out (PLY, millimetres).  It is biometric data: only its owner can read\n"
