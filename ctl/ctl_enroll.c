@@ -31,12 +31,8 @@ static enum status enroll_file(struct ctl *c, const char *subject, const char *p
     if (st == ST_OK) {
         const struct store_template *t = &out.tmpl;
 
-        json_text(o, "template_id", t->id);
-        json_flag(o, "created", out.created);
-        json_number(o, "points", t->points);
-        json_number(o, "triangles", t->triangles);
-        json_text(o, "digest", t->digest);
-        describe_quality(o, "quality", &t->quality, &f->frame);
+        json_flag(o, "new", out.created);
+        describe_template(o, t, &f->frame);
         if (!c->json) {
             (void)printf("%s  %s  %u points, quality %.2f%s", t->id, path, t->points,
                          t->quality.score, out.created ? "" : " (was there already)");

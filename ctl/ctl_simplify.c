@@ -22,7 +22,7 @@ static void tell_simplified(struct ctl *c, const struct face *f,
     json_number(c->out, "kept", r->kept);
     json_number(c->out, "share", share);
     json_number(c->out, "error_mm", r->error / LATTICE_PER_MM);
-    json_number(c->out, "disparity_mm", r->disparity / LATTICE_PER_MM);
+    json_number(c->out, "plain_mm", r->disparity / LATTICE_PER_MM);
     ctl_say(c,
             "kept         %u of %u points, %.1f %%\n"
             "error        %.3f mm at most at one of the scan's points\n"

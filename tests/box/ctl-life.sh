@@ -65,7 +65,7 @@ id=$(cut -d' ' -f1 out)
 expect 0 "enroll again" "$ctl" enroll alice a0.ply
 has out "$id.*already"
 expect 0 "enroll json" "$ctl" --json enroll bob b0.ply
-has out '"created":.*true'
+has out '"new":.*true'
 expect 0 verify "$ctl" verify alice a1.ply
 has out '^decision *match'
 expect 1 "verify another person" "$ctl" verify alice b0.ply

@@ -26,21 +26,21 @@ start_daemon --no-auth
 send POST /v1/asymmetry 'Content-Type: text/plain' "$T/even.xyz"
 is "a symmetric face" "$STATUS $(get .conclusive)" "200 true"
 fits "asymmetry" Asymmetry
-body "no more than the scanner's error" '.disparity_mm < 0.3 and .disparity_mm <= .first_mm'
+body "no more than the scanner's error" '.plain_mm < 0.3 and .plain_mm <= .first_mm'
 body "the plane is where the head was turned to" '.plane | .stop == "converged" and
     .normal[0] > 0.97 and (.normal[1] + 0.105 | fabs) < 0.01 and
     (.normal[2] + 0.156 | fabs) < 0.01 and .turn_deg < 0.5 and .shift_mm < 0.5'
-body "volume over area" '.volume_mm3 / .overlap_mm2 / .disparity_mm - 1 | fabs < 1e-3'
+body "volume over area" '.volume_mm3 / .overlap_mm2 / .plain_mm - 1 | fabs < 1e-3'
 without_times "$T/body" >"$T/even.http"
 asymmetry "$T/even.xyz"
 is "surfacectl's exit" "$CODE" 0
 is "surfacectl's figures" "$(without_times "$T/body")" "$(cat "$T/even.http")"
 
 asymmetry "$T/odd.xyz"
-odd=$(get .disparity_mm)
-body "an asymmetric face" '.disparity_mm > 0.6 and .disparity_mm < 2'
+odd=$(get .plain_mm)
+body "an asymmetric face" '.plain_mm > 0.6 and .plain_mm < 2'
 send POST /v1/asymmetry "$JSON" "$T/odder.json"
-body "twice the asymmetry: about two times ${odd} mm" ".disparity_mm / $odd | . > 1.5 and . < 2.1"
+body "twice the asymmetry: about two times ${odd} mm" ".plain_mm / $odd | . > 1.5 and . < 2.1"
 "$BUILD/surfacectl" asymmetry "$T/odd.xyz" >"$T/text"
 is "as text" "$? $(grep -cE '^(asymmetry|first|common|plane|scan) ' "$T/text")" "0 5"
 
@@ -61,18 +61,18 @@ scan 4 1 "$T/a.ply"
 for mm in 0.1 0.5; do
     simplify "$T/a.ply" --tolerance "$mm"
     is "simplify by $mm mm" "$CODE" 0
-    body "within it" ".error_mm <= $mm and .disparity_mm < .error_mm and .kept < .points"
+    body "within it" ".error_mm <= $mm and .plain_mm < .error_mm and .kept < .points"
     body "the share" '.kept / .points - .share | fabs <= 0.00005'
 done
 is "as many points as reported" "$(sed -n 's/element vertex //p' "$T/small.ply")" "$(get .kept)"
 body "fewer than a third" '.share < 0.33'
 is "only its owner can read it" "$(stat -c %a "$T/small.ply")" 600
-kept=$(get .kept) mean=$(get .disparity_mm)
+kept=$(get .kept) mean=$(get .plain_mm)
 simplify "$T/small.ply" --tolerance 0.001
 is "a scan like any other" "$CODE $(get .points)" "0 $kept"
 simplify "$T/a.ply" --tolerance "$mean" --mean
 is "by the mean" "$CODE" 0
-body "within it" ".disparity_mm <= $mean and .kept < $kept"
+body "within it" ".plain_mm <= $mean and .kept < $kept"
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/small.ply" >"$T/text"
 is "it still matches" $? 0
 "$BUILD/surfacectl" simplify "$T/a.ply" -o "$T/dir/b.ply" --tolerance 1 >"$T/text"
