@@ -34,7 +34,8 @@ struct store_admit {
 
 /* store_admit(s, what, out, e): ST_ENOTFOUND: no such subject or template; ST_ECORRUPT, also of
  * the newest calibration, then it must not be decided.  On failure out->t is NULL.
- * Attempts are read as by store_attempts_get(). */
+ * Of attempts failures is 0 where there are none.  A last failure that lies in the future (the
+ * clock was set back) is moved to now for good, so that a wait that begins with it ends. */
 enum status store_admit(struct store *s, const struct store_admit *what,
                         struct store_admission *out, struct errinfo *e);
 

@@ -1,59 +1,10 @@
 #include "store_attempts.h"
 
-#include <string.h>
-
 #include "errinfo.h"
 #include "row_attempts.h"
 #include "row_event.h"
 #include "store_rules.h"
 #include "store_txn.h"
-
-enum status store_attempts_get(struct store *s, const char *subject,
-                               struct store_attempts *out, struct errinfo *e)
-{
-    struct store_txn t;
-    bool future = false;
-    int64_t now;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&now, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    st = store_txn_end(&t, row_attempts_get(&t, subject, now, out, &future, e), e);
-    if (st != ST_OK || !future)
-        return st;
-    if ((st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
-        return st;
-    return store_txn_end(&t, row_attempts_not_after(&t, subject, now, e), e);
-}
-
-enum status store_attempts_fail(struct store *s, const char *subject, struct errinfo *e)
-{
-    struct store_txn t;
-    int64_t now;
-    enum status st;
-
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&now, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
-        return st;
-    return store_txn_end(&t, row_attempts_fail(&t, subject, now, e), e);
-}
-
-/* Most matches come when there is nothing to clear: that is seen without writing. */
-enum status store_attempts_clear(struct store *s, const char *subject, struct errinfo *e)
-{
-    struct store_attempts was;
-    struct store_txn t;
-    enum status st = store_attempts_get(s, subject, &was, e);
-
-    if (st != ST_OK || was.failures == 0 ||
-        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
-        return st;
-    return store_txn_end(&t, row_attempts_clear(&t, subject, e), e);
-}
 
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e)

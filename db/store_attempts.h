@@ -3,17 +3,8 @@
 #define DB_STORE_ATTEMPTS_H
 #include "store_types.h"
 
-/* store_attempts_get(s, subject, out, e): failures is 0 where there are none.  A last
- * failure that lies in the future (the clock was set back) is moved to now for good, so
- * that a wait that begins with it ends.  ST_ENOTFOUND: no such subject. */
-enum status store_attempts_get(struct store *s, const char *subject,
-                               struct store_attempts *out, struct errinfo *e);
-
-/* store_attempts_fail(s, subject, e): one more, now.  store_attempts_clear(s, subject, e):
- * no more.  For speed neither waits for the disk, as store_event().
- * store_attempts_reset(s, actor, subject, e): no more, as actor asks; an event with it. */
-enum status store_attempts_fail(struct store *s, const char *subject, struct errinfo *e);
-enum status store_attempts_clear(struct store *s, const char *subject, struct errinfo *e);
+/* store_attempts_reset(s, actor, subject, e): none any more, as actor asks; an event with it.
+ * ST_ENOTFOUND: no such subject.  They are read by store_admit(), counted by store_settle(). */
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e);
 

@@ -186,7 +186,7 @@ static void test_state(void **state)
 
     (void)state;
     assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
     assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
     reads = writes = 0;
     assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
@@ -268,7 +268,6 @@ static void test_settle(void **state)
                                 .arg = &failures};
     struct errinfo lost = {ST_OK, ""};
     struct store_settled out = {.lost = &lost};
-    struct store_attempts a;
     uint64_t seq;
 
     (void)state;
@@ -291,19 +290,16 @@ static void test_settle(void **state)
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
     assert_false(out.may);
     assert_int_equal(last_event(s).seq, seq);
-    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
-    assert_int_equal(a.failures, 2);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
     what.may = NULL;
     what.as = STORE_SETTLE_UNCOUNTED;
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
-    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
-    assert_int_equal(a.failures, 2);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
     assert_int_equal(last_event(s).seq, seq + 1);
     what.as = STORE_SETTLE_PASSED;
     what.outcome = "match";
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
-    assert_int_equal(store_attempts_get(s, "alice", &a, &e), ST_OK);
-    assert_int_equal(a.failures, 0);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_string_equal(last_event(s).outcome, "match");
     assert_int_equal(lost.code, ST_OK);
     assert_int_equal(tempdb_check(s).problems, 0);
@@ -329,7 +325,6 @@ static void test_no_event(void **state)
                                 .outcome = "no_match"};
     struct errinfo lost = {ST_OK, ""};
     struct store_settled out = {.lost = &lost};
-    struct store_attempts a;
 
     (void)state;
     assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
@@ -337,8 +332,7 @@ static void test_no_event(void **state)
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
     assert_true(out.may);
     assert_int_equal(lost.code, ST_ECORRUPT);
-    assert_int_equal(store_attempts_get(s, "bob", &a, &e), ST_OK);
-    assert_int_equal(a.failures, 1);
+    assert_int_equal(tempdb_attempts(s, "bob").failures, 1);
     out.lost = NULL;
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
     what.kind = "";

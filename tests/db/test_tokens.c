@@ -312,15 +312,6 @@ static void add_alice(struct store *s)
     assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
 }
 
-static struct store_attempts attempts(struct store *s)
-{
-    struct store_attempts a;
-
-    if (store_attempts_get(s, "alice", &a, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return a;
-}
-
 static void test_attempts(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -328,39 +319,39 @@ static void test_attempts(void **state)
     size_t n;
 
     (void)state;
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_ENOTFOUND);
-    assert_int_equal(store_attempts_clear(s, "alice", &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e), ST_ENOTFOUND);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
     add_alice(s);
-    assert_int_equal(attempts(s).failures, 0);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     for (unsigned i = 1; i <= 5; i++) {
-        assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
-        assert_int_equal(attempts(s).failures, i);
+        assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+        assert_int_equal(tempdb_attempts(s, "alice").failures, i);
     }
-    assert_true(attempts(s).age_ms < 60000);
+    assert_true(tempdb_attempts(s, "alice").age_ms < 60000);
     store_close(s); /* kept */
     s = tempdb_open(STORE_WRITE);
-    assert_int_equal(attempts(s).failures, 5);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 5);
     assert_int_equal(store_attempts_list(s, &list, &n, &e), ST_OK);
     assert_int_equal(n, 1);
     assert_string_equal(list[0].subject, "alice");
     assert_int_equal(list[0].failures, 5);
     assert_true(list[0].at[0] == '2');
     free(list);
-    assert_int_equal(store_attempts_clear(s, "alice", &e), ST_OK);
-    assert_int_equal(attempts(s).failures, 0);
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e), ST_OK);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
-    assert_int_equal(attempts(s).failures, 0);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_int_equal(
         tempdb_number("SELECT count(*) FROM events WHERE kind = 'reset_attempts' "
                       "AND actor = 'test'"),
         1);
     /* The count has a limit, and goes with the subject. */
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
     tempdb_sql("UPDATE attempts SET failures = 1000000");
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
-    assert_int_equal(attempts(s).failures, 1000000);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 1000000);
     assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 0);
     assert_int_equal(tempdb_check(s).problems, 0);
@@ -375,14 +366,14 @@ static void test_clock_back(void **state)
 
     (void)state;
     add_alice(s);
-    assert_int_equal(store_attempts_fail(s, "alice", &e), ST_OK);
+    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
     tempdb_sql("UPDATE attempts SET at_ms = 253402300799999");
-    a = attempts(s);
+    a = tempdb_attempts(s, "alice");
     assert_int_equal(a.failures, 1);
     assert_int_equal(a.age_ms, 0);
     assert_int_equal(tempdb_number("SELECT at_ms < 253402300799999 FROM attempts"), 1);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 10000"); /* and so time goes on */
-    assert_true(attempts(s).age_ms >= 10000);
+    assert_true(tempdb_attempts(s, "alice").age_ms >= 10000);
     store_close(s);
 }
 
@@ -391,7 +382,7 @@ static void *fail_often(void *arg)
     struct errinfo why;
 
     for (int i = 0; i < 50; i++)
-        if (store_attempts_fail(arg, "alice", &why) != ST_OK)
+        if (tempdb_settle(arg, "alice", STORE_SETTLE_FAILED, &why) != ST_OK)
             return arg;
     return NULL;
 }
@@ -411,7 +402,7 @@ static void test_threads(void **state)
         assert_int_equal(pthread_join(thread[i], &bad), 0);
         assert_null(bad);
     }
-    assert_int_equal(attempts(s).failures, 200);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 200);
     store_close(s);
 }
 

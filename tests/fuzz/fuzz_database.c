@@ -103,6 +103,7 @@ static void fill(struct store *s)
                      .knot = {{THRESHOLD, 0.001}, {5, 1}}},
     };
     const struct store_subject_change disable = {.disabled = &(bool){true}};
+    struct store_settled settled = {.may = false};
     struct store_audit_mark mark;
     struct store_token t;
     bool created;
@@ -111,7 +112,15 @@ static void fill(struct store *s)
         MUST(store_enroll(s, "test", owner[i], "", &face[i], &tmpl[i], &created, &e) ==
              ST_OK);
     MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
-    MUST(store_attempts_fail(s, "bob", &e) == ST_OK);
+    MUST(store_settle(
+             s,
+             &(struct store_settle){.subject = &(struct store_subject){.id = "bob"},
+                                    .as = STORE_SETTLE_FAILED,
+                                    .actor = "test",
+                                    .kind = "verify",
+                                    .template_id = "",
+                                    .outcome = "no_match"},
+             &settled, &e) == ST_OK);
     MUST(store_calibration_add(s, "test", &k, &e) == ST_OK);
     MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e) ==
          ST_OK);

@@ -164,6 +164,34 @@ static void print_report(void *arg, const char *line)
     (*lines)++;
 }
 
+enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
+                          struct errinfo *e)
+{
+    struct store_subject one = {.seen = ""};
+    struct store_settled out = {.may = false};
+
+    (void)snprintf(one.id, sizeof one.id, "%s", subject);
+    return store_settle(s,
+                        &(struct store_settle){.subject = &one,
+                                               .as = as,
+                                               .actor = "test",
+                                               .kind = "verify",
+                                               .template_id = "",
+                                               .outcome = "settled"},
+                        &out, e);
+}
+
+struct store_attempts tempdb_attempts(struct store *s, const char *subject)
+{
+    struct store_admission a;
+    struct errinfo e = {0};
+
+    if (store_admit(s, &(struct store_admit){.subject = subject}, &a, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    free(a.t);
+    return a.attempts;
+}
+
 struct store_check tempdb_check(struct store *s)
 {
     struct store_check found;

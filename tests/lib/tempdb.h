@@ -40,11 +40,16 @@ int64_t tempdb_number(const char *text);
 /* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template
  * yet.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
+ * tempdb_settle(s, subject, as, e): store_settle() of a verification by "test".
+ * tempdb_attempts(s, subject): those that store_admit() gives.
  * tempdb_check(s): store_check(); what it reports is printed. */
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
+enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
+                          struct errinfo *e);
+struct store_attempts tempdb_attempts(struct store *s, const char *subject);
 struct store_check tempdb_check(struct store *s);
 
 #endif
