@@ -1,15 +1,9 @@
 #!/bin/sh
 # Goal: whatever is wrong, surfacectl says what and where, exits with the code of its help,
 # and changes nothing.
-set -u
-BUILD=${BUILD:-build}
-case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
-ctl=$BUILD/surfacectl
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-unset SURFACED_DB
-passed=0 failed=0
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+in_folder
 
 # refuse CODE TEXT COMMAND...: it exits with CODE and its message has TEXT
 refuse() {
@@ -22,18 +16,6 @@ refuse() {
     else
         failed=$((failed + 1))
         echo "FAIL exit $got, not $want, or no '$text': $*"
-        cat out err
-    fi
-}
-
-# that WHAT TEST...: a condition of the shell holds
-that() {
-    what=$1
-    if shift && "$@"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $what"
         cat out err
     fi
 }
@@ -101,7 +83,7 @@ awk 'BEGIN { for (i = 0; i < 300001; i++) print i % 600 / 4, int(i / 600) / 4, i
 head -c 4000 good.ply >cut.ply
 head -c 3000 /dev/zero >zeros
 refuse 66 'missing.ply: No such file' "$ctl" --db f.db verify alice missing.ply
-refuse 74 "$dir: Is a directory" "$ctl" --db f.db verify alice "$dir"
+refuse 74 "$T: Is a directory" "$ctl" --db f.db verify alice "$T"
 refuse 65 'empty' "$ctl" --db f.db verify alice empty
 refuse 65 'three.xyz: 3 points' "$ctl" --db f.db verify alice three.xyz
 refuse 65 'line.xyz' "$ctl" --db f.db verify alice line.xyz
@@ -113,18 +95,18 @@ refuse 65 'many.xyz' "$ctl" --db f.db verify alice many.xyz
 refuse 65 'cut.ply' "$ctl" --db f.db verify alice cut.ply
 refuse 65 'zeros' "$ctl" --db f.db verify alice zeros
 refuse 65 '1 of 1 scans' "$ctl" --db f.db enroll alice cut.ply
-that "nothing was changed" [ "$before" = "$(sha256sum <f.db)" ]
+ok "nothing was changed" [ "$before" = "$(sha256sum <f.db)" ]
 
 # databases
 refuse 66 'no database none.db' "$ctl" --db none.db subject list
-that "none was made" [ ! -e none.db ]
-refuse 65 'is not a file' "$ctl" --db "$dir" init
+ok "none was made" [ ! -e none.db ]
+refuse 65 'is not a file' "$ctl" --db "$T" init
 refuse 74 'cannot create no/such/dir/f.db: No such file' "$ctl" --db no/such/dir/f.db init
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
 refuse 66 'is empty' "$ctl" --db empty subject list
 "$ctl" --db f.db subject list >/dev/full 2>err
-that "a full output is told" [ $? -eq 74 ]
+ok "a full output is told" [ $? -eq 74 ]
 
 # bytes changed in the middle of the model: told by check and by verify, as text and JSON
 cp f.db damaged.db
@@ -132,16 +114,15 @@ cp f.db.key damaged.db.key
 sqlite3 damaged.db "UPDATE templates SET model =
     CAST(substr(model, 1, 5000) || x'78787878' || substr(model, 5005) AS BLOB)"
 "$ctl" --db damaged.db check >out 2>err
-that "check finds it" [ $? -eq 1 ]
-that "check counts it" grep -q 'NOT ok: 1 templates, 1 bad' out
-that "check says what" grep -q 'its model is damaged' out
+ok "check finds it" [ $? -eq 1 ]
+ok "check counts it" grep -q 'NOT ok: 1 templates, 1 bad' out
+ok "check says what" grep -q 'its model is damaged' out
 "$ctl" --db damaged.db check --json >out 2>err
-that "check --json finds it" [ $? -eq 1 ]
-that "check --json says so" grep -q '"ok":.*false' out
+ok "check --json finds it" [ $? -eq 1 ]
+ok "check --json says so" grep -q '"ok":.*false' out
 refuse 65 'damaged' "$ctl" --db damaged.db verify alice good.ply
 "$ctl" --db damaged.db verify alice good.ply --json >out 2>err
-that "verify --json refuses" [ $? -eq 65 ]
-that "verify --json says so" grep -q '"exit":.*65' out
+ok "verify --json refuses" [ $? -eq 65 ]
+ok "verify --json says so" grep -q '"exit":.*65' out
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

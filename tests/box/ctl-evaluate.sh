@@ -2,58 +2,23 @@
 # Goal: surfacectl evaluate compares what it should, says so in every file alike, the same on
 # any number of threads, claims no rate that the comparisons do not support, and lists what
 # it could not use.
-set -u
-BUILD=${BUILD:-build}
-case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
-ctl=$BUILD/surfacectl
-command -v jq >/dev/null 2>&1 || {
-    echo "SKIP $0: jq is not installed"
-    exit 0
-}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-unset SURFACED_DB
-passed=0 failed=0
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+in_folder
 
-# expect CODE WHAT COMMAND...: run it, its output in the files out and err
-expect() {
-    want=$1 what=$2
-    shift 2
-    "$@" >out 2>err </dev/null
-    got=$?
-    that "$what: exit $got, wanted $want: $(cat err)" [ "$got" -eq "$want" ]
-}
-
-# that WHAT TEST...: a condition of the shell holds
-that() {
-    title=$1
-    shift
-    if "$@"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $title"
-    fi
-}
-
-is() { that "$1: got '$2', wanted '$3'" [ "$2" = "$3" ]; }
-has() { that "$what: no '$2' in $1: $(head -n 20 "$1")" grep -q -e "$2" "$1"; }
-files() { find "$1" -mindepth 1 -printf '%f\n' | LC_ALL=C sort | paste -sd ' '; }
 get() { jq -r "$2" "$1/report.json"; }
 
 # lines DIR TYPE DECISION: how many comparisons scores.csv has of both (. is any)
 lines() { awk -F, -v t="$2" -v d="$3" '$6 ~ t && $7 ~ d' "$1/scores.csv" | wc -l; }
 
-scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4" || exit 1; }
 mkdir scans
 for s in 1 2 3 4 5; do
-    scan $s 0 0 "scans/p${s}_enroll.ply"
-    scan $s 1 6 "scans/p${s}_again.ply"
-    scan $s 2 6 "scans/p${s}_Third_time.xyz"
+    scan $s 0 "scans/p${s}_enroll.ply" --pose 0 --shift 0
+    scan $s 1 "scans/p${s}_again.ply" --pose 6 --shift 6
+    scan $s 2 "scans/p${s}_Third_time.xyz" --pose 6 --shift 6
 done
-scan 6 0 0 scans/p6_a.ply # none is marked: the first one is enrolled
-scan 6 1 6 scans/p6_b.ply
+scan 6 0 scans/p6_a.ply --pose 0 --shift 0 # none is marked: the first one is enrolled
+scan 6 1 scans/p6_b.ply --pose 6 --shift 6
 tables='rates.csv report.html report.json report.md scores.csv'
 if command -v gnuplot >/dev/null 2>&1; then
     all='det.png det.svg rates.csv report.html report.json report.md scores.csv scores.png scores.svg'
@@ -96,8 +61,8 @@ is "rates and scores" "$(awk -F, 'FNR == 1 { next }
 case $all in
 *png*)
     is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
-    that "an SVG" grep -q '</svg>' evaluation/scores.svg
-    that "the axis has its unit" grep -q 'comparison score, mm' evaluation/scores.svg
+    ok "an SVG" grep -q '</svg>' evaluation/scores.svg
+    ok "the axis has its unit" grep -q 'comparison score, mm' evaluation/scores.svg
     ;;
 esac
 
@@ -113,7 +78,7 @@ if command -v xmllint >/dev/null 2>&1; then
     expect 0 "well-formed" xmllint --html --noout $page
     is "without a complaint" "$(cat err)" ''
 fi
-that "it loads nothing" sh -c "! grep -q 'src=\"[^d]\|href\|<script' $page"
+ok "it loads nothing" sh -c "! grep -q 'src=\"[^d]\|href\|<script' $page"
 # With errors, one scan under another's name: fewer than 3 are a bound too, but a higher one.
 mkdir wrong
 cp scans/* wrong
@@ -125,15 +90,15 @@ is "and in JSON" "$(get erred '[(.mated[0].fnmr.below * 11), (.non_mated.fmr.bel
     | map(. * 100 | round / 100) | join(" ")')" '4.74 4.74'
 if [ "$all" != "$tables" ]; then
     for n in det scores; do
-        that "$n is in it" grep -q "src=\"data:image/svg+xml;base64,$(base64 -w 0 evaluation/$n.svg)\"" $page
+        ok "$n is in it" grep -q "src=\"data:image/svg+xml;base64,$(base64 -w 0 evaluation/$n.svg)\"" $page
     done
     # What gnuplot is told: without errors, the bounds, a sentence, and no empty plot.
     mkdir bin
     printf '#!/bin/sh\ncat >"%s/script.$$"\nexec %s --default-settings <"%s/script.$$"\n' \
-        "$dir" "$(command -v gnuplot)" "$dir" >bin/gnuplot
+        "$T" "$(command -v gnuplot)" "$T" >bin/gnuplot
     chmod +x bin/gnuplot
-    expect 0 "drawn" env PATH="$dir/bin:$PATH" "$ctl" evaluate scans --out drawing
-    cat "$dir"/script.* >script
+    expect 0 "drawn" env PATH="$T/bin:$PATH" "$ctl" evaluate scans --out drawing
+    cat "$T"/script.* >script
     what="the DET curve"
     has script 'at the threshold: FMR below 5.5 % (0 of 55), FNMR below 27.3 % (0 of 11)'
     has script 'No error at some thresholds: the rates are below the dashed bound'
@@ -151,24 +116,24 @@ if [ "$all" != "$tables" ]; then
         on { n++; if ($2 > most) most = $2 }
         sub(/.*set yrange \[0:/, "") { top = $1 + 0 }
         END { print (n > 40), (top >= 1.05 * most && top < 1.2 * most) }' script)" "1 1"
-    rm -f "$dir"/script.*
-    expect 0 "with errors" env PATH="$dir/bin:$PATH" "$ctl" evaluate wrong --out drawing
-    cat "$dir"/script.* >script
+    rm -f "$T"/script.*
+    expect 0 "with errors" env PATH="$T/bin:$PATH" "$ctl" evaluate wrong --out drawing
+    cat "$T"/script.* >script
     is "the curve is drawn" "$(awk '/^\$curve0 / { on = 1; next } /^EOD/ { on = 0 }
         on && NF == 2 { n++; bad += $1 <= 0 || $2 <= 0 } END { print (n > 4), bad + 0 }' script)" "1 0"
 fi
 
 for n in 1 3; do
     expect 0 "$n threads" "$ctl" evaluate scans --threads $n --out "by-$n"
-    that "$n threads: the same scores" cmp evaluation/scores.csv "by-$n/scores.csv"
-    that "$n threads: the same rates" cmp evaluation/rates.csv "by-$n/rates.csv"
+    ok "$n threads: the same scores" cmp evaluation/scores.csv "by-$n/scores.csv"
+    ok "$n threads: the same rates" cmp evaluation/rates.csv "by-$n/rates.csv"
 done
 expect 0 "JSON" "$ctl" evaluate scans --json --non-mated 2 --out drawn
-that "what is printed is report.json" cmp out drawn/report.json
+ok "what is printed is report.json" cmp out drawn/report.json
 is "two non-mated comparisons a probe" "$(lines drawn non-mated .)" 22
 is "it says so" "$(get drawn .non_mated.of_each_probe)" 2
 expect 0 "drawn again" "$ctl" evaluate scans --non-mated 2 --threads 1 --out again
-that "the same are drawn" cmp drawn/scores.csv again/scores.csv
+ok "the same are drawn" cmp drawn/scores.csv again/scores.csv
 expect 0 "another threshold" "$ctl" evaluate scans --threshold-mm 5 --out wide
 is "all are accepted there" "$(get wide '.non_mated | .match == .comparisons and .fmr.value == 1')" true
 
@@ -182,13 +147,13 @@ is "the other files" "$(files evaluation)" "$tables"
 # A manifest: populations, relatives, poses, and scans that cannot be used.
 printf 'ply\nnot a scan\n' >scans/p1_broken.ply
 printf '1 2 3\n' >scans/p9_enroll.xyz
-scan 9 1 0 scans/p9_again.ply
+scan 9 1 scans/p9_again.ply --pose 0 --shift 0
 {
     printf '\357\273\277"subject",file,kind,yaw,pitch,roll,tx,ty,tz\r\n'
     for s in 1 2 3 4 5; do
         printf 'p%s,scans/p%s_enroll.ply,enroll,0,0,0,0,0,0\r\n' $s $s
     done
-    scan 1 3 0 scans/p1_straight.ply
+    scan 1 3 scans/p1_straight.ply --pose 0 --shift 0
     printf '%s\r\n' 'p1,scans/p1_straight.ply,"straight, neutral",0,0,0,0,0,0' \
         'p1,scans/p1_broken.ply,broken,0,0,0,0,0,0' 'p2,scans/p2_again.ply,later,0,0,0,0,0,0' \
         'p9,scans/p9_enroll.xyz,enroll,0,0,0,0,0,0' 'p9,scans/p9_again.ply,later,0,0,0,0,0,0'
@@ -232,7 +197,7 @@ has err 'no scans'
 expect 64 "no folder given" "$ctl" evaluate
 expect 64 "no non-mated comparisons" "$ctl" evaluate scans --non-mated 0
 expect 64 "no threads" "$ctl" evaluate scans --threads few
-that "nothing was written" [ ! -e none ]
+ok "nothing was written" [ ! -e none ]
 : >file
 rm scans/p1_broken.ply scans/p9_enroll.xyz
 expect 74 "the output is no folder" "$ctl" evaluate scans --out file
@@ -245,5 +210,4 @@ expect 66 "no such database" "$ctl" --db nowhere.db evaluate scans
 expect 0 "help" "$ctl" evaluate --help
 has out '^Example:'
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

@@ -1,46 +1,9 @@
 #!/bin/sh
 # Goal: surfacectl explain says why a comparison came out so: every file is there, whole,
 # its owner's alone, of this comparison and no other, and they agree with each other.
-set -u
-BUILD=${BUILD:-build}
-case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
-ctl=$BUILD/surfacectl
-for tool in jq sqlite3; do
-    command -v "$tool" >/dev/null 2>&1 || {
-        echo "SKIP $0: $tool is not installed"
-        exit 0
-    }
-done
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-unset SURFACED_DB
-passed=0 failed=0
-
-# expect CODE WHAT COMMAND...: run it, its output in the files out and err
-expect() {
-    want=$1 what=$2
-    shift 2
-    "$@" >out 2>err </dev/null
-    got=$?
-    that "$what: exit $got, wanted $want: $(cat err)" [ "$got" -eq "$want" ]
-}
-
-# that WHAT TEST...: a condition of the shell holds
-that() {
-    title=$1
-    shift
-    if "$@"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $title" >&2
-    fi
-}
-
-is() { that "$1: got '$2', wanted '$3'" [ "$2" = "$3" ]; }
-has() { that "$what: no '$2' in $1: $(head -n 20 "$1")" grep -q -e "$2" "$1"; }
-files() { find "$1" -mindepth 1 -printf '%f\n' | LC_ALL=C sort | paste -sd ' '; }
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+in_folder
 
 # vertices FILE: of a cloud that explain wrote: all; without a gap; without a rest; in grey;
 # contradictions (grey is what has no rest, and a rest is where a gap is)
@@ -54,11 +17,10 @@ vertices() {
         END { print NR, gaps, rests, greys, bad }'
 }
 
-scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4"; }
-scan 1 0 0 a0.ply || exit 1
-scan 1 1 5 a1.ply || exit 1
-scan 2 0 0 b0.ply || exit 1
-scan 1 0 0 a0.xyz || exit 1
+scan 1 0 a0.ply --pose 0 --shift 0
+scan 1 1 a1.ply --pose 5 --shift 5
+scan 2 0 b0.ply --pose 0 --shift 0
+scan 1 0 a0.xyz --pose 0 --shift 0
 all='explain.json explain.ply explain.txt'
 if command -v gnuplot >/dev/null 2>&1; then
     pictures='explain.json explain.ply explain.png explain.txt' drawn=true
@@ -75,7 +37,7 @@ has out '^template *3000 points, quality'
 is "the files" "$(files explanation)" "$pictures"
 is "the directory's mode" "$(stat -c %a explanation)" 700
 is "the files' modes" "$(stat -c %a explanation/* | sort -u)" 600
-that "explain.txt is what is printed" sh -c "sed '/^written to/d' out | cmp -s - explanation/explain.txt"
+ok "explain.txt is what is printed" sh -c "sed '/^written to/d' out | cmp -s - explanation/explain.txt"
 for picture in $pictures; do
     case $picture in
     *.png) is "$picture" "$(head -c 8 "explanation/$picture" | od -An -tx1 | tr -d ' ')" 89504e470d0a1a0a ;;
@@ -86,38 +48,38 @@ is "explain.json is what is printed" "$(jq -cS . json/explain.json)" \
     "$(jq -cS 'del(.directory, .picture)' out)"
 is "it says where, and if there are pictures" "$(jq -c '[.directory, .picture]' out)" \
     "[\"json\",$drawn]"
-that "its members" jq -e '.decision == "match" and .disparity_mm <= .threshold_mm and
+ok "its members" jq_true '.decision == "match" and .disparity_mm <= .threshold_mm and
     .fmr_at_score < 0.01 and .plain_mm > 0 and .overlap > 0.8 and .weight_overlap > 0.8 and
     .quality.score > 0.5 and .template_quality.score > 0.5 and (.alignment.transform | length) == 16 and
     .gap.points == 3000 and .gap.compared > 2500 and (.gap.median_mm | fabs) < 0.5 and
     .gap.share_beyond < 0.2 and .gap.limit_mm == 1 and
-    (.gap.amount_quantiles | map(.mm) | . == sort and length == 6)' out >/dev/null
+    (.gap.amount_quantiles | map(.mm) | . == sort and length == 6)' out
 "$ctl" compare --json a0.ply a1.ply >compared
 is "the verdict of compare" \
     "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' compared)" \
     "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' out)"
 # What decided is told apart from the gap: a match whose gap is many times the threshold.
-that "the gap is told, not decided by" jq -e '.gap.mean_amount_mm > 2 * .threshold_mm' out >/dev/null
-that "what is left is within the threshold" jq -e '.rest.cells > 500 and
+ok "the gap is told, not decided by" jq_true '.gap.mean_amount_mm > 2 * .threshold_mm' out
+ok "what is left is within the threshold" jq_true '.rest.cells > 500 and
     .rest.limit_mm == .threshold_mm and .rest.mean_amount_mm < 1.5 * .threshold_mm and
-    .rest.share_beyond < 0.5' out >/dev/null
+    .rest.share_beyond < 0.5' out
 has json/explain.txt '^gap .*it does not decide'
 has json/explain.txt '^rest .*learned change'
 threshold=$(jq .threshold_mm out | xargs printf %.3f)
-that "a scale each, and the colours' is the rest's" grep -aq \
+ok "a scale each, and the colours' is the rest's" grep -aq \
     "colours: rest_mm, pale within $threshold mm of 0 (the threshold)" json/explain.ply
 compared=$(jq .gap.compared out)
 # shellcheck disable=SC2046 # five numbers
 set -- $(vertices json/explain.ply)
 is "explain.ply: every point; no gap, no colour; no contradiction" "$1 $2 $5" \
     "3000 $((3000 - compared)) 0"
-that "no weight, no colour either" [ "$3" -ge "$2" ]
-that "but most have one" [ "$3" -lt 600 ]
+ok "no weight, no colour either" [ "$3" -ge "$2" ]
+ok "but most have one" [ "$3" -lt 600 ]
 expect 0 "explain.ply is a scan, where the template is" "$ctl" compare --json a0.ply json/explain.ply
-that "it need not be moved" jq -e '[.alignment.transform, [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]] |
-    transpose | all(.[0] - .[1] | fabs < 0.05)' out >/dev/null
+ok "it need not be moved" jq_true '[.alignment.transform, [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]] |
+    transpose | all(.[0] - .[1] | fabs < 0.05)' out
 expect 0 "a face and itself" "$ctl" explain --json a0.xyz a0.ply --out same
-that "no gap" jq -e '.gap.amount_quantiles[2].mm < 0.01 and .rest.amount_quantiles[2].mm < 0.01' out >/dev/null
+ok "no gap" jq_true '.gap.amount_quantiles[2].mm < 0.01 and .rest.amount_quantiles[2].mm < 0.01' out
 
 # ---- another person, into the same directory
 rm explanation/explain.ply
@@ -126,9 +88,9 @@ ln -s ../kept explanation/explain.ply
 expect 1 "two people" "$ctl" explain a0.ply b0.ply
 has out '^decision *no_match: the score is above the threshold'
 is "the files again" "$(files explanation)" "$pictures"
-that "a rest beyond the threshold, and it is not the gap" jq -e '.rest.share_beyond > 0.5 and
+ok "a rest beyond the threshold, and it is not the gap" jq_true '.rest.share_beyond > 0.5 and
     .rest.mean_amount_mm > 2 * .threshold_mm and
-    .rest.mean_amount_mm < 0.5 * .gap.mean_amount_mm' explanation/explain.json >/dev/null
+    .rest.mean_amount_mm < 0.5 * .gap.mean_amount_mm' explanation/explain.json
 is "what a link pointed to" "$(cat kept)" mine
 is "explain.ply is a file now" "$(stat -c '%F %a' explanation/explain.ply)" 'regular file 600'
 expect 64 "by a threshold of one's own" "$ctl" explain --threshold-mm 50 a0.ply b0.ply --out 50
@@ -140,11 +102,11 @@ expect 0 "from a pipe" sh -c "'$ctl' explain a0.ply - --out pipe <a1.ply"
 # ---- what is drawn: the three fields, each with its own scale, centred where it must be
 if [ $drawn = true ]; then
     mkdir script
-    printf '#!/bin/sh\ntee "%s/script/in" | exec %s --default-settings\n' "$dir" \
+    printf '#!/bin/sh\ntee "%s/script/in" | exec %s --default-settings\n' "$T" \
         "$(command -v gnuplot)" >script/gnuplot
     chmod +x script/gnuplot
     what="the picture's script"
-    expect 0 "a match drawn" env PATH="$dir/script:$PATH" "$ctl" explain a0.ply a1.ply --out drawn
+    expect 0 "a match drawn" env PATH="$T/script:$PATH" "$ctl" explain a0.ply a1.ply --out drawn
     what="the picture's script"
     has script/in '^set title "{/:Bold The gap as measured}'
     has script/in '^set title "{/:Bold What is left without learned change}'
@@ -189,16 +151,16 @@ unset SURFACED_DB
 expect 66 "no such subject" "$ctl" --db faces.db explain bob a1.ply --out bob
 expect 66 "no such template" "$ctl" --db faces.db explain 00000000000000000000000000000000 \
     a1.ply --out bob
-that "nothing is written then" [ ! -e bob ]
+ok "nothing is written then" [ ! -e bob ]
 
 # ---- what can go wrong
 mkdir bin
-expect 0 "no gnuplot" env PATH="$dir/bin" "$ctl" explain a0.ply a1.ply
+expect 0 "no gnuplot" env PATH="$T/bin" "$ctl" explain a0.ply a1.ply
 has err 'no picture: gnuplot is not installed'
 is "the rest, and no older pictures" "$(files explanation)" "$all"
 printf '#!/bin/sh\necho half a picture\necho it broke >&2\nexit 1\n' >bin/gnuplot
 chmod +x bin/gnuplot
-expect 70 "a gnuplot that fails" env PATH="$dir/bin:$PATH" "$ctl" explain a0.ply a1.ply
+expect 70 "a gnuplot that fails" env PATH="$T/bin:$PATH" "$ctl" explain a0.ply a1.ply
 has err 'it broke'
 is "no half a picture" "$(files explanation)" "$all"
 expect 74 "a disk that is full" sh -c "trap '' XFSZ; ulimit -f 40; exec '$ctl' explain a0.ply a1.ply"
@@ -208,11 +170,10 @@ expect 74 "a file in the place of the directory" "$ctl" explain a0.ply a1.ply --
 is "it is as it was" "$(cat kept)" mine
 expect 74 "a directory in a directory that is missing" "$ctl" explain a0.ply a1.ply --out no/where
 expect 66 "no such scan" "$ctl" explain a0.ply none.ply --out none
-that "no directory for it" [ ! -e none ]
+ok "no directory for it" [ ! -e none ]
 expect 64 "--out elsewhere" "$ctl" compare a0.ply a1.ply --out x
 expect 0 help "$ctl" explain --help
 has out '^Example:'
 has out '--out DIR'
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

@@ -1,61 +1,19 @@
 #!/bin/sh
 # Goal: the life of a database by surfacectl alone: init, enroll, verify, compare, stats,
 # check, token, and the subjects and templates; as text and as JSON, with the exit codes of its help.
-set -u
-BUILD=${BUILD:-build}
-case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
-ctl=$BUILD/surfacectl
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-passed=0 failed=0
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+in_folder
 
-# expect CODE WHAT COMMAND...: run it, its output in the files out and err
-expect() {
-    want=$1 what=$2
-    shift 2
-    "$@" >out 2>err </dev/null
-    got=$?
-    if [ "$got" -eq "$want" ]; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $what: exit $got, not $want: $*"
-        cat out err
-    fi
-}
+scan 1 0 a0.ply --pose 0 --shift 0
+scan 1 1 a1.ply --pose 5 --shift 5
+scan 2 0 b0.ply --pose 0 --shift 0
+scan 2 1 b1.xyz --pose 5 --shift 5
 
-# has FILE TEXT: the last command's output has it
-has() {
-    if grep -q -e "$2" "$1"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $what: no '$2' in $1:"
-        cat "$1"
-    fi
-}
-
-# that WHAT TEST...: a condition of the shell holds
-that() {
-    if shift && "$@"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $*"
-    fi
-}
-
-scan() { "$BUILD/facegen" --subject "$1" --scan "$2" --pose "$3" --shift "$3" -o "$4"; }
-scan 1 0 0 a0.ply || exit 1
-scan 1 1 5 a1.ply || exit 1
-scan 2 0 0 b0.ply || exit 1
-scan 2 1 5 b1.xyz || exit 1
-
-export SURFACED_DB="$dir/faces.db"
+export SURFACED_DB="$T/faces.db"
 expect 0 init "$ctl" init
 has out initialised
-that "the database's mode is 600" [ "$(stat -c %a faces.db)" = 600 ]
+ok "the database's mode is 600" [ "$(stat -c %a faces.db)" = 600 ]
 expect 0 "init again" "$ctl" init
 has out before
 expect 0 "empty list" "$ctl" subject list
@@ -112,11 +70,11 @@ expect 66 "no such subject" "$ctl" verify alice a1.ply
 has err 'no subject alice'
 
 expect 0 "make a token without a name" "$ctl" token create
-that "it has 64 characters too" [ "$(wc -c <out)" -eq 65 ]
+ok "it has 64 characters too" [ "$(wc -c <out)" -eq 65 ]
 expect 0 "make a token" "$ctl" token create 'front door'
 secret=$(cat out)
-that "the token has 64 characters" [ ${#secret} -eq 64 ]
-that "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
+ok "the token has 64 characters" [ ${#secret} -eq 64 ]
+ok "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
 expect 0 "list tokens" "$ctl" token list
 has out 'valid .*front door'
 expect 0 "another of that name" "$ctl" token create 'front door'
@@ -125,7 +83,7 @@ has err '2 tokens have this name.*: [0-9a-f]\{32\} [0-9a-f]\{32\}$'
 token=$(awk '{ print $NF }' err)
 expect 0 "by its id" "$ctl" token revoke "$token"
 expect 0 "by its name" "$ctl" --json token rotate 'front door'
-that "it is the other" [ -z "$(grep "$token" out)" ]
+ok "it is the other" [ -z "$(grep "$token" out)" ]
 expect 0 "revoke it" "$ctl" token revoke 'front door'
 expect 66 "none is left" "$ctl" token revoke 'front door'
 expect 0 "list revoked" "$ctl" token list --json
@@ -143,5 +101,4 @@ expect 0 help "$ctl" --help
 expect 0 version "$ctl" --version
 has out '^surfacectl [0-9]'
 
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+finish

@@ -41,7 +41,7 @@ is "listed too" "$(jq -r '.refused[].file' "$T/out")" s3_p5.ply
 is "name" "$(jq -r .name "$T/out")" "made up"
 is "mated" "$(jq .mated "$T/out")" 251
 is "non-mated" "$(jq .non_mated "$T/out")" 3012
-ok "figures" jq -e '(.before, .after) | .eer >= 0 and .eer <= 1' "$T/out" >/dev/null
+ok "figures" jq_true '(.before, .after) | .eer >= 0 and .eer <= 1' "$T/out"
 engine=$(jq -r .engine "$T/out")
 threshold=$(jq .threshold_mm "$T/out")
 says "$T/two.model" "its name" '^name made up$'
@@ -68,8 +68,8 @@ shipped=$(jq -r .engine "$T/own")
 ok "another engine" [ "$shipped" != "$engine" ]
 is "regions" "$(jq -c '.regions | keys' "$T/own")" \
     '["cheeks","chin","eyes","forehead","mouth","nose"]'
-ok "certainty, share, change" jq -e '.alignment.turn_deg != null and .weight_overlap > 0.3 and
-    .change_mm > 0 and (.quality.reasons | type) == "array"' "$T/own" >/dev/null
+ok "certainty, share, change" jq_true '.alignment.turn_deg != null and .weight_overlap > 0.3 and
+    .change_mm > 0 and (.quality.reasons | type) == "array"' "$T/own"
 
 # ---- in a database and the daemon: enrolled by the shipped model, compared by the new one
 

@@ -49,7 +49,7 @@ ok "and how many" grep -q '^2 pairs of subjects, by 21 comparisons' "$T/text"
 ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects' templates, about .* by chance" "$T/ctl.err"
 ctl_exits 0 dedup --dry-run
 is "told in advance alone" "$(said '.pairs, .compared' | tr '\n' ' ')" '21 null '
-ok "with the time" jq -e '.estimate_s > 0 and .by_chance > 0' "$T/ctl" >/dev/null
+ok "with the time" jq_true '.estimate_s > 0 and .by_chance > 0' "$T/ctl"
 
 # ---- of one alone; by another threshold
 ctl_exits 1 dedup --subject stranger

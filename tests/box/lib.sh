@@ -110,6 +110,33 @@ start_fails() {
     ok "$f_title: does not listen" sh -c "! grep -q 'listening on' '$T/out'"
 }
 
+# in_folder: the rest of the script runs in $T, without a daemon; $ctl is surfacectl.
+in_folder() {
+    BUILD=$(cd "$BUILD" && pwd)
+    ctl=$BUILD/surfacectl
+    cd "$T" || exit 1
+    unset SURFACED_DB
+}
+
+# expect STATUS TITLE COMMAND...: run it; its output is in the files out and err.
+expect() {
+    e_wanted=$1 what=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    e_got=$?
+    is "$what: exit status ($(head -c 400 err))" "$e_got" "$e_wanted"
+}
+
+# has FILE TEXT: the output of the last expect has it.
+has() {
+    ok "$what: no '$2' in $1: $(head -n 20 "$1")" grep -q -e "$2" "$1"
+}
+
+# files FOLDER: the names in it.
+files() {
+    find "$1" -mindepth 1 -printf '%f\n' | LC_ALL=C sort | paste -sd ' '
+}
+
 # start_daemon OPTION...: starts the daemon and sets PID and URL; the script ends if the daemon
 # does not listen.  $UNDER: a command to run it under; $LISTEN: its address, instead of a free
 # port.
