@@ -32,16 +32,19 @@ static const char *who(const struct store_audit_entry *a, char out[16])
     return out;
 }
 
-/* An entry's members; subject_key: what its subject's hash is called. */
-static void out_entry(struct json *j, const struct store_audit_entry *a,
-                      const char *subject_key)
+static const char *or_null(const char *text)
+{
+    return text[0] != '\0' ? text : NULL;
+}
+
+static void out_entry(struct json *j, const struct store_audit_entry *a)
 {
     json_number(j, "seq", (double)a->seq);
     json_text(j, "at", a->at);
     json_text(j, "kind", a->kind);
     json_text(j, "actor", a->actor);
-    json_text(j, subject_key, a->ref);
-    json_text(j, "template_id", a->template_id);
+    json_text(j, "subject_ref", or_null(a->ref));
+    json_text(j, "template_id", or_null(a->template_id));
     json_text(j, "outcome", a->outcome);
     json_text(j, "hash", a->hash);
 }
@@ -51,8 +54,8 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
     char ref[16];
 
     json_object(c->out, NULL);
-    out_entry(c->out, a, "subject_ref");
-    json_text(c->out, "subject", a->subject[0] != '\0' ? a->subject : NULL);
+    out_entry(c->out, a);
+    json_text(c->out, "subject", or_null(a->subject));
     json_close(c->out);
     ctl_say(c, "%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n", a->seq,
             a->at, a->at + 11, a->kind, who(a, ref), a->template_id, a->outcome,
@@ -151,7 +154,7 @@ static enum status put_page(FILE *to, struct export *x, const struct store_audit
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         struct json *j = json_new();
 
-        out_entry(j, &a[i], "subject");
+        out_entry(j, &a[i]);
         st = put_line(to, j, e);
         while (st == ST_OK && x->next < x->nmark && x->marks[x->next].seq <= a[i].seq) {
             j = json_new();
@@ -238,12 +241,20 @@ static bool take_text(const struct json_value *v, const char *key, char *out, si
     return json_copy_text(json_member(v, key), out, size);
 }
 
+/* null is "". */
+static bool take_text_or(const struct json_value *v, const char *key, char *out,
+                         size_t size)
+{
+    out[0] = '\0';
+    return json_is_null(json_member(v, key)) || take_text(v, key, out, size);
+}
+
 static bool take_hex(const struct json_value *v, const char *key, unsigned char *out,
                      size_t most, size_t *n)
 {
     char text[2 * VAULT_SIGN + 1];
 
-    return take_text(v, key, text, sizeof text) &&
+    return take_text_or(v, key, text, sizeof text) &&
            sodium_hex2bin(out, most, text, strlen(text), NULL, n, NULL) == 0;
 }
 
@@ -281,8 +292,8 @@ static bool walk_line(struct store_chain_walk *w, const struct json_value *v,
         !take_text(v, "at", a.at, sizeof a.at) ||
         !take_text(v, "kind", a.kind, sizeof a.kind) ||
         !take_text(v, "actor", a.actor, sizeof a.actor) ||
-        !take_hex(v, "subject", ref, sizeof ref, &entry.nsubject) ||
-        !take_text(v, "template_id", a.template_id, sizeof a.template_id) ||
+        !take_hex(v, "subject_ref", ref, sizeof ref, &entry.nsubject) ||
+        !take_text_or(v, "template_id", a.template_id, sizeof a.template_id) ||
         !take_text(v, "outcome", a.outcome, sizeof a.outcome) ||
         !take_bytes(v, "hash", hash, sizeof hash))
         return false;
@@ -418,7 +429,7 @@ static enum status erased(struct ctl *c)
     json_array(c->out, "erased");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
-        json_text(c->out, "at", list[i].at);
+        json_text(c->out, "erased_at", list[i].at);
         json_text(c->out, "lookup", list[i].lookup);
         json_close(c->out);
         ctl_say(c, "%s  %s\n", list[i].at, list[i].lookup);

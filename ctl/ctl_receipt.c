@@ -164,8 +164,10 @@ static enum status run(struct ctl *c)
         json_flag(c->out, "ok", v.problems == 0);
         json_text(c->out, "subject", v.r.subject);
         json_text(c->out, "erased_at", v.r.at);
-        json_number(c->out, "templates", v.r.templates);
-        json_number(c->out, "entry", (double)v.r.seq);
+        json_number(c->out, "templates_removed", v.r.templates);
+        json_object(c->out, "audit");
+        json_number(c->out, "seq", (double)v.r.seq);
+        json_close(c->out);
         ctl_say(c, "%s: %s with %u template%s, at %s, entry %" PRIu64 "\n",
                 v.problems == 0 ? "ok" : "NOT ok", v.r.subject, v.r.templates,
                 v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
