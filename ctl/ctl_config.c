@@ -70,8 +70,7 @@ enum status ctl_config_database(struct ctl *c, bool model)
         return ST_OK;
     if ((st = load(c, false, &problems)) == ST_OK && !is_good(c)) {
         rest = problems;
-        st =
-            errinfo_set(&c->e, ST_EINVAL, "which database?  %.200s", next_problem(&rest));
+        st = errinfo_set(&c->e, ST_EINVAL, "%.200s", next_problem(&rest));
     }
     free(problems);
     if (st != ST_OK) {

@@ -10,9 +10,9 @@ static enum status mismatch(const struct face_result *r, struct errinfo *e)
         e, ST_EMISMATCH, "%s",
         r->decision == FACE_INCONCLUSIVE
             ? "the sample has too little in common with any of the subject's "
-              "templates to tell whether it fits; force enrolls it all the same"
-            : "the sample does not fit: it matches none of the subject's templates; force "
-              "enrolls it all the same");
+              "templates to tell whether it fits; only with force is it enrolled"
+            : "the sample does not fit: it matches none of the subject's templates; only "
+              "with force is it enrolled");
 }
 
 /* newest: the id of the last template that it was compared with, "" where there is none.  A

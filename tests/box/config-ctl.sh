@@ -17,7 +17,7 @@ says() { contains "$1" "$T/ctl.err" "$2"; }
 
 # ---- which database
 try 64 subject list
-says "no database is given" 'which database\?  no database: give --db PATH'
+says "no database is given" 'no database: give --db PATH'
 conf "db = $DB" "key = $T/the.key" 'queue = 9'
 try 0 --config "$T/conf" init
 ok "the key is where the configuration says" test -s "$T/the.key" -a ! -e "$DB.key"

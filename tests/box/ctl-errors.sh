@@ -29,7 +29,7 @@ before=$(sha256sum <f.db)
 refuse 64 'which command' "$ctl"
 refuse 64 'no command' "$ctl" frobnicate
 refuse 64 'no option --frob' "$ctl" --frob subject list
-refuse 64 'which database' "$ctl" subject list
+refuse 64 'no database: give --db PATH' "$ctl" subject list
 refuse 64 'value is missing' "$ctl" subject list --db
 refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
 refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
