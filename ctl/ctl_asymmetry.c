@@ -1,4 +1,5 @@
 /* asymmetry: a scan measured against its own mirror image. */
+#include <math.h>
 #include <stdio.h>
 
 #include "asymmetry.h"
@@ -27,14 +28,22 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 
 static enum status measure(struct ctl *c)
 {
+    const double start = ctl_clock_ms();
     struct face f = {0};
     struct asymmetry a;
     enum status st = ctl_scan_read(c, c->args[0], c->work, &f);
+    const double prepared = ctl_clock_ms();
 
     if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK) {
-        describe_asymmetry(c->out, &a, &f, c->engine, NULL);
+        const double end = ctl_clock_ms();
+
+        describe_asymmetry(c->out, &a, &f, c->engine,
+                           &(struct describe_times){.parse = NAN,
+                                                    .prepare = NAN,
+                                                    .measure = end - prepared,
+                                                    .total = end - start});
         if (!c->json)
             print_asymmetry(&a, &f);
         c->code = asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;

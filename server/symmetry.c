@@ -1,7 +1,5 @@
 #include "symmetry.h"
 
-#include <math.h>
-
 #include "app.h"
 #include "asymmetry.h"
 #include "cloud.h"
@@ -39,7 +37,6 @@ void symmetry_handle(struct request *r, struct worker *w)
         render_asymmetry(&result, &w->probe, store_made_by(r->app->store),
                          &(struct describe_times){.parse = parsed - start,
                                                   .prepare = prepared - parsed,
-                                                  .align = NAN,
                                                   .measure = measured - prepared,
                                                   .total = measured - r->start_ms}));
 out:

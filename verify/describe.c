@@ -1,7 +1,4 @@
 #include "describe.h"
-
-#include <math.h>
-
 #include "asymmetry.h"
 #include "face.h"
 #include "frame.h"
@@ -94,23 +91,17 @@ static void measure(struct json *j, const struct face_result *r)
     json_close(j);
 }
 
-static void times(struct json *j, const struct describe_times *t)
+static void times(struct json *j, const struct describe_times *t, bool aligned)
 {
     if (t == NULL)
         return;
-    const struct {
-        const char *key;
-        double ms;
-    } each[] = {{"parse", t->parse},
-                {"prepare", t->prepare},
-                {"align", t->align},
-                {"measure", t->measure},
-                {"total", t->total}};
-
     json_object(j, "timing_ms");
-    for (size_t i = 0; i < sizeof each / sizeof *each; i++)
-        if (!isnan(each[i].ms))
-            json_number(j, each[i].key, each[i].ms);
+    json_number(j, "parse", t->parse);
+    json_number(j, "prepare", t->prepare);
+    if (aligned)
+        json_number(j, "align", t->align);
+    json_number(j, "measure", t->measure);
+    json_number(j, "total", t->total);
     json_close(j);
 }
 
@@ -137,7 +128,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
             json_number(j, NULL, c->gap_mm[i]);
         json_close(j);
     }
-    times(j, c->times);
+    times(j, c->times, true);
 }
 
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
@@ -161,5 +152,5 @@ void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct 
     json_close(j);
     describe_quality(j, "quality", &f->quality, &f->frame);
     json_text(j, "engine", engine);
-    times(j, t);
+    times(j, t, false);
 }

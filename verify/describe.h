@@ -28,7 +28,7 @@ void describe_subject(struct json *j, const struct store_subject *s);
 void describe_template(struct json *j, const struct store_template *t,
                        const struct frame *frame);
 
-struct describe_times { /* ms; what is NAN was not measured, and is left out */
+struct describe_times { /* ms; NAN: not measured, null in JSON */
     double parse, prepare, align, measure, total;
 };
 
@@ -46,7 +46,7 @@ struct describe_comparison {
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 
-/* describe_asymmetry(j, a, f, engine, times): of face f; times may be NULL. */
+/* describe_asymmetry(j, a, f, engine, times): of face f; of times align is not used. */
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
                         const char *engine, const struct describe_times *times);
 
