@@ -1,6 +1,7 @@
 #include "cells.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -64,9 +65,8 @@ static void finish(struct cells *c)
 /* One surface's triangles, with the gap at their corners. */
 struct side {
     const struct surface *surface;
-    const double *ground;                  /* [nv] the template's height */
-    const struct disparity_vertex *vertex; /* of the general triangulation */
-    const uint32_t *general;               /* [nv] its numbers there; NULL: the same */
+    const double *gap; /* [nv] measure_gaps() */
+    bool above;        /* the surface is the probe: the template lies gap below it */
 };
 
 /* Where a triangle is sampled: by its size, so that no cell under it is passed over. */
@@ -91,10 +91,10 @@ static void add_side(const struct side *side, const struct align_pose *frame,
         if (side->surface->bridge[t] || mesh_is_ghost(m, t))
             continue;
         for (int i = 0; i < 3; i++) {
-            gap[i] = side->vertex[side->general != NULL ? side->general[v[i]] : v[i]].gap;
+            gap[i] = side->gap[v[i]];
             x[i] = mm * m->xy[v[i]].x;
             y[i] = mm * m->xy[v[i]].y;
-            z[i] = mm * side->ground[v[i]];
+            z[i] = mm * (m->z[v[i]] - (side->above ? gap[i] : 0));
         }
         if (!(fabs(gap[0] + gap[1] + gap[2]) < (double)INFINITY))
             continue;
@@ -149,14 +149,14 @@ void cells_measure(const struct surface *tmpl, const struct measure_work *w,
                    const struct align_pose *frame, struct cells *out)
 {
     const struct side sides[2] = {
-        {tmpl, w->ground, w->vertex, NULL},
-        {&w->moved, w->moved_other, w->vertex, w->b_vertex},
+        {tmpl, w->tmpl_gap, false},
+        {&w->moved, w->moved_gap, true},
     };
     struct cells at_tmpl, at_probe;
     double ha, hb;
 
     memset(out, 0, sizeof *out);
-    if (w->general.nv == 0)
+    if (w->moved.mesh.nv == 0)
         return;
     memset(&at_tmpl, 0, sizeof at_tmpl);
     memset(&at_probe, 0, sizeof at_probe);

@@ -30,7 +30,7 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
     return share < 0.0f ? 0.0f : share < 1.0f ? share : 1.0f;
 }
 
-/* cells_measure(tmpl, w, frame, out): the gap at the pose of the last measure_at() in w.
+/* cells_measure(tmpl, w, frame, out): the gap at the pose of the last measure_gaps() in w.
  * A triangulated surface cuts across what is curved between its points: its error grows with
  * the square of the point spacing.  So the gap is measured twice: at the template's vertices
  * and linear between them, with the probe's error alone, and at the probe's vertices and

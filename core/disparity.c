@@ -83,24 +83,29 @@ static inline double told(double gap, const struct surface *other, struct locati
                : INFINITY; /* (Nearly always the former: no call.) */
 }
 
+void disparity_gaps(const struct surface *own, const struct surface *other,
+                    const struct location *loc, bool above, double *gap)
+{
+    const double sign = above ? 1 : -1;
+
+    for (uint32_t v = 0; v < own->mesh.nv; v++)
+        gap[v] = told(sign * (own->mesh.z[v] - gap[v]), other, loc[v]);
+}
+
 static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
                  const struct disparity_side *b, struct disparity_vertex *vertex)
 {
     const struct surface *sa = a->surface, *sb = b->surface;
 
-    for (uint32_t v = 0; v < sa->mesh.nv; v++) {
-        vertex[v].gap = told(a->other[v] - sa->mesh.z[v], sb, a->loc[v]);
-        vertex[v].spacing = sa->spacing[v];
-    }
+    for (uint32_t v = 0; v < sa->mesh.nv; v++)
+        vertex[v] = (struct disparity_vertex){a->gap[v], sa->spacing[v]};
     for (uint32_t v = 0; v < sb->mesh.nv; v++) {
         struct disparity_vertex *const d = &vertex[b_vertex[v]];
-        const double gap = told(sb->mesh.z[v] - b->other[v], sa, b->loc[v]);
 
         if (b_vertex[v] >= sa->mesh.nv) {
-            d->gap = gap;
-            d->spacing = sb->spacing[v];
+            *d = (struct disparity_vertex){b->gap[v], sb->spacing[v]};
         } else { /* a point of both: bridged or outside if either says so */
-            d->gap = isfinite(d->gap) ? gap : d->gap;
+            d->gap = isfinite(d->gap) ? b->gap[v] : d->gap;
             d->spacing = d->spacing > sb->spacing[v] ? d->spacing : sb->spacing[v];
         }
     }

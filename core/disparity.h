@@ -3,6 +3,7 @@
 #ifndef CORE_DISPARITY_H
 #define CORE_DISPARITY_H
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include "holes.h"
 #include "mesh.h"
@@ -20,9 +21,17 @@ double disparity_prism(double area, double a, double b, double c);
 /* One of the two surfaces. */
 struct disparity_side {
     const struct surface *surface;
-    const struct location *loc; /* [nv] each vertex located in the other's mesh */
-    const double *other;        /* [nv] the other's height at each vertex */
+    const double *gap; /* [nv] disparity_gaps() */
 };
+
+/* disparity_gaps(own, other, loc, above, gap): the gap at own's vertices, as struct
+ * disparity_vertex has it.
+ * loc    own's vertices located in other's mesh
+ * above  own is surface b
+ * gap    [own->mesh.nv] on entry other's height at each vertex (interpolate_mesh())
+ * O(nv). */
+void disparity_gaps(const struct surface *own, const struct surface *other,
+                    const struct location *loc, bool above, double *gap);
 
 /* u(x, y) of definition (1), in lattice units; taken at each triangle's centroid.  Finite and
  * not negative; it may depend on nothing but arg and the point. */

@@ -13,6 +13,7 @@
 #include "measure.h"
 #include "mem.h"
 #include "mesh_link.h"
+#include "minimal.h"
 #include "model.h"
 #include "model_digest.h"
 #include "quality.h"
@@ -186,7 +187,7 @@ enum status face_rebuild(struct face *f, struct face_work *w)
 
 static enum face_decision decide(const struct face_result *r)
 {
-    if (r->align.stop == ALIGN_APART || r->disparity.overlap < DECISION_MIN_OVERLAP ||
+    if (r->align.stop == ALIGN_APART || r->overlap < DECISION_MIN_OVERLAP ||
         r->weight_overlap < DECISION_MIN_WEIGHT)
         return FACE_INCONCLUSIVE;
     return r->score_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
@@ -208,13 +209,13 @@ static enum status search(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
-/* The plain measure at a pose, and the gap per cell. */
-static enum status measure(const struct face *tmpl, const struct face *probe,
-                           const double transform[16], struct face_work *w,
-                           struct disparity *plain, struct cells *cells)
+/* The gap per cell at a pose. */
+static enum status gaps(const struct face *tmpl, const struct face *probe,
+                        const double transform[16], struct face_work *w,
+                        struct cells *cells)
 {
     const enum status st =
-        measure_at(&tmpl->surface, &probe->surface, transform, NULL, &w->measure, plain);
+        measure_gaps(&tmpl->surface, &probe->surface, transform, &w->measure);
 
     if (st == ST_OK)
         cells_measure(&tmpl->surface, &w->measure, &tmpl->frame.pose, cells);
@@ -225,14 +226,12 @@ enum status face_gap(const struct face *tmpl, const struct face *probe,
                      const double *transform, struct face_work *w, struct cells *out)
 {
     struct align_result found;
-    struct disparity plain;
     enum status st = ST_OK;
 
     if (transform == NULL)
         st = search(tmpl, probe, w, &found);
     if (st == ST_OK)
-        st = measure(tmpl, probe, transform != NULL ? transform : found.transform, w,
-                     &plain, out);
+        st = gaps(tmpl, probe, transform != NULL ? transform : found.transform, w, out);
     return st;
 }
 
@@ -251,14 +250,14 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     if ((st = search(tmpl, probe, w, &out->align)) != ST_OK)
         return st;
     aligned = clock_ms != NULL ? clock_ms() : 0;
-    if ((st = measure(tmpl, probe, out->align.transform, w, &out->disparity, &cells)) !=
-            ST_OK ||
+    if ((st = gaps(tmpl, probe, out->align.transform, w, &cells)) != ST_OK ||
         (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
             ST_OK)
         return st;
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
+    out->overlap = measure_overlap(&tmpl->surface, &w->measure);
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
     out->score_mm = score.mm;
     out->weight_overlap = score.weight;
@@ -270,16 +269,28 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     return ST_OK;
 }
 
+enum status face_minimal(const struct face *tmpl, const struct face *probe,
+                         const double transform[16], double (*clock_ms)(void),
+                         struct face_work *w, struct minimal *out)
+{
+    const double start = clock_ms != NULL ? clock_ms() : 0;
+    const enum status st =
+        minimal_find(&tmpl->surface, &probe->surface, transform, &w->measure, out);
+
+    if (clock_ms != NULL)
+        out->ms = clock_ms() - start;
+    return st;
+}
+
 enum status face_field(const struct face *tmpl, const struct face *probe,
                        const double transform[16], struct face_work *w,
                        struct face_field *out)
 {
     struct score_cells part;
-    struct disparity plain;
     struct cells cells;
     struct score score;
     struct fit fit;
-    enum status st = measure(tmpl, probe, transform, w, &plain, &cells);
+    enum status st = gaps(tmpl, probe, transform, w, &cells);
 
     if (st == ST_OK)
         st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score);

@@ -8,7 +8,6 @@
 #include <stdint.h>
 #include "align.h"
 #include "decision.h"
-#include "disparity.h"
 #include "frame.h"
 #include "grid.h"
 #include "quality.h"
@@ -16,7 +15,7 @@
 #include "surface.h"
 #include "vec.h"
 
-#define FACE_ENGINE     "surfaced/0.2.0 measure/3" /* and a model: face_engine() */
+#define FACE_ENGINE     "surfaced/0.2.0 measure/4" /* and a model: face_engine() */
 #define FACE_ENGINE_MAX 63
 #define FACE_MIN_POINTS 100
 #define FACE_MAX_POINTS 300000 /* default limit */
@@ -29,6 +28,7 @@ struct face {
 
 struct asymmetry; /* asymmetry.h */
 struct cells;     /* cells.h */
+struct minimal;   /* minimal.h */
 struct model;     /* model.h */
 
 /* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
@@ -87,17 +87,17 @@ struct face_result {
     double score_mm; /* what the decision was taken on (score.h) */
     double threshold_mm;
     double fmr_at_score;   /* false match rate at a threshold of score_mm (decision.h) */
+    double overlap;        /* share of the template's measured area covered, 0..1 */
     double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
     double change_mm;      /* root mean square of the change taken out (score.h) */
     double region_mm[GRID_REGIONS];     /* score of each region alone; NAN: not covered */
     double region_weight[GRID_REGIONS]; /* its share of a whole face's weight, 0..1 */
-    struct disparity disparity;         /* the papers' measure at the same pose */
     struct align_result align;          /* transform probe -> template, certainty */
     double align_ms, measure_ms;        /* by the caller's clock; 0 without one */
 };
 
 /* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
- * template, compute disparity and score at that pose, decide.
+ * template, compute the score at that pose, decide.
  * threshold_mm  0 or less: that of w's calibration
  * clock_ms      may be NULL; used only for align_ms and measure_ms
  * The result depends only on the two faces, w's model, the calibration and the threshold.
@@ -105,6 +105,12 @@ struct face_result {
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out);
+
+/* face_minimal(tmpl, probe, transform, clock_ms, w, out): the minimal disparity, from the pose
+ * that face_compare() found (minimal.h).  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
+enum status face_minimal(const struct face *tmpl, const struct face *probe,
+                         const double transform[16], double (*clock_ms)(void),
+                         struct face_work *w, struct minimal *out);
 
 /* face_place(f, w): find f->frame by the mean face of w's model.  ST_OK, ST_ENOMEM. */
 enum status face_place(struct face *f, struct face_work *w);

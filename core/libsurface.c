@@ -6,6 +6,7 @@
 
 #include "face.h"
 #include "mem.h"
+#include "minimal.h"
 #include "mesh.h"
 #include "status.h"
 
@@ -129,9 +130,12 @@ enum surface_status surface_compare(struct surface_work *work,
         [FACE_INCONCLUSIVE] = SURFACE_INCONCLUSIVE,
     };
     struct face_result r;
-    const enum status st =
-        face_compare(&tmpl->face, &probe->face, 0, NULL, work->face, &r);
+    struct minimal m;
+    enum status st = face_compare(&tmpl->face, &probe->face, 0, NULL, work->face, &r);
 
+    if (st == ST_OK)
+        st = face_minimal(&tmpl->face, &probe->face, r.align.transform, NULL, work->face,
+                          &m);
     *out = (struct surface_comparison){.decision = SURFACE_INCONCLUSIVE};
     if (st != ST_OK)
         return public(st);
@@ -139,10 +143,11 @@ enum surface_status surface_compare(struct surface_work *work,
     out->score_mm = r.score_mm;
     out->threshold_mm = r.threshold_mm;
     out->false_match_rate = r.fmr_at_score;
+    out->overlap = r.overlap;
     memcpy(out->transform, r.align.transform, sizeof out->transform);
-    out->volume_mm3 = r.disparity.volume_mm3;
-    out->area_mm2 = r.disparity.area_mm2;
-    out->mean_mm = r.disparity.plain_mm;
-    out->overlap = r.disparity.overlap;
+    memcpy(out->minimal_transform, m.transform, sizeof out->minimal_transform);
+    out->minimal_mm = m.disparity.plain_mm;
+    out->volume_mm3 = m.disparity.volume_mm3;
+    out->area_mm2 = m.disparity.area_mm2;
     return SURFACE_OK;
 }

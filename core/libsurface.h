@@ -89,12 +89,14 @@ struct surface_comparison {
     double threshold_mm;     /* ... this, where there is enough in common */
     double false_match_rate; /* share of pairs of different people who score as low or
                                        lower, 0..1: by the shipped model's table */
+    double overlap;          /* share of the template's measured area covered, 0..1 */
     double transform[16];    /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
-    /* The measure of the papers at that pose.  It does not decide. */
+    /* The minimal disparity of the papers, at its own pose near that one.  It does not
+     * decide. */
+    double minimal_mm; /* volume over area; 0 when there is none */
     double volume_mm3; /* between both surfaces, over what both cover */
     double area_mm2;   /* of what both cover, as the template's scanner sees it */
-    double mean_mm;    /* volume over area; 0 when there is none */
-    double overlap;    /* area over the template's measured area, 0..1 */
+    double minimal_transform[16]; /* as transform */
 };
 
 /* Align the probe to the template, measure, decide.  Not symmetric: the template is the face

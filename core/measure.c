@@ -1,10 +1,12 @@
 #include "measure.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "interpolate.h"
 #include "lattice.h"
 #include "merge.h"
+#include "predicates.h"
 
 void measure_work_free(struct measure_work *w)
 {
@@ -26,24 +28,21 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
 
     w->tmpl_in_moved = mem_take(block, &at, na, sizeof *w->tmpl_in_moved);
     w->moved_in_tmpl = mem_take(block, &at, nb, sizeof *w->moved_in_tmpl);
-    w->tmpl_other = mem_take(block, &at, na, sizeof *w->tmpl_other);
-    w->moved_other = mem_take(block, &at, nb, sizeof *w->moved_other);
+    w->tmpl_gap = mem_take(block, &at, na, sizeof *w->tmpl_gap);
+    w->moved_gap = mem_take(block, &at, nb, sizeof *w->moved_gap);
     w->b_vertex = mem_take(block, &at, nb, sizeof *w->b_vertex);
     w->vertex = mem_take(block, &at, na + nb, sizeof *w->vertex);
-    w->ground = mem_take(block, &at, na + nb, sizeof *w->ground);
     return at;
 }
 
-enum status measure_at(const struct surface *tmpl, const struct surface *probe,
-                       const double transform[16], const struct disparity_weight *u,
-                       struct measure_work *w, struct disparity *out)
+enum status measure_gaps(const struct surface *tmpl, const struct surface *probe,
+                         const double transform[16], struct measure_work *w)
 {
     const struct mesh *a = &tmpl->mesh, *b = &w->moved.mesh;
     unsigned char *block;
     enum status st;
 
-    memset(out, 0, sizeof *out);
-    w->general.nv = w->general.nt = 0;
+    w->moved.mesh.nv = w->moved.mesh.nt = 0;
     block = scratch_need(&w->arrays, layout(w, a->nv, probe->mesh.nv, NULL));
     if (block == NULL)
         return ST_ENOMEM;
@@ -54,20 +53,50 @@ enum status measure_at(const struct surface *tmpl, const struct surface *probe,
         return st == ST_ENOMEM ? st : ST_OK;
     locate_mesh(a, b, w->moved_in_tmpl);
     locate_mesh(b, a, w->tmpl_in_moved);
-    interpolate_mesh(a, b, w->moved_in_tmpl, w->moved_other);
-    interpolate_mesh(b, a, w->tmpl_in_moved, w->tmpl_other);
-    st = merge_build(a, b, w->moved_in_tmpl, &w->scratch, &w->general, w->b_vertex);
+    interpolate_mesh(a, b, w->moved_in_tmpl, w->moved_gap);
+    interpolate_mesh(b, a, w->tmpl_in_moved, w->tmpl_gap);
+    disparity_gaps(tmpl, &w->moved, w->tmpl_in_moved, false, w->tmpl_gap);
+    disparity_gaps(&w->moved, tmpl, w->moved_in_tmpl, true, w->moved_gap);
+    return ST_OK;
+}
+
+double measure_overlap(const struct surface *tmpl, const struct measure_work *w)
+{
+    const struct mesh *m = &tmpl->mesh;
+    double twice = 0; /* whole square lattice units below 2^52: exact */
+
+    if (w->moved.mesh.nv == 0 || !(tmpl->measured > 0))
+        return 0;
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+
+        if (tmpl->bridge[t] || mesh_is_ghost(m, t))
+            continue;
+        if (fabs(w->tmpl_gap[v[0]] + w->tmpl_gap[v[1]] + w->tmpl_gap[v[2]]) <
+            (double)INFINITY)
+            twice += (double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]);
+    }
+    return 0.5 * twice / tmpl->measured;
+}
+
+enum status measure_at(const struct surface *tmpl, const struct surface *probe,
+                       const double transform[16], const struct disparity_weight *u,
+                       struct measure_work *w, struct disparity *out)
+{
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    w->general.nv = w->general.nt = 0;
+    st = measure_gaps(tmpl, probe, transform, w);
+    if (st != ST_OK || w->moved.mesh.nv == 0)
+        return st;
+    st = merge_build(&tmpl->mesh, &w->moved.mesh, w->moved_in_tmpl, &w->scratch,
+                     &w->general, w->b_vertex);
     if (st != ST_OK)
         return st == ST_ENOMEM ? st : ST_OK;
-    for (uint32_t v = 0; v < a->nv; v++)
-        w->ground[v] = a->z[v];
-    for (uint32_t v = 0; v < b->nv; v++)
-        if (w->b_vertex[v] >= a->nv)
-            w->ground[w->b_vertex[v]] = w->moved_other[v];
-    disparity_measure(
-        &w->general, w->b_vertex,
-        &(struct disparity_side){tmpl, w->tmpl_in_moved, w->tmpl_other},
-        &(struct disparity_side){&w->moved, w->moved_in_tmpl, w->moved_other}, u,
-        LATTICE_PER_MM, w->vertex, out);
+    disparity_measure(&w->general, w->b_vertex,
+                      &(struct disparity_side){tmpl, w->tmpl_gap},
+                      &(struct disparity_side){&w->moved, w->moved_gap}, u,
+                      LATTICE_PER_MM, w->vertex, out);
     return ST_OK;
 }

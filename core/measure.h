@@ -13,29 +13,42 @@
 #include "status.h"
 #include "surface.h"
 
-/* One worker's reusable memory, and the results of the last measure_at().  All zero is an
- * empty one; after the first few calls nothing is allocated any more. */
+/* One worker's reusable memory, and the results of the last call.  All zero is an empty one;
+ * after the first few calls nothing is allocated any more. */
 struct measure_work {
     struct scratch scratch,
         points;            /* for the builders; free for other use between calls */
     struct scratch arrays; /* the arrays below */
     struct surface moved;  /* the probe at the pose */
-    struct mesh general;   /* the general triangulation; template vertices come first */
     struct location *tmpl_in_moved, *moved_in_tmpl;
-    double *tmpl_other, *moved_other; /* heights interpolated in the other mesh */
-    uint32_t *b_vertex;               /* [moved nv] merge_build()'s */
-    struct disparity_vertex *vertex;  /* [general.nv] gap: moved minus template */
-    double *ground; /* [general.nv] height of the template, where it covers the vertex */
+    double *tmpl_gap, *moved_gap; /* at their vertices: moved minus template
+                                     (disparity.h), lattice units */
+    struct mesh general; /* the general triangulation; template vertices come first */
+    uint32_t *b_vertex;  /* [moved nv] merge_build()'s */
+    struct disparity_vertex *vertex; /* [general.nv] */
 };
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */
 
-/* measure_at(tmpl, probe, transform, u, w, out): the disparity of tmpl (surface a) and of
- * probe moved by transform (surface b; mm, row-major 4 x 4, a rigid motion or a reflection).
+/* measure_gaps(tmpl, probe, transform, w): the gap between tmpl and probe moved by transform
+ * (mm, row-major 4 x 4, a rigid motion or a reflection) at the vertices of either: w->moved,
+ * the locations and the gaps.
+ * Where a moved point leaves the lattice, or the probe is seen edge-on, the surfaces have
+ * nothing in common: w->moved.mesh.nv is 0.  So it is on failure.
+ * Cost  O(n log n).  Returns ST_OK, ST_ENOMEM. */
+enum status measure_gaps(const struct surface *tmpl, const struct surface *probe,
+                         const double transform[16], struct measure_work *w);
+
+/* measure_overlap(tmpl, w): the share of tmpl's measured area that the probe of the last
+ * measure_gaps() covers, 0..1: of tmpl's triangles with a gap at each corner.  O(nv). */
+double measure_overlap(const struct surface *tmpl, const struct measure_work *w);
+
+/* measure_at(tmpl, probe, transform, u, w, out): measure_gaps(), and the disparity of tmpl
+ * (surface a) and the moved probe (surface b).
  * u  the weight; NULL: 1 everywhere
- * Where a moved point leaves the lattice, or the probe is seen edge-on, *out is all zero:
- * the surfaces have nothing in common.  Then, and on failure, w->general.nv is 0.
- * Cost  O(n log n), about five times a triangulation.  Returns ST_OK, ST_ENOMEM. */
+ * Surfaces with nothing in common: *out is all zero.  Then, and on failure, w->general.nv
+ * is 0.
+ * Cost  O(n log n), about three times a triangulation.  Returns ST_OK, ST_ENOMEM. */
 enum status measure_at(const struct surface *tmpl, const struct surface *probe,
                        const double transform[16], const struct disparity_weight *u,
                        struct measure_work *w, struct disparity *out);

@@ -29,6 +29,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
     if (st == ST_OK) {
         x->compared = best.nearest.compared;
         x->result = best.nearest.result;
+        x->minimal = best.minimal;
         st = store_template_load(c->store, best.tmpl.id, t, c->work, &x->tmpl, &c->e);
         x->subject = t->subject;
         x->template_id = t->id;
@@ -57,6 +58,9 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
         st = ctl_scan_read(c, x->a, c->work, &x->tmpl);
         if (st == ST_OK)
             st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, c->work, &x->result);
+        if (st == ST_OK)
+            st = face_minimal(&x->tmpl, &x->probe, x->result.align.transform, NULL,
+                              c->work, &x->minimal);
     }
     if (st == ST_OK)
         st = explain_fields(x, c->work);

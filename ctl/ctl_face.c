@@ -45,6 +45,8 @@ static enum status nearest(struct ctl *c, const struct admission_request *ask,
 
     if (st == ST_OK)
         st = nearest_find(&with, &a, probe, &best->nearest, &c->e);
+    if (st == ST_OK)
+        st = nearest_minimal(&with, &a, probe, &best->nearest, &best->minimal, &c->e);
     if (st == ST_OK) {
         best->subject = a.of.subject;
         best->tmpl = a.of.t[best->nearest.index];

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include "enrolment.h"
 #include "face.h"
+#include "minimal.h"
 #include "nearest.h"
 #include "store.h"
 
@@ -14,6 +15,7 @@ struct ctl; /* ctl.h */
  * not be verified.  ctl_face_template(): with one template of it. */
 struct ctl_nearest {
     struct nearest nearest;
+    struct minimal minimal;     /* against the template that decides */
     struct store_template tmpl; /* that decides */
     struct store_subject subject;
 };

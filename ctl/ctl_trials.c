@@ -175,7 +175,7 @@ static enum status compare(const struct run *r, const struct face *face,
     x->score_mm = f.score_mm;
     x->threshold_mm = f.threshold_mm;
     x->fmr_at_score = f.fmr_at_score;
-    x->overlap = f.disparity.overlap;
+    x->overlap = f.overlap;
     x->weight_overlap = f.weight_overlap;
     x->align_ms = f.align_ms;
     x->measure_ms = f.measure_ms;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "describe.h"
+#include "minimal.h"
 #include "verdict.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
@@ -11,6 +12,7 @@
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
     const struct face_result *r = x->result;
+    const struct disparity *least = &x->minimal->disparity;
 
     describe_comparison(c->out, x);
     if (c->json)
@@ -18,12 +20,12 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("decision     %s\n", verdict_decision(r->decision));
     ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
-                 100 * r->disparity.overlap, 100 * r->weight_overlap);
+                 100 * r->overlap, 100 * r->weight_overlap);
     (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
     ctl_face_alignment(stdout, &r->align);
     ctl_face_regions(stdout, r);
-    (void)printf("plain        %.3f mm (%.1f mm3 over %.1f mm2)\n", r->disparity.plain_mm,
-                 r->disparity.volume_mm3, r->disparity.area_mm2);
+    (void)printf("minimal      %.3f mm (%.1f mm3 over %.1f mm2)\n", least->plain_mm,
+                 least->volume_mm3, least->area_mm2);
     ctl_face_scan(stdout, x->probe);
     (void)printf("time         %.1f ms\n", x->times->total);
 }
@@ -63,6 +65,7 @@ static enum status verify(struct ctl *c)
         c->code = ctl_face_exit(best.nearest.result.decision);
         print_result(c, &(struct describe_comparison){
                             .result = &best.nearest.result,
+                            .minimal = &best.minimal,
                             .probe = &probe,
                             .engine = c->engine,
                             .subject = subject,
@@ -71,7 +74,7 @@ static enum status verify(struct ctl *c)
                             .measure = true,
                             .times = &(struct describe_times){
                                 NAN, NAN, best.nearest.align_ms, best.nearest.measure_ms,
-                                ctl_clock_ms() - start}});
+                                best.minimal.ms, ctl_clock_ms() - start}});
         ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n",
                 best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
     }
@@ -84,22 +87,26 @@ static enum status compare(struct ctl *c)
     const double start = ctl_clock_ms();
     struct face a = {0}, b = {0};
     struct face_result r = {0};
+    struct minimal least = {0};
     enum status st;
 
     if ((st = ctl_scan_read(c, c->args[0], c->work, &a)) == ST_OK &&
         (st = ctl_scan_read(c, c->args[1], c->work, &b)) == ST_OK &&
-        (st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK)
+        ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
+         (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
+             ST_OK))
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
         print_result(
             c, &(struct describe_comparison){
                    .result = &r,
+                   .minimal = &least,
                    .probe = &b,
                    .engine = c->engine,
                    .templates_compared = 1,
                    .measure = true,
                    .times = &(struct describe_times){NAN, NAN, r.align_ms, r.measure_ms,
-                                                     ctl_clock_ms() - start}});
+                                                     least.ms, ctl_clock_ms() - start}});
     face_free(&a);
     face_free(&b);
     c->code = ctl_face_exit(r.decision);

@@ -8,6 +8,7 @@
 #define CTL_EXPLAIN_H
 #include <stddef.h>
 #include "face.h"
+#include "minimal.h"
 
 enum explain_kind { EXPLAIN_GAP, EXPLAIN_REST, EXPLAIN_PART, EXPLAIN_KINDS };
 
@@ -40,6 +41,7 @@ struct explanation {
         compared; /* templates of a, of which that one had the smallest score; 1: a scan */
     struct face tmpl, probe;
     struct face_result result;
+    struct minimal minimal;
     struct face_field field; /* what decided, per cell */
     size_t cells;            /* of them that count */
     struct dvec3 *pts; /* [n] the probe's points moved onto the template, mm, as sent */

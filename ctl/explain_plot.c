@@ -45,8 +45,8 @@ static void print_heading(FILE *to, const struct face_result *r)
     (void)fprintf(to,
                   "}\\ncommon area %.0f %% (at least %.0f %%), %.0f %% of the weight (at "
                   "least %.0f %%)\" at screen 0.5,0.942 center\n",
-                  100 * r->disparity.overlap, 100 * DECISION_MIN_OVERLAP,
-                  100 * r->weight_overlap, 100 * DECISION_MIN_WEIGHT);
+                  100 * r->overlap, 100 * DECISION_MIN_OVERLAP, 100 * r->weight_overlap,
+                  100 * DECISION_MIN_WEIGHT);
 }
 
 static void print_margins(FILE *to, double left, double right, double low, double high)

@@ -17,23 +17,26 @@ static const char *reason(const struct face_result *r)
         return "the score is above the threshold";
     if (r->align.stop == ALIGN_APART)
         return "no pose was found in which the surfaces have enough in common";
-    if (r->disparity.overlap < DECISION_MIN_OVERLAP)
+    if (r->overlap < DECISION_MIN_OVERLAP)
         return "the common area is too small a share of the template's";
     return "the common area has too small a share of the weight";
 }
 
 /* What the comparison found; by region of the face at the end. */
-static void print_result(FILE *to, const struct face_result *r)
+static void print_result(FILE *to, const struct explanation *x)
 {
+    const struct face_result *r = &x->result;
+    const struct disparity *least = &x->minimal.disparity;
+
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
     ctl_face_score(to, r);
-    (void)fprintf(to, "volume       %.1f mm3 over %.1f mm2 in common: %.3f mm\n",
-                  r->disparity.volume_mm3, r->disparity.area_mm2, r->disparity.plain_mm);
+    (void)fprintf(to, "minimal      %.3f mm (%.1f mm3 over %.1f mm2)\n", least->plain_mm,
+                  least->volume_mm3, least->area_mm2);
     (void)fprintf(
         to,
         "common       %.1f %% of the template's area, %.1f %% of a face's weight "
         "(at least %.0f and %.0f %% are needed)\n",
-        100 * r->disparity.overlap, 100 * r->weight_overlap, 100 * DECISION_MIN_OVERLAP,
+        100 * r->overlap, 100 * r->weight_overlap, 100 * DECISION_MIN_OVERLAP,
         100 * DECISION_MIN_WEIGHT);
     (void)fprintf(
         to,
@@ -79,7 +82,7 @@ enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
         (void)fprintf(to, "             %s, with the smallest score of %u\n",
                       x->template_id, x->compared);
     (void)fprintf(to, "probe        %s\n", x->b);
-    print_result(to, r);
+    print_result(to, x);
     print_quality(to, "template", &x->tmpl);
     print_quality(to, "probe", &x->probe);
     (void)fprintf(to,
@@ -124,6 +127,7 @@ void explain_text_out(struct json *o, const struct explanation *x)
     json_text(o, "probe", x->b);
     describe_comparison(o,
                         &(struct describe_comparison){.result = &x->result,
+                                                      .minimal = &x->minimal,
                                                       .probe = &x->probe,
                                                       .engine = x->engine,
                                                       .subject = x->subject,

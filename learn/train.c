@@ -108,7 +108,7 @@ static enum status gap_found(void *arg, size_t i, struct face_work *w, struct er
     if (st != ST_OK)
         return errinfo_set(e, st, "aligning the pairs: %s", status_message(st));
     memcpy(p->transform, r.align.transform, sizeof p->transform);
-    p->overlap = r.align.stop == ALIGN_APART ? 0 : r.disparity.overlap;
+    p->overlap = r.align.stop == ALIGN_APART ? 0 : r.overlap;
     learn_sample(&cells, t->gap + i * GRID_N);
     return ST_OK;
 }

@@ -64,7 +64,7 @@ int main(int argc, char **argv)
     printf("%s: %.3f and %.3f mm, threshold %.3f mm\n", engine, same.score_mm,
            other.score_mm, same.threshold_mm);
     good = same.decision == SURFACE_MATCH && other.decision == SURFACE_NO_MATCH &&
-           same.mean_mm > 0 && same.overlap > 0.5 && face_build() == 0;
+           same.minimal_mm > 0 && same.overlap > 0.5 && face_build() == 0;
     for (i = 0; i < 3; i++)
         surface_face_free(face[i]);
     surface_work_free(work);

@@ -9,6 +9,7 @@
 #include "render.h"
 #include "log.h"
 #include "mem.h"
+#include "minimal.h"
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
@@ -34,6 +35,7 @@ void compare_handle(struct request *r, struct worker *w)
     double start = log_clock_ms(), parsed, prepared, *gap = NULL;
     struct cloud a = {0}, b = {0};
     struct face_result result;
+    struct minimal least;
     enum params_detail detail = PARAMS_BRIEF;
     enum status st;
 
@@ -51,6 +53,9 @@ void compare_handle(struct request *r, struct worker *w)
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
     st = face_compare(&w->other, &w->probe, 0.0, log_clock_ms, w->compare.work, &result);
+    if (st == ST_OK)
+        st = face_minimal(&w->other, &w->probe, result.align.transform, log_clock_ms,
+                          w->compare.work, &least);
     if (st == ST_OK && detail == PARAMS_HEATMAP) {
         gap = mem_array(b.n, sizeof *gap);
         if (gap == NULL)
@@ -69,6 +74,7 @@ void compare_handle(struct request *r, struct worker *w)
         r, 200,
         render_comparison(&(struct describe_comparison){
             .result = &result,
+            .minimal = &least,
             .probe = &w->probe,
             .engine = store_made_by(r->app->store),
             .templates_compared = 1,
@@ -76,6 +82,7 @@ void compare_handle(struct request *r, struct worker *w)
                                               .prepare = prepared - parsed,
                                               .align = result.align_ms,
                                               .measure = result.measure_ms,
+                                              .minimal = least.ms,
                                               .total = log_clock_ms() - r->start_ms},
             .measure = detail != PARAMS_BRIEF,
             .gap_mm = gap,

@@ -10,6 +10,7 @@
 #include "heatmap.h"
 #include "log.h"
 #include "mem.h"
+#include "minimal.h"
 #include "metrics.h"
 #include "nearest.h"
 #include "params.h"
@@ -23,6 +24,7 @@
 struct verification {
     struct request *r;
     struct worker *w;
+    struct minimal least;
     enum params_detail detail;
     struct admission admission;
     struct nearest best;
@@ -148,6 +150,9 @@ static bool compare(struct verification *v)
         nearest_find(&v->w->compare, &v->admission, &v->w->probe, &v->best, &e);
 
     if (st == ST_OK)
+        st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best,
+                             &v->least, &e);
+    if (st == ST_OK)
         st = heatmap(v, &e);
     if (st != ST_OK) {
         request_fail(v->r, &e);
@@ -208,11 +213,13 @@ static void respond(struct verification *v)
                                          .prepare = v->prepare_ms,
                                          .align = v->best.align_ms,
                                          .measure = v->best.measure_ms,
+                                         .minimal = v->least.ms,
                                          .total = log_clock_ms() - v->r->start_ms};
 
     request_respond(v->r, 200,
                     render_comparison(&(struct describe_comparison){
                         .result = &v->best.result,
+                        .minimal = &v->least,
                         .probe = &v->w->probe,
                         .engine = store_made_by(v->r->app->store),
                         .subject = v->admission.of.subject.id,

@@ -75,7 +75,7 @@ static double general(const struct mesh *a, const struct mesh *b, uint32_t *cell
         .mesh = *a, .spacing = wide, .bridge = none, .measured = 1};
     const struct surface whole_b = {
         .mesh = *b, .spacing = wide, .bridge = none, .measured = 1};
-    const struct disparity_side sa = {&whole_a, la, za}, sb = {&whole_b, lb, zb};
+    const struct disparity_side sa = {&whole_a, za}, sb = {&whole_b, zb};
     struct disparity d;
 
     for (size_t i = 0; i < n; i++)
@@ -84,6 +84,8 @@ static double general(const struct mesh *a, const struct mesh *b, uint32_t *cell
     locate_mesh(b, a, la);
     interpolate_mesh(a, b, lb, zb);
     interpolate_mesh(b, a, la, za);
+    disparity_gaps(&whole_a, &whole_b, la, false, za);
+    disparity_gaps(&whole_b, &whole_a, lb, true, zb);
     lab_must(merge_build(a, b, lb, &scratch, &g, b_vertex));
     disparity_measure(&g, b_vertex, &sa, &sb, NULL, 1, vertex, &d);
     *cells = d.common;

@@ -104,14 +104,17 @@ static void pass(struct pair *p, struct timing row[STAGES])
     t = lap(&row[LOCATE], t);
     interpolate_mesh(a, b, p->loc[1], p->other[1]);
     interpolate_mesh(b, a, p->loc[0], p->other[0]);
+    disparity_gaps(&p->side[0].surface, &p->side[1].surface, p->loc[0], false,
+                   p->other[0]);
+    disparity_gaps(&p->side[1].surface, &p->side[0].surface, p->loc[1], true,
+                   p->other[1]);
     t = lap(&row[INTERPOLATE], t);
     lab_must(merge_build(a, b, p->loc[1], &p->scratch, &p->general, p->b_vertex));
     t = lap(&row[MERGE], t);
-    disparity_measure(
-        &p->general, p->b_vertex,
-        &(struct disparity_side){&p->side[0].surface, p->loc[0], p->other[0]},
-        &(struct disparity_side){&p->side[1].surface, p->loc[1], p->other[1]}, NULL, 1000,
-        p->vertex, &p->out);
+    disparity_measure(&p->general, p->b_vertex,
+                      &(struct disparity_side){&p->side[0].surface, p->other[0]},
+                      &(struct disparity_side){&p->side[1].surface, p->other[1]}, NULL,
+                      1000, p->vertex, &p->out);
     (void)lap(&row[MEASURE], t);
 }
 

@@ -5,6 +5,7 @@
 #include "json.h"
 #include "quality.h"
 #include "store.h"
+#include "minimal.h"
 #include "verdict.h"
 
 /* null for "" */
@@ -75,12 +76,12 @@ static void alignment(struct json *j, const struct align_result *a)
 }
 
 /* What tells more of the template than whether it is the same face. */
-static void measure(struct json *j, const struct face_result *r)
+static void measure(struct json *j, const struct face_result *r, const struct minimal *m)
 {
-    json_object(j, "plain");
-    json_extent(j, "volume_mm3", r->disparity.volume_mm3);
-    json_extent(j, "overlap_mm2", r->disparity.area_mm2);
-    json_extent(j, "bridged_mm2", r->disparity.bridged_mm2);
+    json_object(j, "minimal");
+    json_extent(j, "volume_mm3", m->disparity.volume_mm3);
+    json_extent(j, "overlap_mm2", m->disparity.area_mm2);
+    json_transform(j, "transform", m->transform);
     json_close(j);
     alignment(j, &r->align);
     json_number(j, "weight_overlap", r->weight_overlap);
@@ -101,6 +102,8 @@ static void times(struct json *j, const struct describe_times *t, bool aligned)
     if (aligned)
         json_number(j, "align", t->align);
     json_number(j, "measure", t->measure);
+    if (aligned)
+        json_number(j, "minimal", t->minimal);
     json_number(j, "total", t->total);
     json_close(j);
 }
@@ -113,15 +116,15 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     json_number(j, "disparity_mm", r->score_mm);
     json_number(j, "threshold_mm", r->threshold_mm);
     json_rate(j, "fmr_at_score", r->fmr_at_score);
-    json_number(j, "plain_mm", r->disparity.plain_mm);
-    json_number(j, "overlap", r->disparity.overlap);
+    json_number(j, "minimal_mm", c->minimal->disparity.plain_mm);
+    json_number(j, "overlap", r->overlap);
     json_text(j, "subject", c->subject);
     json_text(j, "template_id", c->template_id);
     json_number(j, "templates_compared", c->templates_compared);
     describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
     json_text(j, "engine", c->engine);
     if (c->measure)
-        measure(j, r);
+        measure(j, r, c->minimal);
     if (c->gap_mm != NULL) {
         json_array(j, "heatmap");
         for (size_t i = 0; i < c->n; i++)

@@ -12,6 +12,7 @@ struct face;           /* face.h */
 struct face_result;    /* face.h */
 struct frame;          /* frame.h */
 struct json;           /* json.h */
+struct minimal;        /* minimal.h */
 struct quality;        /* quality.h */
 struct store_subject;  /* store.h */
 struct store_template; /* store.h */
@@ -29,11 +30,12 @@ void describe_template(struct json *j, const struct store_template *t,
                        const struct frame *frame);
 
 struct describe_times { /* ms; NAN: not measured, null in JSON */
-    double parse, prepare, align, measure, total;
+    double parse, prepare, align, measure, minimal, total;
 };
 
 struct describe_comparison {
     const struct face_result *result;
+    const struct minimal *minimal;
     const struct face *probe;
     const char *engine;                /* face_engine() */
     const char *subject, *template_id; /* NULL: null */

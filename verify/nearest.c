@@ -3,13 +3,14 @@
 #include <stdbool.h>
 
 #include "errinfo.h"
+#include "minimal.h"
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {
     if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
         return a->decision != FACE_INCONCLUSIVE;
     if (a->decision == FACE_INCONCLUSIVE)
-        return a->disparity.overlap > b->disparity.overlap;
+        return a->overlap > b->overlap;
     return a->score_mm < b->score_mm;
 }
 
@@ -58,4 +59,20 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
                            "no template of the subject is of this engine, or can be "
                            "re-encoded by it");
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
+}
+
+enum status nearest_minimal(struct admission_context *c, const struct admission *a,
+                            const struct face *probe, const struct nearest *of,
+                            struct minimal *out, struct errinfo *e)
+{
+    const struct face *face;
+    enum status st = admission_hold(c, a, of->index, &face, e);
+
+    if (st != ST_OK)
+        return st;
+    st = face_minimal(face, probe, of->result.align.transform, c->clock_ms, c->work, out);
+    admission_release(c, a, of->index, face);
+    return st == ST_OK ? st
+                       : errinfo_set(e, st, "template %s: %s", a->of.t[of->index].id,
+                                     status_message(st));
 }

@@ -11,6 +11,7 @@
 #include "status.h"
 
 struct errinfo; /* errinfo.h */
+struct minimal; /* minimal.h */
 
 struct nearest {
     struct face_result result;
@@ -27,5 +28,11 @@ struct nearest {
 enum status nearest_find(struct admission_context *c, const struct admission *a,
                          const struct face *probe, struct nearest *out,
                          struct errinfo *e);
+
+/* nearest_minimal(c, a, probe, of, out, e): the minimal disparity against the template that
+ * decides, from nearest_find()'s `of`.  Returns as face_minimal(), admission_hold(). */
+enum status nearest_minimal(struct admission_context *c, const struct admission *a,
+                            const struct face *probe, const struct nearest *of,
+                            struct minimal *out, struct errinfo *e);
 
 #endif

@@ -123,11 +123,13 @@ static double compare(struct side *a, struct side *b, double t)
     t = lap(LOCATE, t);
     interpolate_mesh(&b->own.mesh, &a->own.mesh, a->loc, a->other);
     interpolate_mesh(&a->own.mesh, &b->own.mesh, b->loc, b->other);
+    disparity_gaps(&a->own, &b->own, a->loc, false, a->other);
+    disparity_gaps(&b->own, &a->own, b->loc, true, b->other);
     t = lap(INTERPOLATE, t);
     must(merge_build(&a->own.mesh, &b->own.mesh, b->loc, &scratch, &general, b_vertex));
     t = lap(MERGE, t);
-    da = (struct disparity_side){&a->own, a->loc, a->other};
-    db = (struct disparity_side){&b->own, b->loc, b->other};
+    da = (struct disparity_side){&a->own, a->other};
+    db = (struct disparity_side){&b->own, b->other};
     disparity_measure(&general, b_vertex, &da, &db, NULL, LATTICE_PER_MM, vertex, &d);
     (void)lap(MEASURE, t);
     return d.plain_mm;
@@ -253,8 +255,8 @@ static void agree(struct pair *p)
     for (uint32_t v = 0; v < m->nv; v++) {
         for (size_t i = 0; i < p->b.n; i++)
             if (p->b.pts[i].x == m->xy[v].x && p->b.pts[i].y == m->xy[v].y &&
-                p->b.loc[v].where != LOCATE_OUTSIDE && p->b.peer_other[i] != 0)
-                worst = fmax(worst, fabs(p->b.other[v] - p->b.peer_other[i]));
+                isfinite(p->b.other[v]) && p->b.peer_other[i] != 0)
+                worst = fmax(worst, fabs(m->z[v] - p->b.other[v] - p->b.peer_other[i]));
     }
     printf("peers agree: tree %.6f of ours, heights within %.2g mm, vertices of the "
            "union %zu and %u\n",

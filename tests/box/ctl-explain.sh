@@ -49,15 +49,15 @@ is "explain.json is what is printed" "$(jq -cS . json/explain.json)" \
 is "it says where, and if there are pictures" "$(jq -c '[.directory, .picture]' out)" \
     "[\"json\",$drawn]"
 ok "its members" jq_true '.decision == "match" and .disparity_mm <= .threshold_mm and
-    .fmr_at_score < 0.01 and .plain_mm > 0 and .overlap > 0.8 and .weight_overlap > 0.8 and
+    .fmr_at_score < 0.01 and .minimal_mm > 0 and .overlap > 0.8 and .weight_overlap > 0.8 and
     .quality.score > 0.5 and .template_quality.score > 0.5 and (.alignment.transform | length) == 16 and
     .gap.points == 3000 and .gap.compared > 2500 and (.gap.median_mm | fabs) < 0.5 and
     .gap.share_beyond < 0.2 and .gap.limit_mm == 1 and
     (.gap.amount_quantiles | map(.mm) | . == sort and length == 6)' out
 "$ctl" compare --json a0.ply a1.ply >compared
 is "the verdict of compare" \
-    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' compared)" \
-    "$(jq -cS '[.decision, .disparity_mm, .plain_mm, .alignment.transform]' out)"
+    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .alignment.transform]' compared)" \
+    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .alignment.transform]' out)"
 # What decided is told apart from the gap: a match whose gap is many times the threshold.
 ok "the gap is told, not decided by" jq_true '.gap.mean_amount_mm > 2 * .threshold_mm' out
 ok "what is left is within the threshold" jq_true '.rest.cells > 500 and

@@ -117,8 +117,8 @@ is "without detail the response reveals nothing" "$(revealing)" '[]'
 fits "without detail" Verdict
 send POST '/v1/subjects/c/verify?detail=measure' "$JSON" "$T/c.json"
 is "detail=measure" "$STATUS $(get '[(.alignment.transform | length), (.regions | type),
-    (.plain | keys | tostring), has("heatmap")] | @csv')" \
-    '200 16,"object","[""bridged_mm2"",""overlap_mm2"",""volume_mm3""]",false'
+    (.minimal | keys | tostring), has("heatmap")] | @csv')" \
+    '200 16,"object","[""overlap_mm2"",""transform"",""volume_mm3""]",false'
 fits "detail=measure" Verdict
 
 for AUTH in "$without" "$alone"; do

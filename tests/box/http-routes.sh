@@ -81,7 +81,7 @@ for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTE
     is "verify as $form" "$STATUS $(get .decision)" "200 match"
 done
 fits verify Verdict
-is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .plain_mm,
+is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .minimal_mm,
     .overlap, .templates_compared, .quality.score,
     .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
     .timing_ms.total] | all(type == "number" and . >= 0)')" true
@@ -90,7 +90,7 @@ is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv'
 is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
 fits "verify with detail" Verdict
-is "plain = volume / area" "$(get '(.plain_mm - (.plain | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
+is "minimal = volume / area" "$(get '(.minimal_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
 is "the transform is affine" "$(get '.alignment.transform
     | length == 16 and .[12:] == [0,0,0,1]')" true
 is "regions" "$(get '.regions | type')" object

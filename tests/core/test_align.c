@@ -281,7 +281,7 @@ static void test_finds_pose(void **state)
         sum += error;
         assert_true(error < 1.5);
         printf("%d: %.2f degrees, disparity %.3f\n", (int)subject, error, d.score_mm);
-        assert_true(d.score_mm < 0.15 && d.disparity.overlap > 0.5);
+        assert_true(d.score_mm < 0.15 && d.overlap > 0.5);
         assert_int_not_equal(r.stop, ALIGN_APART);
         assert_true(r.turn_deg > 0 && r.turn_deg < 2 && r.shift_mm > 0 && r.shift_mm < 2);
         assert_true(r.within > 0.5 && r.cost_mm < 1);

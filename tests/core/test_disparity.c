@@ -99,9 +99,14 @@ static void unite(struct both *p)
 
 static void measure(struct both *p, const struct disparity_weight *weight, double per_mm)
 {
-    const struct disparity_side a = {&p->a.surface, p->a.loc, p->a.other};
-    const struct disparity_side b = {&p->b.surface, p->b.loc, p->b.other};
+    double gap_a[MAX_POINTS], gap_b[MAX_POINTS];
+    const struct disparity_side a = {&p->a.surface, gap_a};
+    const struct disparity_side b = {&p->b.surface, gap_b};
 
+    memcpy(gap_a, p->a.other, sizeof gap_a);
+    memcpy(gap_b, p->b.other, sizeof gap_b);
+    disparity_gaps(a.surface, b.surface, p->a.loc, false, gap_a);
+    disparity_gaps(b.surface, a.surface, p->b.loc, true, gap_b);
     disparity_measure(&p->general, p->b_vertex, &a, &b, weight, per_mm, p->vertex, &p->d);
 }
 

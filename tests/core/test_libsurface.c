@@ -13,6 +13,7 @@
 #include "face.h"
 #include "fail_alloc.h"
 #include "libsurface.h"
+#include "minimal.h"
 #include "status.h"
 
 #define POINTS 3000
@@ -57,6 +58,7 @@ static void test_same(void **state)
         struct surface_comparison c;
         struct surface_quality q;
         struct face_result r;
+        struct minimal m;
 
         n = scan(probe[i][0], probe[i][1]);
         assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
@@ -71,11 +73,13 @@ static void test_same(void **state)
         assert_int_equal(c.decision, i == 0 ? SURFACE_MATCH : SURFACE_NO_MATCH);
         assert_true(c.score_mm == r.score_mm && c.threshold_mm == r.threshold_mm);
         assert_true(c.false_match_rate == r.fmr_at_score);
-        assert_true(c.volume_mm3 == r.disparity.volume_mm3);
-        assert_true(c.area_mm2 == r.disparity.area_mm2);
-        assert_true(c.mean_mm == r.disparity.plain_mm);
-        assert_true(c.overlap == r.disparity.overlap);
+        assert_true(c.overlap == r.overlap);
         assert_memory_equal(c.transform, r.align.transform, sizeof c.transform);
+        assert_int_equal(face_minimal(&a, &b, r.align.transform, NULL, w, &m), ST_OK);
+        assert_true(c.minimal_mm == m.disparity.plain_mm);
+        assert_true(c.volume_mm3 == m.disparity.volume_mm3);
+        assert_true(c.area_mm2 == m.disparity.area_mm2);
+        assert_memory_equal(c.minimal_transform, m.transform, sizeof m.transform);
         surface_face_free(other);
     }
     surface_engine(engine[0]);

@@ -297,7 +297,7 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
         .mesh = *a, .spacing = spacing, .bridge = bridge, .measured = 1};
     const struct surface whole_b = {
         .mesh = *b, .spacing = spacing, .bridge = bridge, .measured = 1};
-    const struct disparity_side sa = {&whole_a, la, oa}, sb = {&whole_b, lb, ob};
+    const struct disparity_side sa = {&whole_a, oa}, sb = {&whole_b, ob};
     struct mesh general = {0};
     struct disparity out;
 
@@ -307,6 +307,8 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
     locate_mesh(a, b, lb);
     interpolate_mesh(b, a, la, oa);
     interpolate_mesh(a, b, lb, ob);
+    disparity_gaps(&whole_a, &whole_b, la, false, oa);
+    disparity_gaps(&whole_b, &whole_a, lb, true, ob);
     assert_int_equal(merge_build(a, b, lb, &scratch, &general, vertex), ST_OK);
     disparity_measure(&general, vertex, &sa, &sb, NULL, 1000, seen, &out);
     mesh_free(&general);

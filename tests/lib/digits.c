@@ -7,6 +7,7 @@
 
 #include "face.h"
 #include "facegen.h"
+#include "minimal.h"
 #include "toy.h"
 
 #define POINTS 3000
@@ -40,17 +41,21 @@ static void compare(struct text *t, const char *what, const struct face *a,
                     const struct face *b, struct face_work *w)
 {
     struct face_result r;
+    struct minimal m;
 
-    if (face_compare(a, b, 0, NULL, w, &r) != ST_OK)
+    if (face_compare(a, b, 0, NULL, w, &r) != ST_OK ||
+        face_minimal(a, b, r.align.transform, NULL, w, &m) != ST_OK)
         abort();
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "# %s\n", what);
     put(t, "disparity_mm", &r.score_mm, 1);
-    put(t, "plain_mm", &r.disparity.plain_mm, 1);
+    put(t, "minimal_mm", &m.disparity.plain_mm, 1);
+    put(t, "overlap", &r.overlap, 1);
     put(t, "change_mm", &r.change_mm, 1);
     put(t, "region_mm", r.region_mm, GRID_REGIONS);
     put(t, "turn_deg", &r.align.turn_deg, 1);
     put(t, "shift_mm", &r.align.shift_mm, 1);
     put(t, "transform", r.align.transform, 16);
+    put(t, "minimal_transform", m.transform, 16);
 }
 
 char *digits_text(size_t *size)

@@ -198,8 +198,8 @@ static void test_inconclusive(void **state)
 
         assert_int_equal(decide(id, &part, &st, &out), m);
         assert_int_equal(out.result.decision, FACE_INCONCLUSIVE);
-        if (out.result.disparity.overlap > greatest) {
-            greatest = out.result.disparity.overlap;
+        if (out.result.overlap > greatest) {
+            greatest = out.result.overlap;
             widest = m;
         }
     }
