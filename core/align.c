@@ -209,8 +209,9 @@ static void choose(struct search *s, const struct surface *tmpl,
 {
     const uint32_t stride = stride_for(s->n, ALIGN_COARSE_POINTS);
     const struct align_pose *given = s->how->start;
-    struct align_axes to, from; /* made when they are needed */
-    uint32_t agreed = 0;        /* starts that led to best[0] */
+    const struct align_axes *to = s->how->axes;
+    struct align_axes made, from; /* when they are needed */
+    uint32_t agreed = 0;          /* starts that led to best[0] */
     bool framed = false;
 
     best[0].cost = best[1].cost = INFINITY;
@@ -219,14 +220,17 @@ static void choose(struct search *s, const struct surface *tmpl,
         bool again;
 
         if (i > 0 && !framed) {
-            align_pose_axes(tmpl, &to);
+            if (to == NULL) {
+                align_pose_axes(tmpl, &made);
+                to = &made;
+            }
             align_pose_axes(probe, &from);
             framed = true;
         }
         if (i == 0)
             c.pose = *given;
         else
-            start_pose(&starts[i - 1], &to, &from, &c.pose);
+            start_pose(&starts[i - 1], to, &from, &c.pose);
         (void)descend(s, stride, ALIGN_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
         s->out->starts++;
         again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
@@ -297,7 +301,8 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out)
 {
-    const size_t triangles = mem_round(align_field_bytes(tmpl->mesh.nt));
+    const size_t triangles =
+        how->field != NULL ? 0 : mem_round(align_field_bytes(tmpl->mesh.nt));
     struct search search = {.n = probe->mesh.nv, .how = how, .out = out};
     struct candidate best[2];
     unsigned char *block;
@@ -309,10 +314,15 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    align_field_make(tmpl, how->u, (struct align_triangle *)(void *)block, &search.field);
+    if (how->field != NULL)
+        search.field = *how->field;
+    else
+        align_field_make(tmpl, how->u, (struct align_triangle *)(void *)block,
+                         &search.field);
     search.pts = (struct align_point *)(void *)(block + triangles);
     load(probe, search.pts);
-    search.centre = align_pose_centre(&tmpl->mesh);
+    search.centre =
+        how->axes != NULL ? how->axes->centre : align_pose_centre(&tmpl->mesh);
     search.centre.z -= POSE_LEVER_MM;
 
     choose(&search, tmpl, probe, best);

@@ -16,6 +16,8 @@
 #include "mem.h"
 #include "status.h"
 
+struct align_axes;   /* align_pose.h */
+struct align_field;  /* align_field.h */
 struct align_pose;   /* align_pose.h */
 struct align_weight; /* align_field.h */
 struct fit_basis;    /* fit.h */
@@ -46,6 +48,9 @@ struct align_how {
     const struct align_weight *u;   /* large where the template keeps its shape */
     const struct fit_basis
         *motion; /* for (3), which is skipped without it or without u */
+    /* Where the template stays the same for many searches, both or neither: */
+    const struct align_field *field; /* its field, made with u */
+    const struct align_axes *axes;   /* its axes */
 };
 
 /* One worker's memory; all zero is an empty one. */

@@ -200,7 +200,7 @@ static enum status search(const struct face *tmpl, const struct face *probe,
     const struct align_pose first =
         align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
     const struct align_weight u = {w->mean.rigid, tmpl->frame.pose};
-    const struct align_how how = {&first, &u, &w->motion};
+    const struct align_how how = {.start = &first, .u = &u, .motion = &w->motion};
     enum status st;
 
     exchange(w);

@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "align_field.h"
 #include "align_solve.h"
 #include "lattice.h"
+#include "mem.h"
 #include "model.h"
 #include "model_digest.h"
 #include "tuning.h"
@@ -25,6 +25,23 @@ static void rigidity(const struct model_basis *b, float *out)
     }
     for (uint32_t i = 0; i < GRID_N && most > 0.0f; i++)
         out[i] /= most;
+}
+
+/* Identity: the mean face is in the canonical frame. */
+static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+/* What a search needs of the mean face, once for all searches. */
+static enum status prepare(struct frame_mean *mean)
+{
+    const struct align_weight u = {mean->rigid, still};
+    struct align_triangle *triangles =
+        mem_array(align_field_bytes(mean->surface.mesh.nt), 1);
+
+    if (triangles == NULL)
+        return ST_ENOMEM;
+    align_field_make(&mean->surface, &u, triangles, &mean->field);
+    align_pose_axes(&mean->surface, &mean->axes);
+    return ST_OK;
 }
 
 enum status frame_mean_make(const struct model *m, struct scratch *s,
@@ -47,7 +64,8 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
     }
     if (n < 3)
         return ST_EDEGENERATE;
-    if ((st = surface_prepare(pts, n, false, s, &out->surface)) != ST_OK)
+    if ((st = surface_prepare(pts, n, false, s, &out->surface)) != ST_OK ||
+        (st = prepare(out)) != ST_OK)
         frame_mean_free(out);
     return st;
 }
@@ -55,17 +73,17 @@ enum status frame_mean_make(const struct model *m, struct scratch *s,
 void frame_mean_free(struct frame_mean *mean)
 {
     surface_free(&mean->surface);
+    mem_free(mean->field.triangle);
     memset(mean, 0, sizeof *mean);
 }
 
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct align_weight u = {mean->rigid, still};
+    const struct align_how how = {.u = &u, .field = &mean->field, .axes = &mean->axes};
     struct align_result found;
-    const enum status st = align_search(&mean->surface, face,
-                                        &(struct align_how){NULL, &u, NULL}, w, &found);
+    const enum status st = align_search(&mean->surface, face, &how, w, &found);
 
     if (st != ST_OK)
         return st;

@@ -5,6 +5,7 @@
 #ifndef CORE_FRAME_H
 #define CORE_FRAME_H
 #include "align.h"
+#include "align_field.h"
 #include "align_pose.h"
 #include "grid.h"
 #include "surface.h"
@@ -14,9 +15,11 @@ struct model; /* model.h */
 /* The mean face as a surface to align others to.  All zero is an empty one. */
 struct frame_mean {
     struct surface surface;
-    float rigid[GRID_N];  /* for registrations: where a face keeps its shape, 0..1 */
-    float height[GRID_N]; /* mm; NAN off the face */
-    uint32_t mean_id;     /* model_mean_id() */
+    struct align_field field; /* the surface's, with rigid as weight */
+    struct align_axes axes;   /* the surface's */
+    float rigid[GRID_N];      /* for registrations: where a face keeps its shape, 0..1 */
+    float height[GRID_N];     /* mm; NAN off the face */
+    uint32_t mean_id;         /* model_mean_id() */
 };
 
 /* frame_mean_make(m, s, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,

@@ -118,7 +118,7 @@ static void pass(struct pair *p)
     const struct align_pose first =
         align_pose_after(&p->tmpl.frame.pose, &p->probe.frame.pose);
     const struct align_weight u = {mean.rigid, p->tmpl.frame.pose};
-    const struct align_how how = {&first, &u, &motion};
+    const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
     struct align_result found;
     struct face_result r;
     double t = timing_now_ms();

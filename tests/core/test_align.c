@@ -99,7 +99,7 @@ static enum status search(const struct face *a, const struct face *b,
 {
     const struct align_pose first = align_pose_after(&a->frame.pose, &b->frame.pose);
     const struct align_weight u = {mean.rigid, a->frame.pose};
-    const struct align_how how = {&first, &u, &motion};
+    const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
 
     return align_search(&a->surface, &b->surface, &how, w, r);
 }
@@ -450,12 +450,12 @@ static void test_given_start(void **state)
     s.tx = 100;
     build(points, sample(&s, 63, 1, points), &b);
     assert_int_equal(align_search(&a.surface, &b.surface,
-                                  &(struct align_how){NULL, NULL, NULL}, &w, &r),
+                                  &(struct align_how){0}, &w, &r),
                      ST_OK);
     assert_true(r.turn_deg == (double)INFINITY); /* no model of the change was given */
     align_pose_from_matrix(r.transform, &end);
     assert_int_equal(align_search(&a.surface, &b.surface,
-                                  &(struct align_how){&end, NULL, NULL}, &w, &again),
+                                  &(struct align_how){.start = &end}, &w, &again),
                      ST_OK);
     assert_int_equal(again.starts, 1);
     assert_true(again.evaluations < r.evaluations);
