@@ -90,7 +90,7 @@ static void load(const struct surface *probe, struct align_point *pts)
     double area = 0;
 
     for (uint32_t v = 0; v < m->nv; v++)
-        pts[v] = (struct align_point){lattice_to_mm(m->xy[v], probe->raw[v]), 0.0f,
+        pts[v] = (struct align_point){lattice_to_mm(m->xy[v], m->z[v]), 0.0f,
                                       ALIGN_FIELD_NONE};
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];

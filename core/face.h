@@ -74,8 +74,7 @@ enum status face_adopt(struct face *f, struct face_work *w);
 
 /* face_rebuild(f, w): replace f, which another engine built, by what this engine builds from
  * the same points.  Spikes stay as they were laid flat.  The points do not change by a bit,
- * so a second call changes nothing, and neither does a first one on a face that this engine
- * built from a scan without spikes (with spikes the frame differs: it was found with them).
+ * so a second call changes nothing, nor does a first one on a face of this engine.
  * Returns as face_build(), except for the statuses about single points; f is empty on
  * failure.  Costs about as much as face_build(). */
 enum status face_rebuild(struct face *f, struct face_work *w);

@@ -9,13 +9,12 @@
 #include "merge.h"
 
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "delaunay.h"
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
+#include "numbered.h"
 #include "predicates.h"
 #include "tuning.h"
 
@@ -203,51 +202,18 @@ static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
     return true;
 }
 
-struct named {
-    struct ivec2 p;
-    uint32_t v;
-};
-
-static int by_place(const void *a, const void *b)
-{
-    const struct named *x = a, *y = b;
-
-    return lex_less(x->p, y->p) ? -1 : lex_less(y->p, x->p);
-}
-
-/* Renumber the vertices of m, a triangulation of the points in want[0..nv-1] in some other
- * order, as want[] has them.  rank[] and byplace[] have room for nv. */
-static void renumber(struct mesh *m, struct named *want, struct named *byplace,
-                     uint32_t *rank)
-{
-    for (uint32_t v = 0; v < m->nv; v++)
-        byplace[v] = (struct named){m->xy[v], v};
-    qsort(byplace, m->nv, sizeof *byplace, by_place);
-    qsort(want, m->nv, sizeof *want, by_place);
-    for (uint32_t i = 0; i < m->nv; i++)
-        rank[byplace[i].v] = want[i].v;
-    for (uint32_t h = 0; h < 3 * m->nt; h++)
-        m->org[h] = m->org[h] == m->nv ? m->nv : rank[m->org[h]];
-    for (uint32_t h = 0; h < 3 * m->nt; h++)
-        m->out[m->org[h]] = h;
-    for (uint32_t i = 0; i < m->nv; i++)
-        m->xy[want[i].v] = want[i].p;
-}
-
 /* Triangulate the union from scratch, with the vertex numbers that grow() would give. */
 static enum status rebuild(struct mesh *m, const struct mesh *a, const struct mesh *b,
                            const struct location *b_in_a, struct scratch *s,
                            uint32_t *b_vertex)
 {
     const size_t n = (size_t)a->nv + b->nv;
-    struct ivec3 *pts = mem_array(n, sizeof *pts);
-    struct named *want = mem_array(2 * n, sizeof *want);
-    uint32_t *rank = mem_array(n, sizeof *rank);
+    struct ivec3 *pts = mem_array(2 * n, sizeof *pts);
     uint32_t k = 0;
-    enum status st = ST_ENOMEM;
+    enum status st;
 
-    if (pts == NULL || want == NULL || rank == NULL)
-        goto out;
+    if (pts == NULL)
+        return ST_ENOMEM;
     for (; k < a->nv; k++)
         pts[k] = (struct ivec3){a->xy[k].x, a->xy[k].y, a->z[k]};
     for (uint32_t v = 0; v < b->nv; v++) {
@@ -258,17 +224,8 @@ static enum status rebuild(struct mesh *m, const struct mesh *a, const struct me
             pts[k++] = (struct ivec3){b->xy[v].x, b->xy[v].y, b->z[v]};
         }
     }
-    if ((st = delaunay_build(pts, k, s, m)) != ST_OK)
-        goto out;
-    for (uint32_t v = 0; v < k; v++)
-        want[v] = (struct named){{pts[v].x, pts[v].y}, v};
-    renumber(m, want, want + n, rank);
-    for (uint32_t v = 0; v < k; v++)
-        m->z[v] = pts[v].z;
-out:
+    st = numbered_build(pts, k, s, m);
     mem_free(pts);
-    mem_free(want);
-    mem_free(rank);
     return st;
 }
 

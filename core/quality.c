@@ -164,10 +164,7 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
     const struct mesh *m = &f->mesh;
     const double area = hull_area(m);
     double *r, rough, dense, smooth;
-    uint32_t laid = 0;
 
-    for (uint32_t v = 0; v < m->nv; v++)
-        laid += f->raw[v] != m->z[v];
     if ((r = scratch_need(s, (m->nv / QUALITY_NOISE_STRIDE + 1) * sizeof *r)) == NULL)
         return ST_ENOMEM;
     rough = relief(m);
@@ -179,7 +176,7 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
     q->score = fmin(q->coverage, fmin(dense, smooth));
     if (rough < QUALITY_RELIEF_MIN_MM * LATTICE_PER_MM)
         return ST_ENOTFACE;
-    if (q->noise_mm > QUALITY_NOISE_MAX_MM || laid > QUALITY_SPIKES_MAX * m->nv ||
+    if (q->noise_mm > QUALITY_NOISE_MAX_MM || f->spikes > QUALITY_SPIKES_MAX * m->nv ||
         q->coverage < QUALITY_COVER_MIN)
         return ST_EQUALITY;
     return ST_OK;

@@ -64,7 +64,7 @@ static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spi
     return n > 0 ? (int32_t)select_kth(z, n, n / 2) : m->z[v];
 }
 
-enum status spikes_flatten(struct mesh *m, struct scratch *s)
+enum status spikes_flatten(struct mesh *m, struct scratch *s, uint32_t *count)
 {
     const size_t flags = mem_round(m->nv);
     uint8_t *spike = scratch_need(s, flags + m->nv * sizeof(double));
@@ -80,9 +80,14 @@ enum status spikes_flatten(struct mesh *m, struct scratch *s)
             spike[up] = is_spike(m, up);
         }
     }
+    *count = 0;
     for (uint32_t v = 0; v < m->nv; v++) {
-        if (spike[v])
+        if (spike[v]) {
+            const int32_t z = m->z[v];
+
             m->z[v] = height_round(m, v, spike, (double *)(void *)(spike + flags));
+            *count += m->z[v] != z;
+        }
     }
     return ST_OK;
 }

@@ -1,16 +1,18 @@
 /* spikes.h -- single points that a scanner put far off the surface. */
 #ifndef CORE_SPIKES_H
 #define CORE_SPIKES_H
+#include <stdint.h>
 #include "status.h"
 
 struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 
-/* spikes_flatten(m, s): set the height of each spike to the median height of its neighbours
+/* spikes_flatten(m, s, count): set the height of each spike to the median height of its neighbours
  * that are no spikes.  The surface is then about what it would be without these points, and
  * need not be triangulated again.  A spike lies above, or below, three quarters of its
  * neighbours by more than 1 mm and 45 degrees; one of them is its neighbour in the spanning
- * tree, so that few points need a full look.  O(m->nv).  Returns ST_OK, ST_ENOMEM. */
-enum status spikes_flatten(struct mesh *m, struct scratch *s);
+ * tree, so that few points need a full look.  *count becomes the number of heights
+ * changed.  O(m->nv).  Returns ST_OK, ST_ENOMEM. */
+enum status spikes_flatten(struct mesh *m, struct scratch *s, uint32_t *count);
 
 #endif

@@ -1,6 +1,9 @@
 /* surface.h -- a scanned surface, prepared for everything that compares surfaces: its
  * points triangulated (paper 1, 3.1), with their spanning tree (3.3), the spikes laid flat
  * and the triangles known that only bridge missing points (paper 2).
+ * Spikes, tree and spacing belong to the scan: they are found once, seen from the side of
+ * the scanner, and do not change as the surface moves.  So a measure at a pose depends on
+ * the pose smoothly, up to the triangulations themselves.
  * Units: lattice units (lattice.h).  A prepared surface is immutable and may be read by any
  * number of threads. */
 #ifndef CORE_SURFACE_H
@@ -17,13 +20,12 @@ struct scratch; /* mem.h */
 /* All zero is an empty one. */
 struct surface {
     struct mesh mesh; /* with its spanning tree; the spikes laid flat */
-    int32_t *raw;    /* [nv] heights as scanned.  The surface is moved by these: what is a
-                         spike depends on the side it is seen from */
-    float *spacing;  /* [nv] holes_spacing() */
-    uint8_t *bridge; /* [nt] holes_mark() */
-    double measured; /* area of the triangles that do not bridge, square lattice units */
-    void *block;     /* holds raw, spacing and bridge */
-    uint32_t cap;    /* points that block has room for */
+    float *spacing;   /* [nv] holes_spacing() */
+    uint8_t *bridge;  /* [nt] holes_mark() */
+    double measured;  /* area of the triangles that do not bridge, square lattice units */
+    uint32_t spikes;  /* points laid flat by surface_prepare() */
+    uint32_t cap;     /* points that block has room for */
+    void *block;      /* holds spacing and bridge */
 };
 
 /* surface_prepare(pts, n, flatten, s, out): the surface through lattice points in any order.
@@ -34,13 +36,17 @@ struct surface {
 enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
                             struct scratch *s, struct surface *out);
 
-/* surface_derive(out, s): raw, spacing, bridge and measured from out->mesh, which has its
- * tree: for a surface that was decoded.  O(nv).  Returns ST_OK, ST_ENOMEM. */
+/* surface_derive(out, s): spacing, bridge and measured from out->mesh, which has its tree:
+ * for a surface that was decoded, whose spikes are flat.  O(nv).
+ * Returns ST_OK, ST_ENOMEM. */
 enum status surface_derive(struct surface *out, struct scratch *s);
 
-/* surface_move(from, transform, pts, s, out): surface_prepare() of the points of `from` at
- * their raw heights, moved by transform (mm, row-major 4 x 4, rigid; a reflection will do)
- * and put back on the lattice.  pts, s: two scratches.
+/* surface_move(from, transform, pts, s, out): the surface `from` moved by transform (mm,
+ * row-major 4 x 4, rigid; a reflection will do) and put back on the lattice.  Vertex numbers,
+ * tree and spacing are those of `from`; the triangulation is that of the moved points
+ * (numbered_build(): points that fall on one place are put next to each other), so the tree's
+ * edges need not be edges of it; bridges are marked anew, by the spacing of `from`.
+ * pts, s: two scratches.
  * Returns ST_OK; ST_ERANGE a point left the lattice; ST_EDEGENERATE the surface is seen
  * edge-on; ST_ENOMEM. */
 enum status surface_move(const struct surface *from, const double transform[16],

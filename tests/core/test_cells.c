@@ -282,7 +282,7 @@ static void test_sample(void **state)
     for (uint32_t v = 0; v < b.mesh.nv; v++)
         pts[v] = (struct align_point){{b.mesh.xy[v].x / LATTICE_PER_MM,
                                        b.mesh.xy[v].y / LATTICE_PER_MM,
-                                       b.raw[v] / LATTICE_PER_MM},
+                                       b.mesh.z[v] / LATTICE_PER_MM},
                                       (float)(3.14159265 * 55 * 70 / b.mesh.nv),
                                       ALIGN_FIELD_NONE};
     cells_sample(&field, pts, b.mesh.nv, &still, &still, &other);

@@ -34,15 +34,6 @@ static void bowl(struct ivec3 *p)
     }
 }
 
-static uint32_t laid_flat(const struct surface *s)
-{
-    uint32_t n = 0;
-
-    for (uint32_t v = 0; v < s->mesh.nv; v++)
-        n += s->mesh.z[v] != s->raw[v];
-    return n;
-}
-
 static void assert_same(const struct surface *a, const struct surface *b)
 {
     const size_t nv = a->mesh.nv;
@@ -52,16 +43,17 @@ static void assert_same(const struct surface *a, const struct surface *b)
     assert_memory_equal(a->mesh.z, b->mesh.z, nv * sizeof *a->mesh.z);
     assert_memory_equal(a->mesh.org, b->mesh.org, 3 * a->mesh.nt * sizeof *a->mesh.org);
     assert_memory_equal(a->mesh.parent, b->mesh.parent, nv * sizeof *a->mesh.parent);
-    assert_memory_equal(a->raw, b->raw, nv * sizeof *a->raw);
     assert_memory_equal(a->spacing, b->spacing, nv * sizeof *a->spacing);
     assert_memory_equal(a->bridge, b->bridge, a->mesh.nt);
     assert_true(a->measured == b->measured);
+    assert_int_equal(a->spikes, b->spikes);
 }
 
 static void test_prepare(void **state)
 {
     struct ivec3 p[N];
     struct surface s = {0}, rough = {0};
+    uint32_t differ = 0;
 
     (void)state;
     bowl(p);
@@ -69,11 +61,15 @@ static void test_prepare(void **state)
     assert_int_equal(mesh_check(&s.mesh, true), ST_OK);
     assert_int_equal(mst_check(&s.mesh), ST_OK);
     assert_int_equal(s.mesh.nv, N);
-    assert_int_equal(laid_flat(&s), 1);
+    assert_int_equal(s.spikes, 1);
     assert_true(s.measured > 0.9 * 57e3 * 57e3 && s.measured < 1.1 * 57e3 * 57e3);
     assert_int_equal(surface_prepare(p, N, false, &scratch, &rough), ST_OK);
-    assert_int_equal(laid_flat(&rough), 0);
-    assert_memory_equal(rough.raw, s.raw, N * sizeof *s.raw);
+    assert_int_equal(rough.spikes, 0);
+    for (uint32_t v = 0; v < N; v++) {
+        differ += rough.mesh.z[v] != s.mesh.z[v];
+        assert_true(rough.mesh.z[v] >= s.mesh.z[v]);
+    }
+    assert_int_equal(differ, 1);
     /* The same memory serves a smaller surface and then one as large, without growing. */
     assert_int_equal(surface_prepare(p, N / 2, false, &scratch, &s), ST_OK);
     assert_int_equal(s.mesh.nv, N / 2);
@@ -86,13 +82,53 @@ static void test_prepare(void **state)
     surface_free(NULL);
 }
 
-/* Moving by the identity changes no digit, and spikes are found again among the scanned
- * heights; a quarter turn about z gives the same surface, turned. */
+/* Where vertex v of s comes to lie by the transform, rounded. */
+static struct ivec3 moved_to(const struct surface *s, uint32_t v, const double *transform)
+{
+    const struct dvec3 p =
+        vec_transform(transform, lattice_to_mm(s->mesh.xy[v], s->mesh.z[v]));
+    struct ivec3 out;
+
+    assert_int_equal(lattice_from_mm(&p, 1, LATTICE_PER_MM, &out, NULL), ST_OK);
+    return out;
+}
+
+/* `moved` has the vertices of s at their places, with s's tree, spacing and spikes, and is
+ * triangulated there.  Returns the number of vertices put aside. */
+static uint32_t check_moved(const struct surface *s, const struct surface *moved,
+                            const double *transform)
+{
+    const size_t nv = s->mesh.nv;
+    uint32_t aside = 0;
+    uint8_t bridge[2 * N];
+
+    assert_int_equal(moved->mesh.nv, nv);
+    for (uint32_t v = 0; v < nv; v++) {
+        const struct ivec3 p = moved_to(s, v, transform);
+
+        assert_int_equal(moved->mesh.z[v], p.z);
+        assert_int_equal(moved->mesh.xy[v].y, p.y);
+        aside += moved->mesh.xy[v].x != p.x;
+        assert_true(moved->mesh.xy[v].x >= p.x && moved->mesh.xy[v].x <= p.x + 2);
+    }
+    assert_int_equal(mesh_check(&moved->mesh, false), ST_OK);
+    assert_memory_equal(moved->mesh.parent, s->mesh.parent, nv * sizeof *s->mesh.parent);
+    assert_memory_equal(moved->spacing, s->spacing, nv * sizeof *s->spacing);
+    assert_true(moved->measured == holes_mark(&moved->mesh, s->spacing, bridge));
+    assert_memory_equal(moved->bridge, bridge, moved->mesh.nt);
+    assert_int_equal(moved->spikes, s->spikes);
+    return aside;
+}
+
+/* Moving by the identity changes no digit.  By other motions the surface keeps what belongs
+ * to the scan: seen from the side, other points would be spikes. */
 static void test_move(void **state)
 {
     static const double quarter[16] = {0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
+    static const double mirror[16] = {-1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    static const double aside[16] = {.8, 0, .6, 1, 0, 1, 0, 0, -.6, 0, .8, 2, 0, 0, 0, 1};
     struct ivec3 p[N];
-    struct surface s = {0}, moved = {0}, want = {0};
+    struct surface s = {0}, moved = {0};
 
     (void)state;
     bowl(p);
@@ -100,13 +136,47 @@ static void test_move(void **state)
     assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
     assert_same(&moved, &s);
     assert_int_equal(surface_move(&s, quarter, &points, &scratch, &moved), ST_OK);
-    for (int i = 0; i < N; i++)
-        p[i] = (struct ivec3){5000 - p[i].y, p[i].x, p[i].z - 2000};
-    assert_int_equal(surface_prepare(p, N, true, &scratch, &want), ST_OK);
-    assert_same(&moved, &want);
+    assert_int_equal(check_moved(&s, &moved, quarter), 0);
+    assert_true(moved.measured == s.measured);
+    assert_int_equal(surface_move(&s, mirror, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(check_moved(&s, &moved, mirror), 0);
+    assert_true(moved.measured == s.measured);
+    assert_int_equal(surface_move(&s, aside, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(check_moved(&s, &moved, aside), 0);
     surface_free(&s);
     surface_free(&moved);
-    surface_free(&want);
+}
+
+/* A bowl seen from its side: points of the near and of the far wall fall on one place.  None
+ * is lost, and the lower number stays. */
+static void test_coincide(void **state)
+{
+    static const double side[16] = {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
+    struct ivec3 p[N];
+    struct surface s = {0}, moved = {0}, again = {0};
+    uint32_t aside = 0;
+
+    (void)state;
+    bowl(p);
+    assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
+    assert_int_equal(surface_move(&s, side, &points, &scratch, &moved), ST_OK);
+    for (uint32_t v = 0; v < N; v++)
+        for (uint32_t w = 0; w < v; w++) {
+            const struct ivec3 a = moved_to(&s, v, side), b = moved_to(&s, w, side);
+
+            if (a.x == b.x && a.y == b.y) {
+                assert_int_equal(moved.mesh.xy[w].x, b.x);
+                assert_int_equal(moved.mesh.xy[v].x, a.x + 1);
+                aside++;
+            }
+        }
+    assert_true(aside > 20);
+    assert_int_equal(check_moved(&s, &moved, side), aside);
+    assert_int_equal(surface_move(&s, side, &points, &scratch, &again), ST_OK);
+    assert_same(&again, &moved);
+    surface_free(&s);
+    surface_free(&moved);
+    surface_free(&again);
 }
 
 static void test_nothing_left(void **state)
@@ -159,9 +229,8 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_prepare),
-        cmocka_unit_test(test_move),
-        cmocka_unit_test(test_nothing_left),
+        cmocka_unit_test(test_prepare),  cmocka_unit_test(test_move),
+        cmocka_unit_test(test_coincide), cmocka_unit_test(test_nothing_left),
         cmocka_unit_test(test_memory),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
