@@ -28,11 +28,12 @@
 enum row {
     DELAUNAY,
     TREE,
+    HOLES,
     LOCATE,
     INTERPOLATE,
     MERGE,
+    INSERT, /* MERGE with the location of b in a: what the peer's insertion includes */
     MEASURE,
-    HOLES,
     SUM,
     STORED,  /* the same with side a decoded from a stored template */
     SCRATCH, /* our triangulation of the union from scratch */
@@ -41,7 +42,8 @@ enum row {
     PEER_PRIM,
     PEER_KRUSKAL,
     PEER_LOCATE,
-    PEER_MERGE,
+    PEER_INTERPOLATE,
+    PEER_INSERT,
     PEER_SCRATCH,
     ROWS
 };
@@ -52,7 +54,7 @@ struct side {
     struct surface own;
     struct location *loc; /* its vertices in the other's mesh */
     double *other, *peer_other;
-    void *points, *surface, *graph, *dt; /* the peer's */
+    void *points, *queries, *surface, *graph, *dt; /* the peer's */
 };
 
 struct pair {
@@ -89,6 +91,7 @@ static void side_make(struct side *s, uint64_t k)
     s->peer_other = timing_alloc(POINTS, sizeof *s->other);
     if (peers != NULL) {
         s->points = peers->points(s->pts, s->n);
+        s->queries = peers->queries(s->pts, s->n);
         s->surface = peers->surface(s->pts, s->n);
     }
 }
@@ -104,34 +107,40 @@ static void pair_make(struct pair *p, uint64_t k)
         p->both_points = peers->points(p->both, p->a.n + p->b.n);
 }
 
-static double lap(enum row r, double since)
+/* Adds the time since `since` to ms[r]; returns the time now. */
+static double lap(double ms[ROWS], enum row r, double since)
 {
     const double now = timing_now_ms();
 
-    timing_add(&row[r], now - since);
+    ms[r] += now - since;
     return now;
 }
 
 /* From two meshes with trees to the disparity. */
-static double compare(struct side *a, struct side *b, double t)
+static double compare(struct side *a, struct side *b, double ms[ROWS])
 {
     struct disparity_side da, db;
     struct disparity d;
+    double t = timing_now_ms();
 
-    locate_mesh(&b->own.mesh, &a->own.mesh, a->loc);
     locate_mesh(&a->own.mesh, &b->own.mesh, b->loc);
-    t = lap(LOCATE, t);
+    t = lap(ms, LOCATE, t);
+    ms[INSERT] = ms[LOCATE];
+    locate_mesh(&b->own.mesh, &a->own.mesh, a->loc);
+    t = lap(ms, LOCATE, t);
     interpolate_mesh(&b->own.mesh, &a->own.mesh, a->loc, a->other);
     interpolate_mesh(&a->own.mesh, &b->own.mesh, b->loc, b->other);
+    t = lap(ms, INTERPOLATE, t);
     disparity_gaps(&a->own, &b->own, a->loc, false, a->other);
     disparity_gaps(&b->own, &a->own, b->loc, true, b->other);
-    t = lap(INTERPOLATE, t);
+    t = lap(ms, MEASURE, t);
     must(merge_build(&a->own.mesh, &b->own.mesh, b->loc, &scratch, &general, b_vertex));
-    t = lap(MERGE, t);
+    t = lap(ms, MERGE, t);
+    ms[INSERT] += ms[MERGE];
     da = (struct disparity_side){&a->own, a->other};
     db = (struct disparity_side){&b->own, b->other};
     disparity_measure(&general, b_vertex, &da, &db, NULL, LATTICE_PER_MM, vertex, &d);
-    (void)lap(MEASURE, t);
+    (void)lap(ms, MEASURE, t);
     return d.plain_mm;
 }
 
@@ -140,19 +149,21 @@ static double table1(struct pair *p)
 {
     struct side *a = &p->a, *b = &p->b;
     const double start = timing_now_ms();
-    double t = start, mm;
+    double ms[ROWS] = {0}, t = start, mm;
 
     must(delaunay_build(a->pts, a->n, &scratch, &a->own.mesh));
     must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
-    t = lap(DELAUNAY, t);
+    t = lap(ms, DELAUNAY, t);
     must(mst_build(&a->own.mesh, &scratch));
     must(mst_build(&b->own.mesh, &scratch));
-    t = lap(TREE, t);
+    t = lap(ms, TREE, t);
     must(surface_derive(&a->own, &scratch));
     must(surface_derive(&b->own, &scratch));
-    t = lap(HOLES, t);
-    mm = compare(a, b, t);
-    (void)lap(SUM, start);
+    (void)lap(ms, HOLES, t);
+    mm = compare(a, b, ms);
+    (void)lap(ms, SUM, start);
+    for (int r = 0; r <= SUM; r++)
+        timing_add(&row[r], ms[r]);
     return mm;
 }
 
@@ -161,15 +172,15 @@ static double stored(struct pair *p)
 {
     struct side *b = &p->b, a = p->a;
     const double start = timing_now_ms();
-    double mm;
+    double ms[ROWS], mm;
 
     must(codec_decode(p->blob, p->blob_size, work, &decoded, NULL));
     a.own = decoded.surface;
     must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
     must(mst_build(&b->own.mesh, &scratch));
     must(surface_derive(&b->own, &scratch));
-    mm = compare(&a, b, timing_now_ms());
-    (void)lap(STORED, start);
+    mm = compare(&a, b, ms);
+    timing_add(&row[STORED], timing_now_ms() - start);
     return mm;
 }
 
@@ -184,10 +195,9 @@ static void store(struct pair *p)
 
 static void scratch_union(const struct pair *p)
 {
-    const double t = timing_now_ms();
-
+    timing_start(&row[SCRATCH]);
     must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
-    (void)lap(SCRATCH, t);
+    timing_stop(&row[SCRATCH]);
 }
 
 /* The peer's graph, made from our mesh. */
@@ -215,54 +225,114 @@ static void *peer_graph(const struct mesh *m)
 
 static void peer_pass(struct pair *p)
 {
+    struct side *a = &p->a, *b = &p->b;
     void *merged, *both;
-    double t = timing_now_ms(), one = t;
+    double ms[ROWS] = {0}, t = timing_now_ms();
 
-    p->a.dt = peers->triangulate(p->a.points);
-    one = lap(PEER_ONE, one);
-    p->b.dt = peers->triangulate(p->b.points);
-    (void)lap(PEER_ONE, one);
-    t = lap(PEER_DELAUNAY, t);
-    peers->prim(p->a.graph);
-    peers->prim(p->b.graph);
-    t = lap(PEER_PRIM, t);
-    (void)peers->kruskal(p->a.graph);
-    (void)peers->kruskal(p->b.graph);
-    t = lap(PEER_KRUSKAL, t);
-    peers->locate(p->a.surface, p->b.points, p->b.peer_other);
-    peers->locate(p->b.surface, p->a.points, p->a.peer_other);
-    t = lap(PEER_LOCATE, t);
-    merged = peers->merge(p->a.dt, p->b.points);
-    t = lap(PEER_MERGE, t);
+    timing_start(&row[PEER_ONE]);
+    a->dt = peers->triangulate(a->points);
+    timing_stop(&row[PEER_ONE]);
+    timing_start(&row[PEER_ONE]);
+    b->dt = peers->triangulate(b->points);
+    timing_stop(&row[PEER_ONE]);
+    t = lap(ms, PEER_DELAUNAY, t);
+    peers->prim(a->graph);
+    peers->prim(b->graph);
+    t = lap(ms, PEER_PRIM, t);
+    (void)peers->kruskal(a->graph);
+    (void)peers->kruskal(b->graph);
+    t = lap(ms, PEER_KRUSKAL, t);
+    peers->locate(a->surface, b->queries);
+    peers->locate(b->surface, a->queries);
+    t = lap(ms, PEER_LOCATE, t);
+    peers->interpolate(a->surface, b->queries, b->peer_other);
+    peers->interpolate(b->surface, a->queries, a->peer_other);
+    t = lap(ms, PEER_INTERPOLATE, t);
+    merged = peers->merge(a->dt, b->queries);
+    t = lap(ms, PEER_INSERT, t);
     both = peers->triangulate(p->both_points);
-    (void)lap(PEER_SCRATCH, t);
-    peers->triangulation_free(p->a.dt);
-    peers->triangulation_free(p->b.dt);
+    (void)lap(ms, PEER_SCRATCH, t);
+    for (int r = PEER_DELAUNAY; r < ROWS; r++)
+        timing_add(&row[r], ms[r]);
+    peers->triangulation_free(a->dt);
+    peers->triangulation_free(b->dt);
     peers->triangulation_free(merged);
     peers->triangulation_free(both);
 }
 
-/* Compares our results with the peers': trees by length, heights by value. */
-static void agree(struct pair *p)
+static void equal(const char *what, size_t pair, double ours, double theirs,
+                  double within)
 {
-    const struct mesh *m = &p->b.own.mesh;
-    double length = 0, peer = peers->kruskal(p->b.graph), worst = 0;
-    void *dt = peers->merge(p->a.dt = peers->triangulate(p->a.points), p->b.points);
+    if (fabs(ours - theirs) <= within)
+        return;
+    fprintf(stderr, "bench: pair %zu: %s: %.17g here, %.17g by the peer\n", pair, what,
+            ours, theirs);
+    exit(1);
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const struct ivec3 *p = a, *q = b;
+
+    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
+}
+
+/* The tree's length and the heights of the other surface at every vertex; returns the
+ * largest difference of height. */
+static double agree_side(const struct side *s, const struct side *other, size_t k)
+{
+    const struct mesh *m = &s->own.mesh;
+    struct ivec3 *at = timing_alloc(s->n, sizeof *at); /* z: the point's number */
+    double length = 0, worst = 0;
 
     for (uint32_t v = 1; v < m->nv; v++)
         length +=
             hypot(m->xy[v].x - m->xy[m->parent[v]].x, m->xy[v].y - m->xy[m->parent[v]].y);
+    equal("length of the tree", k, length, peers->kruskal(s->graph), 1e-12 * length);
+    for (size_t i = 0; i < s->n; i++)
+        at[i] = (struct ivec3){s->pts[i].x, s->pts[i].y, (int32_t)i};
+    qsort(at, s->n, sizeof *at, by_place);
     for (uint32_t v = 0; v < m->nv; v++) {
-        for (size_t i = 0; i < p->b.n; i++)
-            if (p->b.pts[i].x == m->xy[v].x && p->b.pts[i].y == m->xy[v].y &&
-                isfinite(p->b.other[v]) && p->b.peer_other[i] != 0)
-                worst = fmax(worst, fabs(m->z[v] - p->b.other[v] - p->b.peer_other[i]));
+        const struct ivec3 here = {m->xy[v].x, m->xy[v].y, 0};
+        const struct ivec3 *found = bsearch(&here, at, s->n, sizeof *at, by_place);
+        const double height = s->peer_other[found->z];
+
+        equal("outside the hull", k, s->loc[v].where == LOCATE_OUTSIDE, isnan(height), 0);
+        if (!isnan(height)) {
+            const double ours = interpolate_height(&other->own.mesh, s->loc[v], m->xy[v]);
+
+            equal("height", k, ours, height, 1e-6);
+            worst = fmax(worst, fabs(ours - height));
+        }
     }
-    printf("peers agree: tree %.6f of ours, heights within %.2g mm, vertices of the "
-           "union %zu and %u\n",
-           peer / length, worst / LATTICE_PER_MM, peers->vertices(dt), general.nv);
-    peers->triangulation_free(dt);
-    peers->triangulation_free(p->a.dt);
+    free(at);
+    return worst;
+}
+
+/* Compares our results with the peers' for every pair; exits where they differ. */
+static void agree(struct pair *pair)
+{
+    double worst = 0;
+
+    for (size_t k = 0; k < PAIRS; k++) {
+        struct pair *p = &pair[k];
+        void *one, *both;
+
+        (void)table1(p);
+        peer_pass(p);
+        worst =
+            fmax(worst, fmax(agree_side(&p->a, &p->b, k), agree_side(&p->b, &p->a, k)));
+        one = peers->triangulate(p->a.points);
+        both = peers->merge(one, p->b.queries);
+        equal("vertices of the union", k, general.nv, (double)peers->vertices(both), 0);
+        equal("its triangles", k, mesh_real(&general), (double)peers->faces(both), 0);
+        peers->triangulation_free(one);
+        peers->triangulation_free(both);
+    }
+    printf(
+        "peers agree on all %d pairs: length of the trees, vertices and triangles of the "
+        "unions;\nheights within %.2g mm\n",
+        PAIRS, worst / LATTICE_PER_MM);
 }
 
 static double med(enum row r)
@@ -287,7 +357,6 @@ static void line(const char *name, double paper, double ours, double one, double
 static void report(void)
 {
     const double one = med(PEER_ONE), none = (double)NAN;
-    const double both = med(LOCATE) + med(INTERPOLATE);
 
     printf(
         "\nTable 1, 2 x 3,000 points; unit: CGAL's time for one triangulation, %.3f ms\n",
@@ -299,11 +368,15 @@ static void report(void)
          med(PEER_PRIM));
     line("  the same (Boost Kruskal, graph given)", none, med(TREE), one,
          med(PEER_KRUSKAL));
-    line("location both ways", 15, med(LOCATE), one, none);
-    line("interpolation both ways (paper: below 1 ms)", 1, med(INTERPOLATE), one, none);
-    line("  both together (CGAL, Hilbert order + hint)", 16, both, one, med(PEER_LOCATE));
-    line("general triangulation (CGAL copy + insert)", 31, med(MERGE), one,
-         med(PEER_MERGE));
+    line("location both ways (CGAL, in Hilbert order)", 15, med(LOCATE), one,
+         med(PEER_LOCATE));
+    line("interpolation both ways (CGAL; paper: below 1)", 1, med(INTERPOLATE), one,
+         med(PEER_INTERPOLATE));
+    line("  both together (CGAL)", 16, med(LOCATE) + med(INTERPOLATE), one,
+         med(PEER_LOCATE) + med(PEER_INTERPOLATE));
+    line("general triangulation, of located points", 31, med(MERGE), one, none);
+    line("  with locating one side (CGAL copy + insert)", none, med(INSERT), one,
+         med(PEER_INSERT));
     line("  the union from scratch (CGAL)", none, med(SCRATCH), one, med(PEER_SCRATCH));
     line("point spacing and holes (not in the paper)", none, med(HOLES), one, none);
     line("measure", 31, med(MEASURE), one, none);
@@ -312,13 +385,16 @@ static void report(void)
     printf("  the template stored: %.2f of the time from both clouds\n",
            med(STORED) / med(SUM));
 
-    timing_target("triangulation of a face", med(DELAUNAY) / 2 / one, 0.8, "x CGAL's");
+    timing_target("triangulation of a face", med(DELAUNAY) / med(PEER_DELAUNAY), 0.42,
+                  "x CGAL's");
     timing_target("spanning tree", med(TREE) / 2 / one, 0.25, "units");
-    timing_target("location and interpolation both ways", both / one, 0.6, "units");
-    timing_target("merging", med(MERGE) / one, 0.9, "units");
-    timing_target("merging", med(MERGE) / med(SCRATCH), 0.6, "x from scratch");
+    timing_target("location and interpolation both ways",
+                  (med(LOCATE) + med(INTERPOLATE)) / one, 0.6, "units");
+    timing_target("merging located points", med(MERGE) / one, 0.9, "units");
+    timing_target("the same, with location", med(INSERT) / med(PEER_INSERT), 0.6,
+                  "x CGAL's");
     timing_target("measure", med(MEASURE) / one, 0.25, "units");
-    timing_target("the whole of Table 1, with holes", med(SUM) / one, 3.2, "units");
+    timing_target("the whole of Table 1, with holes", med(SUM) / one, 1.6, "units");
 }
 
 static void other_kinds(double one)
@@ -397,18 +473,19 @@ int main(void)
     }
     printf("%d pairs of clouds, subjects 0-%d, scans 0-%d; mean gap %.3f mm\n", PAIRS,
            PAIRS - 1, 2 * PAIRS - 1, sum / PAIRS);
+    if (peers != NULL)
+        agree(pair);
     for (size_t r = 0; r < ROWS; r++)
         row[r].n = 0;
+    /* Each program with another pair: what it did with the same one last would help it. */
     for (int round = 0; round < ROUNDS; round++)
         for (size_t k = 0; k < PAIRS; k++) {
             (void)table1(&pair[k]);
-            (void)stored(&pair[k]);
-            scratch_union(&pair[k]);
+            (void)stored(&pair[(k + PAIRS / 3) % PAIRS]);
+            scratch_union(&pair[(k + 2 * PAIRS / 3) % PAIRS]);
             if (peers != NULL)
                 peer_pass(&pair[k]);
         }
-    if (peers != NULL)
-        agree(&pair[PAIRS - 1]);
     report();
     other_kinds(med(PEER_ONE));
     return 0;

@@ -1,5 +1,6 @@
 // bench_peers.cpp -- CGAL's and Boost's part of the benchmarks; see peers.h.
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -40,6 +41,32 @@ void *points(const ivec3 *pts, size_t n)
     return p;
 }
 
+// Points in Hilbert order, and the face of each, where it was located.
+struct Queries {
+    std::vector<size_t> number; // of the point, as it was given
+    Points point;
+    std::vector<Surface::Face_handle> face;
+};
+
+void *queries(const ivec3 *pts, size_t n)
+{
+    using Map = CGAL::Pointer_property_map<Point>::type;
+    using Order = CGAL::Spatial_sort_traits_adapter_2<Kernel, Map>;
+    auto *q = new Queries;
+    Points p;
+
+    for (size_t i = 0; i < n; i++)
+        p.emplace_back(pts[i].x, pts[i].y);
+    q->number.resize(n);
+    q->face.resize(n);
+    std::iota(q->number.begin(), q->number.end(), size_t(0));
+    CGAL::spatial_sort(q->number.begin(), q->number.end(),
+                       Order(CGAL::make_property_map(p), Kernel()));
+    for (size_t i : q->number)
+        q->point.push_back(p[i]);
+    return q;
+}
+
 void *triangulate(const void *p)
 {
     const auto &pts = *static_cast<const Points *>(p);
@@ -49,16 +76,22 @@ void *triangulate(const void *p)
 
 void *merge(const void *t, const void *p)
 {
-    const auto &pts = *static_cast<const Points *>(p);
     auto *out = new Delaunay(*static_cast<const Delaunay *>(t));
+    Delaunay::Face_handle hint;
 
-    out->insert(pts.begin(), pts.end());
+    for (const Point &q : static_cast<const Queries *>(p)->point)
+        hint = out->insert(q, hint)->face();
     return out;
 }
 
 size_t vertices(const void *t)
 {
     return static_cast<const Delaunay *>(t)->number_of_vertices();
+}
+
+size_t faces(const void *t)
+{
+    return static_cast<const Delaunay *>(t)->number_of_faces();
 }
 
 void *surface(const ivec3 *pts, size_t n)
@@ -70,37 +103,41 @@ void *surface(const ivec3 *pts, size_t n)
     return new Surface(p.begin(), p.end());
 }
 
-void locate(const void *s, const void *p, double *height)
+void locate(const void *s, void *p)
 {
-    using Map = CGAL::Pointer_property_map<Point>::const_type;
-    using Order = CGAL::Spatial_sort_traits_adapter_2<Kernel, Map>;
     const auto &dt = *static_cast<const Surface *>(s);
-    const auto &pts = *static_cast<const Points *>(p);
-    std::vector<size_t> order(pts.size());
+    auto &q = *static_cast<Queries *>(p);
     Surface::Face_handle hint;
 
-    std::iota(order.begin(), order.end(), size_t(0));
-    CGAL::spatial_sort(order.begin(), order.end(),
-                       Order(CGAL::make_property_map(pts), Kernel()));
-    for (size_t i : order) {
-        const Point &q = pts[i];
+    for (size_t i = 0; i < q.point.size(); i++)
+        q.face[i] = hint = dt.locate(q.point[i], hint);
+}
+
+void interpolate(const void *s, const void *p, double *height)
+{
+    const auto &dt = *static_cast<const Surface *>(s);
+    const auto &q = *static_cast<const Queries *>(p);
+
+    for (size_t i = 0; i < q.point.size(); i++) {
+        const auto face = q.face[i];
+        const Point &at = q.point[i];
         double w[3], sum = 0, h = 0;
 
-        hint = dt.locate(q, hint);
-        if (dt.is_infinite(hint)) {
-            height[i] = 0;
+        if (dt.is_infinite(face)) {
+            height[q.number[i]] = std::numeric_limits<double>::quiet_NaN();
             continue;
         }
         for (int k = 0; k < 3; k++) {
-            const Point &a = hint->vertex(Surface::ccw(k))->point();
-            const Point &b = hint->vertex(Surface::cw(k))->point();
+            const Point &a = face->vertex(Surface::ccw(k))->point();
+            const Point &b = face->vertex(Surface::cw(k))->point();
 
-            w[k] = (b.x() - a.x()) * (q.y() - a.y()) - (b.y() - a.y()) * (q.x() - a.x());
+            w[k] =
+                (b.x() - a.x()) * (at.y() - a.y()) - (b.y() - a.y()) * (at.x() - a.x());
             sum += w[k];
         }
         for (int k = 0; k < 3; k++)
-            h += w[k] * hint->vertex(k)->info();
-        height[i] = h / sum;
+            h += w[k] * face->vertex(k)->info();
+        height[q.number[i]] = h / sum;
     }
 }
 
@@ -177,12 +214,16 @@ const peers peers_table = {
     "CGAL " CGAL_VERSION_STR ", Boost " BOOST_LIB_VERSION,
     points,
     drop<Points>,
+    queries,
+    drop<Queries>,
     triangulate,
     merge,
     vertices,
+    faces,
     drop<Delaunay>,
     surface,
     locate,
+    interpolate,
     drop<Surface>,
     graph,
     prim,

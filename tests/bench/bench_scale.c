@@ -14,8 +14,6 @@
 #include "interpolate.h"
 #include "timing.h"
 
-#define NONE ((double)NAN)
-
 static const struct peers *peers;
 static struct scratch scratch;
 
@@ -32,7 +30,7 @@ struct scan {
     size_t n;
     struct ivec3 *pts;
     struct mesh mesh, bare; /* bare: as triangulated, before mst_build() */
-    void *points, *graph, *surface;
+    void *points, *queries, *graph, *surface;
 };
 
 static void scan_make(struct scan *s, uint64_t k, size_t n)
@@ -53,6 +51,8 @@ static void scan_free(struct scan *s)
     mesh_free(&s->bare);
     if (s->points != NULL)
         peers->points_free(s->points);
+    if (s->queries != NULL)
+        peers->queries_free(s->queries);
     if (s->graph != NULL)
         peers->graph_free(s->graph);
     if (s->surface != NULL)
@@ -122,57 +122,95 @@ static void trees(void)
     }
 }
 
-/* Tables 3 and 4: n points of one scan located in another's mesh; interpolation of both. */
-static void locations(size_t n, double paper_locate, double paper_interpolate)
+struct location_times {
+    struct timing locate, interpolate, peer_locate, peer_interpolate;
+};
+
+/* n points of each scan of a pair located in the other's mesh, and interpolated there.  Both
+ * programs have put the points into an order before: spanning tree, Hilbert's curve. */
+static void locations(size_t n, struct location_times *t)
 {
     enum { PAIRS = 3, ROUNDS = 5 };
-    struct timing locate = {0}, interpolate = {0}, theirs = {0};
     struct scan scan[2 * PAIRS] = {{0}};
-    struct location *loc[2] = {timing_alloc(n, sizeof *loc[0]),
-                               timing_alloc(n, sizeof *loc[0])};
+    struct location *loc = timing_alloc(n, sizeof *loc);
     double *h = timing_alloc(n, sizeof *h);
-    char what[64];
 
-    for (size_t k = 0; k < 2 * PAIRS; k++)
+    for (size_t k = 0; k < 2 * PAIRS; k++) {
         scan_make(&scan[k], k, n);
-    for (size_t k = 0; peers != NULL && k < 2 * PAIRS; k++)
+        if (peers == NULL)
+            continue;
         scan[k].surface = peers->surface(scan[k].pts, scan[k].n);
+        scan[k].queries = peers->queries(scan[k].pts, scan[k].n);
+    }
     for (int round = 0; round < ROUNDS; round++)
-        for (size_t k = 0; k < 2 * PAIRS; k += 2) {
-            const struct mesh *a = &scan[k].mesh, *b = &scan[k + 1].mesh;
-            double t0, t1;
+        for (size_t k = 0; k < 2 * PAIRS; k++) {
+            const struct scan *in = &scan[k], *of = &scan[k ^ 1];
 
-            timing_start(&locate);
-            locate_mesh(a, b, loc[1]);
-            timing_stop(&locate);
-            locate_mesh(b, a, loc[0]);
-            timing_start(&interpolate);
-            interpolate_mesh(a, b, loc[1], h);
-            interpolate_mesh(b, a, loc[0], h);
-            timing_stop(&interpolate);
+            timing_start(&t->locate);
+            locate_mesh(&in->mesh, &of->mesh, loc);
+            timing_stop(&t->locate);
+            timing_start(&t->interpolate);
+            interpolate_mesh(&in->mesh, &of->mesh, loc, h);
+            timing_stop(&t->interpolate);
             if (peers == NULL)
                 continue;
-            t0 = timing_now_ms();
-            peers->locate(scan[k].surface, scan[k + 1].points, h);
-            t1 = timing_now_ms();
-            timing_add(&theirs, t1 - t0);
+            timing_start(&t->peer_locate);
+            peers->locate(in->surface, of->queries);
+            timing_stop(&t->peer_locate);
+            timing_start(&t->peer_interpolate);
+            peers->interpolate(in->surface, of->queries, h);
+            timing_stop(&t->peer_interpolate);
         }
-    if (!isnan(paper_locate)) {
-        (void)snprintf(what, sizeof what, "location, %zu points", n);
-        timing_row(what, paper_locate, timing_median(&locate), timing_median(&theirs));
-    }
-    if (!isnan(paper_interpolate)) {
-        (void)snprintf(what, sizeof what, "interpolation of both, %zu points each", n);
-        timing_row(what, paper_interpolate, timing_median(&interpolate), NONE);
-    }
     for (size_t k = 0; k < 2 * PAIRS; k++)
         scan_free(&scan[k]);
-    free(loc[0]);
-    free(loc[1]);
+    free(loc);
     free(h);
-    timing_free(&locate);
-    timing_free(&interpolate);
-    timing_free(&theirs);
+}
+
+static void location_times_free(struct location_times *t)
+{
+    timing_free(&t->locate);
+    timing_free(&t->interpolate);
+    timing_free(&t->peer_locate);
+    timing_free(&t->peer_interpolate);
+}
+
+/* Table 3: one scan located in another. */
+static void table3(void)
+{
+    static const double paper[][2] = {
+        {10000, 31}, {25000, 93}, {50000, 171}, {75000, 234}, {100000, 312}};
+
+    timing_head("Table 3: location (peer: CGAL, in Hilbert order)", "paper ms");
+    for (size_t i = 0; i < sizeof paper / sizeof paper[0]; i++) {
+        struct location_times t = {0};
+        char what[64];
+
+        locations((size_t)paper[i][0], &t);
+        (void)snprintf(what, sizeof what, "%.0f points", paper[i][0]);
+        timing_row(what, paper[i][1], timing_median(&t.locate),
+                   timing_median(&t.peer_locate));
+        location_times_free(&t);
+    }
+}
+
+/* Table 4: the heights of both scans at the points of the other. */
+static void table4(void)
+{
+    static const double paper[][2] = {
+        {50000, 15}, {100000, 31}, {150000, 46}, {200000, 62}};
+
+    timing_head("Table 4: interpolation both ways (peer: CGAL)", "paper ms");
+    for (size_t i = 0; i < sizeof paper / sizeof paper[0]; i++) {
+        struct location_times t = {0};
+        char what[64];
+
+        locations((size_t)paper[i][0], &t);
+        (void)snprintf(what, sizeof what, "%.0f points each", paper[i][0]);
+        timing_row(what, paper[i][1], 2 * timing_median(&t.interpolate),
+                   2 * timing_median(&t.peer_interpolate));
+        location_times_free(&t);
+    }
 }
 
 /* About as many points in all for each size; 1,000,000 points three times. */
@@ -218,7 +256,7 @@ static void triangulations(void)
         (void)snprintf(what, sizeof what, "%zu points", n);
         timing_row(what, o * 1e6 / (double)n, o, t);
         if (n == 1000000)
-            timing_target("triangulation of 1,000,000 points", o / t, 1.0, "x CGAL's");
+            timing_target("triangulation of 1,000,000 points", o / t, 0.42, "x CGAL's");
         for (size_t k = 0; k < scans; k++) {
             free(pts[k]);
             if (peer[k] != NULL)
@@ -253,19 +291,10 @@ static void memory(void)
 
 int main(void)
 {
-    static const double table3[][2] = {
-        {10000, 31}, {25000, 93}, {50000, 171}, {75000, 234}, {100000, 312}};
-    static const double table4[][2] = {
-        {50000, 15}, {100000, 31}, {150000, 46}, {200000, 62}};
-
     peers = timing_peers();
     trees();
-    timing_head("Table 3: location (peer: CGAL, with interpolation)", "paper ms");
-    for (size_t i = 0; i < sizeof table3 / sizeof table3[0]; i++)
-        locations((size_t)table3[i][0], table3[i][1], NONE);
-    timing_head("Table 4: interpolation of both functions", "paper ms");
-    for (size_t i = 0; i < sizeof table4 / sizeof table4[0]; i++)
-        locations((size_t)table4[i][0], NONE, table4[i][1]);
+    table3();
+    table4();
     triangulations();
     memory();
     scratch_free(&scratch);

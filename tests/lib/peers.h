@@ -13,15 +13,24 @@ struct peers {
     void *(*points)(const struct ivec3 *pts, size_t n);
     void (*points_free)(void *points);
 
+    /* The points put into Hilbert order: as our spanning tree, the order is made once for a
+     * cloud, and used to locate it and to merge it. */
+    void *(*queries)(const struct ivec3 *pts, size_t n);
+    void (*queries_free)(void *queries);
+
     /* CGAL::Delaunay_triangulation_2<EPICK>, by its range constructor */
     void *(*triangulate)(const void *points);
-    void *(*merge)(const void *triangulation, const void *points); /* copy, then insert */
+    /* copy, then insert each point from the one before; includes locating it */
+    void *(*merge)(const void *triangulation, const void *queries);
     size_t (*vertices)(const void *triangulation);
+    size_t (*faces)(const void *triangulation); /* without the infinite ones */
     void (*triangulation_free)(void *triangulation);
 
-    /* every point located (Hilbert order, each from the one before) and interpolated */
+    /* Every point located, each from the one before; then interpolated where it was
+     * located: height[i] at the point given as i, NAN outside the hull. */
     void *(*surface)(const struct ivec3 *pts, size_t n);
-    void (*locate)(const void *surface, const void *points, double *height);
+    void (*locate)(const void *surface, void *queries);
+    void (*interpolate)(const void *surface, const void *queries, double *height);
     void (*surface_free)(void *surface);
 
     /* Boost's minimum spanning trees of a graph given by n edges */
