@@ -1,5 +1,6 @@
-/* bench_verify.c -- one verification and its parts: loading the template, alignment from 8
- * degrees and 10 mm, the whole from bytes and points to the decision; memory of a comparison. */
+/* bench_verify.c -- one verification and its parts: loading the template, the probe's model,
+ * finding the pose from 8 degrees and 10 mm off, the decision from bytes and points; dense
+ * scans; memory of a comparison. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,13 +25,17 @@
 #define POINTS 3000
 #define ROUNDS 11
 
+#define DENSE  50000
+#define DENSES 4
+
 enum row {
     LOAD,
-    PREPARE, /* the probe: points to model */
+    PROBE, /* points to model */
+    FRAME, /* one face's canonical frame, where the search starts */
     SEARCH,
-    COMPARE, /* search, exact measure and score */
-    STORED,  /* bytes of the template, points of the probe, to the decision */
-    RAW,     /* points of both */
+    COMPARE,
+    DECIDE, /* bytes of the template, points of the probe, to the decision */
+    RAW,    /* points of both */
     PEER_ONE,
     ROWS
 };
@@ -41,18 +46,18 @@ struct pair {
     struct face tmpl, probe;
     unsigned char *blob;
     double moved[16]; /* the motion of the probe */
-    void *points;     /* the template's, for the peer */
+    double score_mm;
+    void *points; /* the template's, for the peer */
 };
 
 static const struct peers *peers;
-static struct timing row[ROWS], search_error, final_error;
+static struct timing row[ROWS];
 static struct scratch scratch;
 static struct align_work search;
 static struct frame_mean mean;
 static struct fit_basis motion;
 static struct face_work *work;
 static struct face stored, fresh, fresh2;
-static unsigned matches;
 
 static void must(enum status st)
 {
@@ -62,14 +67,14 @@ static void must(enum status st)
     exit(1);
 }
 
-static void pair_make(struct pair *p, uint64_t k)
+static void pair_make(struct pair *p, uint64_t k, size_t n)
 {
-    struct ivec3 *pts = timing_alloc(POINTS, sizeof *pts);
+    struct ivec3 *pts = timing_alloc(n, sizeof *pts);
 
-    p->tmpl_pts = timing_alloc(POINTS, sizeof *p->tmpl_pts);
-    p->probe_pts = timing_alloc(POINTS, sizeof *p->probe_pts);
-    p->n_tmpl = clouds_scan(k, 2 * k, POINTS, p->tmpl_pts);
-    p->n_probe = clouds_scan(k, 2 * k + 1, POINTS, p->probe_pts);
+    p->tmpl_pts = timing_alloc(n, sizeof *p->tmpl_pts);
+    p->probe_pts = timing_alloc(n, sizeof *p->probe_pts);
+    p->n_tmpl = clouds_scan(k, 2 * k, n, p->tmpl_pts);
+    p->n_probe = clouds_scan(k, 2 * k + 1, n, p->probe_pts);
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
     must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
     must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
@@ -80,6 +85,17 @@ static void pair_make(struct pair *p, uint64_t k)
     if (peers != NULL)
         p->points = peers->points(pts, p->n_tmpl);
     free(pts);
+}
+
+static void pair_free(struct pair *p)
+{
+    free(p->tmpl_pts);
+    free(p->probe_pts);
+    free(p->blob);
+    face_free(&p->tmpl);
+    face_free(&p->probe);
+    if (p->points != NULL)
+        peers->points_free(p->points);
 }
 
 static double lap(enum row r, double since)
@@ -113,81 +129,143 @@ static double pose_error(const struct pair *p, const double *t)
     return sqrt(sum / (double)p->n_probe);
 }
 
-static void pass(struct pair *p)
+/* The search as face_compare() starts it: from the frames of both faces. */
+static void find_pose(const struct face *tmpl, const struct face *probe,
+                      struct align_result *out)
 {
     const struct align_pose first =
-        align_pose_after(&p->tmpl.frame.pose, &p->probe.frame.pose);
-    const struct align_weight u = {mean.rigid, p->tmpl.frame.pose};
+        align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
+    const struct align_weight u = {mean.rigid, tmpl->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
+
+    must(align_search(&tmpl->surface, &probe->surface, &how, &search, out));
+}
+
+/* Every way to a pair's score must give the same digits. */
+static void same_score(const struct pair *p, const struct face_result *r)
+{
+    if (r->score_mm == p->score_mm)
+        return;
+    fprintf(stderr, "bench: scores of one pair differ: %.17g, %.17g\n", p->score_mm,
+            r->score_mm);
+    exit(1);
+}
+
+/* With a stored template. */
+static void decide(const struct pair *p)
+{
+    struct face_result r;
+
+    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    must(face_compare(&stored, &fresh, 0, NULL, work, &r));
+    same_score(p, &r);
+}
+
+/* From the points of both. */
+static void decide_raw(const struct pair *p)
+{
+    struct face_result r;
+
+    must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
+    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    must(face_compare(&fresh2, &fresh, 0, NULL, work, &r));
+    same_score(p, &r);
+}
+
+/* The pair for a part of the k-th pass: each part has another, because what the processor
+ * has learned of a pair would help whoever has it next. */
+static struct pair *turn(struct pair *pair, size_t k, enum row part)
+{
+    return &pair[(k + part * PAIRS / ROWS) % PAIRS];
+}
+
+static void pass(struct pair *pair, size_t k)
+{
+    struct pair *p = turn(pair, k, LOAD);
     struct align_result found;
     struct face_result r;
     double t = timing_now_ms();
 
     must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
     t = lap(LOAD, t);
+    p = turn(pair, k, PROBE);
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    t = lap(PREPARE, t);
-    must(align_search(&p->tmpl.surface, &p->probe.surface, &how, &search, &found));
+    t = lap(PROBE, t);
+    must(face_place(&turn(pair, k, FRAME)->probe, work));
+    t = lap(FRAME, t);
+    p = turn(pair, k, SEARCH);
+    find_pose(&p->tmpl, &p->probe, &found);
     t = lap(SEARCH, t);
+    p = turn(pair, k, COMPARE);
     must(face_compare(&p->tmpl, &p->probe, 0, NULL, work, &r));
-    (void)lap(COMPARE, t);
-    timing_add(&search_error, pose_error(p, found.transform));
-    timing_add(&final_error, pose_error(p, r.align.transform));
-    matches += r.decision == FACE_MATCH;
-
-    t = timing_now_ms();
-    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
-    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&stored, &fresh, 0, NULL, work, &r));
-    t = lap(STORED, t);
-    must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
-    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&fresh2, &fresh, 0, NULL, work, &r));
+    t = lap(COMPARE, t);
+    decide(turn(pair, k, DECIDE));
+    t = lap(DECIDE, t);
+    decide_raw(turn(pair, k, RAW));
     t = lap(RAW, t);
     if (peers != NULL) {
-        void *dt = peers->triangulate(p->points);
+        void *dt = peers->triangulate(turn(pair, k, PEER_ONE)->points);
 
         (void)lap(PEER_ONE, t);
         peers->triangulation_free(dt);
     }
 }
 
-static void line(const char *what, enum row r)
+static void line(const char *what, double ms)
 {
-    const double ms = timing_median(&row[r]), one = timing_median(&row[PEER_ONE]);
+    const double units = ms / timing_median(&row[PEER_ONE]);
 
     printf("  %-56s %9.3f", what, ms);
-    if (!isnan(one))
-        printf(" %9.2f", ms / one);
+    if (!isnan(units))
+        printf(" %9.2f", units);
     putchar('\n');
 }
 
 static void report(void)
 {
     const double one = timing_median(&row[PEER_ONE]);
+    const double load = timing_median(&row[LOAD]), probe = timing_median(&row[PROBE]);
+    const double frame = timing_median(&row[FRAME]), from = timing_median(&row[SEARCH]);
+    const double both = timing_median(&row[DECIDE]), raw = timing_median(&row[RAW]);
 
     printf("\nVerification, 3,000 against 3,000 points, 8 degrees and 10 mm off\n");
     printf("  %-56s %9s %9s\n", "", "ms", "units");
-    line("template load: bytes to validated model", LOAD);
-    line("probe: points to model", PREPARE);
-    line("alignment, search", SEARCH);
-    line("comparison: search, exact measure, score", COMPARE);
-    line("whole, template stored", STORED);
-    line("whole, both from points", RAW);
+    line("template load: bytes to validated model", load);
+    line("probe: points to model, its frame included", probe);
+    line("comparison of two models", timing_median(&row[COMPARE]));
+    line("decision, template stored: all of the above", both);
+    line("decision, from the points of both", raw);
+    line("finding the pose, template's frame stored", frame + from);
+    line("  the probe's frame (part of its model above)", frame);
+    line("  the search from both frames (part of the comparison)", from);
     printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
-           timing_median(&row[STORED]) / timing_median(&row[RAW]),
-           stored.surface.mesh.nv == 0
-               ? (size_t)0
-               : codec_size(&stored.surface.mesh) / stored.surface.mesh.nv);
-    printf("  pose error, median: %.3f mm after the search, %.3f mm at the end\n",
-           timing_median(&search_error), timing_median(&final_error));
-    printf("  matched: %u of %zu\n", matches, row[COMPARE].n);
+           both / raw, codec_size(&stored.surface.mesh) / stored.surface.mesh.nv);
+    timing_unit(one);
+    timing_target("template load", load / one, 0.06, "units");
+    timing_target("probe: points to model", probe / one, 0.8, "units");
+    timing_target("finding the pose, the frame included", (frame + from) / one, 0.7,
+                  "units");
+    timing_target("decision, template stored, in the library", both / one, 2, "units");
+}
 
-    timing_target("template load", timing_median(&row[LOAD]) / one, 0.1, "units");
-    timing_target("alignment from 8 degrees + 10 mm, search",
-                  timing_median(&row[SEARCH]) / one, 2.5, "units");
-    timing_target("  the same with the exact measure and the score",
-                  timing_median(&row[COMPARE]) / one, 4, "units");
+/* Each pair once: what is decided, and how far the pose is off. */
+static void outcome(struct pair *pair)
+{
+    struct timing error = {0};
+    unsigned matches = 0;
+
+    for (size_t k = 0; k < PAIRS; k++) {
+        struct face_result r;
+
+        must(face_compare(&pair[k].tmpl, &pair[k].probe, 0, NULL, work, &r));
+        pair[k].score_mm = r.score_mm;
+        matches += r.decision == FACE_MATCH;
+        timing_add(&error, pose_error(&pair[k], r.align.transform));
+    }
+    printf("%d mated pairs: %u match; pose error, median: %.3f mm", PAIRS, matches,
+           timing_median(&error));
+    timing_free(&error);
 }
 
 /* The pose error of scans with white noise alone: the smooth errors of two scans are a
@@ -215,11 +293,47 @@ static void white_noise_only(void)
         must(face_compare(&fresh, &fresh2, 0, NULL, work, &r));
         timing_add(&error, pose_error(&p, r.align.transform));
     }
-    printf("  pose error, median, scans with white noise alone: %.3f mm\n",
-           timing_median(&error));
+    printf(", with white noise alone %.3f mm\n", timing_median(&error));
     timing_free(&error);
     free(p.tmpl_pts);
     free(p.probe_pts);
+}
+
+/* Dense scans: the decision with the template stored, as a multiple of that for 3,000
+ * points, in turn. */
+static void dense(const struct pair *pair)
+{
+    struct pair big[DENSES] = {{0}};
+    struct timing many = {0}, few = {0};
+    double ratio;
+
+    for (size_t k = 0; k < DENSES; k++) {
+        struct face_result r;
+
+        pair_make(&big[k], PAIRS + k, DENSE);
+        must(face_compare(&big[k].tmpl, &big[k].probe, 0, NULL, work, &r));
+        big[k].score_mm = r.score_mm;
+    }
+    for (size_t k = 0; k < PAIRS; k++) {
+        timing_start(&few);
+        decide(&pair[k]);
+        timing_stop(&few);
+        if (k % 3 != 0)
+            continue;
+        timing_start(&many);
+        decide(&big[k / 3 % DENSES]);
+        timing_stop(&many);
+    }
+    ratio = timing_median(&many) / timing_median(&few);
+    printf(
+        "\n50,000 against 50,000 points, decision, template stored: %.1f ms, %.1f times "
+        "that for 3,000\n",
+        timing_median(&many), ratio);
+    timing_target("50,000 against 50,000 points", ratio, 10, "x 3,000's");
+    timing_free(&many);
+    timing_free(&few);
+    for (size_t k = 0; k < DENSES; k++)
+        pair_free(&big[k]);
 }
 
 /* Everything a comparison allocates in the steady state: both faces and the worker's memory. */
@@ -254,17 +368,18 @@ int main(void)
     must(frame_mean_make(&model_default, &scratch, &mean));
     fit_prepare(&model_default.motion, &motion);
     for (size_t k = 0; k < PAIRS; k++)
-        pair_make(&pair[k], k);
+        pair_make(&pair[k], k, POINTS);
+    outcome(pair);
+    white_noise_only();
     for (size_t k = 0; k < PAIRS; k++) /* warm-up: memory grown */
-        pass(&pair[k]);
+        pass(pair, k);
     for (size_t r = 0; r < ROWS; r++)
         row[r].n = 0;
-    search_error.n = final_error.n = matches = 0;
     for (int round = 0; round < ROUNDS; round++)
         for (size_t k = 0; k < PAIRS; k++)
-            pass(&pair[k]);
+            pass(pair, k);
     report();
-    white_noise_only();
+    dense(pair);
     memory(&pair[0]);
     return 0;
 }

@@ -109,6 +109,17 @@ void timing_row(const char *what, double first, double ms, double peer_ms)
     (void)fflush(stdout);
 }
 
+void timing_unit(double ms)
+{
+    const char *path = getenv("BENCH_UNIT");
+    FILE *f = path != NULL && !isnan(ms) ? fopen(path, "w") : NULL;
+
+    if (f == NULL)
+        return;
+    fprintf(f, "%.6f\n", ms);
+    fclose(f);
+}
+
 void timing_target(const char *what, double value, double limit, const char *unit)
 {
     const char *path = getenv("BENCH_TARGETS");

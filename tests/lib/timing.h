@@ -37,6 +37,10 @@ void *timing_alloc(size_t n, size_t size);
 void timing_head(const char *title, const char *first);
 void timing_row(const char *what, double first, double ms, double peer_ms);
 
+/* timing_unit(ms): leaves CGAL's time for one triangulation of 3,000 points in the file
+ * $BENCH_UNIT, for what scripts/bench measures itself; nothing if ms is NAN. */
+void timing_unit(double ms);
+
 /* timing_target(what, value, limit, unit): adds a row to the table of targets, which
  * scripts/bench prints at the end from the file $BENCH_TARGETS. */
 void timing_target(const char *what, double value, double limit, const char *unit);
