@@ -303,8 +303,8 @@ bool asymmetry_conclusive(const struct asymmetry *a)
 }
 
 enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
-                           struct measure_work *m, struct surface *upright,
-                           struct asymmetry *out)
+                           const struct disparity_weight *u, struct measure_work *m,
+                           struct surface *upright, struct asymmetry *out)
 {
     static const double flip[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct align_pose frame = *start;
@@ -326,7 +326,7 @@ enum status asymmetry_find(const struct surface *s, const struct align_pose *sta
             (st = measure_at(upright, upright, flip, NULL, m, &out->initial)) != ST_OK)
             break;
         if (round == ASYMMETRY_ROUNDS) {
-            st = measure_at(upright, upright, flip, NULL, m, &out->final);
+            st = measure_at(upright, upright, flip, u, m, &out->final);
             break;
         }
         st = search_plane(upright, m, round + 1 == ASYMMETRY_ROUNDS, &p, &middle, out);

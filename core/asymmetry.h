@@ -26,7 +26,8 @@ struct asymmetry {
     double offset_mm;         /* normal . p of the points p on the plane; both in the
                                  coordinates of the surface as it was given */
     struct disparity initial; /* at the starting plane */
-    struct disparity final;   /* at the corrected plane: the asymmetry is plain_mm */
+    struct disparity final;   /* at the corrected plane: the asymmetry is plain_mm, and
+                                 weighted_mm with the weight u */
     double moved_deg, moved_mm; /* from the starting plane to the final one: rotation, and
                                    shift in the middle of the surface */
     double turn_deg, shift_mm; /* standard deviations of both, by leaving out each twelfth
@@ -39,17 +40,18 @@ struct asymmetry {
  * mirror image (ASYMMETRY_MIN_OVERLAP) for its disparity to say something? */
 bool asymmetry_conclusive(const struct asymmetry *a);
 
-/* asymmetry_find(s, start, m, upright, out): the plane with the least disparity between s and
- * its mirror image.
+/* asymmetry_find(s, start, u, m, upright, out): the plane with the least disparity between s
+ * and its mirror image.
  * start    a rigid motion (mm) that brings the plane to x = 0 and the view to z, to within 15
  *          degrees and 10 mm: a face's canonical frame
+ * u        the weight of out->final, over the surface turned upright; NULL: 1 everywhere
  * upright  memory for s turned upright: empty, or a former surface
  * A surface and its mirror image have the same asymmetry to within 1 %.
  * With ALIGN_APART, or where a pose leaves the lattice, both disparities may be all zero.
  * Cost  six triangulations, two general triangulations, and up to some 100 robust sums
  *       over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
 enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
-                           struct measure_work *m, struct surface *upright,
-                           struct asymmetry *out);
+                           const struct disparity_weight *u, struct measure_work *m,
+                           struct surface *upright, struct asymmetry *out);
 
 #endif

@@ -73,6 +73,33 @@ double disparity_prism(double area, double a, double b, double c)
     return area * mean3(a, b, c) / 3;
 }
 
+/* Over a triangle with a corner alone on its side of zero, the line of zeros cuts off that
+ * corner's tip: a triangle itself, with the gap (g0, 0, 0) and u linear on it.  The integral
+ * of the product of two linear functions over a triangle is
+ *     area / 12 (sum of the one * sum of the other + sum of the products at the corners).
+ * Beyond the line the sign is the other, so |.| is the tip and, with its sign turned, the whole
+ * less the tip. */
+double disparity_prism_weighted(double area, const double gap[3], const double u[3])
+{
+    const double whole = (gap[0] + gap[1] + gap[2]) * (u[0] + u[1] + u[2]) +
+                         gap[0] * u[0] + gap[1] * u[1] + gap[2] * u[2];
+
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double g = gap[i], a = gap[j], b = gap[k];
+
+        if ((g > 0 && a <= 0 && b <= 0 && a + b < 0) ||
+            (g < 0 && a >= 0 && b >= 0 && a + b > 0)) {
+            const double s = g / (g - a), t = g / (g - b); /* the line, on both sides */
+            const double tip =
+                s * t * g * (4 * u[i] + s * (u[j] - u[i]) + t * (u[k] - u[i]));
+
+            return area / 12 * (fabs(tip) + fabs(whole - tip));
+        }
+    }
+    return area / 12 * fabs(whole);
+}
+
 /* struct disparity_vertex's gap, at a vertex that lies at loc in the other mesh. */
 static inline double told(double gap, const struct surface *other, struct location loc)
 {
@@ -92,18 +119,36 @@ void disparity_gaps(const struct surface *own, const struct surface *other,
         gap[v] = told(sign * (own->mesh.z[v] - gap[v]), other, loc[v]);
 }
 
+/* u at a's heights. */
+static void weigh(const uint32_t *b_vertex, const struct disparity_side *a,
+                  const struct disparity_side *b, const struct disparity_weight *weight,
+                  struct disparity_vertex *vertex)
+{
+    const struct mesh *ma = &a->surface->mesh, *mb = &b->surface->mesh;
+
+    for (uint32_t v = 0; v < ma->nv; v++)
+        if (isfinite(vertex[v].gap))
+            vertex[v].u = weight->at(weight->arg, ma->xy[v].x, ma->xy[v].y, ma->z[v]);
+    for (uint32_t v = 0; v < mb->nv; v++) {
+        struct disparity_vertex *const d = &vertex[b_vertex[v]];
+
+        if (b_vertex[v] >= ma->nv && isfinite(d->gap))
+            d->u = weight->at(weight->arg, mb->xy[v].x, mb->xy[v].y, mb->z[v] - d->gap);
+    }
+}
+
 static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
                  const struct disparity_side *b, struct disparity_vertex *vertex)
 {
     const struct surface *sa = a->surface, *sb = b->surface;
 
     for (uint32_t v = 0; v < sa->mesh.nv; v++)
-        vertex[v] = (struct disparity_vertex){a->gap[v], sa->spacing[v]};
+        vertex[v] = (struct disparity_vertex){a->gap[v], sa->spacing[v], 0};
     for (uint32_t v = 0; v < sb->mesh.nv; v++) {
         struct disparity_vertex *const d = &vertex[b_vertex[v]];
 
         if (b_vertex[v] >= sa->mesh.nv) {
-            *d = (struct disparity_vertex){b->gap[v], sb->spacing[v]};
+            *d = (struct disparity_vertex){b->gap[v], sb->spacing[v], 0};
         } else { /* a point of both: bridged or outside if either says so */
             d->gap = isfinite(d->gap) ? b->gap[v] : d->gap;
             d->spacing = d->spacing > sb->spacing[v] ? d->spacing : sb->spacing[v];
@@ -114,23 +159,14 @@ static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
 /* Sums over the triangles.  Areas are twice the area, whole square lattice units: all of a
  * hull's are below 2^52, so they are exact. */
 struct totals {
-    struct sum volume, weighted, weights; /* six times, six times, twice */
+    struct sum volume, weighted, weights; /* six times, twice, six times */
     double common, bridged, outside;
 };
 
-static inline double weight_at(const struct disparity_weight *weight, struct ivec2 p,
-                               struct ivec2 q, struct ivec2 r)
-{
-    return weight->at(weight->arg, ((double)p.x + (double)q.x + (double)r.x) / 3,
-                      ((double)p.y + (double)q.y + (double)r.y) / 3);
-}
-
 static struct totals add_triangles(const struct mesh *general,
-                                   const struct disparity_vertex *vertex,
-                                   const struct disparity_weight *weight,
+                                   const struct disparity_vertex *vertex, bool weighted,
                                    struct disparity *out)
 {
-    const struct ivec2 *const xy = general->xy;
     const uint32_t *const org = general->org;
     const uint32_t nv = general->nv, nh = 3 * general->nt;
     struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0};
@@ -158,11 +194,13 @@ static struct totals add_triangles(const struct mesh *general,
         t.common += area;
         volume = area * mean3(vertex[i].gap, vertex[j].gap, vertex[k].gap);
         sum_add(&t.volume, volume);
-        if (weight != NULL) {
-            const double u = weight_at(weight, xy[i], xy[j], xy[k]);
+        if (weighted) {
+            const double gap[3] = {vertex[i].gap, vertex[j].gap, vertex[k].gap};
+            const double u[3] = {(double)vertex[i].u, (double)vertex[j].u,
+                                 (double)vertex[k].u};
 
-            sum_add(&t.weighted, u * volume);
-            sum_add(&t.weights, u * area);
+            sum_add(&t.weighted, disparity_prism_weighted(area, gap, u));
+            sum_add(&t.weights, area * (u[0] + u[1] + u[2]));
         }
     }
     out->common = common;
@@ -182,7 +220,9 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
 
     memset(out, 0, sizeof *out);
     gaps(b_vertex, a, b, vertex);
-    t = add_triangles(general, vertex, weight, out);
+    if (weight != NULL)
+        weigh(b_vertex, a, b, weight, vertex);
+    t = add_triangles(general, vertex, weight != NULL, out);
     out->volume_mm3 = sum_total(&t.volume) / 6 * mm2 / per_mm;
     out->area_mm2 = 0.5 * t.common * mm2;
     out->bridged_mm2 = 0.5 * t.bridged * mm2;
@@ -194,9 +234,9 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
     if (weight != NULL) {
         const double weights = sum_total(&t.weights);
 
-        out->weight_mm2 = 0.5 * weights * mm2;
+        out->weight_mm2 = weights / 6 * mm2;
         out->weighted_mm =
-            weights > 0 ? sum_total(&t.weighted) / (3 * weights) / per_mm : 0;
+            weights > 0 ? 3 * sum_total(&t.weighted) / weights / per_mm : 0;
     }
     share = a->surface->measured > 0 ? 0.5 * t.common / a->surface->measured : 0;
     out->overlap = share < 1 ? share : 1;

@@ -33,10 +33,16 @@ struct disparity_side {
 void disparity_gaps(const struct surface *own, const struct surface *other,
                     const struct location *loc, bool above, double *gap);
 
-/* u(x, y) of definition (1), in lattice units; taken at each triangle's centroid.  Finite and
- * not negative; it may depend on nothing but arg and the point. */
+/* disparity_prism_weighted(area, gap, u): the integral of u |gap| over a triangle of the given
+ * area, u (not negative) and the signed gap linear between their values at the corners:
+ * definition (1) in closed form, where the sign of the gap changes too. */
+double disparity_prism_weighted(double area, const double gap[3], const double u[3]);
+
+/* u(x, y) of definition (1), taken at each vertex of the general triangulation and linear
+ * between them: at (x, y), where surface a has the height z; lattice units.  Finite and not
+ * negative; it may depend on nothing but arg and the point. */
 struct disparity_weight {
-    double (*at)(const void *arg, double x, double y);
+    float (*at)(const void *arg, double x, double y, double z);
     const void *arg;
 };
 
@@ -45,6 +51,7 @@ struct disparity_vertex {
     double gap;    /* height of b minus height of a, lattice units; NAN outside a hull,
                       else INFINITY where a surface only bridges missing points */
     float spacing; /* of the surface that the vertex is from; of both, the larger */
+    float u;       /* the weight; 0 without a finite gap, or without a weight */
 };
 
 enum disparity_kind { DISPARITY_COMMON, DISPARITY_BRIDGED, DISPARITY_OUTSIDE };
@@ -75,8 +82,8 @@ struct disparity {
     double volume_mm3;  /* sum of |gap| over the common triangles, u = 1 */
     double area_mm2;    /* their area */
     double plain_mm;    /* volume / area; 0 when the area is 0 */
-    double weighted_mm; /* sum of u |gap| / sum of u over the same triangles, or 0 */
-    double weight_mm2; /* sum of u over the common triangles; area_mm2 without a weight */
+    double weighted_mm; /* integral of u |gap| over that of u, over the same; or 0 */
+    double weight_mm2;  /* the integral of u; area_mm2 without a weight */
     double overlap;    /* area over a's measured area, 0..1 */
     double bridged_mm2; /* area left out because a surface only bridges missing points */
     double outside_mm2; /* area of the triangles not wholly inside both hulls */

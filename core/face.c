@@ -282,6 +282,16 @@ enum status face_minimal(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
+enum status face_weigh(const struct face *tmpl, const struct face *probe,
+                       struct face_work *w, struct minimal *least)
+{
+    const struct score_weight u = {w->model->weight, tmpl->frame.pose};
+
+    return measure_at(&tmpl->surface, &probe->surface, least->transform,
+                      &(struct disparity_weight){score_weight_at, &u}, &w->measure,
+                      &least->disparity);
+}
+
 enum status face_field(const struct face *tmpl, const struct face *probe,
                        const double transform[16], struct face_work *w,
                        struct face_field *out)
@@ -307,5 +317,10 @@ enum status face_field(const struct face *tmpl, const struct face *probe,
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out)
 {
-    return asymmetry_find(&f->surface, &f->frame.pose, &w->measure, &w->upright, out);
+    static const struct align_pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct score_weight u = {w->model->weight, upright};
+
+    return asymmetry_find(&f->surface, &f->frame.pose,
+                          &(struct disparity_weight){score_weight_at, &u}, &w->measure,
+                          &w->upright, out);
 }

@@ -111,6 +111,12 @@ enum status face_minimal(const struct face *tmpl, const struct face *probe,
                          const double transform[16], double (*clock_ms)(void),
                          struct face_work *w, struct minimal *out);
 
+/* face_weigh(tmpl, probe, w, least): least->disparity.weighted_mm and weight_mm2 by the
+ * learned u of w's model, at the pose that face_minimal() found.  The cost of a measure.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status face_weigh(const struct face *tmpl, const struct face *probe,
+                       struct face_work *w, struct minimal *least);
+
 /* face_place(f, w): find f->frame by the mean face of w's model.  ST_OK, ST_ENOMEM. */
 enum status face_place(struct face *f, struct face_work *w);
 

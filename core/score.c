@@ -3,7 +3,19 @@
 #include <math.h>
 #include <string.h>
 
+#include "lattice.h"
 #include "tuning.h"
+
+float score_weight_at(const void *arg, double x, double y, double z)
+{
+    const struct score_weight *w = arg;
+    const double mm = 1 / LATTICE_PER_MM;
+    const struct dvec3 q =
+        align_pose_apply(&w->frame, (struct dvec3){mm * x, mm * y, mm * z});
+    const uint32_t i = grid_cell(q.x, q.y);
+
+    return i == GRID_NONE ? 0 : w->u[i];
+}
 
 /* The blur: a Gaussian of one cell, cut off at three. */
 #define BLUR 3

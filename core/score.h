@@ -11,10 +11,20 @@
  * What each part brings: docs/accuracy.md. */
 #ifndef CORE_SCORE_H
 #define CORE_SCORE_H
+#include "align_pose.h"
 #include "cells.h"
 #include "fit.h"
 #include "grid.h"
 #include "model.h"
+
+/* The learned u as a weight of the papers' measure (struct disparity_weight): arg is a struct
+ * score_weight, the place (lattice units) one of the surface whose frame it has; 0 off the
+ * grid. */
+struct score_weight {
+    const float *u;          /* [GRID_N] */
+    struct align_pose frame; /* surface -> canonical frame */
+};
+float score_weight_at(const void *arg, double x, double y, double z);
 
 struct score {
     double mm;        /* the score */

@@ -13,6 +13,7 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
     (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
                  a->final.volume_mm3, a->final.area_mm2,
                  asymmetry_conclusive(a) ? "" : ", of too little to say");
+    (void)printf("weighted     %.3f mm, by the learned weight\n", a->final.weighted_mm);
     (void)printf(
         "first        %.3f mm before the plane was corrected, by %.2f degrees and "
         "%.2f mm\n",

@@ -164,40 +164,40 @@ static void figures(const struct lab *lab, struct face_work *w)
 
 /* ---- the weight: examples, in the template's coordinates (nose tip near the origin) */
 
-static double one(const void *arg, double x, double y)
+static float one(const void *arg, double x, double y, double z)
 {
-    (void)arg, (void)x, (void)y;
+    (void)arg, (void)x, (void)y, (void)z;
     return 1;
 }
 
-static double seven(const void *arg, double x, double y)
+static float seven(const void *arg, double x, double y, double z)
 {
-    return 7 * one(arg, x, y);
+    return 7 * one(arg, x, y, z);
 }
 
-static double nose(const void *arg, double x, double y)
+static float nose(const void *arg, double x, double y, double z)
 {
     const double u = x / LATTICE_PER_MM / 18, v = (y / LATTICE_PER_MM - 15) / 30;
 
-    (void)arg;
-    return exp(-(u * u + v * v) / 2);
+    (void)arg, (void)z;
+    return (float)exp(-(u * u + v * v) / 2);
 }
 
-static double upper(const void *arg, double x, double y)
+static float upper(const void *arg, double x, double y, double z)
 {
-    (void)arg, (void)x;
-    return y > -8 * LATTICE_PER_MM ? 1 : 0.02;
+    (void)arg, (void)x, (void)z;
+    return y > -8 * LATTICE_PER_MM ? 1 : 0.02F;
 }
 
-static double lower(const void *arg, double x, double y)
+static float lower(const void *arg, double x, double y, double z)
 {
-    (void)arg, (void)x;
-    return y > -8 * LATTICE_PER_MM ? 0.02 : 1;
+    (void)arg, (void)x, (void)z;
+    return y > -8 * LATTICE_PER_MM ? 0.02F : 1;
 }
 
-static double left(const void *arg, double x, double y)
+static float left(const void *arg, double x, double y, double z)
 {
-    (void)arg, (void)y;
+    (void)arg, (void)y, (void)z;
     return x < 0 ? 1 : 0;
 }
 
@@ -206,7 +206,7 @@ static void weights(const struct lab *lab, struct face_work *w)
 {
     static const struct {
         const char *name;
-        double (*at)(const void *arg, double x, double y);
+        float (*at)(const void *arg, double x, double y, double z);
     } u[] = {
         {"u = 1", one},
         {"u = 7: the same mean; the volume times 7", seven},

@@ -139,6 +139,7 @@ void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct 
 {
     json_flag(j, "conclusive", asymmetry_conclusive(a));
     json_number(j, "plain_mm", a->final.plain_mm);
+    json_number(j, "weighted_mm", a->final.weighted_mm);
     json_number(j, "first_mm", a->initial.plain_mm);
     json_extent(j, "volume_mm3", a->final.volume_mm3);
     json_extent(j, "overlap_mm2", a->final.area_mm2);

@@ -30,6 +30,8 @@ body "no more than the scanner's error" '.plain_mm < 0.3 and .plain_mm <= .first
 body "the plane is where the head was turned to" '.plane | .stop == "converged" and
     .normal[0] > 0.97 and (.normal[1] + 0.105 | fabs) < 0.01 and
     (.normal[2] + 0.156 | fabs) < 0.01 and .turn_deg < 0.5 and .shift_mm < 0.5'
+body "by the learned weight" '.weighted_mm > 0 and .weighted_mm < 0.3 and
+    .weighted_mm != .plain_mm'
 body "volume over area" '.volume_mm3 / .overlap_mm2 / .plain_mm - 1 | fabs < 1e-3'
 without_times "$T/body" >"$T/even.http"
 asymmetry "$T/even.xyz"
@@ -42,7 +44,7 @@ body "an asymmetric face" '.plain_mm > 0.6 and .plain_mm < 2'
 send POST /v1/asymmetry "$JSON" "$T/odder.json"
 body "twice the asymmetry: about two times ${odd} mm" ".plain_mm / $odd | . > 1.5 and . < 2.1"
 "$BUILD/surfacectl" asymmetry "$T/odd.xyz" >"$T/text"
-is "as text" "$? $(grep -cE '^(asymmetry|first|common|plane|scan) ' "$T/text")" "0 5"
+is "as text" "$? $(grep -cE '^(asymmetry|weighted|first|common|plane|scan) ' "$T/text")" "0 6"
 
 asymmetry "$T/half.xyz"
 is "half a face: exit" "$CODE $(get .conclusive)" "2 false"

@@ -47,7 +47,7 @@ static struct asymmetry find(const struct dvec3 *p, uint32_t n)
     struct asymmetry out;
 
     toy_surface(p, n, &made);
-    assert_int_equal(asymmetry_find(&made, &still, &m, &upright, &out), ST_OK);
+    assert_int_equal(asymmetry_find(&made, &still, NULL, &m, &upright, &out), ST_OK);
     measure_work_free(&m);
     surface_free(&upright);
     return out;

@@ -596,22 +596,29 @@ static void test_compensated(void **state)
 
 /* ---- weights */
 
-static double even(const void *arg, double x, double y)
+static float even(const void *arg, double x, double y, double z)
 {
-    return *(const double *)arg + 0 * (x + y);
+    (void)x, (void)y, (void)z;
+    return *(const float *)arg;
 }
 
-static double right(const void *arg, double x, double y)
+static float right(const void *arg, double x, double y, double z)
 {
-    (void)arg;
-    (void)y;
+    (void)arg, (void)y, (void)z;
     return x > 6 ? 1 : 0;
 }
 
-static double rising(const void *arg, double x, double y)
+static float rising(const void *arg, double x, double y, double z)
 {
-    (void)arg;
-    return x + 2 * y;
+    (void)arg, (void)z;
+    return (float)(x + 2 * y);
+}
+
+/* Of surface a, whichever the vertex is from. */
+static float high(const void *arg, double x, double y, double z)
+{
+    (void)arg, (void)x, (void)y;
+    return z == 0 ? 2 : 1e6F;
 }
 
 static int32_t step(int32_t x, int32_t y)
@@ -621,9 +628,10 @@ static int32_t step(int32_t x, int32_t y)
 
 static void test_weight(void **state)
 {
-    const double three = 3, none = 0;
+    const float three = 3, none = 0;
     const struct disparity_weight all = {even, &three}, nothing = {even, &none};
     const struct disparity_weight half = {right, NULL}, tilted = {rising, NULL};
+    const struct disparity_weight at_a = {high, NULL};
     struct both *p = compare(square(pts_a, level), square(pts_b, step), false);
     const double plain = p->d.plain_mm, volume = p->d.volume_mm3;
 
@@ -636,11 +644,16 @@ static void test_weight(void **state)
     assert_true(p->d.plain_mm == plain && p->d.volume_mm3 == volume);
     measure(p, &nothing, 1);
     assert_true(p->d.weighted_mm == 0 && p->d.plain_mm == plain);
-    measure(p, &half, 1); /* the centroid of the right cell alone lies beyond x = 6 */
-    assert_true(close_to(p->d.weighted_mm, 70 / 3.0));
-    measure(p, &tilted, 1); /* at (6, 2) (6, 10) (10, 6) (2, 6) */
-    assert_true(
-        close_to(p->d.weighted_mm, (10 * 50 + 26 * 50 + 22 * 70 + 14 * 30) / (3.0 * 72)));
+    /* By the integral of the product of two linear functions: over 36 / 12 of a cell the
+     * product of the sums and the sum of the products at its corners. */
+    measure(p, &half, 1); /* 1 at (12, 0) and (12, 12) */
+    assert_true(close_to(p->d.weighted_mm, 3.0 * (80 + 80 + 200) / 48));
+    assert_true(close_to(p->d.weight_mm2, 48));
+    measure(p, &tilted, 1); /* 0, 12, 36, 24 at the corners, 18 in the middle */
+    assert_true(close_to(p->d.weighted_mm, 3.0 * (2040 + 6240 + 5400 + 1680) / 2592));
+    measure(p, &at_a, 1);
+    assert_true(close_to(p->d.weighted_mm, plain));
+    assert_true(close_to(p->d.weight_mm2, 2 * p->d.area_mm2));
     drop(p);
 }
 

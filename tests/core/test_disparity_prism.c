@@ -84,12 +84,79 @@ static void test_cell_symmetries(void **state)
     }
 }
 
+/* The integral of u |gap| by quadrature: the rule at the middles of the sides is exact for the
+ * product of two linear functions; pieces in which the gap changes its sign are cut in four
+ * again and again. */
+static double quadrature(const double gap[3], const double u[3], int depth)
+{
+    double sum = 0;
+
+    if (depth == 0 || (gap[0] >= 0 && gap[1] >= 0 && gap[2] >= 0) ||
+        (gap[0] <= 0 && gap[1] <= 0 && gap[2] <= 0)) {
+        for (int i = 0; i < 3; i++) {
+            const int j = (i + 1) % 3;
+
+            sum += (u[i] + u[j]) / 2 * fabs(gap[i] + gap[j]) / 2;
+        }
+        return sum / 3;
+    }
+    for (int part = 0; part < 4; part++) {
+        double g[3], w[3];
+
+        for (int i = 0; i < 3; i++) { /* the last piece is the one in the middle */
+            const int a = part < 3 ? part : (i + 1) % 3, b = part < 3 ? i : (i + 2) % 3;
+
+            g[i] = (gap[a] + gap[b]) / 2;
+            w[i] = (u[a] + u[b]) / 2;
+        }
+        sum += quadrature(g, w, depth - 1);
+    }
+    return sum / 4;
+}
+
+static void test_weighted_by_quadrature(void **state)
+{
+    struct brute_rng r = {seed + 2};
+
+    (void)state;
+    for (int round = 0; round < 300; round++) {
+        double gap[3], u[3], want;
+
+        for (int i = 0; i < 3; i++) {
+            gap[i] = brute_real(&r) - 0.5;
+            u[i] = round % 5 == 0 ? (i == round % 3) : brute_real(&r);
+        }
+        if (round % 4 == 0)
+            gap[round % 3] = 0;
+        want = 3 * quadrature(gap, u, 16);
+        assert_true(fabs(disparity_prism_weighted(3, gap, u) - want) <= 1e-9 * want);
+    }
+}
+
+static void test_weighted_by_hand(void **state)
+{
+    const double crossed[] = {1, -1, 1}, touching[] = {0, 0, 3}, none[] = {0, 0, 0};
+    const double even[] = {2, 2, 2}, tip[] = {0, 1, 0};
+
+    (void)state;
+    assert_true(disparity_prism_weighted(6, crossed, even) ==
+                6); /* twice (e) (f) above */
+    assert_true(disparity_prism_weighted(6, touching, even) == 12);
+    assert_true(disparity_prism_weighted(6, none, even) == 0);
+    assert_true(disparity_prism_weighted(6, touching, tip) == 1.5); /* 6 / 12 * 3 * 1 */
+    /* u is 1 at the corner below zero and 1/2 along the line: over the tip, a quarter of the
+     * area, 6 / 12 / 4 * (1 * 2 + 1); over all 6 / 12 * (1 * 1 - 1) = 0: beyond it as much. */
+    assert_true(disparity_prism_weighted(6, crossed, tip) == 2 * 3.0 / 8);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cell_by_hand),
         cmocka_unit_test(test_cell_by_overlay),
         cmocka_unit_test(test_cell_symmetries),
+        cmocka_unit_test(test_weighted_by_quadrature),
+        cmocka_unit_test(test_weighted_by_hand),
     };
 
     seed = brute_seed("test_disparity_prism");

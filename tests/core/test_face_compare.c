@@ -15,6 +15,7 @@
 #include "fail_alloc.h"
 #include "heatmap.h"
 #include "lattice.h"
+#include "measure.h"
 #include "minimal.h"
 #include "model.h"
 #include "tuning.h"
@@ -122,6 +123,57 @@ static void test_identity(void **state)
         }
         assert_true(far < 0.3);
     }
+    face_free(&a);
+    face_free(&b);
+}
+
+/* The weighted disparity is that of the model's u at the template's surface, taken in its
+ * canonical frame; the plain one has the same digits with and without a weight. */
+static void test_weigh(void **state)
+{
+    struct measure_work m = {0};
+    struct face a = {0}, b = {0};
+    struct face_result r;
+    struct minimal least, weighed;
+    struct disparity plain;
+    double sum = 0, weights = 0;
+
+    (void)state;
+    make(3, 0, &a);
+    make(3, 1, &b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_int_equal(face_minimal(&a, &b, r.align.transform, NULL, work, &least), ST_OK);
+    weighed = least;
+    assert_int_equal(face_weigh(&a, &b, work, &weighed), ST_OK);
+    assert_true(weighed.disparity.plain_mm == least.disparity.plain_mm);
+    assert_int_equal(
+        measure_at(&a.surface, &b.surface, least.transform, NULL, &m, &plain), ST_OK);
+    for (uint32_t h = 0; h < 3 * m.general.nt; h += 3) {
+        double gap[3], u[3], twice;
+
+        if (mesh_is_ghost(&m.general, h / 3) ||
+            disparity_kind(&m.general, m.vertex, h, &twice) != DISPARITY_COMMON)
+            continue;
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t v = m.general.org[h + i];
+            const double z = /* the template's, whichever surface the vertex is from */
+                m.general.z[v] - (v < a.surface.mesh.nv ? 0 : m.vertex[v].gap);
+            const double *t = a.frame.pose.r, *s = a.frame.pose.t;
+            const struct dvec3 p = {m.general.xy[v].x / LATTICE_PER_MM,
+                                    m.general.xy[v].y / LATTICE_PER_MM,
+                                    z / LATTICE_PER_MM};
+            const uint32_t cell = grid_cell(t[0] * p.x + t[1] * p.y + t[2] * p.z + s[0],
+                                            t[3] * p.x + t[4] * p.y + t[5] * p.z + s[1]);
+
+            gap[i] = m.vertex[v].gap / LATTICE_PER_MM;
+            u[i] = cell == GRID_NONE ? 0 : (double)model_default.weight[cell];
+        }
+        sum += disparity_prism_weighted(twice, gap, u);
+        weights += twice * (u[0] + u[1] + u[2]) / 3;
+    }
+    assert_true(fabs(weighed.disparity.weighted_mm - sum / weights) < 1e-9);
+    assert_true(fabs(sum / weights - least.disparity.plain_mm) > 1e-3);
+    measure_work_free(&m);
     face_free(&a);
     face_free(&b);
 }
@@ -398,11 +450,12 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identity),     cmocka_unit_test(test_mated_and_not),
-        cmocka_unit_test(test_determinism),  cmocka_unit_test(test_threshold),
-        cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_clock),
-        cmocka_unit_test(test_field),        cmocka_unit_test(test_heatmap),
-        cmocka_unit_test(test_heatmap_rim),  cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_identity),      cmocka_unit_test(test_weigh),
+        cmocka_unit_test(test_mated_and_not), cmocka_unit_test(test_determinism),
+        cmocka_unit_test(test_threshold),     cmocka_unit_test(test_inconclusive),
+        cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
+        cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
+        cmocka_unit_test(test_no_memory),
     };
     int failed;
 
