@@ -57,6 +57,15 @@ check_unfinished() {
         scripts/test scripts/setup README.md
 }
 
+# README.md quotes benchmarks of the run that docs/benchmarks.md shows.
+check_quoted() {
+    awk 'FNR == NR { run[$0] = 1; next }
+        /^<!-- lines of docs\/benchmarks.md/ { inside = 1; next }
+        inside && /^$/ { exit }
+        inside { n++; if (!($0 in run)) { print FILENAME ": not in the run: " $0; bad = 1 } }
+        END { exit bad || n == 0 }' docs/benchmarks.md README.md
+}
+
 # -Wno-sign-conversion, because clang also reports an int passed for an enum; gcc checks the
 # sign conversions.
 clang_all() {
@@ -71,6 +80,7 @@ shell_all() {
 check "each header compiles alone" scripts/check_headers.sh
 check "symbols begin with their file's name" scripts/check_symbols.sh
 check "dependencies: nothing points up" scripts/check_deps.sh
+check "README quotes docs/benchmarks.md" check_quoted
 check "no overlong file or function" check_length
 check "nothing unfinished" check_unfinished
 check "no warning from clang at -O0" clang_all
