@@ -8,6 +8,7 @@
 #include "mem.h"
 #include "mst.h"
 #include "numbered.h"
+#include "repair.h"
 #include "spikes.h"
 
 /* s's arrays in block for n points; returns the bytes needed. */
@@ -65,20 +66,46 @@ enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
     return st;
 }
 
+/* The points of `from`, moved, become those of m. */
+static enum status place(const struct mesh *from, const double transform[16],
+                         struct mesh *m)
+{
+    for (uint32_t v = 0; v < from->nv; v++) {
+        const struct dvec3 p =
+            vec_transform(transform, lattice_to_mm(from->xy[v], from->z[v]));
+        struct ivec3 q;
+
+        if (lattice_from_mm(&p, 1, LATTICE_PER_MM, &q, NULL) != ST_OK)
+            return ST_ERANGE;
+        m->xy[v] = (struct ivec2){q.x, q.y};
+        m->z[v] = q.z;
+    }
+    return ST_OK;
+}
+
+/* m's points are triangulated anew. */
+static enum status rebuild(struct mesh *m, struct scratch *pts, struct scratch *s)
+{
+    const size_t n = m->nv;
+    struct ivec3 *p = scratch_need(pts, 2 * n * sizeof *p);
+
+    if (p == NULL)
+        return ST_ENOMEM;
+    for (size_t v = 0; v < n; v++)
+        p[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
+    return numbered_build(p, n, s, m);
+}
+
 enum status surface_move(const struct surface *from, const double transform[16],
                          struct scratch *pts, struct scratch *s, struct surface *out)
 {
     const struct mesh *m = &from->mesh;
-    struct ivec3 *moved = scratch_need(pts, 2 * (size_t)m->nv * sizeof *moved);
-    enum status st = moved == NULL ? ST_ENOMEM : ST_OK;
+    enum status st = mesh_copy(&out->mesh, m, 0);
 
-    for (uint32_t v = 0; st == ST_OK && v < m->nv; v++) {
-        const struct dvec3 p = vec_transform(transform, lattice_to_mm(m->xy[v], m->z[v]));
-
-        st = lattice_from_mm(&p, 1, LATTICE_PER_MM, &moved[v], NULL);
-    }
     if (st == ST_OK)
-        st = numbered_build(moved, m->nv, s, &out->mesh);
+        st = place(m, transform, &out->mesh);
+    if (st == ST_OK && (st = repair_mesh(&out->mesh, s)) == ST_ELIMIT)
+        st = rebuild(&out->mesh, pts, s);
     if (st == ST_OK)
         st = reserve(out, m->nv);
     if (st != ST_OK) {

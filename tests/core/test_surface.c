@@ -143,6 +143,10 @@ static void test_move(void **state)
     assert_true(moved.measured == s.measured);
     assert_int_equal(surface_move(&s, aside, &points, &scratch, &moved), ST_OK);
     assert_int_equal(check_moved(&s, &moved, aside), 0);
+    fail_alloc_at(0);
+    assert_int_equal(surface_move(&s, mirror, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
+    assert_int_equal(fail_alloc_count(), 0); /* each way has its memory by now */
     surface_free(&s);
     surface_free(&moved);
 }

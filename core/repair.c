@@ -1,0 +1,321 @@
+/* repair.c -- vertices of overturned triangles are taken out until none is overturned, edges
+ * are flipped until all circles are empty, and the vertices are inserted again.
+ * Flips alone cannot do it: where a triangle is overturned, an edge that must go may be the
+ * side of no convex quadrangle.  After the first step all triangles are counter-clockwise.
+ * If the hull, too, turns one way and once, they cover it once (the number of triangles over
+ * a point is the winding number of the hull about it), so they are a triangulation. */
+#include "repair.h"
+
+#include <stdbool.h>
+
+#include "flips.h"
+#include "mem.h"
+#include "mesh.h"
+#include "predicates.h"
+#include "tuning.h"
+
+/* Room on the stack, a point: find_edges() needs 3, and leaves as many as there may be flips
+ * at most, each of which adds 3. */
+#define REPAIR_STACK (4 * REPAIR_FLIPS)
+_Static_assert(REPAIR_STACK >= 3, "each edge once");
+
+struct taken {
+    uint32_t v;
+    uint32_t beside; /* a neighbour that it had */
+};
+
+struct repair {
+    struct mesh *m;
+    struct flips flips;
+    uint32_t *stack; /* triangles, later edges, that are to be looked at */
+    size_t count, most;
+    struct taken *taken; /* vertices taken out, in this order */
+    uint32_t gone, gone_most;
+};
+
+static bool overturned(const struct mesh *m, uint32_t t)
+{
+    const uint32_t a = m->org[3 * t], b = m->org[3 * t + 1], c = m->org[3 * t + 2];
+
+    if (__builtin_expect((a == m->nv) | (b == m->nv) | (c == m->nv), 0))
+        return false;
+    return orient2d(m->xy[a], m->xy[b], m->xy[c]) <= 0;
+}
+
+/* A vertex whose removal may turn the triangle back: the one that faces its longest side. */
+static uint32_t culprit(const struct mesh *m, uint32_t t)
+{
+    int64_t longest = -1;
+    uint32_t v = 0;
+
+    for (uint32_t h = 3 * t; h < 3 * t + 3; h++) {
+        const struct ivec2 a = m->xy[m->org[h]], b = m->xy[mesh_dest(m, h)];
+        const int64_t dx = b.x - a.x, dy = b.y - a.y, length = dx * dx + dy * dy;
+
+        if (length > longest) {
+            longest = length;
+            v = m->org[mesh_prev(h)];
+        }
+    }
+    return v;
+}
+
+/* Around a vertex: its half-edges, counter-clockwise. */
+struct ring {
+    uint32_t h[REPAIR_RING];
+    uint32_t n;
+};
+
+/* How good is it to cut off the i-th neighbour?  3: the triangle that it makes with its own
+ * neighbours is counter-clockwise, and no other neighbour lies in it; 2: it is a hull edge's
+ * ghost; 1: it is counter-clockwise; 0: nothing of that. */
+static int merit(const struct mesh *m, const struct ring *r, uint32_t i)
+{
+    const uint32_t a = mesh_dest(m, r->h[(i + r->n - 1) % r->n]);
+    const uint32_t b = mesh_dest(m, r->h[i]);
+    const uint32_t c = mesh_dest(m, r->h[(i + 1) % r->n]);
+    const struct ivec2 *xy = m->xy;
+
+    if (b == m->nv)
+        return 0;
+    if (a == m->nv || c == m->nv)
+        return 2;
+    if (orient2d(xy[a], xy[b], xy[c]) <= 0)
+        return 0;
+    for (uint32_t k = 0; k < r->n; k++) {
+        const uint32_t w = mesh_dest(m, r->h[k]);
+
+        if (w != a && w != b && w != c && w != m->nv &&
+            orient2d(xy[a], xy[b], xy[w]) >= 0 && orient2d(xy[b], xy[c], xy[w]) >= 0 &&
+            orient2d(xy[c], xy[a], xy[w]) >= 0)
+            return 1;
+    }
+    return 3;
+}
+
+/* Cut off the neighbours of a vertex until three are left. */
+static bool reduce(struct repair *r, struct ring *ring)
+{
+    struct mesh *m = r->m;
+
+    while (ring->n > 3) {
+        uint32_t best = 0, flipped;
+        int most = -1;
+
+        for (uint32_t i = 0; i < ring->n && most < 3; i++) {
+            const int is = merit(m, ring, i);
+
+            if (is > most) {
+                most = is;
+                best = i;
+            }
+        }
+        flipped = ring->h[best];
+        if (m->org[mesh_prev(flipped)] == m->org[mesh_prev(m->twin[flipped])])
+            return false;
+        flips_flip(m, flipped); /* now leads to the neighbour before */
+        r->stack[r->count++] = m->twin[mesh_next(flipped)] / 3;
+        ring->h[(best + ring->n - 1) % ring->n] = flipped;
+        ring->n--;
+        for (uint32_t i = best; i < ring->n; i++)
+            ring->h[i] = ring->h[i + 1];
+    }
+    return true;
+}
+
+/* The last triangle takes the place of t, which is no longer needed. */
+static void fill(struct repair *r, uint32_t t)
+{
+    struct mesh *m = r->m;
+    const uint32_t last = --m->nt;
+
+    if (t == last)
+        return;
+    for (uint32_t i = 0; i < 3; i++) {
+        m->org[3 * t + i] = m->org[3 * last + i];
+        flips_link(m, 3 * t + i, m->twin[3 * last + i]);
+        m->out[m->org[3 * t + i]] = 3 * t + i;
+    }
+    r->stack[r->count++] = t;
+}
+
+/* Take out v: three triangles become one.  False: give up. */
+static bool take_out(struct repair *r, uint32_t v)
+{
+    struct mesh *m = r->m;
+    const uint32_t first = m->out[v];
+    struct ring ring = {.n = 0};
+    uint32_t h = first, edge[3], beyond[3], t[3], p[3];
+
+    do {
+        if (ring.n == REPAIR_RING)
+            return false;
+        ring.h[ring.n++] = h;
+        h = mesh_turn(m, h);
+    } while (h != first);
+    if (ring.n < 3 || r->gone == r->gone_most || r->count + ring.n + 3 > r->most ||
+        !reduce(r, &ring))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        edge[i] = mesh_next(ring.h[i]);
+        beyond[i] = m->twin[edge[i]];
+        t[i] = edge[i] / 3;
+    }
+    for (int i = 0; i < 3; i++)
+        if (beyond[i] / 3 == t[0] || beyond[i] / 3 == t[1] || beyond[i] / 3 == t[2])
+            return false;
+    for (int i = 0; i < 3; i++)
+        p[i] = m->org[edge[i]];
+    r->taken[r->gone++] = (struct taken){v, p[0] != m->nv ? p[0] : p[1]};
+    for (uint32_t i = 0; i < 3; i++) { /* the first of them becomes the whole */
+        m->org[3 * t[0] + i] = p[i];
+        m->out[p[i]] = 3 * t[0] + i;
+        flips_link(m, 3 * t[0] + i, beyond[i]);
+    }
+    r->stack[r->count++] = t[0];
+    fill(r, t[1] > t[2] ? t[1] : t[2]);
+    fill(r, t[1] > t[2] ? t[2] : t[1]);
+    return true;
+}
+
+/* Take out vertices until no triangle is overturned. */
+static bool turn_back(struct repair *r)
+{
+    struct mesh *m = r->m;
+
+    for (uint32_t t = 0; t < m->nt && r->count <= r->gone_most; t++) {
+        r->stack[r->count] = t;
+        r->count += overturned(m, t);
+    }
+    if (r->count > r->gone_most)
+        return false;
+    while (r->count > 0) {
+        const uint32_t t = r->stack[--r->count];
+
+        if (t < m->nt && overturned(m, t) && !take_out(r, culprit(m, t)))
+            return false;
+    }
+    return true;
+}
+
+static bool upwards(struct ivec2 a, struct ivec2 b)
+{
+    return b.y > a.y || (b.y == a.y && b.x > a.x);
+}
+
+/* Does the hull, which turns nowhere to the left, go round once? */
+static bool hull_goes_round_once(const struct mesh *m)
+{
+    const uint32_t first = m->out[m->nv];
+    uint32_t h = first, rounds = 0;
+
+    do { /* from the ghost to the corners of the hull, clockwise */
+        const uint32_t next = mesh_turn(m, h), after = mesh_turn(m, next);
+        const struct ivec2 a = m->xy[mesh_dest(m, h)], b = m->xy[mesh_dest(m, next)],
+                           c = m->xy[mesh_dest(m, after)];
+
+        if (orient2d(a, b, c) == 0 && upwards(a, b) != upwards(b, c))
+            return false;
+        rounds += !upwards(a, b) && upwards(b, c);
+        h = next;
+    } while (h != first);
+    return rounds == 1;
+}
+
+/* Put the edges without an empty circle on the stack; false when they are too many.  Which
+ * edges these are cannot be predicted, so both loops go without branches on it. */
+static bool find_edges(struct repair *r)
+{
+    const struct mesh *m = r->m;
+    const struct ivec2 *xy = m->xy;
+    size_t edges = 0;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++) { /* each edge once */
+        r->stack[edges] = h;
+        edges += h < m->twin[h];
+    }
+    r->count = 0;
+    for (size_t i = 0; i < edges; i++) {
+        const uint32_t h = r->stack[i];
+        const uint32_t a = m->org[h], b = mesh_dest(m, h), c = m->org[mesh_prev(h)];
+        const uint32_t d = m->org[mesh_prev(m->twin[h])];
+        bool must;
+
+        if (__builtin_expect((a == m->nv) | (b == m->nv) | (c == m->nv) | (d == m->nv),
+                             0))
+            must = c != m->nv && flips_must(m, m->nv, h, xy[c]);
+        else
+            must = incircle(xy[a], xy[b], xy[c], xy[d]);
+        r->stack[r->count] = h;
+        r->count += must;
+    }
+    return r->count <= r->flips.limit;
+}
+
+/* Flip until all circles are empty. */
+static bool flip_all(struct repair *r)
+{
+    struct mesh *m = r->m;
+
+    while (r->count > 0) {
+        const uint32_t h = r->stack[--r->count], twin = m->twin[h];
+        const uint32_t q = m->org[mesh_prev(h)];
+
+        if (q == m->nv || !flips_must(m, m->nv, h, m->xy[q]))
+            continue;
+        if (r->flips.work++ == r->flips.limit)
+            return false;
+        flips_flip(m, h);
+        r->stack[r->count++] = h; /* the sides of the quadrangle */
+        r->stack[r->count++] = mesh_prev(h);
+        r->stack[r->count++] = twin;
+        r->stack[r->count++] = mesh_prev(twin);
+    }
+    return true;
+}
+
+/* Insert the vertices taken out again, the last first: its neighbour is there. */
+static bool put_back(struct repair *r)
+{
+    struct mesh *m = r->m;
+
+    while (r->gone > 0) {
+        const struct taken k = r->taken[--r->gone];
+        const struct ivec2 q = m->xy[k.v];
+        uint32_t he = m->out[k.beside];
+        bool on_edge;
+
+        if (!flips_find(&r->flips, &he, q, &on_edge))
+            return false;
+        for (int i = 0; i < 3 && on_edge; i++, he = mesh_next(he)) {
+            const struct ivec2 p = m->xy[m->org[he]];
+
+            if (p.x == q.x && p.y == q.y)
+                return false;
+        }
+        flips_insert(&r->flips, he, on_edge, k.v);
+    }
+    return true;
+}
+
+enum status repair_mesh(struct mesh *m, struct scratch *s)
+{
+    const size_t nv = m->nv;
+    struct repair r = {
+        .m = m,
+        .flips = {m, m->nv, 0, (uint64_t)REPAIR_FLIPS * nv},
+        .gone_most = (uint32_t)(nv / REPAIR_GONE) + 1,
+        .most = REPAIR_STACK * nv,
+    };
+    const size_t stack = mem_round(r.most * sizeof *r.stack);
+    unsigned char *block = scratch_need(s, stack + r.gone_most * sizeof *r.taken);
+
+    if (block == NULL)
+        return ST_ENOMEM;
+    r.stack = (uint32_t *)(void *)block;
+    r.taken = (struct taken *)(void *)(block + stack);
+    if (!turn_back(&r) || !find_edges(&r) || !flip_all(&r) || !hull_goes_round_once(m) ||
+        !put_back(&r))
+        return ST_ELIMIT;
+    return ST_OK;
+}

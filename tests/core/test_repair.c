@@ -1,0 +1,249 @@
+/* A triangulation repaired after its points have moved must be the one built from scratch. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "lattice.h"
+#include "mem.h"
+#include "mesh.h"
+#include "mesh_check.h"
+#include "numbered.h"
+#include "repair.h"
+
+#define MOST 4000
+
+static struct scratch scratch;
+static struct ivec3 pts[2 * MOST]; /* numbered_build() needs twice the room */
+static struct mesh mesh, moved;
+
+/* moved becomes mesh with its points at to[0..nv-1], repaired; it must be right if that
+ * succeeds, and it succeeds only where no two points are on one place. */
+static enum status repair(const struct ivec2 *to)
+{
+    const uint32_t nv = mesh.nv;
+    struct mesh want = {0};
+    enum status st, built;
+
+    assert_int_equal(mesh_copy(&moved, &mesh, 0), ST_OK);
+    memcpy(moved.xy, to, nv * sizeof *to);
+    st = repair_mesh(&moved, &scratch);
+    assert_int_equal(moved.nv, nv);
+    assert_memory_equal(moved.xy, to, nv * sizeof *to);
+    if (st != ST_OK) {
+        assert_int_equal(st, ST_ELIMIT);
+        return st;
+    }
+    for (uint32_t v = 0; v < nv; v++)
+        pts[v] = (struct ivec3){to[v].x, to[v].y, 0};
+    built = delaunay_build(pts, nv, &scratch, &want);
+    assert_int_equal(built, ST_OK);
+    assert_int_equal(want.nv, nv);
+    assert_int_equal(mesh_check(&moved, false), ST_OK);
+    assert_true(brute_same(&moved, &want));
+    mesh_free(&want);
+    return ST_OK;
+}
+
+/* The mesh of a point set, scaled up, where the lattice has the room for it, so that its
+ * points can move between their neighbours. */
+static void make(enum brute_shape shape, size_t n, int32_t scale, struct brute_rng *r)
+{
+    n = brute_points(shape, n, r, pts);
+    for (size_t i = 0; i < n; i++)
+        if (abs(pts[i].x) > LATTICE_MAX / scale || abs(pts[i].y) > LATTICE_MAX / scale)
+            scale = 1;
+    for (size_t i = 0; i < n; i++) {
+        pts[i].x *= scale;
+        pts[i].y *= scale;
+    }
+    assert_int_equal(numbered_build(pts, n, &scratch, &mesh), ST_OK);
+}
+
+static int32_t within_lattice(int64_t x)
+{
+    return x > LATTICE_MAX ? LATTICE_MAX : x < -LATTICE_MAX ? -LATTICE_MAX : (int32_t)x;
+}
+
+/* Each point moves a little by itself, by up to `most` in each axis. */
+static void jitter(struct ivec2 *to, int32_t most, struct brute_rng *r)
+{
+    for (uint32_t v = 0; v < mesh.nv; v++)
+        to[v] = (struct ivec2){
+            within_lattice((int64_t)mesh.xy[v].x + brute_int(r, -most, most)),
+            within_lattice((int64_t)mesh.xy[v].y + brute_int(r, -most, most))};
+}
+
+/* Points of every kind, moved by nothing, a little and much, one by one and back to where
+ * they were: cocircular and collinear ones, too, on the hull and inside, are moved apart and
+ * together again. */
+static void test_kinds(void **state)
+{
+    static const size_t size[] = {3, 4, 7, 30, 200, 900};
+    static const int32_t most[] = {0, 1, 3, 10, 30, 100, 1000, 30000};
+    struct brute_rng r = {brute_seed("kinds")};
+    static struct ivec2 to[MOST], home[MOST];
+    uint32_t done = 0, all = 0;
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t s = 0; s < sizeof size / sizeof *size; s++)
+            for (size_t k = 0; k < sizeof most / sizeof *most; k++) {
+                make((enum brute_shape)shape, size[s], 10, &r);
+                memcpy(home, mesh.xy, mesh.nv * sizeof *home);
+                jitter(to, most[k], &r);
+                all++;
+                if (repair(to) != ST_OK)
+                    continue;
+                done++;
+                assert_int_equal(mesh_copy(&mesh, &moved, 0), ST_OK);
+                all++;
+                done += repair(home) == ST_OK;
+            }
+    printf("%u of %u repaired\n", done, all);
+    assert_true(done > all / 2);
+}
+
+/* Turned in space by up to 12 degrees, as in a comparison: nearly all can be repaired. */
+static void test_turned(void **state)
+{
+    struct brute_rng r = {brute_seed("turned")};
+    static struct ivec2 to[MOST];
+    uint32_t done = 0;
+
+    (void)state;
+    for (int round = 0; round < 60; round++) {
+        const double x = 0.4 * brute_real(&r) - 0.2, y = 0.4 * brute_real(&r) - 0.2;
+
+        make(BRUTE_RANDOM, 2000, 1, &r);
+        for (uint32_t v = 0; v < mesh.nv; v++)
+            to[v] =
+                (struct ivec2){(int32_t)(mesh.xy[v].x * (1 - x * x / 2) + mesh.z[v] * x),
+                               (int32_t)(mesh.xy[v].y * (1 - y * y / 2) + mesh.z[v] * y)};
+        done += repair(to) == ST_OK;
+    }
+    printf("%u of 60 repaired\n", done);
+    assert_true(done >= 55);
+}
+
+/* Points leave the hull, enter it, and change places along it. */
+static void test_hull(void **state)
+{
+    struct brute_rng r = {brute_seed("hull")};
+    static struct ivec2 to[MOST];
+    uint32_t done = 0;
+
+    (void)state;
+    for (int round = 0; round < 400; round++) {
+        uint32_t h;
+
+        make(round % 2 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 40, 1, &r);
+        memcpy(to, mesh.xy, mesh.nv * sizeof *to);
+        h = mesh.out[mesh.nv];
+        for (uint32_t i = brute_rand(&r) % 8; i > 0; i--)
+            h = mesh_turn(&mesh, h);
+        for (uint32_t i = 0; i < 1 + brute_rand(&r) % 3; i++, h = mesh_turn(&mesh, h)) {
+            const uint32_t v = mesh_dest(&mesh, h); /* on the hull */
+            const int32_t by = brute_int(&r, -30, 30);
+
+            to[v].x = within_lattice((int64_t)to[v].x + (int64_t)to[v].x * by / 100);
+            to[v].y = within_lattice((int64_t)to[v].y + (int64_t)to[v].y * by / 100);
+        }
+        done += repair(to) == ST_OK;
+    }
+    printf("%u of 400 repaired\n", done);
+    assert_true(done > 360);
+}
+
+/* One point falls on another, be it its neighbour or not: no triangulation has both. */
+static void test_coincide(void **state)
+{
+    struct brute_rng r = {brute_seed("coincide")};
+    static struct ivec2 to[MOST];
+
+    (void)state;
+    for (int round = 0; round < 200; round++) {
+        uint32_t v, w;
+
+        make(BRUTE_RANDOM, 60, 1, &r);
+        v = (uint32_t)(brute_rand(&r) % mesh.nv);
+        w = round % 2 ? mesh_dest(&mesh, mesh.out[v])
+                      : (uint32_t)(brute_rand(&r) % mesh.nv);
+        memcpy(to, mesh.xy, mesh.nv * sizeof *to);
+        if (w == v || w == mesh.nv)
+            continue;
+        to[v] = to[w];
+        assert_int_equal(repair(to), ST_ELIMIT);
+    }
+}
+
+/* What cannot be repaired: the mirror image, all points on a line, points that have changed
+ * places at random. */
+static void test_gives_up(void **state)
+{
+    struct brute_rng r = {brute_seed("gives up")};
+    static struct ivec2 to[MOST];
+
+    (void)state;
+    make(BRUTE_RANDOM, 300, 1, &r);
+    for (uint32_t v = 0; v < mesh.nv; v++)
+        to[v] = (struct ivec2){-mesh.xy[v].x, mesh.xy[v].y};
+    assert_int_equal(repair(to), ST_ELIMIT);
+    for (uint32_t v = 0; v < mesh.nv; v++)
+        to[v] = (struct ivec2){0, mesh.xy[v].y};
+    assert_int_equal(repair(to), ST_ELIMIT);
+    for (uint32_t v = 0; v < mesh.nv; v++)
+        to[v] = mesh.xy[brute_rand(&r) % mesh.nv];
+    assert_int_equal(repair(to), ST_ELIMIT);
+    make(BRUTE_RANDOM, 3, 1, &r);
+    for (int i = 0; i < 27; i++) {
+        const int32_t x[3] = {i % 3, i / 3 % 3, i / 9};
+
+        for (int v = 0; v < 3; v++)
+            to[v] = (struct ivec2){x[v], -2 * x[v]};
+        assert_int_equal(repair(to), ST_ELIMIT);
+    }
+}
+
+/* A fan of twelve triangles about a point, wound round it twice: each triangle is
+ * counter-clockwise, each circle empty, the hull turns left at each corner. */
+static void test_wound_twice(void **state)
+{
+    static const int32_t x[6] = {1000, 500, -500, -1000, -500, 500};
+    static const int32_t y[6] = {0, 866, 866, 0, -866, -866};
+    static const int32_t fan[12][2] = {
+        {1000, 0},  {866, 500},   {500, 866},   {0, 1000},  {-500, 866}, {-866, 500},
+        {-1000, 0}, {-866, -500}, {-500, -866}, {0, -1000}, {500, -866}, {866, -500}};
+    struct ivec2 to[13] = {{0, 0}};
+
+    (void)state;
+    pts[0] = (struct ivec3){0, 0, 0};
+    for (int i = 0; i < 12; i++) {
+        pts[i + 1] = (struct ivec3){fan[i][0], fan[i][1], 0};
+        to[i + 1] =
+            (struct ivec2){x[i % 6] * (i < 6 ? 1 : 2), y[i % 6] * (i < 6 ? 1 : 2)};
+    }
+    assert_int_equal(numbered_build(pts, 13, &scratch, &mesh), ST_OK);
+    assert_int_equal(repair(to), ST_ELIMIT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),    cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_hull),     cmocka_unit_test(test_coincide),
+        cmocka_unit_test(test_gives_up), cmocka_unit_test(test_wound_twice),
+    };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+
+    mesh_free(&mesh);
+    mesh_free(&moved);
+    scratch_free(&scratch);
+    return failed;
+}
