@@ -8,6 +8,7 @@
 #include <cjson/cJSON.h>
 
 #include "errinfo.h"
+#include "json_text.h"
 #include "utf8.h"
 
 /* The library reports a lack of memory as malformed text: this tells them apart. */
@@ -227,43 +228,10 @@ static const struct json_value *value_of(const cJSON *item)
     return (const struct json_value *)item;
 }
 
-/* Refuses what the library accepts, or refuses only after it took memory for it. */
-static enum status look_over(const char *text, size_t len, size_t max_values,
-                             struct errinfo *e)
-{
-    size_t values = 1, depth = 0;
-    bool quoted = false;
-
-    for (size_t i = 0; i < len; i++) {
-        const char c = text[i];
-
-        if (quoted && (unsigned char)c < 0x20)
-            return errinfo_set(e, ST_EINVAL, "a control character in a text at byte %zu",
-                               i);
-        if (c == '\0')
-            return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", i);
-        if (c == '"')
-            quoted = !quoted;
-        else if (quoted && c == '\\' && strncmp(text + i, "\\u0000", 6) == 0)
-            return errinfo_set(e, ST_EINVAL, "\\u0000 cannot be in a text");
-        else if (quoted && c == '\\')
-            i++; /* what is escaped, be it a quote; if that is the end, text[len] is 0 */
-        else if (!quoted && (c == ',' || c == '[' || c == '{'))
-            values++; /* each but the first follows one of them */
-        if (!quoted && (c == '[' || c == '{') && ++depth > JSON_DEPTH)
-            return errinfo_set(e, ST_EINVAL, "deeper than %d at byte %zu", JSON_DEPTH, i);
-        if (!quoted && (c == ']' || c == '}') && depth > 0)
-            depth--;
-    }
-    if (values > max_values)
-        return errinfo_set(e, ST_ELIMIT, "more than %zu values", max_values);
-    return ST_OK;
-}
-
 /* Where a value is: chained from it to the outermost one. */
 struct place {
     const struct place *in;
-    const cJSON *item;
+    cJSON *item;
     size_t index;
 };
 
@@ -302,49 +270,106 @@ static enum status check_object(const struct place *p, struct errinfo *e)
     return ST_OK;
 }
 
-/* Checks the objects of p and below, which are as deep as look_over() allowed. */
-static enum status check_objects(const struct place *p, struct errinfo *e)
+/* Points that were cut out of an array's text are in valuestring, and their number in
+ * valueint: an array has no use for either, and the library frees the first. */
+static size_t points_in(const cJSON *array)
+{
+    return array->valuestring == NULL ? 0 : (size_t)array->valueint;
+}
+
+/* A document on its way from the text to values. */
+struct reader {
+    struct json_text text;
+    size_t arrays, given; /* met so far; of the cuts, those whose array has its points */
+    struct errinfo *e;
+};
+
+/* array is the next one of the text. */
+static void give_points(cJSON *array, struct reader *r)
+{
+    struct json_text_cut *cut = &r->text.cut[r->given];
+
+    if (r->given < r->text.cuts && cut->array == r->arrays) {
+        array->valuestring = (char *)cut->points.at;
+        array->valueint = (int)cut->points.n;
+        cut->points.at = NULL;
+        r->given++;
+    }
+    r->arrays++;
+}
+
+/* Checks the objects of p and below, which are as deep as json_text_check() allowed, and
+ * gives the arrays, which come in the order of the text, their points. */
+static enum status check_values(const struct place *p, struct reader *r)
 {
     struct place below = {.in = p, .item = p->item->child};
-    enum status st = cJSON_IsObject(p->item) ? check_object(p, e) : ST_OK;
+    enum status st = cJSON_IsObject(p->item) ? check_object(p, r->e) : ST_OK;
 
+    if (cJSON_IsArray(p->item)) {
+        give_points(p->item, r);
+        below.index = points_in(p->item);
+    }
     for (; below.item != NULL && st == ST_OK; below.item = below.item->next) {
-        if (below.item->child != NULL)
-            st = check_objects(&below, e);
+        st = check_values(&below, r);
         below.index++;
     }
+    return st;
+}
+
+static enum status parse(const struct json_text *t, cJSON **doc, struct errinfo *e)
+{
+    size_t len;
+    char *rest = json_text_rest(t, &len);
+    const char *end = NULL;
+    enum status st = ST_OK;
+
+    start();
+    if (rest != NULL)
+        *doc = cJSON_ParseWithLengthOpts(rest, len + 1, &end, true);
+    if (rest == NULL || (*doc == NULL && starved))
+        st = errinfo_set(e, ST_ENOMEM, "no memory for %zu bytes of JSON", t->len);
+    else if (*doc == NULL && end >= rest + len)
+        st = errinfo_set(e, ST_EINVAL, "not valid JSON: it ends too early");
+    else if (*doc == NULL)
+        st = errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu",
+                         end == NULL ? 0 : json_text_place(t, (size_t)(end - rest)));
+    free(rest);
+    return st;
+}
+
+static enum status read_document(struct reader *r, struct json_value **out)
+{
+    cJSON *doc = NULL;
+    enum status st = json_text_check(&r->text, r->e);
+
+    *out = NULL;
+    if (st == ST_OK)
+        st = parse(&r->text, &doc, r->e);
+    if (st == ST_OK)
+        st = check_values(&(struct place){.item = doc}, r);
+    json_text_free(&r->text);
+    if (st != ST_OK)
+        cJSON_Delete(doc);
+    else
+        *out = (struct json_value *)doc;
     return st;
 }
 
 enum status json_read(const char *text, size_t len, size_t max_values,
                       struct json_value **out, struct errinfo *e)
 {
-    const size_t valid = utf8_valid(text, len);
-    const char *end = NULL;
-    cJSON *doc;
-    enum status st;
+    struct reader r = {.text = {text, len, max_values, JSON_DEPTH}, .e = e};
 
-    *out = NULL;
-    if (len == 0)
-        return errinfo_set(e, ST_EINVAL, "the document is empty");
-    if (valid < len)
-        return errinfo_set(e, ST_EINVAL, "not UTF-8 at byte %zu", valid);
-    if ((st = look_over(text, len, max_values, e)) != ST_OK)
-        return st;
-    start();
-    doc = cJSON_ParseWithLengthOpts(text, len + 1, &end, true);
-    if (doc == NULL && starved)
-        return errinfo_set(e, ST_ENOMEM, "no memory for %zu bytes of JSON", len);
-    if (doc == NULL && end >= text + len)
-        return errinfo_set(e, ST_EINVAL, "not valid JSON: it ends too early");
-    if (doc == NULL)
-        return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu",
-                           end == NULL ? 0 : (size_t)(end - text));
-    if ((st = check_objects(&(struct place){.item = doc}, e)) != ST_OK)
-        cJSON_Delete(doc);
-    else
-        *out = (struct json_value *)doc;
-    return st;
+    return read_document(&r, out);
+}
+
+enum status json_read_points(const char *text, size_t len, size_t max_values,
+                             struct json_value **out, struct errinfo *e)
+{
+    struct reader r = {.text = {text, len, max_values, JSON_DEPTH, JSON_TEXT_CUTS},
+                       .e = e};
+
+    return read_document(&r, out);
 }
 
 void json_free(struct json_value *document)
@@ -457,16 +482,46 @@ bool json_get_count(const struct json_value *v, uint64_t *out)
     return true;
 }
 
-enum status json_get_numbers(const struct json_value *v, size_t n, double *out)
+/* Three finite numbers. */
+static enum status get_point(const cJSON *array, struct dvec3 *out)
 {
-    const cJSON *item = json_is_array(v) ? item_of(v)->child : NULL;
-    enum status st = ST_OK;
-    size_t i = 0;
+    double xyz[3] = {0};
+    const cJSON *item = array->child;
+    int n = 0;
 
-    for (; i < n && cJSON_IsNumber(item); item = item->next) {
-        if (!isfinite(item->valuedouble))
-            st = ST_ENOTFINITE;
-        out[i++] = item->valuedouble;
-    }
-    return i < n || item != NULL || !json_is_array(v) ? ST_EINVAL : st;
+    if (!cJSON_IsArray(array))
+        return ST_EINVAL;
+    for (; n < 3 && cJSON_IsNumber(item); item = item->next)
+        xyz[n++] = item->valuedouble;
+    if (n < 3 || item != NULL)
+        return ST_EINVAL;
+    *out = (struct dvec3){xyz[0], xyz[1], xyz[2]};
+    return isfinite(xyz[0]) && isfinite(xyz[1]) && isfinite(xyz[2]) ? ST_OK
+                                                                    : ST_ENOTFINITE;
+}
+
+size_t json_count(const struct json_value *v)
+{
+    const cJSON *item = item_of(v);
+    size_t n = json_is_array(v) ? points_in(item) : 0;
+
+    for (v = json_first(v); v != NULL; v = json_next(v))
+        n++;
+    return n;
+}
+
+enum status json_get_points(const struct json_value *v, struct dvec3 *out, size_t *n)
+{
+    const cJSON *item = item_of(v);
+    enum status st = ST_OK;
+
+    *n = 0;
+    if (!json_is_array(v))
+        return ST_EINVAL;
+    if ((*n = points_in(item)) > 0)
+        memcpy(out, item->valuestring, *n * sizeof *out);
+    for (item = item->child; item != NULL && st == ST_OK; item = item->next)
+        if ((st = get_point(item, &out[*n])) == ST_OK)
+            ++*n;
+    return st;
 }

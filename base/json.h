@@ -22,6 +22,7 @@
 #include <stdint.h>
 #include "status.h"
 
+struct dvec3;
 struct errinfo;
 
 #define JSON_DEPTH   16 /* arrays and objects within each other, read or written */
@@ -76,6 +77,15 @@ struct json_value; /* a value of a document that was read */
  * Memory: some 80 bytes a value.  O(len). */
 enum status json_read(const char *text, size_t len, size_t max_values,
                       struct json_value **out, struct errinfo *e);
+
+/* json_read_points(...): as json_read(), for documents with the points of clouds, arrays of
+ * [x, y, z].  The first two of them are read in one pass, without a value in memory for
+ * each number: json_count() and json_get_points() read them as any other array, while
+ * json_first() does not give the points.
+ * Memory: at most 48 bytes a point of theirs and twice len; O(len). */
+enum status json_read_points(const char *text, size_t len, size_t max_values,
+                             struct json_value **out, struct errinfo *e);
+
 void json_free(struct json_value *document); /* with all its values; NULL is allowed */
 
 bool json_is_object(const struct json_value *v);
@@ -101,12 +111,15 @@ const char *json_key(const struct json_value *v);
  * json_get_text(v): valid as long as the document.
  * json_copy_text(v, out, size): false too where it has more than size - 1 bytes.
  * json_get_count(v, out): a whole number, 0 to 2^53.
- * json_get_numbers(v, n, out): an array of exactly n numbers.  Returns ST_OK; ST_EINVAL
- * it is something else; ST_ENOTFINITE a number too large for a double. */
+ * json_count(v): the values of an array or object.
+ * json_get_points(v, out, n): an array of points into out, which has room for
+ * json_count(v).  Returns ST_OK; ST_EINVAL the element *n, or v itself, is something else;
+ * ST_ENOTFINITE a number of the element *n is too large for a double. */
 const char *json_get_text(const struct json_value *v);
 bool json_copy_text(const struct json_value *v, char *out, size_t size);
 bool json_get_flag(const struct json_value *v, bool *out);
 bool json_get_count(const struct json_value *v, uint64_t *out);
-enum status json_get_numbers(const struct json_value *v, size_t n, double *out);
+size_t json_count(const struct json_value *v);
+enum status json_get_points(const struct json_value *v, struct dvec3 *out, size_t *n);
 
 #endif

@@ -1,14 +1,18 @@
 /* Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990: a mantissa below
  * 2^53 and a power of ten up to 10^22 are both exact as doubles, so that one
- * multiplication or division rounds correctly.  Scanners' coordinates are all of this
- * kind.  Everything else goes to strtod() as digits and an exponent, without the decimal
- * point, which is all that a locale could change. */
+ * multiplication or division rounds correctly.  Scanners' coordinates are of this kind, or
+ * floats printed with the digits of a double: up to 19, divided as whole numbers.
+ * Everything else goes to strtod() as digits and an exponent, without the decimal point,
+ * which is all that a locale could change. */
 #include "number.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+#define WHOLE_DIGITS 19 /* as many as always fit 64 bits */
 
 /* No decimal boundary between doubles has more than 768 significant digits: what follows
  * only says on which side of it the number lies, and one digit can say that. */
@@ -16,36 +20,16 @@
 
 #define EXPONENT_CLAMP INT64_C(99999) /* far beyond 10^308 with DIGITS_KEPT digits */
 
-struct digits {
-    uint64_t mantissa; /* the first up to 19 significant digits */
-    uint32_t kept;     /* significant digits, at most DIGITS_KEPT */
-    int64_t exponent;  /* value = digits kept * 10^exponent */
-    bool dropped;      /* a digit other than 0 was left out after those kept */
-};
-
 static bool is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-/* Read digits; those after the decimal point lower the exponent.  text, unless NULL, gets
- * the digits kept. */
-static const char *take_digits(struct digits *d, const char *p, const char *end,
-                               bool after, char *text)
+/* Read digits into *mantissa, whose value is lost where there are more than fit. */
+static const char *take_digits(const char *p, const char *end, uint64_t *mantissa)
 {
-    for (; p < end && is_digit(*p); p++) {
-        if (d->kept < DIGITS_KEPT) {
-            if (text != NULL)
-                text[d->kept] = *p;
-            if (d->kept < 19)
-                d->mantissa = 10 * d->mantissa + (uint64_t)(*p - '0');
-            d->kept += (d->kept != 0) | (*p != '0'); /* leading zeros do not count */
-            d->exponent -= after;
-        } else {
-            d->dropped |= *p != '0';
-            d->exponent += !after;
-        }
-    }
+    for (; p < end && is_digit(*p); p++)
+        *mantissa = 10 * *mantissa + (uint64_t)(*p - '0');
     return p;
 }
 
@@ -66,29 +50,73 @@ static const char *take_exponent(const char *p, const char *end, int64_t *value)
     for (; q < end && is_digit(*q); q++)
         if (e < INT64_C(1) << 50)
             e = 10 * e + (*q - '0');
-    *value += negative ? -e : e;
+    *value = negative ? -e : e;
     return q;
+}
+
+/* mantissa / 10^places, for 1 to WHOLE_DIGITS places.  The quotient has 64 bits or more;
+ * with its lowest bit set where there is a remainder it rounds as the exact value does. */
+static double divide(uint64_t mantissa, int places)
+{
+    __extension__ typedef unsigned __int128 wide;
+    const int shift = 64 + __builtin_clzll(mantissa);
+    const wide dividend = (wide)mantissa << shift;
+    uint64_t divisor = 1;
+    wide quotient;
+
+    while (places-- > 0)
+        divisor *= 10;
+    quotient = dividend / divisor;
+    return ldexp((double)(quotient | (quotient * divisor != dividend)), -shift);
+}
+
+struct digits {
+    char text[DIGITS_KEPT + 32];
+    uint32_t kept;    /* significant digits, at most DIGITS_KEPT */
+    int64_t exponent; /* value = digits kept * 10^exponent */
+    bool dropped;     /* a digit other than 0 was left out after those kept */
+};
+
+/* Keep the digits at p; those after the decimal point lower the exponent. */
+static const char *keep_digits(struct digits *d, const char *p, const char *end,
+                               bool after)
+{
+    for (; p < end && is_digit(*p); p++) {
+        if (d->kept < DIGITS_KEPT) {
+            d->text[d->kept] = *p;
+            d->kept += (d->kept != 0) | (*p != '0'); /* leading zeros do not count */
+            d->exponent -= after;
+        } else {
+            d->dropped |= *p != '0';
+            d->exponent += !after;
+        }
+    }
+    return p;
 }
 
 /* The digits stand at p; the exponent after them is e10. */
 static double slow(const char *p, const char *end, int64_t e10)
 {
-    char text[DIGITS_KEPT + 32];
-    struct digits d = {0, 0, e10, false};
+    struct digits d;
 
-    p = take_digits(&d, p, end, false, text);
+    d.kept = 0;
+    d.exponent = e10;
+    d.dropped = false;
+    p = keep_digits(&d, p, end, false);
     if (p < end && *p == '.')
-        (void)take_digits(&d, p + 1, end, true, text);
+        (void)keep_digits(&d, p + 1, end, true);
+    if (d.kept == 0)
+        return 0;
     if (d.dropped) {
-        text[d.kept++] = '1';
+        d.text[d.kept++] = '1';
         d.exponent--;
     }
     if (d.exponent > EXPONENT_CLAMP)
         d.exponent = EXPONENT_CLAMP;
     else if (d.exponent < -EXPONENT_CLAMP)
         d.exponent = -EXPONENT_CLAMP;
-    (void)snprintf(text + d.kept, sizeof text - d.kept, "e%d", (int)d.exponent);
-    return strtod(text, NULL);
+    (void)snprintf(d.text + d.kept, sizeof d.text - d.kept, "e%d", (int)d.exponent);
+    return strtod(d.text, NULL);
 }
 
 const char *number_read(const char *p, const char *end, double *out)
@@ -96,34 +124,33 @@ const char *number_read(const char *p, const char *end, double *out)
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    struct digits d = {0, 0, 0, false};
-    const char *first, *q;
-    int64_t e10 = 0;
-    bool negative = false, any;
+    const bool negative = p < end && *p == '-';
+    const char *const first = p + (p < end && (*p == '+' || *p == '-')), *point;
+    const char *q;
+    uint64_t mantissa = 0;
+    int64_t digits, places = 0, e10 = 0;
     double value;
 
-    if (p < end && (*p == '+' || *p == '-'))
-        negative = *p++ == '-';
-    first = p;
-    q = take_digits(&d, p, end, false, NULL);
-    any = q != p;
+    q = point = take_digits(first, end, &mantissa);
+    digits = q - first;
     if (q < end && *q == '.') {
-        p = q + 1;
-        q = take_digits(&d, p, end, true, NULL);
-        any |= q != p;
+        q = take_digits(q + 1, end, &mantissa);
+        places = q - point - 1;
     }
-    if (!any)
+    digits += places;
+    if (digits == 0)
         return NULL;
     q = take_exponent(q, end, &e10);
-    d.exponent += e10;
-    if (d.kept == 0)
-        value = 0;
-    else if (d.kept > 19 || d.mantissa > UINT64_C(1) << 53)
+    places -= e10;
+    if (digits > WHOLE_DIGITS)
         value = slow(first, end, e10);
-    else if (d.exponent >= 0 && d.exponent <= 22)
-        value = (double)d.mantissa * power[d.exponent];
-    else if (d.exponent < 0 && d.exponent >= -22)
-        value = (double)d.mantissa / power[-d.exponent];
+    else if (mantissa == 0)
+        value = 0;
+    else if (mantissa <= UINT64_C(1) << 53 && places >= -22 && places <= 22)
+        value = places < 0 ? (double)mantissa * power[-places]
+                           : (double)mantissa / power[places];
+    else if (places > 0 && places <= WHOLE_DIGITS)
+        value = divide(mantissa, (int)places);
     else
         value = slow(first, end, e10);
     *out = negative ? -value : value;

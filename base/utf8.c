@@ -1,5 +1,6 @@
 #include "utf8.h"
 
+#include <stdint.h>
 #include <string.h>
 
 size_t utf8_character(const char *text, size_t len)
@@ -33,10 +34,17 @@ bool utf8_is_control(const char *s)
 
 size_t utf8_valid(const char *s, size_t len)
 {
-    size_t i = 0, n;
+    size_t i = 0, n = 1;
+    uint64_t word;
 
-    while (i < len && (n = utf8_character(s + i, len - i)) > 0)
+    while (i < len && n > 0) {
+        while (len - i >= sizeof word && /* most of a text is ASCII */
+               (memcpy(&word, s + i, sizeof word), word & UINT64_C(0x8080808080808080)) ==
+                   0)
+            i += sizeof word;
+        n = i < len ? utf8_character(s + i, len - i) : 0;
         i += n;
+    }
     return i;
 }
 

@@ -39,25 +39,17 @@ static enum status take_points(const struct json_value *points, const char *pref
                                size_t max_points, struct parse_cloud *out,
                                struct errinfo *e)
 {
-    const struct json_value *v;
-    enum status st = ST_OK;
-    double xyz[3];
-    size_t n = 0;
+    const size_t n = json_count(points);
+    enum status st;
 
-    for (v = json_first(points); v != NULL; v = json_next(v))
-        n++;
     if (n > max_points)
         return errinfo_set(e, ST_ELIMIT, "%spoints has %zu points; the limit is %zu",
                            prefix, n, max_points);
     if ((out->pts = mem_array(n, sizeof *out->pts)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "no memory for %zu points", n);
-    for (v = json_first(points); v != NULL && st == ST_OK; v = json_next(v)) {
-        if ((st = json_get_numbers(v, 3, xyz)) == ST_OK)
-            out->pts[out->n++] = (struct dvec3){xyz[0], xyz[1], xyz[2]};
-        else
-            (void)errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
-                              out->n);
-    }
+    if ((st = json_get_points(points, out->pts, &out->n)) != ST_OK)
+        (void)errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
+                          out->n);
     return st;
 }
 
@@ -96,7 +88,8 @@ static enum status take_cloud(const struct json_value *object, const char *name,
 static enum status read_clouds(const char *text, size_t len, size_t max_points,
                                size_t clouds, struct json_value **out, struct errinfo *e)
 {
-    const enum status st = json_read(text, len, clouds * (4 * max_points + 64), out, e);
+    const enum status st =
+        json_read_points(text, len, clouds * (4 * max_points + 64), out, e);
 
     return st == ST_ELIMIT
                ? errinfo_set(e, ST_ELIMIT, "more values than %zu points can have",

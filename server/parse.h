@@ -21,8 +21,8 @@ struct parse_cloud {
  * text  text[len] must be 0.
  * Strict where it matters: one document and nothing behind it, valid UTF-8, no key twice,
  * three finite numbers a point, no other members.  e tells what and where.
- * Memory: about 340 bytes a point while it reads; refused before that when there are more
- * values than max_points can need.
+ * Memory: at most 75 bytes a point while it reads, and 80 a value behind one that is not a
+ * point; refused before that when there are more values than max_points can need.
  * Returns ST_OK; ST_EINVAL malformed; ST_ENOTFINITE a number too large for a double;
  * ST_ELIMIT more than max_points; ST_ENOMEM.  On failure out is empty. */
 enum status parse_cloud(const char *text, size_t len, size_t max_points,

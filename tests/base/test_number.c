@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <inttypes.h>
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>
@@ -65,6 +66,23 @@ static void test_known(void **state)
         "00000000000000000000001.50",
         "8.5e15",
         "179769313486231580793728971405301e276",
+        "4503599627370496.5", /* half way between doubles */
+        "4503599627370497.5",
+        "-2251799813685248.25",
+        "2251799813685248.75",
+        "1125899906842624.125",
+        "1125899906842624.375",
+        "1125899906842624.376",
+        "1.0000000000000001110", /* just below, just above half way from 1 */
+        "1.000000000000000112",
+        "9999999999999999999",
+        "0.9999999999999999999",
+        "9.999999999999999999",
+        "18446744073709551615",
+        "1844674407370955161.5",
+        "0.0000000000000000001",
+        "9007199254740993e-19",
+        "9007199254740993e-20",
         "1000000000000000000000000",
     };
 
@@ -113,6 +131,13 @@ static void test_random(void **state)
         }
         value = (double)(int64_t)bits / 1e16;
         (void)snprintf(text, sizeof text, "%.*f", (int)(bits % 9), value);
+        check(text);
+        (void)snprintf(text, sizeof text, "%.*f", (int)(bits % 19), value);
+        check(text);
+        (void)snprintf(text, sizeof text, "%.17g", (double)(float)value);
+        check(text);
+        (void)snprintf(text, sizeof text, "%" PRIu64 "e-%d",
+                       bits % UINT64_C(10000000000000000000), (int)(bits % 20));
         check(text);
     }
 }

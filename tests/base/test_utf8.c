@@ -54,6 +54,27 @@ static void test_characters(void **state)
     assert_int_equal(count, 0x110000 - 0x800);
 }
 
+/* What is wrong is found at its place, wherever it stands in a long text. */
+static void test_place(void **state)
+{
+    char s[40];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof s; i++)
+        for (size_t len = i + 1; len <= sizeof s; len++) {
+            memset(s, 'a', sizeof s);
+            assert_int_equal(utf8_valid(s, len), len);
+            s[i] = (char)0x80;
+            assert_int_equal(utf8_valid(s, len), i);
+            s[i] = (char)0xc3;
+            assert_int_equal(utf8_valid(s, len), i);
+            if (i + 1 < len) {
+                s[i + 1] = (char)0xa4;
+                assert_int_equal(utf8_valid(s, len), len);
+            }
+        }
+}
+
 /* The number of valid sequences of one to four bytes is the number of such characters; of
  * four bytes only those that end in 0x80 are tried. */
 static void test_sequences(void **state)
@@ -124,9 +145,8 @@ static void test_text(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_characters),
-        cmocka_unit_test(test_sequences),
-        cmocka_unit_test(test_where),
+        cmocka_unit_test(test_characters), cmocka_unit_test(test_place),
+        cmocka_unit_test(test_sequences),  cmocka_unit_test(test_where),
         cmocka_unit_test(test_text),
     };
 

@@ -1,0 +1,123 @@
+#include "json_text.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "utf8.h"
+
+static enum status too_many(const struct json_text *t, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ELIMIT, "more than %zu values", t->max_values);
+}
+
+/* Takes the points of the array whose bracket is at *i, which moves to the last byte that
+ * is left out.  depth: of its elements. */
+static enum status take_array(struct json_text *t, size_t depth, size_t *i,
+                              struct errinfo *e)
+{
+    const size_t array = t->arrays++;
+    const char *const first = t->bytes + *i + 1, *rest;
+    struct json_points points;
+    enum status st;
+
+    if (t->cuts == t->max_cuts || depth == t->max_depth)
+        return ST_OK;
+    st = json_points_read(first, t->bytes + t->len, t->max_values / 4, &points, &rest);
+    if (st == ST_ELIMIT)
+        return too_many(t, e);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "no memory for the points");
+    if (points.n == 0)
+        return ST_OK;
+    t->cut[t->cuts++] = (struct json_text_cut){
+        .array = array, .at = *i + 1, .len = (size_t)(rest - first), .points = points};
+    t->values += 4 * points.n - (*rest == ']'); /* no comma follows the last */
+    *i += (size_t)(rest - first);
+    return ST_OK;
+}
+
+/* Takes what is at *i, which moves to the last byte of it. */
+static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, size_t *i,
+                              struct errinfo *e)
+{
+    const char *const p = t->bytes + *i;
+    const bool number = !*quoted && (*p == '-' || (*p >= '0' && *p <= '9'));
+
+    if (*quoted && (unsigned char)*p < 0x20)
+        return errinfo_set(e, ST_EINVAL, "a control character in a text at byte %zu", *i);
+    if (*p == '\0' || (number && !json_points_number(p)))
+        return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", *i);
+    if (*p == '"') {
+        *quoted = !*quoted;
+    } else if (*quoted && *p == '\\') {
+        if (strncmp(p, "\\u0000", 6) == 0)
+            return errinfo_set(e, ST_EINVAL, "\\u0000 cannot be in a text");
+        ++*i; /* what is escaped, be it a quote; if that is the end, bytes[len] is 0 */
+    } else if (number) {
+        *i += strspn(p, "0123456789+-.eE") - 1;
+    } else if (!*quoted) {
+        t->values += *p == ',' || *p == '[' || *p == '{'; /* each but the first follows */
+        if ((*p == '[' || *p == '{') && ++*depth > t->max_depth)
+            return errinfo_set(e, ST_EINVAL, "deeper than %zu at byte %zu", t->max_depth,
+                               *i);
+        if ((*p == ']' || *p == '}') && *depth > 0)
+            --*depth;
+        if (*p == '[')
+            return take_array(t, *depth, i, e);
+    }
+    return ST_OK;
+}
+
+enum status json_text_check(struct json_text *t, struct errinfo *e)
+{
+    const size_t valid = utf8_valid(t->bytes, t->len);
+    size_t depth = 0;
+    bool quoted = false;
+    enum status st = ST_OK;
+
+    if (t->len == 0)
+        return errinfo_set(e, ST_EINVAL, "the document is empty");
+    if (valid < t->len)
+        return errinfo_set(e, ST_EINVAL, "not UTF-8 at byte %zu", valid);
+    t->values = 1;
+    for (size_t i = 0; i < t->len && st == ST_OK; i++)
+        st = take_token(t, &quoted, &depth, &i, e);
+    return st == ST_OK && t->values > t->max_values ? too_many(t, e) : st;
+}
+
+char *json_text_rest(const struct json_text *t, size_t *len)
+{
+    size_t from = 0, to = 0;
+    char *rest;
+
+    *len = t->len;
+    for (size_t i = 0; i < t->cuts; i++)
+        *len -= t->cut[i].len;
+    if ((rest = malloc(*len + 1)) == NULL)
+        return NULL;
+    for (size_t i = 0; i < t->cuts; i++) {
+        const struct json_text_cut *cut = &t->cut[i];
+
+        memcpy(rest + to, t->bytes + from, cut->at - from);
+        to += cut->at - from;
+        from = cut->at + cut->len;
+    }
+    memcpy(rest + to, t->bytes + from, t->len + 1 - from);
+    return rest;
+}
+
+size_t json_text_place(const struct json_text *t, size_t at)
+{
+    /* At the cut itself stands a point, which is no error. */
+    for (size_t i = 0; i < t->cuts && at > t->cut[i].at; i++)
+        at += t->cut[i].len;
+    return at;
+}
+
+void json_text_free(struct json_text *t)
+{
+    for (size_t i = 0; i < t->cuts; i++)
+        free(t->cut[i].points.at);
+}
