@@ -1,88 +1,134 @@
 #include "heatmap.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "holes.h"
 #include "interpolate.h"
 #include "lattice.h"
 #include "locate.h"
+#include "mem.h"
 #include "surface.h"
 
-/* A grid of SIDE x SIDE over the template's extent, with a half-edge of a real triangle for
- * each place: every walk starts near its point, in any order of the points, and a point's gap
- * depends on no other point. */
-#define SIDE 64
-
-struct places {
-    double x, y, per_x, per_y; /* places a lattice unit */
-    uint32_t he[SIDE][SIDE];
+/* A point sent, on the lattice. */
+struct sent {
+    struct ivec3 p;
+    uint32_t i; /* its number */
 };
 
-static uint32_t place(double at, double low, double per)
+/* Morton's order: by the highest bit in which x or y differ, so that points that follow each
+ * other are near each other, however the points are spread. */
+static int by_place(const void *a, const void *b)
 {
-    const double k = (at - low) * per;
+    const struct ivec3 p = ((const struct sent *)a)->p, q = ((const struct sent *)b)->p;
+    const uint32_t far = UINT32_C(1) << 31; /* puts negative numbers first */
+    const uint32_t px = (uint32_t)p.x ^ far, qx = (uint32_t)q.x ^ far, dx = px ^ qx;
+    const uint32_t py = (uint32_t)p.y ^ far, qy = (uint32_t)q.y ^ far, dy = py ^ qy;
 
-    return k <= 0 ? 0 : k < SIDE ? (uint32_t)k : SIDE - 1;
+    return dx < dy && dx < (dx ^ dy) ? (py > qy) - (py < qy) : (px > qx) - (px < qx);
 }
 
-static uint32_t *place_of(struct places *s, struct ivec2 q)
+/* The points, moved, that stay on the lattice; sorted.  Returns how many. */
+static uint32_t load(const struct dvec3 *pts, size_t n, const double transform[16],
+                     struct sent *sent)
 {
-    return &s->he[place(q.y, s->y, s->per_y)][place(q.x, s->x, s->per_x)];
-}
+    uint32_t k = 0;
 
-static void prepare(const struct mesh *m, struct places *s)
-{
-    struct ivec2 lo = m->xy[0], hi = m->xy[0];
-    uint32_t last = 0;
-
-    for (uint32_t v = 1; v < m->nv; v++) {
-        const struct ivec2 q = m->xy[v];
-
-        lo.x = q.x < lo.x ? q.x : lo.x;
-        lo.y = q.y < lo.y ? q.y : lo.y;
-        hi.x = q.x > hi.x ? q.x : hi.x;
-        hi.y = q.y > hi.y ? q.y : hi.y;
-    }
-    s->x = lo.x;
-    s->y = lo.y;
-    s->per_x = SIDE / ((double)hi.x - lo.x);
-    s->per_y = SIDE / ((double)hi.y - lo.y);
-    for (uint32_t i = 0; i < SIDE * SIDE; i++)
-        s->he[i / SIDE][i % SIDE] = UINT32_MAX;
-    for (uint32_t v = m->nv; v-- > 0;) {
-        last = m->out[v];
-        while (mesh_is_ghost(m, last / 3))
-            last = mesh_turn(m, last);
-        *place_of(s, m->xy[v]) = last;
-    }
-    for (uint32_t y = 0; y < SIDE; y++) /* empty places: as the one before, or below */
-        for (uint32_t x = 0; x < SIDE; x++) {
-            if (s->he[y][x] == UINT32_MAX)
-                s->he[y][x] = x > 0 ? s->he[y][x - 1] : y > 0 ? s->he[y - 1][0] : last;
-        }
-}
-
-void heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,
-                  const double transform[16], double *gap_mm)
-{
-    const struct mesh *m = &tmpl->mesh;
-    struct places places;
-
-    prepare(m, &places);
     for (size_t i = 0; i < n; i++) {
         const struct dvec3 moved = vec_transform(transform, pts[i]);
-        struct location at;
-        struct ivec3 p;
-        struct ivec2 q;
 
-        gap_mm[i] = NAN;
-        if (lattice_from_mm(&moved, 1, LATTICE_PER_MM, &p, NULL) != ST_OK)
-            continue;
-        q = (struct ivec2){p.x, p.y};
-        at.he = *place_of(&places, q);
-        at = locate_point(m, at.he, m->xy[m->org[at.he]], q, NULL);
-        if (at.where != LOCATE_OUTSIDE && holes_measured(m, tmpl->bridge, at))
-            gap_mm[i] = (p.z - interpolate_height(m, at, q)) / LATTICE_PER_MM;
+        if (lattice_from_mm(&moved, 1, LATTICE_PER_MM, &sent[k].p, NULL) == ST_OK)
+            sent[k++].i = (uint32_t)i;
     }
+    qsort(sent, k, sizeof *sent, by_place);
+    return k;
+}
+
+/* measured[v]: a triangle round vertex v does not bridge.  (Any number of points may be sent
+ * at one vertex, and it may have any number of triangles.) */
+static void mark_measured(const struct surface *s, uint8_t *measured)
+{
+    memset(measured, 0, s->mesh.nv);
+    for (uint32_t h = 0; h < 3 * s->mesh.nt; h++) /* (Ghosts bridge.) */
+        if (!s->bridge[h / 3])
+            measured[s->mesh.org[h]] = 1;
+}
+
+/* gap(s, measured, at, p): NAN where p, located at `at`, is not covered.  The half-edge that
+ * decides on the rounding is the triangle's first, or the edge's: not the walk's. */
+static double gap(const struct surface *s, const uint8_t *measured, struct location at,
+                  struct ivec3 p)
+{
+    const struct mesh *m = &s->mesh;
+    const uint32_t twin = m->twin[at.he];
+    bool covered = !s->bridge[at.he / 3];
+
+    switch (at.where) {
+    case LOCATE_INSIDE:
+        at.he -= at.he % 3;
+        break;
+    case LOCATE_EDGE:
+        covered = covered || !s->bridge[twin / 3];
+        at.he = twin < at.he && !mesh_is_ghost(m, twin / 3) ? twin : at.he;
+        break;
+    case LOCATE_VERTEX:
+        covered = measured[m->org[at.he]];
+        break;
+    default:
+        covered = false;
+    }
+    return covered ? (p.z - interpolate_height(m, at, (struct ivec2){p.x, p.y})) /
+                         LATTICE_PER_MM
+                   : (double)NAN;
+}
+
+struct work {
+    struct sent *sent;
+    struct location *loc;
+    struct ivec2 *xy;
+    uint32_t *parent;
+    uint8_t *measured;
+};
+
+/* w's arrays in block for n points and nv vertices; returns the bytes needed. */
+static size_t layout(struct work *w, size_t n, size_t nv, unsigned char *block)
+{
+    size_t at = 0;
+
+    w->sent = mem_take(block, &at, n, sizeof *w->sent);
+    w->loc = mem_take(block, &at, n, sizeof *w->loc);
+    w->xy = mem_take(block, &at, n, sizeof *w->xy);
+    w->parent = mem_take(block, &at, n, sizeof *w->parent);
+    w->measured = mem_take(block, &at, nv, sizeof *w->measured);
+    return at;
+}
+
+enum status heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,
+                         const double transform[16], double *gap_mm)
+{
+    struct work w;
+    unsigned char *block = mem_array(layout(&w, n, tmpl->mesh.nv, NULL), 1);
+    struct mesh line; /* the points as a tree without branches */
+    enum status st = ST_OK;
+
+    for (size_t i = 0; i < n; i++)
+        gap_mm[i] = NAN;
+    if (block == NULL)
+        return ST_ENOMEM;
+    (void)layout(&w, n, tmpl->mesh.nv, block);
+    line = (struct mesh){
+        .nv = load(pts, n, transform, w.sent), .xy = w.xy, .parent = w.parent};
+    for (uint32_t k = 0; k < line.nv; k++) {
+        w.xy[k] = (struct ivec2){w.sent[k].p.x, w.sent[k].p.y};
+        w.parent[k] = k > 0 ? k - 1 : 0;
+    }
+    mark_measured(tmpl, w.measured);
+    if (line.nv > 0)
+        st = locate_mesh(&tmpl->mesh, &line, w.loc);
+    for (uint32_t k = 0; st == ST_OK && k < line.nv; k++)
+        gap_mm[w.sent[k].i] = gap(tmpl, w.measured, w.loc[k], w.sent[k].p);
+    mem_free(block);
+    return st;
 }

@@ -1,23 +1,10 @@
 #include "interpolate.h"
 
+#include <math.h>
+
 #include "locate.h"
 #include "mesh.h"
 #include "predicates.h"
-
-/* The height at the point of the hull edge he nearest to q. */
-static double beyond_hull(const struct mesh *m, uint32_t he, struct ivec2 q)
-{
-    const uint32_t a = m->org[he], b = mesh_dest(m, he);
-    const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
-    const int64_t len = dx * dx + dy * dy;
-    const int64_t dot = dx * (q.x - m->xy[a].x) + dy * (q.y - m->xy[a].y);
-
-    if (dot <= 0)
-        return m->z[a];
-    if (dot >= len)
-        return m->z[b];
-    return m->z[a] + (double)dot * (double)((int64_t)m->z[b] - m->z[a]) / (double)len;
-}
 
 /* Heights relative to the corner org[he], so that one formula serves the inside (three
  * weights), an edge (the third weight is an exact 0) and a vertex (two are 0).  Each weight
@@ -28,7 +15,7 @@ static inline double height(const struct mesh *m, struct location loc, struct iv
     int64_t wb, wc, area;
 
     if (loc.where == LOCATE_OUTSIDE)
-        return beyond_hull(m, loc.he, q);
+        return NAN;
     a = m->org[loc.he];
     b = mesh_dest(m, loc.he);
     c = m->org[mesh_prev(loc.he)];

@@ -9,8 +9,7 @@ struct location; /* locate.h */
 
 /* interpolate_height(m, loc, q): the height of m at q, in lattice units; loc is q's location
  * in m.  Exact at the vertices and on level triangles; elsewhere the weights are exact
- * integers and the error is below 1e-6 units.  Outside the hull: the height at the nearest
- * point of the hull. */
+ * integers and the error is below 1e-6 units.  Outside the hull: NAN. */
 double interpolate_height(const struct mesh *m, struct location loc, struct ivec2 q);
 
 /* interpolate_mesh(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for every

@@ -2,8 +2,11 @@
 
 #include <stdbool.h>
 
+#include "chains.h"
+#include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
+#include "tuning.h"
 
 /* A walk along the segment from -> q.  It stands in one of three states:
  *   crossing  it leaves its triangle through the inside of the edge he;
@@ -15,6 +18,7 @@ struct walk {
     uint32_t he;
     struct location at;
     const struct locate_trace *trace;
+    uint32_t steps; /* so far: edges crossed, and turns about a vertex */
 };
 
 enum state { CROSSING, VERTEX, DONE };
@@ -45,48 +49,6 @@ static inline int64_t side_of(const struct mesh *m, uint32_t he, struct ivec2 q)
     return orient2d(m->xy[m->org[he]], m->xy[mesh_dest(m, he)], q);
 }
 
-/* The hull edge after e, counter-clockwise, and the one before: over the two ghosts. */
-static uint32_t hull_next(const struct mesh *m, uint32_t e)
-{
-    return m->twin[mesh_prev(m->twin[mesh_prev(m->twin[e])])];
-}
-
-static uint32_t hull_prev(const struct mesh *m, uint32_t e)
-{
-    return m->twin[mesh_next(m->twin[mesh_next(m->twin[e])])];
-}
-
-/* q lies on the outer side of the hull edge e: slide along the hull to the nearest edge.
- * Along the part of a convex hull that faces q the distance falls, then rises: at a corner
- * the direction of the hull turns left, so once the hull leads away from q it keeps
- * leading away as long as it faces q. */
-static enum state outside(struct walk *w, uint32_t e)
-{
-    const struct mesh *m = w->m;
-    const struct ivec2 q = w->q;
-
-    for (;;) {
-        uint32_t f = hull_next(m, e);
-        struct ivec2 u = m->xy[m->org[f]], v = m->xy[mesh_dest(m, f)];
-
-        if (orient2d(u, v, q) >= 0 || ahead(u, q, u, v) <= 0)
-            break;
-        e = f;
-    }
-    for (;;) {
-        struct ivec2 u = m->xy[m->org[e]], v = m->xy[mesh_dest(m, e)];
-        uint32_t f;
-
-        if (ahead(u, q, u, v) > 0)
-            break;
-        f = hull_prev(m, e);
-        if (side_of(m, f, q) >= 0)
-            break;
-        e = f;
-    }
-    return done(w, e, LOCATE_OUTSIDE);
-}
-
 /* From a triangle left through the inside of the edge he, on to the next, and so on. */
 static inline enum state cross(struct walk *w)
 {
@@ -96,8 +58,9 @@ static inline enum state cross(struct walk *w)
         const uint32_t h = m->twin[w->he], last = mesh_prev(h), c = m->org[last];
         int64_t side, beyond;
 
+        w->steps++;
         if (c == m->nv)
-            return outside(w, w->he);
+            return done(w, w->he, LOCATE_OUTSIDE);
         enter(w, h);
         side = orient2d(w->from, w->q, m->xy[c]);
         if (side == 0) { /* the segment's line meets the corner c */
@@ -162,9 +125,12 @@ static enum state turn(struct walk *w)
             return CROSSING;
         }
         g = mesh_turn(m, g);
+        w->steps++;
     } while (g != first);
     /* Past the hull: one of the two hull edges that meet here faces q. */
-    return outside(w, side_of(m, hull, q) < 0 ? hull : hull_next(m, hull));
+    if (side_of(m, hull, q) >= 0)
+        hull = m->twin[mesh_prev(m->twin[mesh_prev(m->twin[hull])])]; /* the next one */
+    return done(w, hull, LOCATE_OUTSIDE);
 }
 
 /* q lies in the closed triangle of he, at o[i] >= 0 from its edges. */
@@ -221,47 +187,76 @@ static inline enum state start(struct walk *w, uint32_t he)
     return VERTEX;
 }
 
+/* Adds the steps taken to *steps. */
 static inline struct location walk(const struct mesh *m, uint32_t he, struct ivec2 from,
-                                   struct ivec2 q, const struct locate_trace *trace)
+                                   struct ivec2 q, const struct locate_trace *trace,
+                                   uint64_t *steps)
 {
-    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace};
+    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace, 0};
     enum state st = start(&w, he);
 
     while (st != DONE)
         st = st == CROSSING ? cross(&w) : turn(&w);
+    *steps += w.steps;
     return w.at;
 }
 
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace)
 {
-    return walk(m, he, from, q, trace);
+    uint64_t steps = 0;
+
+    return walk(m, he, from, q, trace, &steps);
 }
 
-/* From the hull edge nearest to the parent, which lies outside. */
-static struct location from_outside(const struct mesh *m, uint32_t he, struct ivec2 q)
+/* The same without a walk.  Of q on an edge or a vertex it may give another triangle there. */
+static struct location find(const struct chains *c, struct ivec2 q)
 {
-    struct walk w = {m, q, q, he, {he, LOCATE_OUTSIDE}, NULL};
+    const struct mesh *m = c->m;
+    struct walk w = {.m = m};
+    struct ivec2 v[3];
+    uint32_t he;
 
-    if (side_of(m, he, q) >= 0)
-        return walk(m, he, m->xy[m->org[he]], q, NULL);
-    (void)outside(&w, he);
+    if (!chains_find(c, q, &he))
+        return (struct location){he, LOCATE_OUTSIDE};
+    for (uint32_t i = 0, h = he; i < 3; i++, h = mesh_next(h))
+        v[i] = m->xy[m->org[h]];
+    (void)within(&w, he,
+                 (const int64_t[3]){orient2d(v[0], v[1], q), orient2d(v[1], v[2], q),
+                                    orient2d(v[2], v[0], q)});
     return w.at;
 }
 
-void locate_mesh(const struct mesh *in, const struct mesh *pts, struct location *loc)
+enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
+                        struct location *loc)
 {
-    uint32_t he = in->out[0];
+    const uint64_t limit = (uint64_t)LOCATE_WORK * ((uint64_t)in->nv + pts->nv);
+    uint64_t steps = 0;
+    uint32_t he = in->out[0], v;
+    struct scratch scratch = {0};
+    struct chains chains;
+    enum status st;
 
     while (mesh_is_ghost(in, he / 3))
         he = mesh_turn(in, he);
-    loc[0] = walk(in, he, in->xy[0], pts->xy[0], NULL);
-    for (uint32_t v = 1; v < pts->nv; v++) {
+    loc[0] = walk(in, he, in->xy[0], pts->xy[0], NULL, &steps);
+    for (v = 1; v < pts->nv && steps <= limit; v++) {
         const uint32_t p = pts->parent[v];
+        const struct ivec2 q = pts->xy[v];
 
-        if (loc[p].where == LOCATE_OUTSIDE)
-            loc[v] = from_outside(in, loc[p].he, pts->xy[v]);
+        he = loc[p].he;
+        if (loc[p].where != LOCATE_OUTSIDE)
+            loc[v] = walk(in, he, pts->xy[p], q, NULL, &steps);
+        else if (side_of(in, he, q) < 0) /* beyond the same edge */
+            loc[v] = loc[p];
         else
-            loc[v] = walk(in, loc[p].he, pts->xy[p], pts->xy[v], NULL);
+            loc[v] = walk(in, he, in->xy[in->org[he]], q, NULL, &steps);
     }
+    if (v == pts->nv)
+        return ST_OK;
+    st = chains_make(in, &scratch, &chains);
+    for (; st == ST_OK && v < pts->nv; v++)
+        loc[v] = find(&chains, pts->xy[v]);
+    scratch_free(&scratch);
+    return st;
 }

@@ -2,11 +2,14 @@
  * Paper 1 sections 3.2 (one point) and 3.3 (a whole mesh, along its spanning tree).
  * Exact: every turn of the walk is decided by orient2d on the lattice, and each step gets
  * strictly nearer along the segment, so the walk ends on every mesh that mesh_link() or
- * mesh_check() accepts, Delaunay or not. */
+ * mesh_check() accepts, Delaunay or not.  Of contrived meshes each walk may cross most of the
+ * triangles: the steps of locate_mesh() are counted, and beyond a multiple of the points the
+ * others are located by bisection (chains.h). */
 #ifndef CORE_LOCATE_H
 #define CORE_LOCATE_H
 #include <stddef.h>
 #include <stdint.h>
+#include "status.h"
 #include "vec.h"
 
 struct mesh; /* mesh.h */
@@ -15,11 +18,8 @@ enum locate_where {
     LOCATE_INSIDE, /* strictly inside the triangle of half-edge he */
     LOCATE_EDGE,   /* strictly inside the edge he, whose triangle is not a ghost */
     LOCATE_VERTEX, /* on the vertex org[he]; he's triangle is not a ghost */
-    LOCATE_OUTSIDE /* outside the hull; he is the nearest of the hull edges that have the
-                      point on their outer side, its half-edge in the real triangle.
-                      Where the nearest point of the hull is a corner: the edge that
-                      ends there if it faces the point, else the one that starts there.
-                      It depends on hull and point alone, not on the walk. */
+    LOCATE_OUTSIDE /* outside the hull; he, in a real triangle, is a hull edge that has the
+                      point strictly on its outer side */
 };
 
 struct location {
@@ -40,15 +40,18 @@ struct locate_trace {
  * trace  may be NULL
  * Handles every degenerate case: q on a vertex, on an edge or outside; a walk through a
  * vertex or along edges; `from` on a vertex or edge.
- * Cost  two orient2d for each triangle crossed: O(sqrt nv) on average over a long way;
- * outside the hull also one step for each hull edge between the exit and the nearest. */
+ * Cost  two orient2d for each triangle crossed: O(sqrt nv) on average over a long way, at
+ * most O(nv). */
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace);
 
 /* locate_mesh(in, pts, loc): loc[v] = where vertex v of pts lies in `in`, for every vertex.
  * Each walk starts where the vertex's parent in pts' spanning tree lies (needs pts->parent,
  * not in->parent).
- * Cost  O(in->nv + pts->nv) for meshes of comparable density. */
-void locate_mesh(const struct mesh *in, const struct mesh *pts, struct location *loc);
+ * Cost  O(in->nv + pts->nv) for meshes of comparable density; at most
+ * O((in->nv + pts->nv) log^2 in->nv), with memory of its own for the time.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
+                        struct location *loc);
 
 #endif

@@ -51,8 +51,11 @@ enum status measure_gaps(const struct surface *tmpl, const struct surface *probe
     st = surface_move(probe, transform, &w->points, &w->scratch, &w->moved);
     if (st != ST_OK)
         return st == ST_ENOMEM ? st : ST_OK;
-    locate_mesh(a, b, w->moved_in_tmpl);
-    locate_mesh(b, a, w->tmpl_in_moved);
+    if ((st = locate_mesh(a, b, w->moved_in_tmpl)) != ST_OK ||
+        (st = locate_mesh(b, a, w->tmpl_in_moved)) != ST_OK) {
+        w->moved.mesh.nv = w->moved.mesh.nt = 0;
+        return st;
+    }
     interpolate_mesh(a, b, w->moved_in_tmpl, w->moved_gap);
     interpolate_mesh(b, a, w->tmpl_in_moved, w->tmpl_gap);
     disparity_gaps(tmpl, &w->moved, w->tmpl_in_moved, false, w->tmpl_gap);

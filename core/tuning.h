@@ -24,6 +24,10 @@
 #define REPAIR_GONE  8
 #define REPAIR_RING  64
 
+/* Steps per point, on average, before locate_mesh() locates the others by bisection.  Two
+ * scans of a face need about 3; contrived input would need N. */
+#define LOCATE_WORK 40
+
 /* ---- holes (paper 2): relative to the local point spacing */
 
 /* A triangle bridges missing points when its longest side and the radius of its circle

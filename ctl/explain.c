@@ -124,12 +124,13 @@ static void sample_cells(const struct explanation *x, struct dvec3 p, double *re
     *part = sum > 0 ? *part / sum : (double)NAN;
 }
 
-void explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
-                double *const value[EXPLAIN_KINDS])
+enum status explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
+                       double *const value[EXPLAIN_KINDS])
 {
     const double *t = x->result.align.transform;
 
-    heatmap_gaps(&x->tmpl.surface, pts, n, t, value[EXPLAIN_GAP]);
+    if (heatmap_gaps(&x->tmpl.surface, pts, n, t, value[EXPLAIN_GAP]) != ST_OK)
+        return ST_ENOMEM;
     for (size_t i = 0; i < n; i++) {
         const struct dvec3 p = pts[i];
 
@@ -140,6 +141,7 @@ void explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
         if (!isnan(value[EXPLAIN_GAP][i]))
             sample_cells(x, pts[i], &value[EXPLAIN_REST][i], &value[EXPLAIN_PART][i]);
     }
+    return ST_OK;
 }
 
 /* ---- all of it */
@@ -161,10 +163,9 @@ enum status explain_fields(struct explanation *x, struct face_work *w)
     for (int k = 0; k < EXPLAIN_KINDS; k++)
         if ((x->value[k] = mem_array(x->n, sizeof *x->value[k])) == NULL)
             st = ST_ENOMEM;
-    if (st != ST_OK)
-        return st;
-    explain_at(x, x->pts, x->n, x->value);
-    return find_spreads(x);
+    if (st == ST_OK)
+        st = explain_at(x, x->pts, x->n, x->value);
+    return st == ST_OK ? find_spreads(x) : st;
 }
 
 void explain_free(struct explanation *x)

@@ -56,9 +56,10 @@ struct explanation {
 enum status explain_fields(struct explanation *x, struct face_work *w);
 
 /* explain_at(x, pts, n, value): the three fields (NAN: none) at points of the probe's
- * surface, which are moved onto the template; x->field must be set. */
-void explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
-                double *const value[EXPLAIN_KINDS]);
+ * surface, which are moved onto the template; x->field must be set.  Returns ST_OK,
+ * ST_ENOMEM. */
+enum status explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
+                       double *const value[EXPLAIN_KINDS]);
 
 /* explain_end(x, kind): where its scale ends: mm, or thresholds for the part. */
 double explain_end(const struct explanation *x, enum explain_kind kind);

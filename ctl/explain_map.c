@@ -31,7 +31,7 @@ static bool drawn(const struct face *f, uint32_t t)
 }
 
 /* The vertices on the template, and the sums of their triangles' normals. */
-static void place(struct canvas *c)
+static enum status place(struct canvas *c)
 {
     const struct face *f = &c->x->probe;
     const struct mesh *m = &f->surface.mesh;
@@ -39,7 +39,8 @@ static void place(struct canvas *c)
     for (uint32_t v = 0; v < m->nv; v++)
         c->at[v] = (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
                                   m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM};
-    explain_at(c->x, c->at, m->nv, c->value);
+    if (explain_at(c->x, c->at, m->nv, c->value) != ST_OK)
+        return ST_ENOMEM;
     for (uint32_t v = 0; v < m->nv; v++)
         c->normal[v] = (struct dvec3){0, 0, 0};
     for (uint32_t k = 0; k < m->nt; k++) {
@@ -60,6 +61,7 @@ static void place(struct canvas *c)
             c->normal[m->org[h]].z += n.z;
         }
     }
+    return ST_OK;
 }
 
 /* The pixels: as many as the surface needs, all of them empty. */
@@ -165,10 +167,8 @@ enum status explain_map(const struct explanation *x, struct explain_map *out)
         c.value[k] = mem_array(m->nv, sizeof *c.value[k]);
         room = room && c.value[k] != NULL;
     }
-    if (room) {
-        place(&c);
+    if (room && (st = place(&c)) == ST_OK)
         st = prepare(&c);
-    }
     for (uint32_t t = 0; st == ST_OK && t < m->nt; t++)
         if (drawn(&x->probe, t))
             fill(&c, corner_at(&c, m->org[3 * t]), corner_at(&c, m->org[3 * t + 1]),

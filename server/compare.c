@@ -58,10 +58,9 @@ void compare_handle(struct request *r, struct worker *w)
                           w->compare.work, &least);
     if (st == ST_OK && detail == PARAMS_HEATMAP) {
         gap = mem_array(b.n, sizeof *gap);
-        if (gap == NULL)
-            st = ST_ENOMEM;
-        else
-            heatmap_gaps(&w->other.surface, b.pts, b.n, result.align.transform, gap);
+        st = gap == NULL ? ST_ENOMEM
+                         : heatmap_gaps(&w->other.surface, b.pts, b.n,
+                                        result.align.transform, gap);
     }
     if (st != ST_OK) {
         request_problem(r, st, "comparing: %s", status_message(st));

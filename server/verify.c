@@ -135,12 +135,11 @@ static enum status heatmap(struct verification *v, struct errinfo *e)
     if ((st = admission_hold(c, &v->admission, i, &face, e)) != ST_OK)
         return st;
     v->gap = mem_array(v->cloud.n, sizeof *v->gap);
-    if (v->gap != NULL)
-        heatmap_gaps(&face->surface, v->cloud.pts, v->cloud.n,
-                     v->best.result.align.transform, v->gap);
+    st = v->gap == NULL ? ST_ENOMEM
+                        : heatmap_gaps(&face->surface, v->cloud.pts, v->cloud.n,
+                                       v->best.result.align.transform, v->gap);
     admission_release(c, &v->admission, i, face);
-    return v->gap != NULL ? ST_OK
-                          : errinfo_set(e, ST_ENOMEM, "no memory for the heatmap");
+    return st == ST_OK ? ST_OK : errinfo_set(e, st, "no memory for the heatmap");
 }
 
 static bool compare(struct verification *v)

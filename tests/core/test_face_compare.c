@@ -361,7 +361,7 @@ static void test_heatmap(void **state)
 
     (void)state;
     make(15, 0, &a);
-    heatmap_gaps(&a.surface, cloud.pts, cloud.n, up, gap);
+    assert_int_equal(heatmap_gaps(&a.surface, cloud.pts, cloud.n, up, gap), ST_OK);
     for (size_t i = 0; i < cloud.n; i++) {
         if (isnan(gap[i]))
             continue;
@@ -369,10 +369,10 @@ static void test_heatmap(void **state)
         assert_true(fabs(gap[i] - 2) < 0.0021 || fabs(gap[i] - 2) > 0.9);
     }
     assert_true(seen > cloud.n * 9 / 10);
-    heatmap_gaps(&a.surface, cloud.pts, cloud.n, aside, gap);
+    assert_int_equal(heatmap_gaps(&a.surface, cloud.pts, cloud.n, aside, gap), ST_OK);
     for (size_t i = 0; i < cloud.n; i++)
         assert_true(isnan(gap[i]));
-    heatmap_gaps(&a.surface, odd, 3, up, gap);
+    assert_int_equal(heatmap_gaps(&a.surface, odd, 3, up, gap), ST_OK);
     for (size_t i = 0; i < 3; i++)
         assert_true(isnan(gap[i]));
     face_free(&a);
@@ -398,7 +398,7 @@ static void test_heatmap_rim(void **state)
         pts[v] = (struct dvec3){f.surface.mesh.xy[v].x / LATTICE_PER_MM,
                                 f.surface.mesh.xy[v].y / LATTICE_PER_MM,
                                 f.surface.mesh.z[v] / LATTICE_PER_MM};
-    heatmap_gaps(&f.surface, pts, f.surface.mesh.nv, still, gap);
+    assert_int_equal(heatmap_gaps(&f.surface, pts, f.surface.mesh.nv, still, gap), ST_OK);
     for (uint32_t v = 0; v < f.surface.mesh.nv; v++) {
         bool bridged = false, measured = false;
         uint32_t h = f.surface.mesh.out[v];

@@ -446,24 +446,9 @@ void brute_prim(const struct mesh *m, uint32_t *parent)
 
 /* ---- location */
 
-long double brute_distance2(const struct mesh *m, uint32_t he, struct ivec2 q)
-{
-    const struct ivec2 u = m->xy[m->org[he]], v = m->xy[mesh_dest(m, he)];
-    const long double dx = v.x - u.x, dy = v.y - u.y, px = q.x - u.x, py = q.y - u.y;
-    const long double len = dx * dx + dy * dy, dot = dx * px + dy * py;
-    const long double cross = dx * py - dy * px;
-
-    if (dot <= 0)
-        return px * px + py * py;
-    if (dot >= len)
-        return (px - dx) * (px - dx) + (py - dy) * (py - dy);
-    return cross * cross / len;
-}
-
 struct location brute_locate(const struct mesh *m, struct ivec2 q)
 {
     struct location at = {UINT32_MAX, LOCATE_OUTSIDE};
-    long double nearest = INFINITY;
 
     for (uint32_t h = 0; h < 3 * m->nt; h++) {
         struct ivec2 a, b, c;
@@ -483,11 +468,8 @@ struct location brute_locate(const struct mesh *m, struct ivec2 q)
             return (struct location){h, LOCATE_INSIDE};
         if (o[0] == 0 && o[1] > 0 && o[2] > 0)
             return (struct location){h, LOCATE_EDGE};
-        if (mesh_is_ghost(m, m->twin[h] / 3) && o[0] < 0 &&
-            brute_distance2(m, h, q) < nearest) {
-            nearest = brute_distance2(m, h, q);
+        if (mesh_is_ghost(m, m->twin[h] / 3) && o[0] < 0)
             at.he = h;
-        }
     }
     return at;
 }

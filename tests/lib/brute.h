@@ -65,9 +65,6 @@ bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec
 /* brute_locate(m, q): a correct location of q by searching all triangles. */
 struct location brute_locate(const struct mesh *m, struct ivec2 q);
 
-/* brute_distance2(m, he, q): the squared distance from q to the edge he. */
-long double brute_distance2(const struct mesh *m, uint32_t he, struct ivec2 q);
-
 /* brute_volume(a, b, area): the integral of |height of b - height of a| over the common area
  * of both hulls, from the exact overlay of both triangulations: each triangle of a is clipped
  * against each of b.  *area: the common area.  O(nv^2), lattice units. */
