@@ -1,12 +1,13 @@
 #include "compare.h"
 
+#include <stdbool.h>
+
 #include "app.h"
 #include "cloud.h"
 #include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "heatmap.h"
-#include "render.h"
 #include "log.h"
 #include "mem.h"
 #include "minimal.h"
@@ -29,66 +30,104 @@ static void add_event(struct request *r, enum face_decision decision)
         verify_event_lost(r, "compare", &e);
 }
 
+/* One comparison of two clouds, of which a is the template. */
+struct comparison {
+    struct request *r;
+    struct worker *w;
+    enum params_detail detail;
+    struct cloud a, b;
+    double parse_ms, prepare_ms;
+    struct face_result result;
+    struct minimal least; /* not for PARAMS_DECISION */
+    double *gap; /* the heatmap of b's points, by mem_free(); NULL: not asked for */
+};
+
+/* Both faces.  False: r->response says why not. */
+static bool build(struct comparison *c)
+{
+    const double start = log_clock_ms();
+    struct face_work *work = c->w->compare.work;
+    struct errinfo e = {0};
+    double parsed;
+
+    if (cloud_read_two(c->r, &c->a, &c->b) != ST_OK)
+        return false;
+    parsed = log_clock_ms();
+    request_stage(c->r, REQUEST_PARSE, c->parse_ms = parsed - start);
+    if (cloud_build(c->r, &c->a, "a.points", work, &c->w->other) != ST_OK ||
+        cloud_build(c->r, &c->b, "b.points", work, &c->w->probe) != ST_OK)
+        return false;
+    if (admission_calibrate(&c->w->compare, &e) != ST_OK) {
+        request_fail(c->r, &e);
+        return false;
+    }
+    request_stage(c->r, REQUEST_PREPARE, c->prepare_ms = log_clock_ms() - parsed);
+    return true;
+}
+
+static enum status heatmap(struct comparison *c)
+{
+    c->gap = mem_array(c->b.n, sizeof *c->gap);
+    if (c->gap == NULL)
+        return ST_ENOMEM;
+    return heatmap_gaps(&c->w->other.surface, c->b.pts, c->b.n,
+                        c->result.align.transform, c->gap);
+}
+
+static bool compare(struct comparison *c)
+{
+    const struct face *a = &c->w->other, *b = &c->w->probe;
+    struct face_work *work = c->w->compare.work;
+    enum status st = face_compare(a, b, 0.0, log_clock_ms, work, &c->result);
+
+    if (st == ST_OK && c->detail != PARAMS_DECISION) {
+        st = face_minimal(a, b, c->result.align.transform, log_clock_ms, work, &c->least);
+        request_stage(c->r, REQUEST_MINIMAL, c->least.ms);
+    }
+    if (st == ST_OK && c->detail == PARAMS_HEATMAP)
+        st = heatmap(c);
+    if (st != ST_OK) {
+        request_problem(c->r, st, "comparing: %s", status_message(st));
+        return false;
+    }
+    request_stage(c->r, REQUEST_ALIGN, c->result.align_ms);
+    request_stage(c->r, REQUEST_MEASURE, c->result.measure_ms);
+    return true;
+}
+
+static void respond(struct comparison *c)
+{
+    const struct describe_times times = {.parse = c->parse_ms,
+                                         .prepare = c->prepare_ms,
+                                         .align = c->result.align_ms,
+                                         .measure = c->result.measure_ms,
+                                         .minimal = c->least.ms,
+                                         .total = log_clock_ms() - c->r->start_ms};
+
+    verify_respond(c->r, &(struct describe_comparison){
+                             .result = &c->result,
+                             .minimal = c->detail == PARAMS_DECISION ? NULL : &c->least,
+                             .probe = &c->w->probe,
+                             .engine = store_made_by(c->r->app->store),
+                             .templates_compared = 1,
+                             .times = &times,
+                             .measure = c->detail != PARAMS_BRIEF,
+                             .gap_mm = c->gap,
+                             .n = c->b.n,
+                         });
+}
+
 void compare_handle(struct request *r, struct worker *w)
 {
-    struct errinfo e = {0};
-    double start = log_clock_ms(), parsed, prepared, *gap = NULL;
-    struct cloud a = {0}, b = {0};
-    struct face_result result;
-    struct minimal least;
-    enum params_detail detail = PARAMS_BRIEF;
-    enum status st;
+    struct comparison c = {.r = r, .w = w};
 
-    if (!params_detail(r, &detail) || cloud_read_two(r, &a, &b) != ST_OK)
+    if (!params_detail(r, &c.detail))
         return;
-    parsed = log_clock_ms();
-    request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &a, "a.points", w->compare.work, &w->other) != ST_OK ||
-        cloud_build(r, &b, "b.points", w->compare.work, &w->probe) != ST_OK)
-        goto out;
-    if (admission_calibrate(&w->compare, &e) != ST_OK) {
-        request_fail(r, &e);
-        goto out;
+    if (build(&c) && compare(&c)) {
+        add_event(r, c.result.decision);
+        respond(&c);
     }
-    prepared = log_clock_ms();
-    request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    st = face_compare(&w->other, &w->probe, 0.0, log_clock_ms, w->compare.work, &result);
-    if (st == ST_OK)
-        st = face_minimal(&w->other, &w->probe, result.align.transform, log_clock_ms,
-                          w->compare.work, &least);
-    if (st == ST_OK && detail == PARAMS_HEATMAP) {
-        gap = mem_array(b.n, sizeof *gap);
-        st = gap == NULL ? ST_ENOMEM
-                         : heatmap_gaps(&w->other.surface, b.pts, b.n,
-                                        result.align.transform, gap);
-    }
-    if (st != ST_OK) {
-        request_problem(r, st, "comparing: %s", status_message(st));
-        goto out;
-    }
-    request_stage(r, REQUEST_ALIGN, result.align_ms);
-    request_stage(r, REQUEST_MEASURE, result.measure_ms);
-    add_event(r, result.decision);
-    request_respond(
-        r, 200,
-        render_comparison(&(struct describe_comparison){
-            .result = &result,
-            .minimal = &least,
-            .probe = &w->probe,
-            .engine = store_made_by(r->app->store),
-            .templates_compared = 1,
-            .times = &(struct describe_times){.parse = parsed - start,
-                                              .prepare = prepared - parsed,
-                                              .align = result.align_ms,
-                                              .measure = result.measure_ms,
-                                              .minimal = least.ms,
-                                              .total = log_clock_ms() - r->start_ms},
-            .measure = detail != PARAMS_BRIEF,
-            .gap_mm = gap,
-            .n = b.n,
-        }));
-out:
-    mem_free(gap);
-    cloud_free(&a);
-    cloud_free(&b);
+    mem_free(c.gap);
+    cloud_free(&c.a);
+    cloud_free(&c.b);
 }

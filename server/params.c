@@ -54,6 +54,7 @@ bool params_detail(struct request *r, enum params_detail *out)
     bool there;
 
     if (get(r, "detail", buf, sizeof buf, &there)) {
+        *out = r->minimal ? PARAMS_DECISION : PARAMS_BRIEF;
         if (!there)
             return true;
         *out = strcmp(buf, "heatmap") == 0   ? PARAMS_HEATMAP

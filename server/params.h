@@ -12,13 +12,15 @@ bool params_flag(struct request *r, const char *name, bool *out); /* true, false
 /* params_units(r, mm): units=mm|cm|m as millimetres per unit. */
 bool params_units(struct request *r, double *mm);
 
-enum params_detail {                 /* what the response to a comparison contains */
-                     PARAMS_BRIEF,   /* nothing from which a template could be rebuilt */
-                     PARAMS_MEASURE, /* the measure, the pose and the regions */
-                     PARAMS_HEATMAP  /* and the gap at each point */
+enum params_detail {                  /* what the response to a comparison contains */
+                     PARAMS_DECISION, /* the decision and the ids alone */
+                     PARAMS_BRIEF,    /* nothing from which a template could be rebuilt */
+                     PARAMS_MEASURE,  /* the measure, the pose and the regions */
+                     PARAMS_HEATMAP   /* and the gap at each point */
 };
 
-/* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail. */
+/* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail; without
+ * it PARAMS_DECISION for a client that prefers the minimum (headers.h), else PARAMS_BRIEF. */
 bool params_detail(struct request *r, enum params_detail *out);
 
 /* params_count(r, name, max, out): an integer from 1 to max. */

@@ -131,8 +131,8 @@ void request_stage(struct request *r, enum request_stage stage, double ms)
 
 const char *request_stage_name(enum request_stage stage)
 {
-    static const char *const names[REQUEST_STAGES] = {"queue", "parse", "prepare",
-                                                      "align", "measure"};
+    static const char *const names[REQUEST_STAGES] = {"queue", "parse",   "prepare",
+                                                      "align", "measure", "minimal"};
 
     return names[stage];
 }

@@ -43,7 +43,8 @@ enum request_stage {                  /* what the time of a request is spent on 
                      REQUEST_PARSE,   /* the body to points */
                      REQUEST_PREPARE, /* points to face models */
                      REQUEST_ALIGN,   /* over all templates */
-                     REQUEST_MEASURE,
+                     REQUEST_MEASURE, /* the score */
+                     REQUEST_MINIMAL, /* the minimal disparity */
                      REQUEST_STAGES
 };
 

@@ -24,10 +24,10 @@
 struct verification {
     struct request *r;
     struct worker *w;
-    struct minimal least;
     enum params_detail detail;
     struct admission admission;
     struct nearest best;
+    struct minimal least; /* not for PARAMS_DECISION */
     double
         *gap; /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
     /* The probe; the builder's until builder_wait(). */
@@ -56,6 +56,12 @@ bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *
         request_problem(r, admit == ADMIT_DISABLED ? ERRMAP_DISABLED : ERRMAP_EXPIRED,
                         "%s", e->msg);
     return admit == ADMIT_YES;
+}
+
+void verify_respond(struct request *r, const struct describe_comparison *c)
+{
+    request_respond(r, 200, render_comparison(c));
+    r->response.minimal = c->minimal == NULL && r->response.http == 200;
 }
 
 /* ---- before the comparison */
@@ -123,6 +129,18 @@ static bool admit(struct verification *v, const char *subject, const char *templ
 
 /* ---- the comparison */
 
+static enum status minimal(struct verification *v, struct errinfo *e)
+{
+    enum status st;
+
+    if (v->detail == PARAMS_DECISION)
+        return ST_OK;
+    st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best, &v->least,
+                         e);
+    request_stage(v->r, REQUEST_MINIMAL, v->least.ms);
+    return st;
+}
+
 static enum status heatmap(struct verification *v, struct errinfo *e)
 {
     struct admission_context *c = &v->w->compare;
@@ -149,8 +167,7 @@ static bool compare(struct verification *v)
         nearest_find(&v->w->compare, &v->admission, &v->w->probe, &v->best, &e);
 
     if (st == ST_OK)
-        st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best,
-                             &v->least, &e);
+        st = minimal(v, &e);
     if (st == ST_OK)
         st = heatmap(v, &e);
     if (st != ST_OK) {
@@ -215,27 +232,26 @@ static void respond(struct verification *v)
                                          .minimal = v->least.ms,
                                          .total = log_clock_ms() - v->r->start_ms};
 
-    request_respond(v->r, 200,
-                    render_comparison(&(struct describe_comparison){
-                        .result = &v->best.result,
-                        .minimal = &v->least,
-                        .probe = &v->w->probe,
-                        .engine = store_made_by(v->r->app->store),
-                        .subject = v->admission.of.subject.id,
-                        .template_id = v->admission.of.t[v->best.index].id,
-                        .templates_compared = v->best.compared,
-                        .times = &times,
-                        .measure = v->detail != PARAMS_BRIEF,
-                        .gap_mm = v->gap,
-                        .n = v->cloud.n,
-                    }));
+    verify_respond(v->r, &(struct describe_comparison){
+                             .result = &v->best.result,
+                             .minimal = v->detail == PARAMS_DECISION ? NULL : &v->least,
+                             .probe = &v->w->probe,
+                             .engine = store_made_by(v->r->app->store),
+                             .subject = v->admission.of.subject.id,
+                             .template_id = v->admission.of.t[v->best.index].id,
+                             .templates_compared = v->best.compared,
+                             .times = &times,
+                             .measure = v->detail != PARAMS_BRIEF,
+                             .gap_mm = v->gap,
+                             .n = v->cloud.n,
+                         });
 }
 
 /* One of subject and template_id is NULL. */
 static void verify(struct request *r, struct worker *w, const char *subject,
                    const char *template_id)
 {
-    struct verification v = {.r = r, .w = w, .detail = PARAMS_BRIEF};
+    struct verification v = {.r = r, .w = w};
 
     if (!params_detail(r, &v.detail))
         return;

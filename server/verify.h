@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include "admit.h"
 
+struct describe_comparison;
 struct errinfo;
 struct request;
 struct worker;
@@ -15,6 +16,9 @@ void verify_template(struct request *r, struct worker *w);
 
 /* verify_admitted(r, admit, e): as admit_subject() said; false: r->response says why not. */
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e);
+
+/* verify_respond(r, c): 200 with c; without c->minimal because the client prefers so. */
+void verify_respond(struct request *r, const struct describe_comparison *c);
 
 /* verify_event_lost(r, kind, e): the response stands without its event, because of e; the log
  * and a metric say so. */

@@ -108,18 +108,27 @@ static void times(struct json *j, const struct describe_times *t, bool aligned)
     json_close(j);
 }
 
+static void ids(struct json *j, const struct describe_comparison *c)
+{
+    json_text(j, "subject", c->subject);
+    json_text(j, "template_id", c->template_id);
+}
+
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
 
     json_text(j, "decision", verdict_decision(r->decision));
+    if (c->minimal == NULL) {
+        ids(j, c);
+        return;
+    }
     json_number(j, "disparity_mm", r->score_mm);
     json_number(j, "threshold_mm", r->threshold_mm);
     json_rate(j, "fmr_at_score", r->fmr_at_score);
     json_number(j, "minimal_mm", c->minimal->disparity.plain_mm);
     json_number(j, "overlap", r->overlap);
-    json_text(j, "subject", c->subject);
-    json_text(j, "template_id", c->template_id);
+    ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
     describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
     json_text(j, "engine", c->engine);

@@ -35,7 +35,9 @@ struct describe_times { /* ms; NAN: not measured, null in JSON */
 
 struct describe_comparison {
     const struct face_result *result;
-    const struct minimal *minimal;
+    const struct minimal
+        *minimal; /* NULL: the decision and the ids alone; of the rest only
+                                      subject and template_id are used */
     const struct face *probe;
     const char *engine;                /* face_engine() */
     const char *subject, *template_id; /* NULL: null */

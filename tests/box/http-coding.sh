@@ -158,9 +158,38 @@ is "representation" "$STATUS $(get .subject) $(field Preference-Applied)" "200 m
 send POST /v1/subjects/min/templates "$PLY" "$T/b.ply" -H "$MIN"
 problem "an error has its body" 409 sample_mismatch
 is "no preference is applied" "$(field Preference-Applied)" ""
+send POST /v1/subjects/min/verify "$JSON" "$T/a2.json"
+id=$(get .template_id)
+# only TITLE DECISION SUBJECT TEMPLATE-ID: the last response has the decision and the ids alone.
+only() {
+    is "$1" "$STATUS $(field Preference-Applied) $(jq -cS . "$T/body")" \
+        "200 return=minimal $(printf '{"decision":"%s","subject":%s,"template_id":%s}' "$2" "$3" "$4")"
+}
+minima() { metric 'surfaced_stage_duration_seconds_count{stage="minimal"}'; }
+before=$(minima)
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H "$MIN"
-is "verify ignores it" "$STATUS $(get .decision) $(field Preference-Applied)" \
-    "200 match "
+only "verify" match '"min"' "\"$id\""
+fits "verify" Decision
+send POST "/v1/templates/$id/verify" "$PLY" "$T/b.ply" -H "$MIN"
+only "verify against one template" no_match '"min"' "\"$id\""
+jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/aa.json"
+send POST /v1/compare "$JSON" "$T/aa.json" -H "$MIN"
+only "compare" match null null
+is "the minimal disparity is not computed" "$(minima)" "$before"
+is "each is recorded" "$(sqlite3 "$DB" "SELECT group_concat(kind || ' ' || outcome) FROM
+    (SELECT * FROM events ORDER BY seq DESC LIMIT 3)")" 'compare match,verify no_match,verify match'
+send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H 'Prefer: return=representation'
+is "representation" "$STATUS $(get '.minimal_mm > 0') $(field Preference-Applied)" "200 true "
+is "it is computed" "$(minima)" $((before + 1))
+send POST '/v1/subjects/min/verify?detail=measure' "$JSON" "$T/a2.json" -H "$MIN"
+is "detail is asked for all the same" \
+    "$STATUS $(get '.minimal.volume_mm3 > 0') $(field Preference-Applied)" "200 true "
+jq -c '.points |= map(select(.[0] > 25))' "$T/a2.json" >"$T/part.json"
+send POST /v1/subjects/min/verify "$JSON" "$T/part.json" -H "$MIN"
+only "a part of the face" inconclusive '"min"' "\"$id\""
+send POST /v1/subjects/nobody/verify "$JSON" "$T/a2.json" -H "$MIN"
+problem "an error has its body" 404 not_found
+is "no preference is applied" "$(field Preference-Applied)" ""
 req DELETE "$first" -H "$MIN"
 minimal "delete the template" 204
 req DELETE /v1/subjects/min -H "$MIN"

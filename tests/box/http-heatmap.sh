@@ -80,7 +80,7 @@ req GET /openapi.json
 is "described for all three paths" "$(get '[.paths[].post? | select(.parameters // [] |
     any(."$ref" == "#/components/parameters/Detail")) |
     .responses["200"].content["application/json"].schema."$ref"] | [unique[], length] | @csv')" \
-    '"#/components/schemas/Verdict",3'
+    '"#/components/schemas/Comparison",3'
 stop_daemon
 
 # ---- the scope detail: with it a face is reconstructed from a non-mated probe's response

@@ -166,6 +166,7 @@ put POST '/v1/subjects/alice/templates?force=true' 201 "$PLY" "$T/b.ply" -H "$MI
 other=$(field Location)
 for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
+    put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json" -H "$MIN"
     put POST "/v1/$one/verify?detail=heatmap" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$PLY" "$T/b.ply"
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
@@ -215,6 +216,7 @@ is "not enrolled either" "$(get .code)" subject_expired
 echo '{"expires_at": null}' >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
+put POST /v1/compare 200 "$JSON" "$T/ab.json" -H "$MIN"
 put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # The examples of clouds are parsed, and have too few points.

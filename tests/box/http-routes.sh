@@ -84,15 +84,19 @@ fits verify Verdict
 is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .minimal_mm,
     .overlap, .templates_compared, .quality.score,
     .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
-    .timing_ms.total] | all(type == "number" and . >= 0)')" true
+    .timing_ms.minimal, .timing_ms.total] | all(type == "number" and . >= 0)')" true
+is "the minimal disparity takes its time of the total" \
+    "$(get '.timing_ms | .minimal > 0 and .align + .measure + .minimal < .total')" true
 is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv')" \
     "$(printf 'alice\t%s\t%s' "$id" "$engine")"
 is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
 fits "verify with detail" Verdict
 is "minimal = volume / area" "$(get '(.minimal_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
-is "the transform is affine" "$(get '.alignment.transform
-    | length == 16 and .[12:] == [0,0,0,1]')" true
+is "the transforms are affine" "$(get '.alignment.transform, .minimal.transform
+    | length == 16 and .[12:] == [0,0,0,1]' | sort -u)" true
+is "another pose, near the alignment" "$(get '[.alignment.transform, .minimal.transform]
+    | transpose | map(.[0] - .[1] | fabs) | max < 20')" true
 is "regions" "$(get '.regions | type')" object
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 is "verify against one template" "$STATUS $(get .decision)" "200 match"

@@ -13,6 +13,7 @@
 #include "face.h"
 #include "fail_alloc.h"
 #include "libsurface.h"
+#include "measure.h"
 #include "minimal.h"
 #include "status.h"
 
@@ -46,6 +47,7 @@ static void test_same(void **state)
     struct surface_work *work = surface_work_new();
     struct face_work *w = face_work_new(NULL);
     struct surface_face *tmpl, *other;
+    struct measure_work measure = {0};
     struct face a = {0}, b = {0};
     char engine[2][SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
@@ -59,6 +61,7 @@ static void test_same(void **state)
         struct surface_quality q;
         struct face_result r;
         struct minimal m;
+        struct disparity aligned;
 
         n = scan(probe[i][0], probe[i][1]);
         assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
@@ -80,11 +83,17 @@ static void test_same(void **state)
         assert_true(c.volume_mm3 == m.disparity.volume_mm3);
         assert_true(c.area_mm2 == m.disparity.area_mm2);
         assert_memory_equal(c.minimal_transform, m.transform, sizeof m.transform);
+        assert_int_equal(measure_at(&a.surface, &b.surface, c.transform, NULL, &measure,
+                                    &aligned),
+                         ST_OK);
+        assert_true(c.minimal_mm > 0 && c.minimal_mm <= aligned.plain_mm);
+        assert_true(fabs(c.volume_mm3 / c.area_mm2 - c.minimal_mm) < 1e-9);
         surface_face_free(other);
     }
     surface_engine(engine[0]);
     face_engine(NULL, engine[1]);
     assert_string_equal(engine[0], engine[1]);
+    measure_work_free(&measure);
     face_free(&a);
     face_free(&b);
     face_work_free(w);

@@ -1,6 +1,7 @@
 /* link: -Wl,--wrap=store_template_load */
 /* Which template of a subject decides, in whatever order they come; those that are gone or of
- * another engine are left out; what fails ends it; every model is given back. */
+ * another engine are left out; what fails ends it; every model is given back.  The minimal
+ * disparity is of the one that decides. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,6 +13,8 @@
 
 #include "clouds.h"
 #include "errinfo.h"
+#include "measure.h"
+#include "minimal.h"
 #include "nearest.h"
 #include "tempdb.h"
 
@@ -250,6 +253,39 @@ static void test_failure(void **state)
     assert_string_equal(e.msg, "model 0");
 }
 
+/* Of the template that decides, and not above the measure at the alignment's pose. */
+static void test_minimal(void **state)
+{
+    struct admission_context c = context();
+    struct store_template t[2] = {{.id = "0"}, {.id = "1"}};
+    const struct admission a = {.of = {.t = t, .n = 2}};
+    struct measure_work w = {0};
+    struct nearest best;
+    struct minimal m, same;
+    struct disparity aligned;
+
+    (void)state;
+    assert_int_equal(nearest_find(&c, &a, &probe, &best, &e), ST_OK);
+    assert_int_equal(best.index, 1);
+    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, &m, &e), ST_OK);
+    assert_int_equal(held, 0);
+    assert_true(m.ms >= 1);
+    assert_int_equal(face_minimal(&model[SAME], &probe, best.result.align.transform, NULL,
+                                  tempdb_work, &same),
+                     ST_OK);
+    assert_true(m.disparity.plain_mm == same.disparity.plain_mm && same.ms == 0);
+    assert_int_equal(measure_at(&model[SAME].surface, &probe.surface,
+                                best.result.align.transform, NULL, &w, &aligned),
+                     ST_OK);
+    assert_true(m.disparity.plain_mm > 0);
+    assert_true(m.disparity.plain_mm <= aligned.plain_mm);
+    assert_true(m.disparity.area_mm2 >= 0.95 * aligned.area_mm2);
+    fails[SAME] = ST_ECORRUPT;
+    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, &m, &e), ST_ECORRUPT);
+    assert_int_equal(held, 0);
+    measure_work_free(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +294,7 @@ int main(void)
         cmocka_unit_test_setup(test_conclusive_first, reset),
         cmocka_unit_test_setup(test_left_out, reset),
         cmocka_unit_test_setup(test_failure, reset),
+        cmocka_unit_test_setup(test_minimal, reset),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
