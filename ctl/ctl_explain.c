@@ -61,6 +61,8 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
         if (st == ST_OK)
             st = face_minimal(&x->tmpl, &x->probe, x->result.align.transform, NULL,
                               c->work, &x->minimal);
+        if (st == ST_OK)
+            st = face_weigh(&x->tmpl, &x->probe, c->work, &x->minimal);
     }
     if (st == ST_OK)
         st = explain_fields(x, c->work);

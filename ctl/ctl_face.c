@@ -46,7 +46,8 @@ static enum status nearest(struct ctl *c, const struct admission_request *ask,
     if (st == ST_OK)
         st = nearest_find(&with, &a, probe, &best->nearest, &c->e);
     if (st == ST_OK)
-        st = nearest_minimal(&with, &a, probe, &best->nearest, &best->minimal, &c->e);
+        st = nearest_minimal(&with, &a, probe, &best->nearest, true, &best->minimal,
+                             &c->e);
     if (st == ST_OK) {
         best->subject = a.of.subject;
         best->tmpl = a.of.t[best->nearest.index];
@@ -110,6 +111,16 @@ void ctl_face_score(FILE *to, const struct face_result *r)
                   "false match  a share of %.2g of other people would score this low or "
                   "lower\n",
                   r->score_mm, r->threshold_mm, r->fmr_at_score);
+}
+
+void ctl_face_minimal(FILE *to, const struct minimal *m)
+{
+    const struct disparity *d = &m->disparity;
+
+    (void)fprintf(to,
+                  "minimal      %.3f mm (%.1f mm3 over %.1f mm2), %.3f mm by the learned "
+                  "weight\n",
+                  d->plain_mm, d->volume_mm3, d->area_mm2, d->weighted_mm);
 }
 
 void ctl_face_scan(FILE *to, const struct face *f)

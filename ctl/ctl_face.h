@@ -15,7 +15,7 @@ struct ctl; /* ctl.h */
  * not be verified.  ctl_face_template(): with one template of it. */
 struct ctl_nearest {
     struct nearest nearest;
-    struct minimal minimal;     /* against the template that decides */
+    struct minimal minimal;     /* against the template that decides, weighed */
     struct store_template tmpl; /* that decides */
     struct store_subject subject;
 };
@@ -38,6 +38,7 @@ int ctl_face_exit(enum face_decision d);
  * well a pose is known, without its end. */
 void ctl_face_known(FILE *to, double turn_deg, double shift_mm);
 void ctl_face_score(FILE *to, const struct face_result *r);
+void ctl_face_minimal(FILE *to, const struct minimal *m);
 void ctl_face_scan(FILE *to, const struct face *f);
 void ctl_face_regions(FILE *to, const struct face_result *r);
 void ctl_face_alignment(FILE *to, const struct align_result *a);

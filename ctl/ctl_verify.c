@@ -12,7 +12,6 @@
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
     const struct face_result *r = x->result;
-    const struct disparity *least = &x->minimal->disparity;
 
     describe_comparison(c->out, x);
     if (c->json)
@@ -24,8 +23,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
     ctl_face_alignment(stdout, &r->align);
     ctl_face_regions(stdout, r);
-    (void)printf("minimal      %.3f mm (%.1f mm3 over %.1f mm2)\n", least->plain_mm,
-                 least->volume_mm3, least->area_mm2);
+    ctl_face_minimal(stdout, x->minimal);
     ctl_face_scan(stdout, x->probe);
     (void)printf("time         %.1f ms\n", x->times->total);
 }
@@ -94,7 +92,8 @@ static enum status compare(struct ctl *c)
         (st = ctl_scan_read(c, c->args[1], c->work, &b)) == ST_OK &&
         ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
          (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
-             ST_OK))
+             ST_OK ||
+         (st = face_weigh(&a, &b, c->work, &least)) != ST_OK))
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
         print_result(

@@ -26,12 +26,10 @@ static const char *reason(const struct face_result *r)
 static void print_result(FILE *to, const struct explanation *x)
 {
     const struct face_result *r = &x->result;
-    const struct disparity *least = &x->minimal.disparity;
 
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
     ctl_face_score(to, r);
-    (void)fprintf(to, "minimal      %.3f mm (%.1f mm3 over %.1f mm2)\n", least->plain_mm,
-                  least->volume_mm3, least->area_mm2);
+    ctl_face_minimal(to, &x->minimal);
     (void)fprintf(
         to,
         "common       %.1f %% of the template's area, %.1f %% of a face's weight "

@@ -70,8 +70,8 @@ static enum status heatmap(struct comparison *c)
     c->gap = mem_array(c->b.n, sizeof *c->gap);
     if (c->gap == NULL)
         return ST_ENOMEM;
-    return heatmap_gaps(&c->w->other.surface, c->b.pts, c->b.n,
-                        c->result.align.transform, c->gap);
+    return heatmap_gaps(&c->w->other.surface, c->b.pts, c->b.n, c->result.align.transform,
+                        c->gap);
 }
 
 static bool compare(struct comparison *c)
@@ -84,6 +84,8 @@ static bool compare(struct comparison *c)
         st = face_minimal(a, b, c->result.align.transform, log_clock_ms, work, &c->least);
         request_stage(c->r, REQUEST_MINIMAL, c->least.ms);
     }
+    if (st == ST_OK && c->detail >= PARAMS_MEASURE)
+        st = face_weigh(a, b, work, &c->least);
     if (st == ST_OK && c->detail == PARAMS_HEATMAP)
         st = heatmap(c);
     if (st != ST_OK) {

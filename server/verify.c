@@ -135,8 +135,8 @@ static enum status minimal(struct verification *v, struct errinfo *e)
 
     if (v->detail == PARAMS_DECISION)
         return ST_OK;
-    st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best, &v->least,
-                         e);
+    st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best,
+                         v->detail != PARAMS_BRIEF, &v->least, e);
     request_stage(v->r, REQUEST_MINIMAL, v->least.ms);
     return st;
 }

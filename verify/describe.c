@@ -81,6 +81,7 @@ static void measure(struct json *j, const struct face_result *r, const struct mi
     json_object(j, "minimal");
     json_extent(j, "volume_mm3", m->disparity.volume_mm3);
     json_extent(j, "overlap_mm2", m->disparity.area_mm2);
+    json_number(j, "weighted_mm", m->disparity.weighted_mm);
     json_transform(j, "transform", m->transform);
     json_close(j);
     alignment(j, &r->align);

@@ -42,7 +42,8 @@ struct describe_comparison {
     const char *engine;                /* face_engine() */
     const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
-    bool measure;         /* with the measure, the alignment and the regions */
+    bool measure;         /* with what minimal is made of, for which it has been weighed
+                     (face_weigh()), the alignment and the regions */
     const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
     size_t n;
     const struct describe_times *times; /* NULL: left out */

@@ -63,7 +63,7 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
 
 enum status nearest_minimal(struct admission_context *c, const struct admission *a,
                             const struct face *probe, const struct nearest *of,
-                            struct minimal *out, struct errinfo *e)
+                            bool weigh, struct minimal *out, struct errinfo *e)
 {
     const struct face *face;
     enum status st = admission_hold(c, a, of->index, &face, e);
@@ -71,6 +71,8 @@ enum status nearest_minimal(struct admission_context *c, const struct admission 
     if (st != ST_OK)
         return st;
     st = face_minimal(face, probe, of->result.align.transform, c->clock_ms, c->work, out);
+    if (st == ST_OK && weigh)
+        st = face_weigh(face, probe, c->work, out);
     admission_release(c, a, of->index, face);
     return st == ST_OK ? st
                        : errinfo_set(e, st, "template %s: %s", a->of.t[of->index].id,

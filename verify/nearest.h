@@ -4,6 +4,7 @@
  * the greatest overlap. */
 #ifndef VERIFY_NEAREST_H
 #define VERIFY_NEAREST_H
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "admission.h"
@@ -29,10 +30,11 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
                          const struct face *probe, struct nearest *out,
                          struct errinfo *e);
 
-/* nearest_minimal(c, a, probe, of, out, e): the minimal disparity against the template that
- * decides, from nearest_find()'s `of`.  Returns as face_minimal(), admission_hold(). */
+/* nearest_minimal(c, a, probe, of, weigh, out, e): the minimal disparity against the template
+ * that decides, from nearest_find()'s `of`; weigh: by the learned weight too (face_weigh()).
+ * Returns as face_minimal(), admission_hold(). */
 enum status nearest_minimal(struct admission_context *c, const struct admission *a,
                             const struct face *probe, const struct nearest *of,
-                            struct minimal *out, struct errinfo *e);
+                            bool weigh, struct minimal *out, struct errinfo *e);
 
 #endif

@@ -56,8 +56,8 @@ ok "its members" jq_true '.decision == "match" and .disparity_mm <= .threshold_m
     (.gap.amount_quantiles | map(.mm) | . == sort and length == 6)' out
 "$ctl" compare --json a0.ply a1.ply >compared
 is "the verdict of compare" \
-    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .alignment.transform]' compared)" \
-    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .alignment.transform]' out)"
+    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .minimal, .alignment]' compared)" \
+    "$(jq -cS '[.decision, .disparity_mm, .minimal_mm, .minimal, .alignment]' out)"
 # What decided is told apart from the gap: a match whose gap is many times the threshold.
 ok "the gap is told, not decided by" jq_true '.gap.mean_amount_mm > 2 * .threshold_mm' out
 ok "what is left is within the threshold" jq_true '.rest.cells > 500 and
@@ -130,7 +130,7 @@ id=$("$ctl" --db faces.db enroll alice a0.ply | cut -d' ' -f1)
 "$ctl" --db faces.db enroll --force alice b0.ply >/dev/null
 expect 0 "a subject" "$ctl" --db faces.db explain alice a1.ply --out db --json
 is "the template that decides" "$(jq -r .template_id out)" "$id"
-is "as with the scan" "$(jq -c .gap out)" "$(jq -c .gap json/explain.json)"
+is "as with the scan" "$(jq -cS '[.gap, .minimal]' out)" "$(jq -cS '[.gap, .minimal]' json/explain.json)"
 expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply --out db
 has out "$id"
 is "the events" "$(sqlite3 faces.db \

@@ -118,7 +118,7 @@ fits "without detail" Verdict
 send POST '/v1/subjects/c/verify?detail=measure' "$JSON" "$T/c.json"
 is "detail=measure" "$STATUS $(get '[(.alignment.transform | length), (.regions | type),
     (.minimal | keys | tostring), has("heatmap")] | @csv')" \
-    '200 16,"object","[""overlap_mm2"",""transform"",""volume_mm3""]",false'
+    '200 16,"object","[""overlap_mm2"",""transform"",""volume_mm3"",""weighted_mm""]",false'
 fits "detail=measure" Verdict
 
 for AUTH in "$without" "$alone"; do

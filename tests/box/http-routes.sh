@@ -93,6 +93,8 @@ is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
 fits "verify with detail" Verdict
 is "minimal = volume / area" "$(get '(.minimal_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
+is "by the learned weight it is another" "$(get '.minimal.weighted_mm
+    | type == "number" and . > 0' && get '.minimal.weighted_mm == .minimal_mm')" "$(printf 'true\nfalse')"
 is "the transforms are affine" "$(get '.alignment.transform, .minimal.transform
     | length == 16 and .[12:] == [0,0,0,1]' | sort -u)" true
 is "another pose, near the alignment" "$(get '[.alignment.transform, .minimal.transform]

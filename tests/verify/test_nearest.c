@@ -267,7 +267,7 @@ static void test_minimal(void **state)
     (void)state;
     assert_int_equal(nearest_find(&c, &a, &probe, &best, &e), ST_OK);
     assert_int_equal(best.index, 1);
-    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, &m, &e), ST_OK);
+    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, false, &m, &e), ST_OK);
     assert_int_equal(held, 0);
     assert_true(m.ms >= 1);
     assert_int_equal(face_minimal(&model[SAME], &probe, best.result.align.transform, NULL,
@@ -280,8 +280,13 @@ static void test_minimal(void **state)
     assert_true(m.disparity.plain_mm > 0);
     assert_true(m.disparity.plain_mm <= aligned.plain_mm);
     assert_true(m.disparity.area_mm2 >= 0.95 * aligned.area_mm2);
+    assert_true(m.disparity.weighted_mm == m.disparity.plain_mm);
+    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, true, &m, &e), ST_OK);
+    assert_true(m.disparity.plain_mm == same.disparity.plain_mm);
+    assert_true(m.disparity.weighted_mm > 0);
+    assert_true(m.disparity.weighted_mm != m.disparity.plain_mm);
     fails[SAME] = ST_ECORRUPT;
-    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, &m, &e), ST_ECORRUPT);
+    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, true, &m, &e), ST_ECORRUPT);
     assert_int_equal(held, 0);
     measure_work_free(&w);
 }
