@@ -83,9 +83,9 @@ static void test_same(void **state)
         assert_true(c.volume_mm3 == m.disparity.volume_mm3);
         assert_true(c.area_mm2 == m.disparity.area_mm2);
         assert_memory_equal(c.minimal_transform, m.transform, sizeof m.transform);
-        assert_int_equal(measure_at(&a.surface, &b.surface, c.transform, NULL, &measure,
-                                    &aligned),
-                         ST_OK);
+        assert_int_equal(
+            measure_at(&a.surface, &b.surface, c.transform, NULL, &measure, &aligned),
+            ST_OK);
         assert_true(c.minimal_mm > 0 && c.minimal_mm <= aligned.plain_mm);
         assert_true(fabs(c.volume_mm3 / c.area_mm2 - c.minimal_mm) < 1e-9);
         surface_face_free(other);
