@@ -1,17 +1,17 @@
 /* merge.c -- b's points are inserted into a copy of a's triangulation along b's spanning
- * tree, each from the triangle in which it was located, and the circles are repaired by
- * flips (Lawson).  Mestetskiy and Tsarik trace the seams between two unseparated
- * triangulations instead.  Where two scans of one face overlap, three quarters of all
- * triangles lie on a seam; insertion costs no more and has a valid triangulation after every
- * step.  Insertion alone would be quadratic on contrived input, so the work is counted, and
- * beyond a multiple of the points the union is triangulated from scratch.  The Delaunay
- * triangulation is unique (predicates.h), so both ways give the same. */
+ * tree, each from the triangle in which it was located (insert.h).  Mestetskiy and Tsarik
+ * trace the seams between two unseparated triangulations instead.  Where two scans of one face
+ * overlap, three quarters of all triangles lie on a seam; insertion costs no more and has a
+ * valid triangulation after every step.  Insertion alone would be quadratic on contrived
+ * input, so the work is counted, and beyond a multiple of the points the union is triangulated
+ * from scratch.  The Delaunay triangulation is unique (predicates.h), so both ways give the
+ * same. */
 #include "merge.h"
 
 #include <stdbool.h>
 #include <string.h>
 
-#include "flips.h"
+#include "insert.h"
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
@@ -31,13 +31,18 @@ static void name_ghost(struct mesh *m, uint32_t from, uint32_t to)
     m->out[to] = first;
 }
 
-/* Insert all of b; false when it took too much work. */
-static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
-                 const struct location *b_in_a, uint32_t *b_vertex)
+/* Insert all of b; ST_ELIMIT when it took too much work. */
+static enum status grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
+                        const struct location *b_in_a, struct scratch *s,
+                        uint32_t *b_vertex)
 {
     const uint32_t ghost = a->nv + b->nv;
-    struct flips f = {m, ghost, 0, (uint64_t)MERGE_WORK * ghost};
+    struct insert in = {.m = m, .ghost = ghost, .limit = (uint64_t)MERGE_WORK * ghost};
+    unsigned char *block = scratch_need(s, insert_start(&in, NULL));
 
+    if (block == NULL)
+        return ST_ENOMEM;
+    (void)insert_start(&in, block);
     name_ghost(m, a->nv, ghost);
     for (uint32_t v = 0; v < b->nv; v++) {
         const struct ivec2 q = b->xy[v];
@@ -48,16 +53,16 @@ static bool grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
             b_vertex[v] = a->org[he];
             continue;
         }
-        if (!flips_find(&f, &he, q, &on_edge))
-            return false;
+        if (!insert_find(&in, &he, q, &on_edge))
+            return ST_ELIMIT;
         b_vertex[v] = m->nv;
         m->xy[m->nv] = q;
         m->z[m->nv] = b->z[v];
-        flips_insert(&f, he, on_edge, m->nv++);
+        insert_point(&in, he, on_edge, m->nv++);
     }
     if (m->nv != ghost)
         name_ghost(m, ghost, m->nv);
-    return true;
+    return ST_OK;
 }
 
 /* Triangulate the union from scratch, with the vertex numbers that grow() would give. */
@@ -93,7 +98,7 @@ enum status merge_build(const struct mesh *a, const struct mesh *b,
 {
     enum status st = mesh_copy(out, a, b->nv);
 
-    if (st == ST_OK && !grow(out, a, b, b_in_a, b_vertex))
+    if (st == ST_OK && (st = grow(out, a, b, b_in_a, s, b_vertex)) == ST_ELIMIT)
         st = rebuild(out, a, b, b_in_a, s, b_vertex);
     if (st != ST_OK)
         out->nv = out->nt = 0;

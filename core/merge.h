@@ -20,7 +20,7 @@ struct scratch;  /* mem.h */
  * out     reserved as needed; its z is a's or b's own height; it has no spanning tree.
  * Needs   b->parent.
  * Cost    O(a->nv + b->nv) for meshes that sample the plane comparably.  Beyond MERGE_WORK
- *         walk steps and flips a point the union is triangulated from scratch, O(N log N).
+ *         steps and new triangles a point the union is triangulated from scratch, O(N log N).
  *         The limit also ends a walk in circles, which is possible where a is not Delaunay.
  * Returns ST_OK; ST_ELIMIT; ST_ENOMEM.  On failure out has nv == 0. */
 enum status merge_build(const struct mesh *a, const struct mesh *b,

@@ -9,7 +9,7 @@ static size_t layout(struct mesh *m, size_t n, unsigned char *block)
 {
     size_t at = 0;
 
-    m->xy = mem_take(block, &at, n, sizeof *m->xy);
+    m->xy = mem_take(block, &at, n + 1, sizeof *m->xy);
     m->org = mem_take(block, &at, 6 * n, sizeof *m->org);
     m->twin = mem_take(block, &at, 6 * n, sizeof *m->twin);
     m->z = mem_take(block, &at, n, sizeof *m->z);

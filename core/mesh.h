@@ -28,7 +28,7 @@ struct mesh {
     uint32_t nv;      /* points, at distinct (x, y) */
     uint32_t nt;      /* triangles, ghosts included: 2 nv - 2 */
     uint32_t cap;     /* points there is room for */
-    struct ivec2 *xy; /* [nv] */
+    struct ivec2 *xy; /* [nv]; there is room for the ghost's too */
     int32_t *z;       /* [nv] height over (x, y) */
     uint32_t *org;    /* [3 nt] where the half-edge starts */
     uint32_t *twin;   /* [3 nt] its other side */

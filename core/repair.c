@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "flips.h"
+#include "insert.h"
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
@@ -26,12 +26,52 @@ struct taken {
 
 struct repair {
     struct mesh *m;
-    struct flips flips;
+    struct insert insert;
     uint32_t *stack; /* triangles, later edges, that are to be looked at */
     size_t count, most;
     struct taken *taken; /* vertices taken out, in this order */
     uint32_t gone, gone_most;
 };
+
+static inline void link_twins(struct mesh *m, uint32_t a, uint32_t b)
+{
+    m->twin[a] = b;
+    m->twin[b] = a;
+}
+
+/* The triangle of h = x -> y has the third corner q; swap xy for the edge from q to w, the
+ * corner across it.  h becomes x -> w and keeps q as its third corner; the former twin of h
+ * becomes y -> q, with the third corner w. */
+static void flip(struct mesh *m, uint32_t h)
+{
+    const uint32_t f = m->twin[h];
+    const uint32_t hn = mesh_next(h), fn = mesh_next(f);
+    const uint32_t xw = m->twin[fn], yq = m->twin[hn];
+
+    m->out[m->org[h]] = h;
+    m->out[m->org[f]] = f;
+    m->org[hn] = m->org[mesh_prev(f)];
+    m->org[fn] = m->org[mesh_prev(h)];
+    link_twins(m, h, xw);
+    link_twins(m, f, yq);
+    link_twins(m, hn, fn);
+}
+
+/* Must the edge h be flipped?  Its triangles are counter-clockwise, or ghosts. */
+static bool must_flip(const struct mesh *m, uint32_t h)
+{
+    const struct ivec2 *xy = m->xy;
+    const uint32_t x = m->org[h], y = mesh_dest(m, h), q = m->org[mesh_prev(h)];
+    const uint32_t w = m->org[mesh_prev(m->twin[h])];
+
+    if (q == m->nv || w == m->nv)
+        return false;
+    if (x == m->nv)
+        return orient2d(xy[w], xy[y], xy[q]) > 0;
+    if (y == m->nv)
+        return orient2d(xy[x], xy[w], xy[q]) > 0;
+    return incircle(xy[x], xy[y], xy[q], xy[w]);
+}
 
 static bool overturned(const struct mesh *m, uint32_t t)
 {
@@ -113,7 +153,7 @@ static bool reduce(struct repair *r, struct ring *ring)
         flipped = ring->h[best];
         if (m->org[mesh_prev(flipped)] == m->org[mesh_prev(m->twin[flipped])])
             return false;
-        flips_flip(m, flipped); /* now leads to the neighbour before */
+        flip(m, flipped); /* now leads to the neighbour before */
         r->stack[r->count++] = m->twin[mesh_next(flipped)] / 3;
         ring->h[(best + ring->n - 1) % ring->n] = flipped;
         ring->n--;
@@ -133,7 +173,7 @@ static void fill(struct repair *r, uint32_t t)
         return;
     for (uint32_t i = 0; i < 3; i++) {
         m->org[3 * t + i] = m->org[3 * last + i];
-        flips_link(m, 3 * t + i, m->twin[3 * last + i]);
+        link_twins(m, 3 * t + i, m->twin[3 * last + i]);
         m->out[m->org[3 * t + i]] = 3 * t + i;
     }
     r->stack[r->count++] = t;
@@ -170,7 +210,7 @@ static bool take_out(struct repair *r, uint32_t v)
     for (uint32_t i = 0; i < 3; i++) { /* the first of them becomes the whole */
         m->org[3 * t[0] + i] = p[i];
         m->out[p[i]] = 3 * t[0] + i;
-        flips_link(m, 3 * t[0] + i, beyond[i]);
+        link_twins(m, 3 * t[0] + i, beyond[i]);
     }
     r->stack[r->count++] = t[0];
     fill(r, t[1] > t[2] ? t[1] : t[2]);
@@ -243,13 +283,13 @@ static bool find_edges(struct repair *r)
 
         if (__builtin_expect((a == m->nv) | (b == m->nv) | (c == m->nv) | (d == m->nv),
                              0))
-            must = c != m->nv && flips_must(m, m->nv, h, xy[c]);
+            must = must_flip(m, h);
         else
             must = incircle(xy[a], xy[b], xy[c], xy[d]);
         r->stack[r->count] = h;
         r->count += must;
     }
-    return r->count <= r->flips.limit;
+    return r->count <= r->insert.limit;
 }
 
 /* Flip until all circles are empty. */
@@ -259,13 +299,12 @@ static bool flip_all(struct repair *r)
 
     while (r->count > 0) {
         const uint32_t h = r->stack[--r->count], twin = m->twin[h];
-        const uint32_t q = m->org[mesh_prev(h)];
 
-        if (q == m->nv || !flips_must(m, m->nv, h, m->xy[q]))
+        if (!must_flip(m, h))
             continue;
-        if (r->flips.work++ == r->flips.limit)
+        if (r->insert.work++ == r->insert.limit)
             return false;
-        flips_flip(m, h);
+        flip(m, h);
         r->stack[r->count++] = h; /* the sides of the quadrangle */
         r->stack[r->count++] = mesh_prev(h);
         r->stack[r->count++] = twin;
@@ -285,7 +324,7 @@ static bool put_back(struct repair *r)
         uint32_t he = m->out[k.beside];
         bool on_edge;
 
-        if (!flips_find(&r->flips, &he, q, &on_edge))
+        if (!insert_find(&r->insert, &he, q, &on_edge))
             return false;
         for (int i = 0; i < 3 && on_edge; i++, he = mesh_next(he)) {
             const struct ivec2 p = m->xy[m->org[he]];
@@ -293,9 +332,19 @@ static bool put_back(struct repair *r)
             if (p.x == q.x && p.y == q.y)
                 return false;
         }
-        flips_insert(&r->flips, he, on_edge, k.v);
+        insert_point(&r->insert, he, on_edge, k.v);
     }
     return true;
+}
+
+/* r's arrays in block; returns the bytes needed. */
+static size_t layout(struct repair *r, unsigned char *block)
+{
+    size_t at = insert_start(&r->insert, block);
+
+    r->stack = mem_take(block, &at, r->most, sizeof *r->stack);
+    r->taken = mem_take(block, &at, r->gone_most, sizeof *r->taken);
+    return at;
 }
 
 enum status repair_mesh(struct mesh *m, struct scratch *s)
@@ -303,17 +352,15 @@ enum status repair_mesh(struct mesh *m, struct scratch *s)
     const size_t nv = m->nv;
     struct repair r = {
         .m = m,
-        .flips = {m, m->nv, 0, (uint64_t)REPAIR_FLIPS * nv},
+        .insert = {.m = m, .ghost = m->nv, .limit = (uint64_t)REPAIR_FLIPS * nv},
         .gone_most = (uint32_t)(nv / REPAIR_GONE) + 1,
         .most = REPAIR_STACK * nv,
     };
-    const size_t stack = mem_round(r.most * sizeof *r.stack);
-    unsigned char *block = scratch_need(s, stack + r.gone_most * sizeof *r.taken);
+    unsigned char *block = scratch_need(s, layout(&r, NULL));
 
     if (block == NULL)
         return ST_ENOMEM;
-    r.stack = (uint32_t *)(void *)block;
-    r.taken = (struct taken *)(void *)(block + stack);
+    (void)layout(&r, block);
     if (!turn_back(&r) || !find_edges(&r) || !flip_all(&r) || !hull_goes_round_once(m) ||
         !put_back(&r))
         return ST_ELIMIT;

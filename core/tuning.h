@@ -12,8 +12,8 @@
 /* Points in a square of a strip (strips.h).  Time is flat from 4 to 12. */
 #define STRIPS_PER_SQUARE 8
 
-/* Steps and flips per point, on average, before merge_build() starts from scratch.  Two
- * scans of a face need about 6; contrived input would need N. */
+/* Walk steps and new triangles per point, on average, before merge_build() starts from
+ * scratch.  Two scans of a face need about 5; contrived input would need N. */
 #define MERGE_WORK 40
 
 /* repair_mesh() gives up beyond so many steps and flips a point, where more than every so

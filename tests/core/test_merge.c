@@ -444,9 +444,9 @@ static void test_no_memory(void **state)
     (void)state;
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
     second.n = brute_points(BRUTE_RANDOM, 50, &r, second.pts);
-    no_memory(&first, &second, 1);
+    no_memory(&first, &second, 2); /* a copy, and the scratch for inserting */
     make_fan(900);
-    no_memory(&first, &second, 3); /* a copy, a list, and delaunay_build()'s scratch */
+    no_memory(&first, &second, 4); /* and a list, and delaunay_build()'s scratch */
 }
 
 static void test_limit(void **state)
