@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "align_field.h"
+#include "align_grid.h"
 #include "align_pose.h"
 #include "cells.h"
 #include "fit.h"
@@ -25,6 +26,7 @@ struct search {
     struct align_point *pts;
     uint32_t n;
     struct dvec3 centre;
+    double stretch; /* of steps */
     const struct align_how *how;
     struct align_result *out;
 };
@@ -40,13 +42,13 @@ struct candidate {
 static double step(const struct search *s, const struct align_sum *sum,
                    struct align_pose *pose)
 {
-    double x[6], turn, shift, scale = 1.0;
+    double x[6], turn, shift, scale = s->stretch;
 
     if (!align_solve(&sum->normal, ALIGN_DAMPING, x))
         return 0.0;
     turn = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     shift = sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]);
-    if (turn > ALIGN_MAX_TURN_RAD)
+    if (turn * scale > ALIGN_MAX_TURN_RAD)
         scale = ALIGN_MAX_TURN_RAD / turn;
     if (shift * scale > ALIGN_MAX_SHIFT_MM)
         scale = ALIGN_MAX_SHIFT_MM / shift;
@@ -69,7 +71,12 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
     for (int i = 0; i <= limit; i++) {
         struct align_sum sum;
 
-        align_field_sum(&s->field, s->pts, s->n, stride, &pose, s->centre, loss, &sum);
+        if (s->how->grid != NULL)
+            align_grid_sum(s->how->grid, s->pts, s->n, stride, &pose, s->centre, loss,
+                           &sum);
+        else
+            align_field_sum(&s->field, s->pts, s->n, stride, &pose, s->centre, loss,
+                            &sum);
         s->out->evaluations++;
         if (sum.cost < c->cost)
             *c = (struct candidate){pose, sum.cost, sum.within};
@@ -108,6 +115,19 @@ static void load(const struct surface *probe, struct align_point *pts)
     }
     for (uint32_t v = 0; v < m->nv && seen > 0; v++)
         pts[v].area *= (float)(area / seen);
+}
+
+/* sample(probe, step, pts): each step-th vertex as a point without an area.  Returns how many
+ * there are. */
+static uint32_t sample(const struct surface *probe, uint32_t step,
+                       struct align_point *pts)
+{
+    const struct mesh *m = &probe->mesh;
+    uint32_t n = 0;
+
+    for (uint32_t v = 0; v < m->nv; v += step)
+        pts[n++].p = lattice_to_mm(m->xy[v], m->z[v]);
+    return n;
 }
 
 /* between(to, from, by_nose, pose): the pose that moves the axes `from` onto `to`, centre to
@@ -302,8 +322,8 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
                          struct align_result *out)
 {
     const size_t triangles =
-        how->field != NULL ? 0 : mem_round(align_field_bytes(tmpl->mesh.nt));
-    struct search search = {.n = probe->mesh.nv, .how = how, .out = out};
+        tmpl == NULL ? 0 : mem_round(align_field_bytes(tmpl->mesh.nt));
+    struct search search = {.n = probe->mesh.nv, .stretch = 1.0, .how = how, .out = out};
     struct candidate best[2];
     unsigned char *block;
     enum status st = ST_OK;
@@ -314,13 +334,15 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    if (how->field != NULL)
-        search.field = *how->field;
-    else
+    search.pts = (struct align_point *)(void *)(block + triangles);
+    if (tmpl == NULL) {
+        search.stretch = FRAME_STRETCH;
+        search.n = sample(probe, stride_for(search.n, FRAME_POINTS), search.pts);
+    } else {
         align_field_make(tmpl, how->u, (struct align_triangle *)(void *)block,
                          &search.field);
-    search.pts = (struct align_point *)(void *)(block + triangles);
-    load(probe, search.pts);
+        load(probe, search.pts);
+    }
     search.centre =
         how->axes != NULL ? how->axes->centre : align_pose_centre(&tmpl->mesh);
     search.centre.z -= POSE_LEVER_MM;

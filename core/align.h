@@ -17,7 +17,7 @@
 #include "status.h"
 
 struct align_axes;   /* align_pose.h */
-struct align_field;  /* align_field.h */
+struct align_grid;   /* align_grid.h */
 struct align_pose;   /* align_pose.h */
 struct align_weight; /* align_field.h */
 struct fit_basis;    /* fit.h */
@@ -48,9 +48,9 @@ struct align_how {
     const struct align_weight *u;   /* large where the template keeps its shape */
     const struct fit_basis
         *motion; /* for (3), which is skipped without it or without u */
-    /* Where the template stays the same for many searches, both or neither: */
-    const struct align_field *field; /* its field, made with u */
-    const struct align_axes *axes;   /* its axes */
+    /* A template that is a grid, and its axes; both or neither: */
+    const struct align_grid *grid;
+    const struct align_axes *axes;
 };
 
 /* One worker's memory; all zero is an empty one. */
@@ -61,7 +61,8 @@ struct align_work {
 void align_work_free(struct align_work *w); /* w is empty again */
 
 /* align_search(tmpl, probe, how, w, out): the pose of probe over tmpl.
- * tmpl, probe  lattice units at LATTICE_PER_MM; both need their spanning-tree order
+ * tmpl, probe  lattice units at LATTICE_PER_MM; both need their spanning-tree order; tmpl is
+ *              NULL where how has a grid, and how->u and how->motion count nothing then
  * out          filled; with ALIGN_APART the transform is the best one found
  * Works from any shift, and from rotations of the one against the other of up to 30 degrees
  * of yaw and 20 of pitch and roll.

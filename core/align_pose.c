@@ -186,36 +186,33 @@ static double protrusion(struct dvec3 p, const struct align_axes *f)
     return out - (vec_dot(d, d) - out * out) * (1.0 / POSE_NOSE_RADIUS_MM);
 }
 
-/* nose_of(m, f): the mean of the POSE_NOSE_SHARE of the points that protrude most. */
-static struct dvec3 nose_of(const struct mesh *m, const struct align_axes *f)
+/* nose_of(m, step, f): the mean of the POSE_NOSE_SHARE of every step-th point that protrude
+ * most. */
+static struct dvec3 nose_of(const struct mesh *m, uint32_t step,
+                            const struct align_axes *f)
 {
-    uint32_t count[POSE_NOSE_BINS] = {0}, n = 0;
-    const uint32_t want = 1 + (uint32_t)(POSE_NOSE_SHARE * m->nv);
-    double lo = INFINITY, hi = -INFINITY, scale;
+    double h[2 * POSE_AXES_POINTS], lo = INFINITY, hi = -INFINITY, scale;
+    uint32_t count[POSE_NOSE_BINS] = {0}, n = 0, above = 0;
     struct dvec3 sum = {0.0, 0.0, 0.0};
     int bin = POSE_NOSE_BINS;
 
-    for (uint32_t v = 0; v < m->nv; v++) {
-        const double h = protrusion(vertex_mm(m, v), f);
-
-        lo = h < lo ? h : lo;
-        hi = h > hi ? h : hi;
+    for (uint32_t v = 0; v < m->nv; v += step, n++) {
+        h[n] = protrusion(vertex_mm(m, v), f);
+        lo = h[n] < lo ? h[n] : lo;
+        hi = h[n] > hi ? h[n] : hi;
     }
     scale = hi > lo ? (POSE_NOSE_BINS - 1) / (hi - lo) : 0.0;
-    for (uint32_t v = 0; v < m->nv; v++)
-        count[(int)((protrusion(vertex_mm(m, v), f) - lo) * scale)]++;
-    while (n < want && bin > 0)
-        n += count[--bin];
-    n = 0;
-    for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 p = vertex_mm(m, v);
+    for (uint32_t i = 0; i < n; i++)
+        count[(int)((h[i] - lo) * scale)]++;
+    while (above < 1 + (uint32_t)(POSE_NOSE_SHARE * n) && bin > 0)
+        above += count[--bin];
+    for (uint32_t i = 0; i < n; i++) {
+        const struct dvec3 p = vertex_mm(m, i * step);
 
-        if ((int)((protrusion(p, f) - lo) * scale) < bin)
-            continue;
-        sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
-        n++;
+        if ((int)((h[i] - lo) * scale) >= bin)
+            sum = (struct dvec3){sum.x + p.x, sum.y + p.y, sum.z + p.z};
     }
-    return (struct dvec3){sum.x / n, sum.y / n, sum.z / n};
+    return (struct dvec3){sum.x / above, sum.y / above, sum.z / above};
 }
 
 struct dvec3 align_pose_centre(const struct mesh *m)
@@ -234,11 +231,12 @@ struct dvec3 align_pose_centre(const struct mesh *m)
 void align_pose_axes(const struct surface *s, struct align_axes *f)
 {
     const struct mesh *m = &s->mesh;
+    const uint32_t step = m->nv > POSE_AXES_POINTS ? m->nv / POSE_AXES_POINTS : 1;
     struct dvec3 axis[3];
     double c[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
     f->centre = align_pose_centre(m);
-    for (uint32_t v = 0; v < m->nv; v++) {
+    for (uint32_t v = 0; v < m->nv; v += step) {
         const struct dvec3 d = vec_sub(vertex_mm(m, v), f->centre);
 
         c[0][0] += d.x * d.x;
@@ -259,5 +257,5 @@ void align_pose_axes(const struct surface *s, struct align_axes *f)
     f->axis[1] = axis[0];
     f->axis[2] = axis[2];
     f->axis[0] = vec_cross(axis[0], axis[2]);
-    f->nose = nose_of(m, f);
+    f->nose = nose_of(m, step, f);
 }

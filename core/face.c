@@ -57,7 +57,7 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
-    if (frame_mean_make(w->model, &w->measure.points, &w->mean) != ST_OK) {
+    if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
     }
@@ -76,7 +76,6 @@ void face_work_free(struct face_work *w)
     measure_work_free(&w->measure);
     align_work_free(&w->align);
     surface_free(&w->upright);
-    frame_mean_free(&w->mean);
     mem_free(w);
 }
 

@@ -5,7 +5,6 @@
 
 #include "align_solve.h"
 #include "lattice.h"
-#include "mem.h"
 #include "model.h"
 #include "model_digest.h"
 #include "tuning.h"
@@ -27,63 +26,34 @@ static void rigidity(const struct model_basis *b, float *out)
         out[i] /= most;
 }
 
-/* Identity: the mean face is in the canonical frame. */
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-
-/* What a search needs of the mean face, once for all searches. */
-static enum status prepare(struct frame_mean *mean)
+enum status frame_mean_make(const struct model *m, struct frame_mean *out)
 {
-    const struct align_weight u = {mean->rigid, still};
-    struct align_triangle *triangles =
-        mem_array(align_field_bytes(mean->surface.mesh.nt), 1);
+    struct ivec2 xy[GRID_N];
+    int32_t z[GRID_N];
+    struct surface points = {.mesh = {.xy = xy, .z = z}};
 
-    if (triangles == NULL)
-        return ST_ENOMEM;
-    align_field_make(&mean->surface, &u, triangles, &mean->field);
-    align_pose_axes(&mean->surface, &mean->axes);
-    return ST_OK;
-}
-
-enum status frame_mean_make(const struct model *m, struct scratch *s,
-                            struct frame_mean *out)
-{
-    struct ivec3 pts[GRID_N];
-    size_t n = 0;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
     out->mean_id = model_mean_id(m);
     rigidity(&m->motion, out->rigid);
     memcpy(out->height, m->mean, sizeof out->height);
+    if (align_grid_make(out->height, out->rigid, &out->grid) == 0)
+        return ST_EDEGENERATE;
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(m->mean[i]))
             continue;
-        pts[n++] = (struct ivec3){(int32_t)(grid_x(i) * LATTICE_PER_MM),
-                                  (int32_t)(grid_y(i) * LATTICE_PER_MM),
-                                  (int32_t)lrint((double)m->mean[i] * LATTICE_PER_MM)};
+        xy[points.mesh.nv] = (struct ivec2){(int32_t)(grid_x(i) * LATTICE_PER_MM),
+                                            (int32_t)(grid_y(i) * LATTICE_PER_MM)};
+        z[points.mesh.nv++] = (int32_t)lrint((double)m->mean[i] * LATTICE_PER_MM);
     }
-    if (n < 3)
-        return ST_EDEGENERATE;
-    if ((st = surface_prepare(pts, n, false, s, &out->surface)) != ST_OK ||
-        (st = prepare(out)) != ST_OK)
-        frame_mean_free(out);
-    return st;
-}
-
-void frame_mean_free(struct frame_mean *mean)
-{
-    surface_free(&mean->surface);
-    mem_free(mean->field.triangle);
-    memset(mean, 0, sizeof *mean);
+    align_pose_axes(&points, &out->axes);
+    return ST_OK;
 }
 
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out)
 {
-    const struct align_weight u = {mean->rigid, still};
-    const struct align_how how = {.u = &u, .field = &mean->field, .axes = &mean->axes};
+    const struct align_how how = {.grid = &mean->grid, .axes = &mean->axes};
     struct align_result found;
-    const enum status st = align_search(&mean->surface, face, &how, w, &found);
+    const enum status st = align_search(NULL, face, &how, w, &found);
 
     if (st != ST_OK)
         return st;
@@ -95,74 +65,125 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
     return ST_OK;
 }
 
-/* The terms of a quadric at a cell, of order 1 wherever the grid is. */
-static void quadric(uint32_t cell, double j[6])
+/* The sum of the heights of the face's points in each cell, and how many there are.  By
+ * points, not by area: cheap, and enough for a likeness. */
+static void add_heights(const struct mesh *m, const struct align_pose *pose,
+                        double z[GRID_N], double n[GRID_N])
 {
-    const double x = grid_x(cell) / (GRID_NX * GRID_MM / 2);
-    const double y = (grid_y(cell) - GRID_BOTTOM) / (GRID_NY * GRID_MM / 2) - 1;
+    struct align_pose mm = *pose; /* of lattice units */
 
-    j[0] = 1;
-    j[1] = x;
-    j[2] = y;
-    j[3] = x * x;
-    j[4] = x * y;
-    j[5] = y * y;
-}
-
-/* The mean height of the face's points in each cell; 0 and n[i] = 0 where there are none.
- * By points, not by area: cheap, and enough for a likeness. */
-static void mean_heights(const struct surface *face, const struct align_pose *pose,
-                         double z[GRID_N], uint32_t n[GRID_N])
-{
-    const struct mesh *m = &face->mesh;
-
+    for (int i = 0; i < 9; i++)
+        mm.r[i] /= LATTICE_PER_MM;
     memset(z, 0, GRID_N * sizeof *z);
     memset(n, 0, GRID_N * sizeof *n);
     for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 q = align_pose_apply(pose, lattice_to_mm(m->xy[v], m->z[v]));
+        const struct dvec3 q =
+            align_pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
         const uint32_t i = grid_cell(q.x, q.y);
 
         if (i == GRID_NONE)
             continue;
         z[i] += q.z;
-        n[i]++;
+        n[i] += 1;
     }
-    for (uint32_t i = 0; i < GRID_N; i++)
-        z[i] /= n[i] != 0 ? n[i] : 1;
+}
+
+/* Sums over the cells that the face and the mean face cover, of heights z and h. */
+struct relief {
+    double common[5][5]; /* x^a y^b */
+    double z[3][3], h[3][3];
+    double zz, zh, hh;
+};
+
+typedef double pair __attribute__((vector_size(16)));
+typedef int64_t pair_mask __attribute__((vector_size(16)));
+
+/* Cell i of n in a row or column as a number of order 1. */
+static inline double place(uint32_t i, uint32_t n)
+{
+    return ((double)i + 0.5) * (2.0 / n) - 1;
+}
+
+static inline double both(pair v)
+{
+    return v[0] + v[1];
+}
+
+/* Add row j: the mean heights are z / n, and h (NAN: none). */
+static void add_row(struct relief *to, uint32_t j, const double *z, const double *n,
+                    const float *h)
+{
+    pair common[5] = {{0}}, zs[3] = {{0}}, hs[3] = {{0}}, zz = {0}, zh = {0}, hh = {0};
+    double y = 1;
+
+    for (uint32_t i = 0; i < GRID_NX; i += 2) {
+        const pair at = {place(i, GRID_NX), place(i + 1, GRID_NX)};
+        const pair number = {n[i], n[i + 1]}, mean = {(double)h[i], (double)h[i + 1]};
+        const pair_mask in = (number > 0) & (mean == mean);
+        const pair a = (pair)(in & (pair_mask)((pair){z[i], z[i + 1]} / number));
+        const pair b = (pair)(in & (pair_mask)mean);
+        pair x = (pair)(in & (pair_mask)(pair){1, 1});
+
+        zz += a * a;
+        zh += a * b;
+        hh += b * b;
+        for (int k = 0; k < 5; k++, x *= at) {
+            common[k] += x;
+            if (k < 3) {
+                zs[k] += x * a;
+                hs[k] += x * b;
+            }
+        }
+    }
+    to->zz += both(zz);
+    to->zh += both(zh);
+    to->hh += both(hh);
+    for (int b = 0; b < 5; b++, y *= place(j, GRID_NY))
+        for (int a = 0; a + b < 5; a++) {
+            to->common[a][b] += both(common[a]) * y;
+            if (a + b < 3) {
+                to->z[a][b] += both(zs[a]) * y;
+                to->h[a][b] += both(hs[a]) * y;
+            }
+        }
+}
+
+/* The normal equations of the best quadric, of the terms 1, x, y, x^2, xy, y^2. */
+static void quadric(const struct relief *r, double at[3][3], struct align_normal *out)
+{
+    static const int a[6] = {0, 1, 0, 2, 1, 0}, b[6] = {0, 0, 1, 0, 1, 2};
+    double *h = out->h;
+
+    for (int i = 0; i < 6; i++) {
+        for (int k = i; k < 6; k++)
+            *h++ = r->common[a[i] + a[k]][b[i] + b[k]];
+        out->g[i] = at[a[i]][b[i]];
+    }
 }
 
 double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose)
 {
-    struct align_normal a = {0}, b = {0}; /* of the face, and of the mean face */
-    double z[GRID_N], x[6], y[6], j[6], aa = 0, ab = 0, bb = 0;
-    uint32_t n[GRID_N], common = 0;
+    struct relief r = {0};
+    struct align_normal a, b; /* of the face, and of the mean face */
+    double z[GRID_N], n[GRID_N], x[6], y[6];
 
-    mean_heights(face, pose, z, n);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const double h = (double)mean->height[i];
-
-        if (n[i] == 0 || isnan(h))
-            continue;
-        quadric(i, j);
-        align_solve_add(&a, j, z[i], 1);
-        for (int k = 0; k < 6; k++)
-            b.g[k] += j[k] * h;
-        aa += z[i] * z[i];
-        ab += z[i] * h;
-        bb += h * h;
-        common++;
-    }
-    memcpy(b.h, a.h, sizeof b.h);
-    if (common < FRAME_LIKENESS_CELLS || !align_solve(&a, 0, x) || !align_solve(&b, 0, y))
+    add_heights(&face->mesh, pose, z, n);
+    for (uint32_t j = 0; j < GRID_NY; j++)
+        add_row(&r, j, &z[j * GRID_NX], &n[j * GRID_NX], &mean->height[j * GRID_NX]);
+    quadric(&r, r.z, &a);
+    quadric(&r, r.h, &b);
+    if (r.common[0][0] < FRAME_LIKENESS_CELLS || !align_solve(&a, 0, x) ||
+        !align_solve(&b, 0, y))
         return (double)NAN;
     /* x = -H^-1 g gives the products of the reliefs without another pass over the cells. */
     for (int k = 0; k < 6; k++) {
-        aa += a.g[k] * x[k];
-        ab += a.g[k] * y[k];
-        bb += b.g[k] * y[k];
+        r.zz += a.g[k] * x[k];
+        r.zh += a.g[k] * y[k];
+        r.hh += b.g[k] * y[k];
     }
-    return aa > FRAME_RELIEF_MIN_MM2 * common && bb > FRAME_RELIEF_MIN_MM2 * common
-               ? ab / sqrt(aa * bb)
+    return r.zz > FRAME_RELIEF_MIN_MM2 * r.common[0][0] &&
+                   r.hh > FRAME_RELIEF_MIN_MM2 * r.common[0][0]
+               ? r.zh / sqrt(r.zz * r.hh)
                : 0;
 }

@@ -5,28 +5,25 @@
 #ifndef CORE_FRAME_H
 #define CORE_FRAME_H
 #include "align.h"
-#include "align_field.h"
+#include "align_grid.h"
 #include "align_pose.h"
 #include "grid.h"
 #include "surface.h"
 
 struct model; /* model.h */
 
-/* The mean face as a surface to align others to.  All zero is an empty one. */
+/* The mean face as a surface to align others to. */
 struct frame_mean {
-    struct surface surface;
-    struct align_field field; /* the surface's, with rigid as weight */
-    struct align_axes axes;   /* the surface's */
-    float rigid[GRID_N];      /* for registrations: where a face keeps its shape, 0..1 */
-    float height[GRID_N];     /* mm; NAN off the face */
-    uint32_t mean_id;         /* model_mean_id() */
+    struct align_grid grid; /* with rigid as weight */
+    struct align_axes axes;
+    float rigid[GRID_N];  /* for registrations: where a face keeps its shape, 0..1 */
+    float height[GRID_N]; /* mm; NAN off the face */
+    uint32_t mean_id;     /* model_mean_id() */
 };
 
-/* frame_mean_make(m, s, out): once for a model.  Returns ST_OK, ST_ENOMEM; ST_EDEGENERATE,
- * ST_EINVAL when the model's mean is no surface. */
-enum status frame_mean_make(const struct model *m, struct scratch *s,
-                            struct frame_mean *out);
-void frame_mean_free(struct frame_mean *mean);
+/* frame_mean_make(m, out): once for a model.  Returns ST_OK; ST_EDEGENERATE when the model's
+ * mean is no surface. */
+enum status frame_mean_make(const struct model *m, struct frame_mean *out);
 
 struct frame {
     struct align_pose pose; /* face -> canonical, mm */

@@ -114,6 +114,10 @@
  * this distance. */
 #define POSE_LEVER_MM 80.0
 
+/* Axes and nose are those of this many points, at most twice as many: only starts of a search
+ * come from them. */
+#define POSE_AXES_POINTS 1000
+
 /* The nose: the mean of this share of the points, those that protrude most; what lies d to
  * the side protrudes d^2 / RADIUS less, so that a chin or a forehead turned forward is no
  * nose.  BINS of protrusion, each about 1 mm.  By hand. */
@@ -201,6 +205,13 @@
 #define ASYMMETRY_MIN_OVERLAP 0.45
 
 /* ---- the canonical frame (frame.h) */
+
+/* Points of the face that its frame is found by, at most twice as many. */
+#define FRAME_POINTS 1200
+
+/* Reweighted steps onto a surface that does not fit are too short: each is three fifths of
+ * the one before.  Stretched by this they end after 25 sums instead of 31. */
+#define FRAME_STRETCH 1.5
 
 /* Common cells below which the likeness is unknown: a third of a face. */
 #define FRAME_LIKENESS_CELLS 350

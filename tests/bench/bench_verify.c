@@ -16,7 +16,6 @@
 #include "frame.h"
 #include "lattice.h"
 #include "measure.h"
-#include "mem.h"
 #include "minimal.h"
 #include "model.h"
 #include "peers.h"
@@ -54,7 +53,6 @@ struct pair {
 
 static const struct peers *peers;
 static struct timing row[ROWS];
-static struct scratch scratch;
 static struct align_work search;
 static struct frame_mean mean;
 static struct fit_basis motion;
@@ -387,7 +385,7 @@ int main(void)
     peers = timing_peers();
     if ((work = face_work_new(NULL)) == NULL)
         must(ST_ENOMEM);
-    must(frame_mean_make(&model_default, &scratch, &mean));
+    must(frame_mean_make(&model_default, &mean));
     fit_prepare(&model_default.motion, &motion);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k, POINTS);

@@ -580,12 +580,11 @@ int main(int argc, char **argv)
         cmocka_set_test_filter(argv[1]);
     seed = brute_seed("align");
     if ((work = face_work_new(NULL)) == NULL ||
-        frame_mean_make(&model_default, &scratch, &mean) != ST_OK)
+        frame_mean_make(&model_default, &mean) != ST_OK)
         return 2;
     fit_prepare(&model_default.motion, &motion);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     face_work_free(work);
-    frame_mean_free(&mean);
     scratch_free(&scratch);
     return failed;
 }
