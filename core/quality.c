@@ -8,6 +8,7 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
+#include "plane.h"
 #include "predicates.h"
 #include "select.h"
 #include "surface.h"
@@ -47,44 +48,10 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
     return ST_OK;
 }
 
-/* Normal equations of a plane z = a x + b y + c through points relative to some origin. */
-struct plane_fit {
-    double n, x, y, z, xx, xy, yy, xz, yz, zz;
-};
-
-static void plane_add(struct plane_fit *f, double x, double y, double z)
-{
-    f->n += 1;
-    f->x += x;
-    f->y += y;
-    f->z += z;
-    f->xx += x * x;
-    f->xy += x * y;
-    f->yy += y * y;
-    f->xz += x * z;
-    f->yz += y * z;
-    f->zz += z * z;
-}
-
-/* The plane's height at the origin; *a and *b its slopes.  False: no such plane. */
-static bool plane_solve(const struct plane_fit *f, double *a, double *b, double *c)
-{
-    const double xx = f->xx - f->x * f->x / f->n, xy = f->xy - f->x * f->y / f->n;
-    const double yy = f->yy - f->y * f->y / f->n, xz = f->xz - f->x * f->z / f->n;
-    const double yz = f->yz - f->y * f->z / f->n, det = xx * yy - xy * xy;
-
-    if (!(det > 1e-9 * xx * yy))
-        return false;
-    *a = (xz * yy - yz * xy) / det;
-    *b = (yz * xx - xz * xy) / det;
-    *c = (f->z - *a * f->x - *b * f->y) / f->n;
-    return true;
-}
-
 /* Root mean square distance in height from the best plane; 0 when there is none. */
 static double relief(const struct mesh *m)
 {
-    struct plane_fit f = {0};
+    struct plane f = {0};
     double a, b, c, sum = 0;
 
     for (uint32_t v = 0; v < m->nv; v++)
@@ -107,7 +74,7 @@ static double relief(const struct mesh *m)
 static double ring_residual(const struct mesh *m, uint32_t v)
 {
     const uint32_t first = m->out[v];
-    struct plane_fit f = {0};
+    struct plane f = {0};
     uint32_t h = first;
     double a, b, c;
 

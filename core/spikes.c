@@ -1,5 +1,6 @@
 #include "spikes.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -7,6 +8,7 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
+#include "plane.h"
 #include "select.h"
 #include "tuning.h"
 
@@ -46,22 +48,35 @@ static bool is_spike(const struct mesh *m, uint32_t v)
            4 * below >= SPIKES_QUARTERS * neighbours;
 }
 
-/* The median height of v's neighbours that are no spikes; v's own when all are. */
+/* The height at v of the plane through its neighbours that are no spikes, as far as it lies
+ * between their heights; else their median.  v's own when all are spikes.  (Where points are
+ * few a face bends between them: the median is off by as much as the plane leans.) */
 static int32_t height_round(const struct mesh *m, uint32_t v, const uint8_t *spike,
                             double *z)
 {
     const uint32_t first = m->out[v];
+    double low = INFINITY, high = -INFINITY, a, b, c;
+    struct plane plane = {0};
     uint32_t h = first;
     size_t n = 0;
 
     do {
         const uint32_t w = mesh_dest(m, h);
 
-        if (w != m->nv && !spike[w])
-            z[n++] = m->z[w];
+        if (w != m->nv && !spike[w]) {
+            z[n] = m->z[w];
+            low = z[n] < low ? z[n] : low;
+            high = z[n] > high ? z[n] : high;
+            plane_add(&plane, (double)m->xy[w].x - m->xy[v].x,
+                      (double)m->xy[w].y - m->xy[v].y, z[n++]);
+        }
         h = mesh_turn(m, h);
     } while (h != first);
-    return n > 0 ? (int32_t)select_kth(z, n, n / 2) : m->z[v];
+    if (n == 0)
+        return m->z[v];
+    if (plane_solve(&plane, &a, &b, &c) && c >= low && c <= high)
+        return (int32_t)c;
+    return (int32_t)select_kth(z, n, n / 2);
 }
 
 enum status spikes_flatten(struct mesh *m, struct scratch *s, uint32_t *count)
