@@ -328,9 +328,10 @@ static void test_holes_and_spikes(void **state)
     face_free(&b);
 }
 
-/* Whatever the probe's pose, the disparity is the same to 3 um; in non-mated comparisons,
- * where the minimum is shallow, to 6 %.  (Most of it are the spikes, which are found from the
- * side of the scan: a face turned by 25 degrees folds over itself beside the nose.) */
+/* Whatever the probe's pose, the disparity is the same to 3 um, of faces turned by 25 degrees
+ * and more to 7; in non-mated comparisons, where the minimum is shallow, to 10 %.  (Most of it
+ * are the spikes, which are found from the side of the scan: a face turned by 25 degrees
+ * folds over itself beside the nose, and what folds is laid flat.) */
 static void test_start_does_not_matter(void **state)
 {
     static const double poses[][6] = {{0, 0, 0, 0, 0, 0},       {8, 3, 0, 10, 0, 0},
@@ -365,7 +366,9 @@ static void test_start_does_not_matter(void **state)
                 first = d.score_mm;
             printf("%d, pose %zu: %+.2f %%\n", (int)who, i,
                    100 * (d.score_mm / first - 1));
-            assert_true(fabs(d.score_mm - first) < (who >= 3 ? 0.1 * first : 0.003));
+            assert_true(fabs(d.score_mm - first) < (who >= 3 ? 0.1 * first
+                                                    : fabs(poses[i][0]) >= 25 ? 0.007
+                                                                              : 0.003));
         }
     }
     face_free(&a);
@@ -450,8 +453,7 @@ static void test_given_start(void **state)
     s.yaw = 20;
     s.tx = 100;
     build(points, sample(&s, 63, 1, points), &b);
-    assert_int_equal(align_search(&a.surface, &b.surface,
-                                  &(struct align_how){0}, &w, &r),
+    assert_int_equal(align_search(&a.surface, &b.surface, &(struct align_how){0}, &w, &r),
                      ST_OK);
     assert_true(r.turn_deg == (double)INFINITY); /* no model of the change was given */
     align_pose_from_matrix(r.transform, &end);
