@@ -1,15 +1,12 @@
 #include "insert.h"
 
+#include "arm.h"
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
 
-/* Corners nearer than this, squared, in lattice units (a face's are 2 mm apart, these 32):
- * then incircle()'s products stay below 2^60, and 64 bits hold their sum. */
-#define NEAR (INT64_C(1) << 30)
-
-/* A place farther than that from all of the lattice. */
+/* So far from all of the lattice that its arm is long (arm.h). */
 #define GHOST_AT (2 * LATTICE_MAX)
 
 size_t insert_start(struct insert *in, unsigned char *block)
@@ -65,25 +62,19 @@ bool insert_find(struct insert *in, uint32_t *he, struct ivec2 q, bool *on_edge)
     return false;
 }
 
-/* A corner seen from the point that is inserted. */
+/* A corner as it is seen from the point that is inserted. */
 struct corner {
     uint32_t v;
-    int64_t x, y, lift;
+    struct arm arm;
 };
 
 static inline struct corner corner(const struct ivec2 *xy, uint32_t v, struct ivec2 q)
 {
-    const int64_t x = xy[v].x - q.x, y = xy[v].y - q.y;
-
-    return (struct corner){v, x, y, x * x + y * y};
+    return (struct corner){v, arm_to(q, xy[v])};
 }
 
-static inline int64_t cross(const struct corner *a, const struct corner *b)
-{
-    return a->x * b->y - a->y * b->x;
-}
-
-/* holds() by the exact predicates: for corners that are far, the ghost, and ties. */
+/* Does the circle of the triangle b, a, c hold q, which lies to the left of a -> b?  Where
+ * corners are far, or the ghost, or q lies on the circle. */
 static bool holds_exactly(const struct insert *in, uint32_t a, uint32_t b, uint32_t c,
                           struct ivec2 q)
 {
@@ -96,22 +87,6 @@ static bool holds_exactly(const struct insert *in, uint32_t a, uint32_t b, uint3
     if (b == in->ghost)
         return orient2d(xy[a], xy[c], q) > 0;
     return incircle(xy[a], xy[b], q, xy[c]);
-}
-
-/* Does the circle of the triangle b, a, c hold q, which lies to the left of a -> b?
- * incircle()'s determinant relative to q: of its products ab, bc, ca, a pair serves the
- * triangles beyond the other two edges. */
-static inline bool holds(const struct insert *in, const struct corner *a,
-                         const struct corner *b, const struct corner *c, int64_t ab,
-                         int64_t bc, int64_t ca, struct ivec2 q)
-{
-    const uint64_t det =
-        (uint64_t)a->lift * (uint64_t)bc + (uint64_t)b->lift * (uint64_t)ca +
-        (uint64_t)c->lift * (uint64_t)ab; /* wraps where it is not used */
-
-    if (__builtin_expect(((a->lift | b->lift | c->lift) >= NEAR) | (det == 0), 0))
-        return holds_exactly(in, a->v, b->v, c->v, q);
-    return (int64_t)det < 0;
 }
 
 /* Find the triangles whose circles hold q, beyond the edges on the stack, the first of which
@@ -131,16 +106,17 @@ static uint32_t dig(struct insert *in, uint32_t n, uint32_t depth, uint32_t x,
     while (depth > 0) {
         uint32_t h = stack[--depth];
         struct corner b = corner(xy, org[h], q);
-        int64_t ab = cross(&a, &b);
+        int64_t ab = arm_cross(&a.arm, &b.arm);
 
         for (;;) {
             const uint32_t t = h / 3;
             const uint32_t *const v = &org[3 * t];
             const struct corner c = corner(xy, v[0] + v[1] + v[2] - a.v - b.v, q);
-            const int64_t bc = cross(&b, &c), ca = cross(&c, &a);
+            const int64_t bc = arm_cross(&b.arm, &c.arm), ca = arm_cross(&c.arm, &a.arm);
+            const int64_t det = arm_incircle(&a.arm, &b.arm, &c.arm, ab, bc, ca);
             uint32_t next;
 
-            if (!holds(in, &a, &b, &c, ab, bc, ca, q))
+            if (det > 0 || (det == 0 && !holds_exactly(in, a.v, b.v, c.v, q)))
                 break;
             next = mesh_next(h);
             inside[n++] = t;

@@ -8,16 +8,12 @@
 
 #include <stdbool.h>
 
+#include "arm.h"
 #include "insert.h"
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
 #include "tuning.h"
-
-/* Room on the stack, a point: find_edges() needs 3, and leaves as many as there may be flips
- * at most, each of which adds 3. */
-#define REPAIR_STACK (4 * REPAIR_FLIPS)
-_Static_assert(REPAIR_STACK >= 3, "each edge once");
 
 struct taken {
     uint32_t v;
@@ -27,8 +23,11 @@ struct taken {
 struct repair {
     struct mesh *m;
     struct insert insert;
-    uint32_t *stack; /* triangles, later edges, that are to be looked at */
-    size_t count, most;
+    uint32_t
+        *doubtful; /* triangles that may be overturned: those found so, then all that */
+    size_t doubts, doubts_most; /* have changed */
+    uint32_t *edges;            /* that may have to be flipped */
+    size_t count;
     struct taken *taken; /* vertices taken out, in this order */
     uint32_t gone, gone_most;
 };
@@ -154,7 +153,7 @@ static bool reduce(struct repair *r, struct ring *ring)
         if (m->org[mesh_prev(flipped)] == m->org[mesh_prev(m->twin[flipped])])
             return false;
         flip(m, flipped); /* now leads to the neighbour before */
-        r->stack[r->count++] = m->twin[mesh_next(flipped)] / 3;
+        r->doubtful[r->doubts++] = m->twin[mesh_next(flipped)] / 3;
         ring->h[(best + ring->n - 1) % ring->n] = flipped;
         ring->n--;
         for (uint32_t i = best; i < ring->n; i++)
@@ -176,7 +175,7 @@ static void fill(struct repair *r, uint32_t t)
         link_twins(m, 3 * t + i, m->twin[3 * last + i]);
         m->out[m->org[3 * t + i]] = 3 * t + i;
     }
-    r->stack[r->count++] = t;
+    r->doubtful[r->doubts++] = t;
 }
 
 /* Take out v: three triangles become one.  False: give up. */
@@ -193,8 +192,8 @@ static bool take_out(struct repair *r, uint32_t v)
         ring.h[ring.n++] = h;
         h = mesh_turn(m, h);
     } while (h != first);
-    if (ring.n < 3 || r->gone == r->gone_most || r->count + ring.n + 3 > r->most ||
-        !reduce(r, &ring))
+    if (ring.n < 3 || r->gone == r->gone_most ||
+        r->doubts + ring.n + 3 > r->doubts_most || !reduce(r, &ring))
         return false;
     for (int i = 0; i < 3; i++) {
         edge[i] = mesh_next(ring.h[i]);
@@ -212,29 +211,64 @@ static bool take_out(struct repair *r, uint32_t v)
         m->out[p[i]] = 3 * t[0] + i;
         link_twins(m, 3 * t[0] + i, beyond[i]);
     }
-    r->stack[r->count++] = t[0];
+    r->doubtful[r->doubts++] = t[0];
     fill(r, t[1] > t[2] ? t[1] : t[2]);
     fill(r, t[1] > t[2] ? t[2] : t[1]);
     return true;
 }
 
-/* Take out vertices until no triangle is overturned. */
+/* Find the overturned triangles, and the edges that must be flipped, the latter as far as
+ * both triangles are sound; false when they are too many.  Which edges these are cannot be
+ * predicted, so there is no branch on it. */
+static bool survey(struct repair *r)
+{
+    const struct mesh *m = r->m;
+    const struct ivec2 *const xy = m->xy;
+    const uint32_t *const org = m->org, *const twin = m->twin, nv = m->nv, nt = m->nt;
+    size_t count = 0, doubts = 0;
+
+    for (uint32_t t = 0; t < nt && doubts <= r->gone_most && count <= r->insert.limit;
+         t++) {
+        const uint32_t v[3] = {org[3 * t], org[3 * t + 1], org[3 * t + 2]};
+        const bool ghost = (v[0] == nv) | (v[1] == nv) | (v[2] == nv);
+        const struct arm a = arm_to(xy[v[0]], xy[v[1]]), b = arm_to(xy[v[0]], xy[v[2]]);
+        const int64_t ab = arm_cross(&a, &b);
+
+        r->doubtful[doubts] = t;
+        doubts += !ghost & (ab <= 0);
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t h = 3 * t + i, other = twin[h];
+            const uint32_t *const w = &org[3 * (other / 3)];
+            const uint32_t d = w[0] + w[1] + w[2] - v[i] - v[(i + 1) % 3];
+            const struct arm c = arm_to(xy[v[0]], xy[d]);
+            const int64_t det =
+                arm_incircle(&a, &b, &c, ab, arm_cross(&b, &c), arm_cross(&c, &a));
+            const bool must = __builtin_expect(det == 0, 0) ? must_flip(m, h) : det < 0;
+
+            r->edges[count] = h;
+            count += must & (h < other);
+        }
+    }
+    r->count = count;
+    r->doubts = doubts;
+    return doubts <= r->gone_most && count <= r->insert.limit;
+}
+
+/* Take out vertices until no triangle is overturned; the edges of the triangles that this
+ * changes may have to be flipped. */
 static bool turn_back(struct repair *r)
 {
-    struct mesh *m = r->m;
+    const struct mesh *m = r->m;
 
-    for (uint32_t t = 0; t < m->nt && r->count <= r->gone_most; t++) {
-        r->stack[r->count] = t;
-        r->count += overturned(m, t);
-    }
-    if (r->count > r->gone_most)
-        return false;
-    while (r->count > 0) {
-        const uint32_t t = r->stack[--r->count];
+    for (size_t i = 0; i < r->doubts; i++) {
+        const uint32_t t = r->doubtful[i];
 
         if (t < m->nt && overturned(m, t) && !take_out(r, culprit(m, t)))
             return false;
     }
+    for (size_t i = 0; i < r->doubts; i++)
+        for (uint32_t h = 3 * r->doubtful[i]; h < 3 * r->doubtful[i] + 3; h++)
+            r->edges[r->count++] = h;
     return true;
 }
 
@@ -262,53 +296,23 @@ static bool hull_goes_round_once(const struct mesh *m)
     return rounds == 1;
 }
 
-/* Put the edges without an empty circle on the stack; false when they are too many.  Which
- * edges these are cannot be predicted, so both loops go without branches on it. */
-static bool find_edges(struct repair *r)
-{
-    const struct mesh *m = r->m;
-    const struct ivec2 *xy = m->xy;
-    size_t edges = 0;
-
-    for (uint32_t h = 0; h < 3 * m->nt; h++) { /* each edge once */
-        r->stack[edges] = h;
-        edges += h < m->twin[h];
-    }
-    r->count = 0;
-    for (size_t i = 0; i < edges; i++) {
-        const uint32_t h = r->stack[i];
-        const uint32_t a = m->org[h], b = mesh_dest(m, h), c = m->org[mesh_prev(h)];
-        const uint32_t d = m->org[mesh_prev(m->twin[h])];
-        bool must;
-
-        if (__builtin_expect((a == m->nv) | (b == m->nv) | (c == m->nv) | (d == m->nv),
-                             0))
-            must = must_flip(m, h);
-        else
-            must = incircle(xy[a], xy[b], xy[c], xy[d]);
-        r->stack[r->count] = h;
-        r->count += must;
-    }
-    return r->count <= r->insert.limit;
-}
-
 /* Flip until all circles are empty. */
 static bool flip_all(struct repair *r)
 {
     struct mesh *m = r->m;
 
     while (r->count > 0) {
-        const uint32_t h = r->stack[--r->count], twin = m->twin[h];
+        const uint32_t h = r->edges[--r->count], twin = m->twin[h];
 
-        if (!must_flip(m, h))
+        if (h >= 3 * m->nt || !must_flip(m, h)) /* the former is elsewhere by now */
             continue;
         if (r->insert.work++ == r->insert.limit)
             return false;
         flip(m, h);
-        r->stack[r->count++] = h; /* the sides of the quadrangle */
-        r->stack[r->count++] = mesh_prev(h);
-        r->stack[r->count++] = twin;
-        r->stack[r->count++] = mesh_prev(twin);
+        r->edges[r->count++] = h; /* the sides of the quadrangle */
+        r->edges[r->count++] = mesh_prev(h);
+        r->edges[r->count++] = twin;
+        r->edges[r->count++] = mesh_prev(twin);
     }
     return true;
 }
@@ -337,31 +341,34 @@ static bool put_back(struct repair *r)
     return true;
 }
 
-/* r's arrays in block; returns the bytes needed. */
+/* r's arrays in block; returns the bytes needed.  The edges are as many as there may be flips,
+ * each of which adds 3, and those of the doubtful triangles. */
 static size_t layout(struct repair *r, unsigned char *block)
 {
     size_t at = insert_start(&r->insert, block);
 
-    r->stack = mem_take(block, &at, r->most, sizeof *r->stack);
+    r->edges = mem_take(block, &at, 4 * r->insert.limit + 3 * r->doubts_most + 3,
+                        sizeof *r->edges);
+    r->doubtful = mem_take(block, &at, r->doubts_most, sizeof *r->doubtful);
     r->taken = mem_take(block, &at, r->gone_most, sizeof *r->taken);
     return at;
 }
 
 enum status repair_mesh(struct mesh *m, struct scratch *s)
 {
-    const size_t nv = m->nv;
+    const uint32_t gone_most = m->nv / REPAIR_GONE + 1;
     struct repair r = {
         .m = m,
-        .insert = {.m = m, .ghost = m->nv, .limit = (uint64_t)REPAIR_FLIPS * nv},
-        .gone_most = (uint32_t)(nv / REPAIR_GONE) + 1,
-        .most = REPAIR_STACK * nv,
+        .insert = {.m = m, .ghost = m->nv, .limit = (uint64_t)REPAIR_FLIPS * m->nv},
+        .gone_most = gone_most,
+        .doubts_most = REPAIR_CHANGED * gone_most,
     };
     unsigned char *block = scratch_need(s, layout(&r, NULL));
 
     if (block == NULL)
         return ST_ENOMEM;
     (void)layout(&r, block);
-    if (!turn_back(&r) || !find_edges(&r) || !flip_all(&r) || !hull_goes_round_once(m) ||
+    if (!survey(&r) || !turn_back(&r) || !flip_all(&r) || !hull_goes_round_once(m) ||
         !put_back(&r))
         return ST_ELIMIT;
     return ST_OK;

@@ -66,19 +66,27 @@ enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
     return st;
 }
 
+/* Points that are moved at a time, in a buffer on the stack. */
+#define BATCH 128
+
 /* The points of `from`, moved, become those of m. */
 static enum status place(const struct mesh *from, const double transform[16],
                          struct mesh *m)
 {
-    for (uint32_t v = 0; v < from->nv; v++) {
-        const struct dvec3 p =
-            vec_transform(transform, lattice_to_mm(from->xy[v], from->z[v]));
-        struct ivec3 q;
+    for (uint32_t first = 0; first < from->nv; first += BATCH) {
+        const uint32_t left = from->nv - first, n = left < BATCH ? left : BATCH;
+        struct dvec3 p[BATCH];
+        struct ivec3 q[BATCH];
 
-        if (lattice_from_mm(&p, 1, LATTICE_PER_MM, &q, NULL) != ST_OK)
+        for (uint32_t i = 0; i < n; i++)
+            p[i] = vec_transform(transform,
+                                 lattice_to_mm(from->xy[first + i], from->z[first + i]));
+        if (lattice_from_mm(p, n, LATTICE_PER_MM, q, NULL) != ST_OK)
             return ST_ERANGE;
-        m->xy[v] = (struct ivec2){q.x, q.y};
-        m->z[v] = q.z;
+        for (uint32_t i = 0; i < n; i++) {
+            m->xy[first + i] = (struct ivec2){q[i].x, q[i].y};
+            m->z[first + i] = q[i].z;
+        }
     }
     return ST_OK;
 }
