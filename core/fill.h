@@ -1,0 +1,52 @@
+/* fill.h -- points restored in the holes of a scanned surface.
+ * Paper 2 (missing points): where points are missing, the surface is the Delaunay
+ * triangulation of the others, linear over each triangle.  A hole is a set of triangles that
+ * bridge missing points (holes.h), connected by their edges and enclosed by measured ones.
+ * Bridging triangles that are connected to the outside of the hull lie beyond the scan's
+ * outline: nothing says that there was a surface, and they are not filled.
+ * The new points stand on the interpolated surface as densely as the points round the hole,
+ * by the local spacing at its rim: they are the corners of equilateral triangles; but there is
+ * none where a point of the scan is nearer than FILL_APART of their side. */
+#ifndef CORE_FILL_H
+#define CORE_FILL_H
+#include <stdint.h>
+#include "status.h"
+#include "vec.h"
+
+struct scratch; /* mem.h */
+struct surface; /* surface.h */
+
+struct fill_hole {
+    double area;     /* square lattice units */
+    double diameter; /* of a circle of that area */
+    uint32_t points; /* restored in it */
+};
+
+/* All zero is an empty one. */
+struct fill {
+    struct ivec3 *pts;      /* [n] restored, hole by hole */
+    struct fill_hole *hole; /* [nholes] */
+    uint32_t n, nholes;
+    double beyond; /* area of the triangles that bridge beyond the outline */
+};
+
+/* fill_holes(s, most, w, out): restore what is missing in s, at most `most` points.  s is
+ * from surface_prepare(): vertices in its order.
+ * out  empty, or a former one; fill_free() also after a failure
+ * A hole counts where, by its area and its rim, FILL_LEAST points or more are missing.  The
+ * heights are those of s, so each lies between those of the corners of a triangle of s.
+ * New points change the spacing round them, so the surface of all points is looked at again
+ * until nothing more is found, FILL_PASSES times at most: filling what was filled adds
+ * nothing.  The result depends on the set of points alone, not on their order.
+ * Cost  O(n log n) for n points, restored ones included, if no vertex has very many
+ * neighbours.  Returns ST_OK; ST_ELIMIT there would be more points; ST_ENOMEM. */
+enum status fill_holes(const struct surface *s, uint32_t most, struct scratch *w,
+                       struct fill *out);
+void fill_free(struct fill *f); /* empty again */
+
+/* fill_error(diameter_mm, rms_mm, most_mm): how far the points restored in a hole of this
+ * diameter are expected to be from the true surface (FILL_SIZE_MM in tuning.h): root mean
+ * square, and what 95 % of them stay below.  NAN above the largest hole that was studied. */
+void fill_error(double diameter_mm, double *rms_mm, double *most_mm);
+
+#endif
