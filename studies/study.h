@@ -10,6 +10,7 @@ void method_run(const struct lab *lab);  /* the disparity paper's figures 1 to 9
 void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4, growth */
 void cover_run(const struct lab *lab);   /* faces with parts missing */
 void fewer_run(const struct lab *lab);   /* simplified surfaces and templates */
+void filled_run(const struct lab *lab);  /* restored points by the size of the hole */
 void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
 void removal_run(const struct lab *lab); /* which removals hurt */
 void mirror_run(const struct lab *lab);  /* asymmetry planted and found */

@@ -22,6 +22,7 @@ static const struct {
     {"removal", "missing points: which removals hurt, holes left out or not",
      removal_run},
     {"cover", "missing points: faces with parts missing, and verification", cover_run},
+    {"filled", "missing points: restored points, by the size of the hole", filled_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
     {"fewer", "disparity: simplified surfaces and templates", fewer_run},

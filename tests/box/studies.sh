@@ -105,6 +105,13 @@ ok "without bridges the error is smaller" awk -F, 'NR > 1 && $6 > $2 { exit 1 }'
 is "a whole face matches" "$(value cover/madeup.csv 0 4)" 100.0
 is "non-mated comparisons do not match" "$(value cover/madeup.csv 0 8)" 0.00
 
+# ---- restored points
+study filled
+ok "the error grows with the hole" awk -F, '$1 == "3000 points; round" && $3 >= 10 {
+    if ($6 <= was) bad = 1; was = $6; n++ } END { exit bad || n < 4 }' "$T/filled/filled.csv"
+ok "it is at least the scanner's" awk -F, 'NR > 1 && $4 > 0 && ($6 < 0.15 || $8 < $6) {
+    exit 1 }' "$T/filled/filled.csv"
+
 # ---- simplified surfaces
 study fewer
 ok "the fewer points, the larger the gap" awk -F, 'NR > 1 && $1 == last && $3 <= was { bad = 1 }
