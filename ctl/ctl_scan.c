@@ -46,17 +46,15 @@ enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
     return st;
 }
 
-static double unit_mm(const char *units)
+double ctl_scan_unit(const struct ctl *c)
 {
-    if (units == NULL || strcmp(units, "mm") == 0)
+    if (c->units == NULL || strcmp(c->units, "mm") == 0)
         return 1;
-    return strcmp(units, "cm") == 0 ? 10 : 1000;
+    return strcmp(c->units, "cm") == 0 ? 10 : 1000;
 }
 
-enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
-                            size_t *n)
+enum status ctl_scan_parse(struct ctl *c, const char *path, struct dvec3 **pts, size_t *n)
 {
-    const double mm = unit_mm(c->units);
     struct clouderror why = {.what = "out of memory"};
     unsigned char *bytes;
     size_t len;
@@ -72,6 +70,15 @@ enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
             (void)errinfo_set(&c->e, st, "%s, byte %zu: %s", path, why.where, why.what);
     }
     free(bytes);
+    return st;
+}
+
+enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
+                            size_t *n)
+{
+    const double mm = ctl_scan_unit(c);
+    const enum status st = ctl_scan_parse(c, path, pts, n);
+
     if (st == ST_OK)
         for (size_t i = 0; i < *n; i++)
             (*pts)[i] =
@@ -83,7 +90,7 @@ enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *
                            size_t n, struct face_work *w, struct face *out)
 {
     const struct sample sample = {
-        .name = path, .pts = pts, .n = n, .unit_mm = unit_mm(c->units)};
+        .name = path, .pts = pts, .n = n, .unit_mm = ctl_scan_unit(c)};
 
     return sample_build(&sample, w, out, &c->e);
 }

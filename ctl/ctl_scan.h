@@ -14,9 +14,13 @@ struct face_work; /* face.h */
  * Every failure is in c->e, with the path.
  * ctl_scan_points(), ctl_scan_build(): the same in two steps, for callers that need the points too:
  * in millimetres, in the file's order, a new array released by mem_free() (NULL on
- * failure). */
+ * failure).
+ * ctl_scan_parse(): the points in the file's own units, c->units, of ctl_scan_unit() mm. */
 enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,
                           struct face *out);
+enum status ctl_scan_parse(struct ctl *c, const char *path, struct dvec3 **pts,
+                           size_t *n);
+double ctl_scan_unit(const struct ctl *c);
 enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
                             size_t *n);
 enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
