@@ -1,14 +1,159 @@
 #include "minimal.h"
 
+#include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "measure.h"
+#include "minimal_places.h"
+#include "tuning.h"
 
-enum status minimal_find(const struct surface *tmpl, const struct surface *probe,
-                         const double transform[16], struct measure_work *w,
-                         struct minimal *out)
+/* A search in progress. */
+struct search {
+    struct minimal_pair pair;
+    const double *transform; /* the alignment, */
+    struct align_pose aligned;
+    double x[6]; /* and the motion from there that was found (minimal_solve.h) */
+    struct measure_work *w;
+};
+
+/* What few of the probe's vertices tell. */
+struct estimate {
+    double gap;  /* mean of |gap|, mm */
+    double area; /* common to both */
+};
+
+static struct align_pose pose_at(const struct search *s, const double x[6])
 {
-    memset(out, 0, sizeof *out);
+    struct align_pose pose = s->aligned;
+
+    align_pose_move(&pose, s->pair.centre, x);
+    return pose;
+}
+
+/* Shortens v[0..2] to at most `most`. */
+static void shorten(double v[3], double most)
+{
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+
+    for (int k = 0; k < 3 && length > most; k++)
+        v[k] *= most / length;
+}
+
+/* The motion y more, but no farther than allowed. */
+static void move(struct search *s, const double y[6])
+{
+    for (int k = 0; k < 6; k++)
+        s->x[k] += y[k];
+    shorten(s->x, 2 * MINIMAL_TAN_HALF_TURN);
+    shorten(s->x + 3, MINIMAL_SHIFT_MM);
+}
+
+static struct estimate estimate(struct search *s)
+{
+    const struct align_pose pose = pose_at(s, s->x);
+    const double area = minimal_places_few(&s->pair, &pose);
+
+    return (struct estimate){minimal_mean(&s->pair.places), area};
+}
+
+/* The motion to the least of the estimates.  Returns a disparity (mm) below which a measure there
+ * is certainly less than at the alignment, and the area kept; 0: none is. */
+static double descend(struct search *s)
+{
+    const struct minimal_places *const p = &s->pair.places;
+    const struct estimate first = estimate(s);
+    struct estimate e = first;
+    struct align_pose pose;
+    double y[6];
+
+    for (int i = 0; e.gap > MINIMAL_LEVEL_MM; e = estimate(s)) {
+        const double step = minimal_solve(p, e.gap, MINIMAL_FAR_MM, y);
+
+        move(s, y);
+        if (++i == MINIMAL_STEPS || step < MINIMAL_SHORT_MM)
+            break;
+    }
+    pose = pose_at(s, s->x);
+    if (minimal_places_all(&s->pair, &pose) > 0 && minimal_mean(p) > MINIMAL_LEVEL_MM) {
+        (void)minimal_solve(p, minimal_mean(p), MINIMAL_NEAR_MM, y);
+        move(s, y);
+    }
+    e = estimate(s);
+    if (s->pair.probe->mesh.nv < MINIMAL_FEW || e.gap >= MINIMAL_SURE_GAP * first.gap ||
+        e.area < MINIMAL_SURE_AREA * first.area)
+        return 0;
+    return MINIMAL_SURE_GAP * first.gap;
+}
+
+static enum status measure(const struct search *s, const double transform[16],
+                           struct minimal *out)
+{
     memcpy(out->transform, transform, sizeof out->transform);
-    return measure_at(tmpl, probe, transform, NULL, w, &out->disparity);
+    return measure_at(s->pair.tmpl, s->pair.probe, transform, NULL, s->w,
+                      &out->disparity);
+}
+
+/* At this share of the motion. */
+static enum status measure_along(const struct search *s, double share,
+                                 struct minimal *out)
+{
+    struct align_pose pose;
+    double x[6], transform[16];
+
+    for (int k = 0; k < 6; k++)
+        x[k] = share * s->x[k];
+    pose = pose_at(s, x);
+    align_pose_to_matrix(&pose, transform);
+    return measure(s, transform, out);
+}
+
+/* May m be the result, the alignment measured as a? */
+static bool allowed(const struct minimal *m, const struct minimal *a)
+{
+    return m->disparity.plain_mm <= a->disparity.plain_mm &&
+           m->disparity.area_mm2 >= MINIMAL_AREA * a->disparity.area_mm2;
+}
+
+/* The measure at the motion, or at a shorter one that is allowed. */
+static enum status settle(const struct search *s, double sure, struct minimal *out)
+{
+    static const double still[6] = {0};
+    struct minimal aligned = {.ms = 0};
+    enum status st;
+
+    if (memcmp(s->x, still, sizeof still) == 0)
+        return measure(s, s->transform, out);
+    st = measure_along(s, 1, out);
+    if (st != ST_OK || out->disparity.plain_mm < sure)
+        return st;
+    st = measure(s, s->transform, &aligned);
+    for (double share = MINIMAL_BACK; st == ST_OK && !allowed(out, &aligned);
+         share *= MINIMAL_BACK) {
+        if (share < MINIMAL_LEAST_SHARE)
+            *out = aligned;
+        else
+            st = measure_along(s, share, out);
+    }
+    return st;
+}
+
+enum status minimal_find(const struct surface *tmpl, const struct align_field *field,
+                         const struct surface *probe, const double transform[16],
+                         struct measure_work *w, struct minimal *out)
+{
+    struct search s = {.pair = {.tmpl = tmpl, .probe = probe, .field = field},
+                       .transform = transform,
+                       .w = w};
+    unsigned char *block;
+
+    memset(out, 0, sizeof *out);
+    block = scratch_need(&w->points, minimal_places_layout(&s.pair, NULL));
+    if (block == NULL)
+        return ST_ENOMEM;
+    (void)minimal_places_layout(&s.pair, block);
+    align_pose_from_matrix(transform, &s.aligned);
+    s.pair.centre = align_pose_apply(&s.aligned, align_pose_centre(&probe->mesh));
+    minimal_places_begin(&s.pair);
+    return settle(&s, descend(&s), out);
 }

@@ -204,6 +204,45 @@
 #define ALIGN_CAP_MM    5.0
 #define ALIGN_NO_GAP_MM 3.0
 
+/* ---- the minimal disparity (minimal.h) */
+
+/* tan(MINIMAL_TURN_DEG / 2). */
+#define MINIMAL_TAN_HALF_TURN 0.08748866352592400
+
+/* The first steps see so many of the probe's vertices; how many steps at most, and the length
+ * of the last, mm. */
+#define MINIMAL_FEW      750
+#define MINIMAL_STEPS    6
+#define MINIMAL_SHORT_MM 0.1
+
+/* The longest Newton step, mm, in the first steps and in the last. */
+#define MINIMAL_FAR_MM  4
+#define MINIMAL_NEAR_MM 1
+
+/* Newton steps between two looks at the surfaces, and how far one goes back. */
+#define MINIMAL_NEWTON 2
+#define MINIMAL_BACK   0.35
+
+/* In terms of the mean of |gap|: below SHARP |gap| is rounded off; its curvature is spread
+ * over SOFT. */
+#define MINIMAL_SHARP 0.1
+#define MINIMAL_SOFT  0.4
+
+/* A mean gap, mm, below which there is nothing to make less: a tenth of a lattice unit. */
+#define MINIMAL_LEVEL_MM 1e-4
+
+/* The alignment is measured too unless the estimate has become less than this, and the vertices
+ * over the template not less than this.  */
+#define MINIMAL_SURE_GAP  0.95
+#define MINIMAL_SURE_AREA 0.97
+
+/* The least share of the motion found that is tried then. */
+#define MINIMAL_LEAST_SHARE 0.1
+
+/* Triangles passed for each point, on average, before the template's other vertices count as
+ * having no gap.  Scans need 3. */
+#define MINIMAL_WALK 40
+
 /* ---- asymmetry (asymmetry.h): alignment along three motions */
 
 /* The surface is turned upright by the start, then by the corrected plane: after two rounds
