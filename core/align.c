@@ -37,6 +37,17 @@ struct candidate {
     double cost, within;
 };
 
+/* stride_for(n, points): the stride that takes `points` of n points, or up to twice as many:
+ * a power of two, so that the points of one stage are among those of the next. */
+static uint32_t stride_for(uint32_t n, uint32_t points)
+{
+    uint32_t stride = 1;
+
+    while (n / (2 * stride) >= points)
+        stride *= 2;
+    return stride;
+}
+
 /* step(s, sum, pose): one Gauss-Newton step.  Returns its length in mm (rotations at
  * POSE_LEVER_MM), or 0 where the normal equations are singular. */
 static double step(const struct search *s, const struct align_sum *sum,
@@ -216,12 +227,6 @@ static bool same(const struct search *s, const struct align_pose *a,
     return true;
 }
 
-/* stride_for(n, points): the stride that takes about `points` of n points. */
-static uint32_t stride_for(uint32_t n, uint32_t points)
-{
-    return n > points ? n / points : 1;
-}
-
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good.  best[0] and best[1] become the two cheapest poses in different places. */
 static void choose(struct search *s, const struct surface *tmpl,
@@ -267,7 +272,7 @@ static void choose(struct search *s, const struct surface *tmpl,
     }
 }
 
-/* settle(s, w, pose): the last steps, which separate motion from change. */
+/* settle(s, w, pose): the last step, which separates motion from change. */
 static enum status settle(struct search *s, struct align_work *w, struct align_pose *pose)
 {
     const struct align_pose *frame = &s->how->u->frame;
@@ -276,38 +281,26 @@ static enum status settle(struct search *s, struct align_work *w, struct align_p
     const struct dvec3 lever = {r[0] * back[0] + r[3] * back[1] + r[6] * back[2],
                                 r[1] * back[0] + r[4] * back[1] + r[7] * back[2],
                                 r[2] * back[0] + r[5] * back[1] + r[8] * back[2]};
+    struct cells cells;
+    struct fit fit;
+    double x[6], *d = fit.deviation;
+    enum status st;
 
-    s->out->stop = ALIGN_STEPS;
-    for (int i = 0; i < ALIGN_LAST_STEPS && s->out->stop == ALIGN_STEPS; i++) {
-        struct cells cells;
-        struct fit fit;
-        double x[6];
-        enum status st;
+    cells_sample(&s->field, s->pts, s->n, stride_for(s->n, ALIGN_LAST_POINTS), pose,
+                 frame, &cells);
+    st = fit_solve(s->how->motion, &cells, ALIGN_LAST_TIE, 1, &w->fit, &fit);
+    if (st != ST_OK)
+        return st;
+    s->out->evaluations++;
+    for (int k = 0; k < 6; k++) { /* from the frame to the template */
+        const int b = k < 3 ? 0 : 3;
 
-        cells_sample(&s->field, s->pts, s->n, pose, frame, &cells);
-        st = fit_solve(s->how->motion, &cells, ALIGN_LAST_TIE, 1, &w->fit, &fit);
-        if (st != ST_OK)
-            return st;
-        s->out->evaluations++;
-        for (int k = 0; k < 6; k++) { /* from the frame to the template */
-            const int b = k < 3 ? 0 : 3;
-
-            x[k] = r[k - b] * fit.x[b] + r[k - b + 3] * fit.x[b + 1] +
-                   r[k - b + 6] * fit.x[b + 2];
-        }
-        align_pose_move(pose, lever, x);
-        if (POSE_LEVER_MM * (fabs(x[0]) + fabs(x[1]) + fabs(x[2])) + fabs(x[3]) +
-                fabs(x[4]) + fabs(x[5]) <
-            ALIGN_LAST_MM)
-            s->out->stop = ALIGN_CONVERGED;
-        s->out->turn_deg = sqrt(fit.deviation[0] * fit.deviation[0] +
-                                fit.deviation[1] * fit.deviation[1] +
-                                fit.deviation[2] * fit.deviation[2]) *
-                           VEC_DEGREES;
-        s->out->shift_mm = sqrt(fit.deviation[3] * fit.deviation[3] +
-                                fit.deviation[4] * fit.deviation[4] +
-                                fit.deviation[5] * fit.deviation[5]);
+        x[k] = r[k - b] * fit.x[b] + r[k - b + 3] * fit.x[b + 1] +
+               r[k - b + 6] * fit.x[b + 2];
     }
+    align_pose_move(pose, lever, x);
+    s->out->turn_deg = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * VEC_DEGREES;
+    s->out->shift_mm = sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
     return ST_OK;
 }
 
@@ -321,26 +314,21 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out)
 {
-    const size_t triangles =
-        tmpl == NULL ? 0 : mem_round(align_field_bytes(tmpl->mesh.nt));
     struct search search = {.n = probe->mesh.nv, .stretch = 1.0, .how = how, .out = out};
     struct candidate best[2];
-    unsigned char *block;
     enum status st = ST_OK;
     bool rival;
 
-    block = scratch_need(&w->field, triangles + search.n * sizeof *search.pts);
-    if (block == NULL)
+    search.pts = scratch_need(&w->field, search.n * sizeof *search.pts);
+    if (search.pts == NULL)
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    search.pts = (struct align_point *)(void *)(block + triangles);
     if (tmpl == NULL) {
         search.stretch = FRAME_STRETCH;
         search.n = sample(probe, stride_for(search.n, FRAME_POINTS), search.pts);
     } else {
-        align_field_make(tmpl, how->u, (struct align_triangle *)(void *)block,
-                         &search.field);
+        align_field_make(tmpl, how->u, &search.field);
         load(probe, search.pts);
     }
     search.centre =

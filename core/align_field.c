@@ -3,177 +3,174 @@
 #include <math.h>
 #include <string.h>
 
+#include "align_lanes.h"
 #include "grid.h"
 #include "lattice.h"
 #include "mesh.h"
 #include "surface.h"
 #include "tuning.h"
 
-_Static_assert(sizeof(struct align_triangle) == 64, "a triangle is a cache line");
-
-size_t align_field_bytes(uint32_t nt)
-{
-    return nt * sizeof(struct align_triangle);
-}
-
-/* plane(c, z): the slopes through the corners' heights z (lattice units). */
-static void plane(struct align_triangle *c, const int32_t z[3])
-{
-    const double ax = c->x[1] - c->x[0], ay = c->y[1] - c->y[0];
-    const double bx = c->x[2] - c->x[0], by = c->y[2] - c->y[0];
-    const double az = z[1] - z[0], bz = z[2] - z[0];
-    const double d = 1.0 / (ax * by - ay * bx);
-    const double zx = (az * by - bz * ay) * d, zy = (bz * ax - az * bx) * d;
-
-    c->z0 = (float)(z[0] / LATTICE_PER_MM);
-    c->zx = (float)zx;
-    c->zy = (float)zy;
-    c->flat = (float)(1.0 / sqrt(1.0 + zx * zx + zy * zy));
-}
-
-static float weight_at(const struct align_weight *u, const struct align_triangle *c,
-                       const int32_t z[3])
-{
-    const double third = 1.0 / (3 * LATTICE_PER_MM);
-    const struct dvec3 q =
-        align_pose_apply(&u->frame, (struct dvec3){(c->x[0] + c->x[1] + c->x[2]) * third,
-                                                   (c->y[0] + c->y[1] + c->y[2]) * third,
-                                                   (z[0] + z[1] + z[2]) * third});
-    const uint32_t i = grid_cell(q.x, q.y);
-
-    return i == GRID_NONE ? 0.0f : u->u[i];
-}
-
 void align_field_make(const struct surface *s, const struct align_weight *u,
-                      struct align_triangle *triangles, struct align_field *f)
+                      struct align_field *f)
 {
-    const struct mesh *m = &s->mesh;
-
-    f->triangle = triangles;
-    f->n = m->nt;
-    f->first = ALIGN_FIELD_NONE;
-    for (uint32_t t = 0; t < m->nt; t++) {
-        struct align_triangle *c = &triangles[t];
-        int32_t z[3];
-
-        if (mesh_is_ghost(m, t))
-            continue;
-        for (uint32_t i = 0; i < 3; i++) {
-            const uint32_t h = 3 * t + i, v = m->org[h], across = m->twin[h] / 3;
-
-            c->x[i] = m->xy[v].x;
-            c->y[i] = m->xy[v].y;
-            z[i] = m->z[v];
-            c->next[i] = mesh_is_ghost(m, across) ? ALIGN_FIELD_NONE : across;
-        }
-        plane(c, z);
-        c->weight = u == NULL ? 1.0f : weight_at(u, c, z);
-        if (s->bridge[t])
-            c->flat = 0.0f;
-        f->first = t;
-    }
+    *f = (struct align_field){s, u, 0};
+    while (mesh_is_ghost(&s->mesh, f->first))
+        f->first++;
 }
 
-/* walk(f, t, x, y): the triangle that contains (x, y), from triangle t; NULL when it lies
- * outside the hull.  *at becomes the last triangle seen.  The step limit matters only for
- * a template that is not a Delaunay triangulation. */
-static const struct align_triangle *walk(const struct align_field *f, uint32_t *at,
-                                         int64_t x, int64_t y)
+/* walk(m, t, q, out): whether q (x, y) lies in the hull of m: walk to the triangle that
+ * contains it, from triangle *t.  *t becomes the last triangle seen.  The step limit matters
+ * only where m is not a Delaunay triangulation. */
+static inline bool walk(const struct mesh *m, uint32_t *t, const double q[3],
+                        struct align_corners *out)
 {
-    uint32_t t = *at;
+    const int32_t x = (int32_t)lrint(q[0]), y = (int32_t)lrint(q[1]);
 
-    for (uint32_t steps = 0; steps < f->n; steps++) {
-        const struct align_triangle *c = &f->triangle[t];
-        const int64_t x0 = c->x[0] - x, x1 = c->x[1] - x, x2 = c->x[2] - x;
-        const int64_t y0 = c->y[0] - y, y1 = c->y[1] - y, y2 = c->y[2] - y;
+    for (uint32_t steps = 0; steps < m->nt; steps++) {
+        const uint32_t *v = &m->org[3 * *t], *twin = &m->twin[3 * *t];
+        const struct ivec2 a = m->xy[v[0]], b = m->xy[v[1]], c = m->xy[v[2]];
+        const int64_t x0 = a.x - x, x1 = b.x - x, x2 = c.x - x;
+        const int64_t y0 = a.y - y, y1 = b.y - y, y2 = c.y - y;
         uint32_t next;
 
-        if (x0 * y1 < y0 * x1)
-            next = c->next[0];
-        else if (x1 * y2 < y1 * x2)
-            next = c->next[1];
-        else if (x2 * y0 < y2 * x0)
-            next = c->next[2];
-        else {
-            *at = t;
-            return c;
+        if (x0 * y1 < y0 * x1) {
+            next = twin[0] / 3;
+        } else if (x1 * y2 < y1 * x2) {
+            next = twin[1] / 3;
+        } else if (x2 * y0 < y2 * x0) {
+            next = twin[2] / 3;
+        } else {
+            *out = (struct align_corners){
+                {{(float)x0, (float)y0, (float)(m->z[v[0]] - q[2])},
+                 {(float)x1, (float)y1, (float)(m->z[v[1]] - q[2])},
+                 {(float)x2, (float)y2, (float)(m->z[v[2]] - q[2])}}};
+            return true;
         }
-        if (next == ALIGN_FIELD_NONE)
+        if (mesh_is_ghost(m, next))
             break;
-        t = next;
+        *t = next;
     }
-    *at = t;
-    return NULL;
+    return false;
 }
 
-/* What one residual adds to the sum: its weight in the normal equations, its cost, and the
- * share by which the cost is divided. */
-struct pull {
-    double weight, cost, share;
+static inline bool find(const struct align_field *f, struct align_point *p,
+                        struct dvec3 q, struct align_corners *out)
+{
+    const double at[3] = {q.x * LATTICE_PER_MM, q.y * LATTICE_PER_MM,
+                          q.z * LATTICE_PER_MM};
+
+    return fabs(at[0]) < LATTICE_MAX && fabs(at[1]) < LATTICE_MAX &&
+           walk(&f->surface->mesh, &p->triangle, at, out) &&
+           !f->surface->bridge[p->triangle];
+}
+
+bool align_field_find(const struct align_field *f, struct align_point *p, struct dvec3 q,
+                      struct align_corners *out)
+{
+    return find(f, p, q, out);
+}
+
+/* ALIGN_LANES points to be added. */
+struct batch {
+    struct align_corners corners[ALIGN_LANES];
+    float q[ALIGN_LANES][3]; /* from the centre of rotations, mm */
+    uint32_t n;
 };
 
-static struct pull pull_of(enum align_loss loss, double r, double u)
+static inline align_lanes corner(const struct batch *b, int k, int axis)
 {
-    const double a = fabs(r), soft = a > ALIGN_SOFT_MM ? a : ALIGN_SOFT_MM;
-    double v, s;
+    const struct align_corners *c = b->corners;
 
-    if (loss == ALIGN_LOSS_L1)
-        return (struct pull){1.0 / soft, a < ALIGN_CAP_MM ? a : ALIGN_CAP_MM, 1.0};
-    v = a / ALIGN_TUKEY_MM;
-    s = v < 1.0 ? 1.0 - v * v : 0.0;
-    return (struct pull){u * s * s, u * ALIGN_TUKEY_MM * (1.0 - s * s * s), u};
+    return (align_lanes){c[0].at[k][axis], c[1].at[k][axis], c[2].at[k][axis],
+                         c[3].at[k][axis]};
 }
 
-const struct align_triangle *align_field_find(const struct align_field *f,
-                                              struct align_point *p, struct dvec3 q)
+static inline align_lanes place(const struct batch *b, int axis)
 {
-    const double limit = LATTICE_MAX / LATTICE_PER_MM;
+    return (align_lanes){b->q[0][axis], b->q[1][axis], b->q[2][axis], b->q[3][axis]};
+}
 
-    if (!(fabs(q.x) < limit && fabs(q.y) < limit))
-        return NULL;
-    return walk(f, &p->triangle, llrint(q.x * LATTICE_PER_MM),
-                llrint(q.y * LATTICE_PER_MM));
+/* The weights of the points; r: from the centre of rotations, which is at c, to the frame. */
+static inline align_lanes weights(const struct align_weight *w, struct dvec3 c,
+                                  const struct align_under *s)
+{
+    const struct dvec3 t = align_pose_apply(&w->frame, c);
+    const double *r = w->frame.r;
+    const align_lanes x =
+        s->x * (float)r[0] + s->y * (float)r[1] + s->z * (float)r[2] + (float)t.x;
+    const align_lanes y =
+        s->x * (float)r[3] + s->y * (float)r[4] + s->z * (float)r[5] + (float)t.y;
+    align_lanes u;
+
+    for (int i = 0; i < ALIGN_LANES; i++) {
+        const uint32_t cell = grid_cell((double)x[i], (double)y[i]);
+
+        u[i] = cell == GRID_NONE ? 0.0f : w->u[cell];
+    }
+    return u;
+}
+
+static inline void add_batch(struct batch *b, const struct align_weight *u,
+                             struct dvec3 c, enum align_loss loss,
+                             struct align_lanes_sums *sums)
+{
+    static const align_masks index = {0, 1, 2, 3};
+    struct align_under s;
+    align_lanes a[3], e[3], f[3], n[3], over;
+
+    for (int i = 0; i < 3; i++) {
+        a[i] = corner(b, 0, i);
+        e[i] = corner(b, 1, i) - a[i];
+        f[i] = corner(b, 2, i) - a[i];
+    }
+    n[0] = e[1] * f[2] - e[2] * f[1];
+    n[1] = e[2] * f[0] - e[0] * f[2];
+    n[2] = e[0] * f[1] - e[1] * f[0];
+    over = 1.0f / align_lanes_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int i = 0; i < 3; i++)
+        s.normal[i] = n[i] * over;
+    s.gap = (a[0] * s.normal[0] + a[1] * s.normal[1] + a[2] * s.normal[2]) *
+            (float)(-1 / LATTICE_PER_MM);
+    s.there = index < (int32_t)b->n;
+    s.x = place(b, 0);
+    s.y = place(b, 1);
+    s.z = place(b, 2);
+    s.weight =
+        u != NULL && loss == ALIGN_LOSS_TUKEY ? weights(u, c, &s) : align_lanes_all(1.0f);
+    align_lanes_add(sums, &s, loss);
+    b->n = 0;
 }
 
 void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,
                      enum align_loss loss, struct align_sum *sum)
 {
-    uint32_t last = f->first, total = 0, within = 0;
-    double share = 0.0;
+    uint32_t last = f->first, total = 0;
+    struct align_lanes_sums sums = {0};
+    struct batch batch;
 
-    memset(sum, 0, sizeof *sum);
+    batch.n = 0;
+    for (uint32_t i = 0; i < ALIGN_LANES;
+         i++) /* in places that stay empty: any triangle */
+        batch.corners[i] = (struct align_corners){{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+    memset(batch.q, 0, sizeof batch.q);
     for (uint32_t i = 0; i < n; i += stride, total++) {
-        const struct dvec3 q = align_pose_apply(pose, pts[i].p);
-        const struct align_triangle *triangle;
-        struct pull pull;
-        double r, flat, j[6];
+        struct align_point *p = &pts[i];
+        const struct dvec3 q = align_pose_apply(pose, p->p);
+        float *at = batch.q[batch.n];
+        bool found;
 
-        if (pts[i].triangle == ALIGN_FIELD_NONE)
-            pts[i].triangle = last;
-        triangle = align_field_find(f, &pts[i], q);
-        last = pts[i].triangle;
-        if (triangle == NULL || triangle->flat == 0.0f)
-            continue;
-        within++;
-        flat = (double)triangle->flat;
-        r = (q.z - align_field_height(triangle, q.x, q.y)) * flat;
-        j[3] = -(double)triangle->zx * flat;
-        j[4] = -(double)triangle->zy * flat;
-        j[5] = flat;
-        j[0] = (q.y - c.y) * j[5] - (q.z - c.z) * j[4];
-        j[1] = (q.z - c.z) * j[3] - (q.x - c.x) * j[5];
-        j[2] = (q.x - c.x) * j[4] - (q.y - c.y) * j[3];
-        pull = pull_of(loss, r, (double)triangle->weight);
-        align_solve_add(&sum->normal, j, r, pull.weight);
-        sum->cost += pull.cost;
-        share += pull.share;
+        if (p->triangle == ALIGN_FIELD_NONE)
+            p->triangle = last;
+        at[0] = (float)(q.x - c.x);
+        at[1] = (float)(q.y - c.y);
+        at[2] = (float)(q.z - c.z);
+        found = find(f, p, q, &batch.corners[batch.n]);
+        last = p->triangle;
+        batch.n += found;
+        if (batch.n == ALIGN_LANES)
+            add_batch(&batch, f->u, c, loss, &sums);
     }
-    if (total > 0)
-        sum->within = (double)within / total;
-    if (loss == ALIGN_LOSS_L1) {
-        sum->cost += ALIGN_NO_GAP_MM * (total - within);
-        share = total;
-    }
-    sum->cost = share > 0.0 ? sum->cost / share : INFINITY;
+    add_batch(&batch, f->u, c, loss, &sums);
+    align_lanes_finish(&sums, total, loss, sum);
 }

@@ -4,11 +4,11 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "tuning.h"
+#include "align_lanes.h"
 
-#define LANES 4
-typedef float lanes __attribute__((vector_size(4 * LANES)));
-typedef int32_t masks __attribute__((vector_size(4 * LANES)));
+#define LANES ALIGN_LANES
+typedef align_lanes lanes;
+typedef align_masks masks;
 
 /* Where the middle of the first cell lies. */
 #define LEFT   ((float)(GRID_LEFT + GRID_MM / 2))
@@ -58,24 +58,6 @@ uint32_t align_grid_make(const float z[GRID_N], const float u[GRID_N],
 
 /* ---- the sum, LANES points at a time */
 
-static inline lanes all(float v)
-{
-    return (lanes){v, v, v, v};
-}
-
-/* mask ? v : 0 */
-static inline lanes only(masks mask, lanes v)
-{
-    return (lanes)(mask & (masks)v);
-}
-
-static inline lanes least(lanes a, lanes b)
-{
-    const masks less = a < b;
-
-    return (lanes)((less & (masks)a) | (~less & (masks)b));
-}
-
 static inline lanes gather(const float *v, masks at)
 {
     return (lanes){v[at[0]], v[at[1]], v[at[2]], v[at[3]]};
@@ -94,11 +76,6 @@ static inline void transpose(lanes c[4])
     c[3] = __builtin_shufflevector(d, e, 2, 3, 6, 7);
 }
 
-static inline double total(lanes v)
-{
-    return ((double)v[0] + (double)v[1]) + ((double)v[2] + (double)v[3]);
-}
-
 /* The pose in single precision, for points relative to `from`. */
 struct motion {
     struct dvec3 from;
@@ -111,10 +88,10 @@ static void motion_of(const struct align_pose *pose, struct dvec3 from, struct m
 
     m->from = from;
     for (int i = 0; i < 9; i++)
-        m->r[i] = all((float)pose->r[i]);
-    m->t[0] = all((float)t.x);
-    m->t[1] = all((float)t.y);
-    m->t[2] = all((float)t.z);
+        m->r[i] = align_lanes_all((float)pose->r[i]);
+    m->t[0] = align_lanes_all((float)t.x);
+    m->t[1] = align_lanes_all((float)t.y);
+    m->t[2] = align_lanes_all((float)t.z);
 }
 
 /* LANES points, moved. */
@@ -151,8 +128,8 @@ static inline void find(const struct align_grid *g, lanes x, lanes y, struct und
     masks column, row, cell;
     lanes c[4];
 
-    i = only(inside, i);
-    j = only(inside, j);
+    i = align_lanes_only(inside, i);
+    j = align_lanes_only(inside, j);
     column = __builtin_convertvector(i, masks);
     row = __builtin_convertvector(j, masks);
     i -= __builtin_convertvector(column, lanes);
@@ -169,55 +146,20 @@ static inline void find(const struct align_grid *g, lanes x, lanes y, struct und
     s->zy = (c[2] + c[3] * i) * (float)(1 / GRID_MM);
 }
 
-/* What LANES residuals r add: weights in the normal equations, costs, shares (struct pull of
- * align_field.c). */
-static inline void pull(enum align_loss loss, lanes r, lanes u, masks there,
-                        lanes *weight, lanes *cost, lanes *share)
+static inline void add(struct align_lanes_sums *to, const lanes q[3],
+                       const struct under *s, struct dvec3 c, enum align_loss loss)
 {
-    const lanes a = (lanes)((masks)r & INT32_MAX);
-    lanes s;
+    const struct align_under under = {
+        .there = s->there,
+        .x = q[0] - (float)c.x,
+        .y = q[1] - (float)c.y,
+        .z = q[2] - (float)c.z,
+        .normal = {-s->zx * s->flat, -s->zy * s->flat, s->flat},
+        .gap = (q[2] - s->z) * s->flat,
+        .weight = s->weight,
+    };
 
-    if (loss == ALIGN_LOSS_L1) {
-        *weight = only(there, 1.0f / -least(-a, all((float)-ALIGN_SOFT_MM)));
-        *cost = only(there, least(a, all((float)ALIGN_CAP_MM)));
-        *share = only(there, all(1.0f));
-        return;
-    }
-    s = a * (float)(1 / ALIGN_TUKEY_MM);
-    s = 1.0f - least(s, all(1.0f)) * least(s, all(1.0f));
-    u = only(there, u);
-    *weight = u * s * s;
-    *cost = u * (float)ALIGN_TUKEY_MM * (1.0f - s * s * s);
-    *share = u;
-}
-
-/* Sums of LANES lanes each. */
-struct sums {
-    lanes h[21], g[6], cost, share;
-    masks within;
-};
-
-static inline void add(struct sums *to, const lanes q[3], const struct under *s,
-                       struct dvec3 c, enum align_loss loss)
-{
-    const lanes x = q[0] - (float)c.x, y = q[1] - (float)c.y, z = q[2] - (float)c.z;
-    const lanes r = (q[2] - s->z) * s->flat;
-    const lanes jx = -s->zx * s->flat, jy = -s->zy * s->flat, jz = s->flat;
-    const lanes j[6] = {y * jz - z * jy, z * jx - x * jz, x * jy - y * jx, jx, jy, jz};
-    lanes weight, cost, share;
-    lanes *h = to->h;
-
-    pull(loss, r, s->weight, s->there, &weight, &cost, &share);
-    for (int i = 0; i < 6; i++) {
-        const lanes wj = weight * j[i];
-
-        for (int k = i; k < 6; k++)
-            *h++ += wj * j[k];
-        to->g[i] += wj * r;
-    }
-    to->cost += cost;
-    to->share += share;
-    to->within -= s->there;
+    align_lanes_add(to, &under, loss);
 }
 
 void align_grid_sum(const struct align_grid *g, const struct align_point *pts, uint32_t n,
@@ -225,9 +167,8 @@ void align_grid_sum(const struct align_grid *g, const struct align_point *pts, u
                     enum align_loss loss, struct align_sum *sum)
 {
     const uint32_t count = n / stride + (n % stride != 0);
-    struct sums all_of = {0};
+    struct align_lanes_sums all_of = {0};
     struct motion m;
-    double share, within;
 
     motion_of(pose, pts[0].p, &m);
     for (uint32_t i = 0; i < count; i += LANES) {
@@ -243,17 +184,5 @@ void align_grid_sum(const struct align_grid *g, const struct align_point *pts, u
             s.there[k] &= -(int32_t)(i + k < count);
         add(&all_of, q, &s, c, loss);
     }
-    for (int i = 0; i < 21; i++)
-        sum->normal.h[i] = total(all_of.h[i]);
-    for (int i = 0; i < 6; i++)
-        sum->normal.g[i] = total(all_of.g[i]);
-    within = all_of.within[0] + all_of.within[1] + all_of.within[2] + all_of.within[3];
-    share = total(all_of.share);
-    sum->within = within / count;
-    sum->cost = total(all_of.cost);
-    if (loss == ALIGN_LOSS_L1) {
-        sum->cost += ALIGN_NO_GAP_MM * (count - within);
-        share = count;
-    }
-    sum->cost = share > 0.0 ? sum->cost / share : (double)INFINITY;
+    align_lanes_finish(&all_of, count, loss, sum);
 }

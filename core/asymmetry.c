@@ -253,16 +253,15 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
                                 bool last, struct plane *p, struct dvec3 *middle,
                                 struct asymmetry *out)
 {
-    const size_t triangles = mem_round(align_field_bytes(s->mesh.nt));
-    const size_t pts = triangles + mem_round(s->mesh.nv * sizeof(struct align_point));
+    const size_t pts = mem_round(s->mesh.nv * sizeof(struct align_point));
     struct search search = {.evaluations = out->evaluations};
     unsigned char *block = scratch_need(&m->scratch, pts + s->mesh.nv * sizeof(uint32_t));
     double within = 0;
 
     if (block == NULL)
         return ST_ENOMEM;
-    align_field_make(s, NULL, (struct align_triangle *)(void *)block, &search.field);
-    search.pts = (struct align_point *)(void *)(block + triangles);
+    align_field_make(s, NULL, &search.field);
+    search.pts = (struct align_point *)(void *)block;
     load(s, (uint32_t *)(void *)(block + pts), &search);
     out->stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
     if (within < ALIGN_APART_WITHIN)

@@ -6,6 +6,7 @@
 #define CORE_CELLS_H
 #include "align_pose.h"
 #include "grid.h"
+#include "status.h"
 #include "tuning.h"
 
 struct align_field;  /* align_field.h */
@@ -17,7 +18,7 @@ struct cells {
     float area[GRID_N];      /* mm^2 in the frame's plane that both surfaces cover */
     float gap[GRID_N];       /* mean gap, probe minus template, mm; 0 without area */
     float z[GRID_N];         /* mean height of the template there, mm */
-    float normal[GRID_N][3]; /* its mean normal, in the frame, not normalised */
+    float normal[GRID_N][3]; /* its mean normal, in the frame */
 };
 
 /* cells_cover(c, i): the weight of cell i, 0..1: 0 up to CELLS_COVERED, 1 from half of the
@@ -30,24 +31,29 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
     return share < 0.0f ? 0.0f : share < 1.0f ? share : 1.0f;
 }
 
-/* cells_measure(tmpl, w, frame, out): the gap at the pose of the last measure_gaps() in w.
+/* cells_measure(tmpl, w, frame, out, overlap): the gap at the pose of the last measure_gaps()
+ * in w.
  * A triangulated surface cuts across what is curved between its points: its error grows with
  * the square of the point spacing.  So the gap is measured twice: at the template's vertices
  * and linear between them, with the probe's error alone, and at the probe's vertices and
  * linear between them, with the template's error alone.  The errors have opposite signs.
  * The result is the mean of both, each weighted by the inverse of its variance: the fourth
  * power of the spacing of the vertices that it was measured at.
- * frame  maps the template to its canonical frame
+ * frame    maps the template to its canonical frame
+ * overlap  the share of the template's measured area that the probe covers, 0..1: of its
+ *          triangles with a gap at each corner
  * Places more than 75 degrees off the frame's z (CELLS_STEEP), and triangles that bridge
- * missing points of either surface, are left out.  O(nv). */
-void cells_measure(const struct surface *tmpl, const struct measure_work *w,
-                   const struct align_pose *frame, struct cells *out);
+ * missing points of either surface, are left out.  w's scratch is used.  O(nv).
+ * Returns ST_OK, ST_ENOMEM. */
+enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
+                          const struct align_pose *frame, struct cells *out,
+                          double *overlap);
 
-/* cells_sample(field, pts, n, pose, frame, out): an estimate of the same from the probe's
- * points, moved by pose over the template's field, each weighted by the area it stands for.
- * Cheap enough for every step of a search.  O(n). */
+/* cells_sample(field, pts, n, stride, pose, frame, out): an estimate of the same from the
+ * probe's points 0, stride, 2 stride, ... below n, moved by pose over the template's field,
+ * each weighted by the area it stands for.  O(n / stride). */
 void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
-                  const struct align_pose *pose, const struct align_pose *frame,
-                  struct cells *out);
+                  uint32_t stride, const struct align_pose *pose,
+                  const struct align_pose *frame, struct cells *out);
 
 #endif

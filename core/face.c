@@ -208,17 +208,17 @@ static enum status search(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
-/* The gap per cell at a pose. */
+/* The gap per cell at a pose, and the overlap there (cells.h). */
 static enum status gaps(const struct face *tmpl, const struct face *probe,
                         const double transform[16], struct face_work *w,
-                        struct cells *cells)
+                        struct cells *cells, double *overlap)
 {
     const enum status st =
         measure_gaps(&tmpl->surface, &probe->surface, transform, &w->measure);
 
-    if (st == ST_OK)
-        cells_measure(&tmpl->surface, &w->measure, &tmpl->frame.pose, cells);
-    return st;
+    if (st != ST_OK)
+        return st;
+    return cells_measure(&tmpl->surface, &w->measure, &tmpl->frame.pose, cells, overlap);
 }
 
 enum status face_gap(const struct face *tmpl, const struct face *probe,
@@ -226,11 +226,13 @@ enum status face_gap(const struct face *tmpl, const struct face *probe,
 {
     struct align_result found;
     enum status st = ST_OK;
+    double overlap;
 
     if (transform == NULL)
         st = search(tmpl, probe, w, &found);
     if (st == ST_OK)
-        st = gaps(tmpl, probe, transform != NULL ? transform : found.transform, w, out);
+        st = gaps(tmpl, probe, transform != NULL ? transform : found.transform, w, out,
+                  &overlap);
     return st;
 }
 
@@ -249,14 +251,14 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     if ((st = search(tmpl, probe, w, &out->align)) != ST_OK)
         return st;
     aligned = clock_ms != NULL ? clock_ms() : 0;
-    if ((st = gaps(tmpl, probe, out->align.transform, w, &cells)) != ST_OK ||
+    if ((st = gaps(tmpl, probe, out->align.transform, w, &cells, &out->overlap)) !=
+            ST_OK ||
         (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
             ST_OK)
         return st;
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
-    out->overlap = measure_overlap(&tmpl->surface, &w->measure);
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
     out->score_mm = score.mm;
     out->weight_overlap = score.weight;
@@ -307,7 +309,8 @@ enum status face_field(const struct face *tmpl, const struct face *probe,
     struct cells cells;
     struct score score;
     struct fit fit;
-    enum status st = gaps(tmpl, probe, transform, w, &cells);
+    double overlap;
+    enum status st = gaps(tmpl, probe, transform, w, &cells, &overlap);
 
     if (st == ST_OK)
         st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score);

@@ -1,12 +1,10 @@
 #include "measure.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "interpolate.h"
 #include "lattice.h"
 #include "merge.h"
-#include "predicates.h"
 
 void measure_work_free(struct measure_work *w)
 {
@@ -61,25 +59,6 @@ enum status measure_gaps(const struct surface *tmpl, const struct surface *probe
     disparity_gaps(tmpl, &w->moved, w->tmpl_in_moved, false, w->tmpl_gap);
     disparity_gaps(&w->moved, tmpl, w->moved_in_tmpl, true, w->moved_gap);
     return ST_OK;
-}
-
-double measure_overlap(const struct surface *tmpl, const struct measure_work *w)
-{
-    const struct mesh *m = &tmpl->mesh;
-    double twice = 0; /* whole square lattice units below 2^52: exact */
-
-    if (w->moved.mesh.nv == 0 || !(tmpl->measured > 0))
-        return 0;
-    for (uint32_t t = 0; t < m->nt; t++) {
-        const uint32_t *v = &m->org[3 * t];
-
-        if (tmpl->bridge[t] || mesh_is_ghost(m, t))
-            continue;
-        if (fabs(w->tmpl_gap[v[0]] + w->tmpl_gap[v[1]] + w->tmpl_gap[v[2]]) <
-            (double)INFINITY)
-            twice += (double)orient2d(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]]);
-    }
-    return 0.5 * twice / tmpl->measured;
 }
 
 enum status measure_at(const struct surface *tmpl, const struct surface *probe,

@@ -39,10 +39,6 @@ void measure_work_free(struct measure_work *w); /* w is empty again; NULL is all
 enum status measure_gaps(const struct surface *tmpl, const struct surface *probe,
                          const double transform[16], struct measure_work *w);
 
-/* measure_overlap(tmpl, w): the share of tmpl's measured area that the probe of the last
- * measure_gaps() covers, 0..1: of tmpl's triangles with a gap at each corner.  O(nv). */
-double measure_overlap(const struct surface *tmpl, const struct measure_work *w);
-
 /* measure_at(tmpl, probe, transform, u, w, out): measure_gaps(), and the disparity of tmpl
  * (surface a) and the moved probe (surface b).
  * u  the weight; NULL: 1 everywhere

@@ -216,38 +216,43 @@ static void test_field(void **state)
     struct face f = {0};
     struct brute_rng rng = {seed + 4};
     struct align_field field;
-    struct align_triangle *cells;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
 
     (void)state;
     enroll(5, &f);
     memset(f.surface.bridge, 0, f.surface.mesh.nt);
-    assert_non_null(cells = mem_array(align_field_bytes(f.surface.mesh.nt), 1));
-    align_field_make(&f.surface, NULL, cells, &field);
+    align_field_make(&f.surface, NULL, &field);
     p.triangle = field.first;
     for (int i = 0; i < 2000; i++) {
         const struct ivec2 q = {brute_int(&rng, -120000, 120000),
                                 brute_int(&rng, -150000, 150000)};
         const struct location loc = brute_locate(&f.surface.mesh, q);
-        const struct align_triangle *cell;
+        struct align_corners c;
         struct align_sum sum;
+        bool found;
 
         p.p = (struct dvec3){q.x / 1000.0, q.y / 1000.0, -30};
-        cell = align_field_find(&field, &p, p.p);
+        found = align_field_find(&field, &p, p.p, &c);
         align_field_sum(&field, &p, 1, 1, &still, p.p, ALIGN_LOSS_L1, &sum);
         if (loc.where == LOCATE_OUTSIDE) {
-            assert_null(cell);
+            assert_false(found);
             assert_true(sum.within == 0 && sum.cost == 3);
         } else {
-            const double z = align_field_height(cell, p.p.x, p.p.y);
-            const double gap = fabs(-30 - z) * (double)cell->flat;
+            const double z = interpolate_height(&f.surface.mesh, loc, q) / 1000;
+            const struct dvec3 a = {(double)c.at[0][0], (double)c.at[0][1],
+                                    (double)c.at[0][2]};
+            const struct dvec3 e = {(double)c.at[1][0] - a.x, (double)c.at[1][1] - a.y,
+                                    (double)c.at[1][2] - a.z};
+            const struct dvec3 g = {(double)c.at[2][0] - a.x, (double)c.at[2][1] - a.y,
+                                    (double)c.at[2][2] - a.z};
+            const struct dvec3 n = vec_cross(e, g);
+            const double gap = fabs(-30 - z) * n.z / sqrt(vec_dot(n, n));
 
-            assert_true(fabs(z - interpolate_height(&f.surface.mesh, loc, q) / 1000) <
-                        1e-3);
-            assert_true(sum.within == 1 && fabs(sum.cost - (gap < 5 ? gap : 5)) < 1e-6);
+            assert_true(found);
+            assert_true(fabs(-30 + vec_dot(a, n) / n.z / 1000 - z) < 1e-3);
+            assert_true(sum.within == 1 && fabs(sum.cost - (gap < 5 ? gap : 5)) < 1e-4);
         }
     }
-    mem_free(cells);
     face_free(&f);
 }
 

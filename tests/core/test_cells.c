@@ -13,8 +13,8 @@
 #include "align_field.h"
 #include "brute.h"
 #include "cells.h"
+#include "lattice.h"
 #include "measure.h"
-#include "mem.h"
 #include "toy.h"
 #include "tuning.h"
 
@@ -23,6 +23,7 @@ static const double same_place[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 
 static struct measure_work work;
 static struct surface a, b;
 static struct cells cells, other;
+static double overlap;
 
 static struct disparity gap_of(const struct surface *t, const struct surface *p,
                                const struct align_pose *frame, struct cells *out)
@@ -30,7 +31,7 @@ static struct disparity gap_of(const struct surface *t, const struct surface *p,
     struct disparity d;
 
     assert_int_equal(measure_at(t, p, same_place, NULL, &work, &d), ST_OK);
-    cells_measure(t, &work, frame, out);
+    assert_int_equal(cells_measure(t, &work, frame, out, &overlap), ST_OK);
     return d;
 }
 
@@ -257,7 +258,8 @@ static void test_left_out(void **state)
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
     assert_int_equal(measure_at(&a, &a, far, NULL, &work, &d), ST_OK);
-    cells_measure(&a, &work, &still, &cells);
+    assert_int_equal(cells_measure(&a, &work, &still, &cells, &overlap), ST_OK);
+    assert_true(overlap == 0);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
 }
@@ -269,7 +271,6 @@ static void test_sample(void **state)
     const double zero = 0, up = 0.3;
     struct brute_rng rng = {6};
     struct align_field field;
-    struct align_triangle *block;
     double sum = 0;
     uint32_t n = 0;
 
@@ -277,15 +278,14 @@ static void test_sample(void **state)
     toy_scan(toy, &zero, 8000, NULL, &rng, &a);
     toy_scan(toy, &up, 8000, NULL, &rng, &b);
     (void)gap_of(&a, &b, &still, &cells);
-    assert_non_null(block = mem_array(align_field_bytes(a.mesh.nt), 1));
-    align_field_make(&a, NULL, block, &field);
+    align_field_make(&a, NULL, &field);
     for (uint32_t v = 0; v < b.mesh.nv; v++)
         pts[v] = (struct align_point){{b.mesh.xy[v].x / LATTICE_PER_MM,
                                        b.mesh.xy[v].y / LATTICE_PER_MM,
                                        b.mesh.z[v] / LATTICE_PER_MM},
                                       (float)(3.14159265 * 55 * 70 / b.mesh.nv),
                                       ALIGN_FIELD_NONE};
-    cells_sample(&field, pts, b.mesh.nv, &still, &still, &other);
+    cells_sample(&field, pts, b.mesh.nv, 1, &still, &still, &other);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (!inner(&cells, i))
             continue;
@@ -298,10 +298,9 @@ static void test_sample(void **state)
     printf("sampled: off by %.4f mm in the mean\n", sum / n);
     assert_true(n > 400 && sum / n < 0.03);
     pts[0].area = 0.0f; /* all of the point's triangles are bridges: it covers no cell */
-    cells_sample(&field, pts, 1, &still, &still, &other);
+    cells_sample(&field, pts, 1, 1, &still, &still, &other);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(other.area[i] == 0.0f);
-    mem_free(block);
 }
 
 static int tear_down(void **state)
