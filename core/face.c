@@ -275,17 +275,8 @@ enum status face_minimal(const struct face *tmpl, const struct face *probe,
                          struct face_work *w, struct minimal *out)
 {
     const double start = clock_ms != NULL ? clock_ms() : 0;
-    struct align_triangle *triangles =
-        scratch_need(&w->align.field, align_field_bytes(tmpl->surface.mesh.nt));
-    struct align_field field;
-    enum status st;
-
-    if (triangles == NULL)
-        return ST_ENOMEM;
-    align_field_make(&tmpl->surface, NULL, triangles, &field);
-    st = minimal_find(&tmpl->surface, &field, &probe->surface, transform, &w->measure,
-                      out);
-
+    const enum status st =
+        minimal_find(&tmpl->surface, &probe->surface, transform, &w->measure, out);
     if (clock_ms != NULL)
         out->ms = clock_ms() - start;
     return st;

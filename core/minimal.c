@@ -138,13 +138,12 @@ static enum status settle(const struct search *s, double sure, struct minimal *o
     return st;
 }
 
-enum status minimal_find(const struct surface *tmpl, const struct align_field *field,
-                         const struct surface *probe, const double transform[16],
-                         struct measure_work *w, struct minimal *out)
+enum status minimal_find(const struct surface *tmpl, const struct surface *probe,
+                         const double transform[16], struct measure_work *w,
+                         struct minimal *out)
 {
-    struct search s = {.pair = {.tmpl = tmpl, .probe = probe, .field = field},
-                       .transform = transform,
-                       .w = w};
+    struct search s = {
+        .pair = {.tmpl = tmpl, .probe = probe}, .transform = transform, .w = w};
     unsigned char *block;
 
     memset(out, 0, sizeof *out);

@@ -12,7 +12,6 @@
 #include "status.h"
 #include "surface.h"
 
-struct align_field;  /* align_field.h */
 struct measure_work; /* measure.h */
 
 /* How far the pose may be from the alignment: the angle of the turn between them, and the
@@ -27,17 +26,16 @@ struct minimal {
     double ms;                  /* by the caller's clock; 0 without one */
 };
 
-/* minimal_find(tmpl, field, probe, transform, w, out): the least disparity of tmpl and probe
+/* minimal_find(tmpl, probe, transform, w, out): the least disparity of tmpl and probe
  * within the limits above of the alignment `transform` (rigid).
- * field  tmpl's, made with any weights or none
  * Not more than the measure at the alignment, which is measured too where the estimate does
  * not make that certain, or the limit of the area is near.  Surfaces with nothing in common
  * at the alignment: the measure there, all zero.
  * Cost  O(nv): about a third more than measure_at(); at most six times that.  How near to the
  * least known value it comes: docs/decision.md.
  * Returns ST_OK, ST_ENOMEM. */
-enum status minimal_find(const struct surface *tmpl, const struct align_field *field,
-                         const struct surface *probe, const double transform[16],
-                         struct measure_work *w, struct minimal *out);
+enum status minimal_find(const struct surface *tmpl, const struct surface *probe,
+                         const double transform[16], struct measure_work *w,
+                         struct minimal *out);
 
 #endif

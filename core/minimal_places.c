@@ -63,6 +63,7 @@ void minimal_places_begin(struct minimal_pair *p)
     for (uint32_t v = 0; v < m->nv; v++)
         p->point[v] = (struct align_point){lattice_to_mm(m->xy[v], m->z[v]), 0.0f,
                                            ALIGN_FIELD_NONE};
+    align_field_make(p->tmpl, NULL, &p->field);
     p->stride = m->nv > MINIMAL_FEW ? m->nv / MINIMAL_FEW : 1;
     normals(p);
 }
@@ -96,31 +97,34 @@ static void pad(struct minimal_places *p)
         put_none(p, p->n++, 0);
 }
 
-/* The place of the probe's vertex v, at q (mm), over the triangle t. */
+/* The place of one of the probe's vertices, at q (mm), over the triangle t. */
 static inline void put_over(struct minimal_pair *p, uint32_t i, struct dvec3 q,
-                            const struct align_triangle *t, float weight)
+                            const struct align_corners *t, float weight)
 {
+    const float *a = t->at[0], *b = t->at[1], *c = t->at[2];
+    const float ex = b[0] - a[0], ey = b[1] - a[1], ez = b[2] - a[2];
+    const float fx = c[0] - a[0], fy = c[1] - a[1], fz = c[2] - a[2];
+    const float over = 1 / (ex * fy - ey * fx);
+    const float zx = (ez * fy - fz * ey) * over, zy = (fz * ex - ez * fx) * over;
     const struct place at = {(float)(q.x - p->centre.x), (float)(q.y - p->centre.y),
-                             (float)(q.z - p->centre.z), t->zx, t->zy};
+                             (float)(q.z - p->centre.z), zx, zy};
 
-    put(&p->places, i, at, (float)(q.z - align_field_height(t, q.x, q.y)), weight);
+    put(&p->places, i, at, MM * (zx * a[0] + zy * a[1] - a[2]), weight);
 }
 
-/* The template's triangle under q, to which the probe's vertex v has moved; NULL where it has
- * none, or bridges.  The first time it is looked for from the nearest ancestor's. */
-static inline const struct align_triangle *find(struct minimal_pair *p, uint32_t v,
-                                                struct dvec3 q)
+/* The template's triangle under q, to which the probe's vertex v has moved; false where there
+ * is none, or it bridges.  The first time it is looked for from the nearest ancestor's. */
+static inline bool find(struct minimal_pair *p, uint32_t v, struct dvec3 q,
+                        struct align_corners *out)
 {
-    const struct align_triangle *t;
     uint32_t near = v;
 
     while (near > 0 && p->point[near].triangle == ALIGN_FIELD_NONE)
         near = p->probe->mesh.parent[near];
     p->point[v].triangle = p->point[near].triangle != ALIGN_FIELD_NONE
                                ? p->point[near].triangle
-                               : p->field->first;
-    t = align_field_find(p->field, &p->point[v], q);
-    return t != NULL && t->flat > 0 ? t : NULL;
+                               : p->field.first;
+    return align_field_find(&p->field, &p->point[v], q, out);
 }
 
 double minimal_places_few(struct minimal_pair *p, const struct align_pose *pose)
@@ -132,13 +136,13 @@ double minimal_places_few(struct minimal_pair *p, const struct align_pose *pose)
     *n = 0;
     for (uint32_t v = 0; v < p->probe->mesh.nv; v += p->stride) {
         const struct dvec3 q = align_pose_apply(pose, p->point[v].p);
-        const struct align_triangle *t = find(p, v, q);
         const minimal_lanes normal = p->normal[v];
         const float area = normal[0] * up[0] + normal[1] * up[1] + normal[2] * up[2];
+        struct align_corners t;
 
-        if (t == NULL || !(area > 0))
+        if (!find(p, v, q, &t) || !(area > 0))
             continue;
-        put_over(p, (*n)++, q, t, area);
+        put_over(p, (*n)++, q, &t, area);
         sum += (double)area;
     }
     pad(&p->places);
@@ -150,13 +154,13 @@ static void probe_side(struct minimal_pair *p, const struct align_pose *pose)
 {
     for (uint32_t v = 0; v < p->probe->mesh.nv; v++) {
         const struct dvec3 q = align_pose_apply(pose, p->point[v].p);
-        const struct align_triangle *t = find(p, v, q);
+        struct align_corners t;
 
         p->spot[v] =
             (struct minimal_spot){(float)(q.x - p->centre.x), (float)(q.y - p->centre.y)};
         p->height[v] = (float)(q.z - p->centre.z);
-        if (t != NULL)
-            put_over(p, v, q, t, 0);
+        if (find(p, v, q, &t))
+            put_over(p, v, q, &t, 0);
         else
             put_none(&p->places, v, NO_GAP);
     }

@@ -20,9 +20,9 @@ struct minimal_spot {
 
 struct minimal_pair {
     const struct surface *tmpl, *probe;
-    const struct align_field *field; /* the template's; its weights do not matter */
-    struct dvec3 centre;             /* turns are about it (template, mm) */
-    struct align_point *point;       /* [probe nv] */
+    struct align_field field;  /* the template's, without weights */
+    struct dvec3 centre;       /* turns are about it (template, mm) */
+    struct align_point *point; /* [probe nv] */
     minimal_lanes *normal;     /* [probe nv] in its scan: mean over the triangles round
                                         the vertex, times twice their area, mm^2 */
     struct minimal_spot *spot; /* [probe nv] at the pose: from the centre, mm */

@@ -11,7 +11,6 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "align_field.h"
 #include "align_pose.h"
 #include "brute.h"
 #include "face.h"
@@ -356,8 +355,6 @@ static void test_places(void **state)
 {
     static const double a[3] = {0, 0.2, -0.1}, b[3] = {1, -0.1, 0.15};
     struct minimal_pair p = {.tmpl = &tmpl.surface, .probe = &probe.surface};
-    struct align_triangle *triangles;
-    struct align_field field;
     struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     float *gap, *by[5];
     uint32_t n, checked = 0;
@@ -365,9 +362,6 @@ static void test_places(void **state)
 
     (void)state;
     sheets(a, b);
-    triangles = aligned_alloc(64, align_field_bytes(tmpl.surface.mesh.nt));
-    align_field_make(&tmpl.surface, NULL, triangles, &field);
-    p.field = &field;
     p.centre = (struct dvec3){3, -4, 5};
     block = aligned_alloc(64, minimal_places_layout(&p, NULL));
     (void)minimal_places_layout(&p, block);
@@ -407,7 +401,6 @@ static void test_places(void **state)
     assert_true(fabs(minimal_mean(&p.places) / at(still).plain_mm - 1) < 0.05);
     free(gap);
     free(block);
-    free(triangles);
 }
 
 /* ---- memory */
