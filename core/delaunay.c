@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "arm.h"
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
@@ -137,13 +138,68 @@ static void lower_tangent(const struct builder *b, uint32_t *l, uint32_t *r,
     *r_ccw = er;
 }
 
+/* The edge between the two sides that rises, from r to l, with r seen from l. */
+struct base {
+    uint32_t l, r;
+    struct arm r_arm;
+};
+
+/* A vertex above the base, at the end of edge e out of l or of r, seen from l; cross is twice
+ * the area of the triangle l r v. */
+struct candidate {
+    uint32_t e, v;
+    struct arm arm;
+    int64_t cross;
+};
+
+/* Does the circle through l, r and c hold d?  cd and dr are cross products of their arms. */
+static inline bool circle_holds(const struct builder *b, const struct base *base,
+                                const struct candidate *c, const struct candidate *d,
+                                int64_t cd, int64_t dr)
+{
+    const int64_t det = arm_incircle(&base->r_arm, &c->arm, &d->arm, c->cross, cd, dr);
+    const struct ivec2 *xy = b->xy;
+
+    if (__builtin_expect(det == 0, 0))
+        return incircle(xy[base->l], xy[base->r], xy[c->v], xy[d->v]);
+    return det < 0;
+}
+
+static inline struct candidate candidate(const struct builder *b, const struct base *base,
+                                         uint32_t e)
+{
+    struct candidate c = {.e = e, .v = b->edges[e].dst};
+
+    c.arm = arm_to(b->xy[base->l], b->xy[c.v]);
+    c.cross = arm_cross(&base->r_arm, &c.arm);
+    return c;
+}
+
+/* The first candidate of a side, from edge e on, the circle of which does not hold the next:
+ * the edges to the others are deleted.  Its cross is not above 0 where there is none. */
+static inline struct candidate choose(struct builder *b, const struct base *base,
+                                      uint32_t e, bool left)
+{
+    struct candidate c = candidate(b, base, e);
+
+    while (c.cross > 0) {
+        const struct edge *ring = &b->edges[c.e];
+        const struct candidate d = candidate(b, base, left ? ring->next : ring->prev);
+
+        if (!circle_holds(b, base, &c, &d, arm_cross(&c.arm, &d.arm), -d.cross))
+            break;
+        delete_edge(b, c.e);
+        c = d;
+    }
+    return c;
+}
+
 /* Merge the triangulations of two sets separated by a line, the left one seen across it
  * first; l and r as in lower_tangent().  Guibas and Stolfi's rising bubble: base is the
  * highest edge between the two sides so far, from right to left. */
 static void merge(struct builder *b, uint32_t l, uint32_t r)
 {
     struct edge *edges = b->edges;
-    const struct ivec2 *xy = b->xy;
     uint32_t base, el, er;
 
     lower_tangent(b, &l, &r, &el, &er);
@@ -155,51 +211,27 @@ static void merge(struct builder *b, uint32_t l, uint32_t r)
     b->hull[l] = base ^ 1;
 
     for (;;) {
-        const struct ivec2 pl = xy[l], pr = xy[r];
-        uint32_t lc = edges[base ^ 1].next, rc = edges[base].prev;
-        uint32_t lv = edges[lc].dst, rv = edges[rc].dst;
-        const bool l_valid = orient2d(pl, pr, xy[lv]) > 0;
-        const bool r_valid = orient2d(pl, pr, xy[rv]) > 0;
+        const struct base now = {l, r, arm_to(b->xy[l], b->xy[r])};
+        const struct candidate lc = choose(b, &now, edges[base ^ 1].next, true);
+        const struct candidate rc = choose(b, &now, edges[base].prev, false);
+        uint32_t up;
 
-        if (!l_valid && !r_valid)
+        if (lc.cross <= 0 && rc.cross <= 0)
             break;
-        if (l_valid) {
-            for (;;) {
-                const uint32_t after = edges[lc].next, v = edges[after].dst;
-
-                if (!incircle(pl, pr, xy[lv], xy[v]))
-                    break;
-                delete_edge(b, lc);
-                lc = after;
-                lv = v;
-            }
-        }
-        if (r_valid) {
-            for (;;) {
-                const uint32_t after = edges[rc].prev, v = edges[after].dst;
-
-                if (!incircle(pl, pr, xy[rv], xy[v]))
-                    break;
-                delete_edge(b, rc);
-                rc = after;
-                rv = v;
-            }
-        }
-        if (!l_valid || (r_valid && incircle(pl, pr, xy[lv], xy[rv]))) {
-            const uint32_t up = new_edge(b, rv, l);
-
+        if (lc.cross <= 0 ||
+            (rc.cross > 0 &&
+             circle_holds(b, &now, &lc, &rc, arm_cross(&lc.arm, &rc.arm), -rc.cross))) {
+            up = new_edge(b, rc.v, l);
             ring_insert(edges, base ^ 1, up ^ 1);
-            ring_insert(edges, edges[rc ^ 1].prev, up);
-            base = up;
-            r = rv;
+            ring_insert(edges, edges[rc.e ^ 1].prev, up);
+            r = rc.v;
         } else {
-            const uint32_t up = new_edge(b, r, lv);
-
+            up = new_edge(b, r, lc.v);
             ring_insert(edges, edges[base].prev, up);
-            ring_insert(edges, lc ^ 1, up ^ 1);
-            base = up;
-            l = lv;
+            ring_insert(edges, lc.e ^ 1, up ^ 1);
+            l = lc.v;
         }
+        base = up;
     }
     b->hull[r] = base;
 }
