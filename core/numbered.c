@@ -37,7 +37,7 @@ static void separate(struct ivec3 *pts, struct ivec3 *numbered, size_t n)
 /* The heights of m, a triangulation of n points, are their numbers. */
 static void renumber(struct mesh *m, const struct ivec3 *pts)
 {
-    const uint32_t nv = m->nv, ghost = m->out[nv];
+    const uint32_t nv = m->nv;
 
     for (uint32_t h = 0; h < 3 * m->nt; h++) {
         const uint32_t v = m->org[h];
@@ -45,7 +45,6 @@ static void renumber(struct mesh *m, const struct ivec3 *pts)
         m->org[h] = v == nv ? nv : (uint32_t)m->z[v];
         m->out[m->org[h]] = h;
     }
-    m->out[nv] = ghost; /* the first of the ghosts, as delaunay_build() has it */
     for (uint32_t v = 0; v < nv; v++) {
         m->xy[v] = (struct ivec2){pts[v].x, pts[v].y};
         m->z[v] = pts[v].z;

@@ -1,0 +1,120 @@
+/* Triangulations with given numbers: the right triangles, and no point lost. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "delaunay.h"
+#include "lattice.h"
+#include "mem.h"
+#include "mesh.h"
+#include "mesh_check.h"
+#include "numbered.h"
+
+#define MOST 1000
+
+static struct scratch scratch;
+static struct ivec3 pts[2 * MOST];
+static struct mesh mesh, want;
+
+/* mesh is the triangulation of pts as they are, number by number. */
+static void check(uint32_t n)
+{
+    assert_int_equal(mesh.nv, n);
+    assert_int_equal(mesh_check(&mesh, false), ST_OK);
+    for (uint32_t v = 0; v < n; v++) {
+        assert_int_equal(mesh.xy[v].x, pts[v].x);
+        assert_int_equal(mesh.xy[v].y, pts[v].y);
+        assert_int_equal(mesh.z[v], pts[v].z);
+    }
+    assert_int_equal(delaunay_build(pts, n, &scratch, &want), ST_OK);
+    assert_true(brute_same(&mesh, &want));
+}
+
+static void test_kinds(void **state)
+{
+    struct brute_rng r = {brute_seed("kinds")};
+    struct ivec3 before[MOST];
+
+    (void)state;
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t size = 3; size < MOST; size = 2 * size + 3) {
+            const size_t n = brute_points((enum brute_shape)shape, size, &r, pts);
+
+            memcpy(before, pts, n * sizeof *pts);
+            assert_int_equal(numbered_build(pts, n, &scratch, &mesh), ST_OK);
+            assert_memory_equal(pts, before, n * sizeof *pts);
+            check((uint32_t)n);
+        }
+}
+
+/* A pile pushes its neighbours aside, in the order of x, then of the numbers; other rows stay
+ * as they are. */
+static void test_pile(void **state)
+{
+    static const struct ivec3 given[] = {{7, 0, 5}, {9, 3, 1}, {7, 0, -4}, {8, 0, 2},
+                                         {2, 0, 9}, {7, 0, 0}, {8, 3, 6},  {20, 0, 8}};
+    static const int32_t x[] = {7, 9, 8, 10, 2, 9, 8, 20};
+    const uint32_t n = sizeof given / sizeof *given;
+
+    (void)state;
+    memcpy(pts, given, sizeof given);
+    assert_int_equal(numbered_build(pts, n, &scratch, &mesh), ST_OK);
+    for (uint32_t v = 0; v < n; v++) {
+        assert_int_equal(pts[v].x, x[v]);
+        assert_int_equal(pts[v].y, given[v].y);
+        assert_int_equal(pts[v].z, given[v].z);
+    }
+    check(n);
+}
+
+/* Nearly all points on one place. */
+static void test_heap(void **state)
+{
+    (void)state;
+    for (int32_t i = 0; i < MOST; i++)
+        pts[i] = (struct ivec3){0, i < MOST - 2 ? 0 : i, i};
+    pts[MOST - 1].x = 5;
+    assert_int_equal(numbered_build(pts, MOST, &scratch, &mesh), ST_OK);
+    for (int32_t i = 0; i < MOST - 2; i++)
+        assert_int_equal(pts[i].x, i);
+    check(MOST);
+}
+
+static void test_refused(void **state)
+{
+    const int32_t far = LATTICE_MAX;
+
+    (void)state;
+    pts[0] = pts[1] = (struct ivec3){far, 0, 0}; /* the second would leave the lattice */
+    pts[2] = (struct ivec3){0, 0, 0};
+    pts[3] = (struct ivec3){0, 9, 0};
+    assert_int_equal(numbered_build(pts, 4, &scratch, &mesh), ST_ERANGE);
+    assert_int_equal(mesh.nv, 0);
+    for (int32_t i = 0; i < 4;
+         i++) /* two places are a line, whatever they were moved to */
+        pts[i] = (struct ivec3){0, i / 2, 0};
+    assert_int_equal(numbered_build(pts, 4, &scratch, &mesh), ST_EDEGENERATE);
+    assert_int_equal(mesh.nv, 0);
+    assert_int_equal(numbered_build(pts, 2, &scratch, &mesh), ST_EDEGENERATE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),
+        cmocka_unit_test(test_pile),
+        cmocka_unit_test(test_heap),
+        cmocka_unit_test(test_refused),
+    };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+
+    mesh_free(&mesh);
+    mesh_free(&want);
+    scratch_free(&scratch);
+    return failed;
+}
