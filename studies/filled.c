@@ -157,6 +157,30 @@ static void made_up(const struct lab *lab, FILE *f, struct work *w, const char *
     report(f, what, e);
 }
 
+/* What is taken for a hole in scans from which nothing was cut out. */
+static void gaps(const struct lab *lab, FILE *f, struct work *w, uint32_t points)
+{
+    const uint64_t people = lab->reduced ? 10 : 200;
+    double holes = 0, restored = 0;
+
+    for (uint64_t s = 0; s < people; s++) {
+        struct facegen_scan scan;
+        size_t n;
+
+        facegen_default(&scan);
+        scan.subject = s;
+        scan.points = points;
+        n = facegen_sample(&scan, w->whole);
+        lab_must(lattice_from_mm(w->whole, n, LATTICE_PER_MM, w->lattice, NULL));
+        lab_must(lab_triangulate(&w->uncut, w->lattice, n));
+        lab_must(fill_holes(&w->uncut.surface, 1000000, &w->uncut.scratch, &w->fill));
+        holes += w->fill.nholes;
+        restored += w->fill.n;
+    }
+    fprintf(f, "%u,%.2f,%.1f\n", points, holes / (double)people,
+            restored / (double)people);
+}
+
 /* The surface of a whole scan is the truth for what is cut out of it, noise included. */
 static void scanned(const struct lab *lab, FILE *f, struct work *w, double aspect)
 {
@@ -193,7 +217,7 @@ void filled_run(const struct lab *lab)
     struct work w = {.whole = lab_alloc(MOST, sizeof *w.whole),
                      .left = lab_alloc(MOST, sizeof *w.left),
                      .lattice = lab_alloc(MOST, sizeof *w.lattice)};
-    FILE *f = lab_open(lab, "filled.csv");
+    FILE *f = lab_open(lab, "filled.csv"), *g = lab_open(lab, "gaps.csv");
 
     fprintf(f, "scans and holes,size mm,holes,points restored,mean diameter mm,"
                "error: root mean square mm,median,95 %%\n");
@@ -204,7 +228,11 @@ void filled_run(const struct lab *lab)
         scanned(lab, f, &w, 1);
         scanned(lab, f, &w, 4);
     }
+    fprintf(g, "points,holes a scan,points restored a scan\n");
+    gaps(lab, g, &w, 3000);
+    gaps(lab, g, &w, 20000);
     lab_close(f);
+    lab_close(g);
     fill_free(&w.fill);
     lab_surface_free(&w.cut);
     lab_surface_free(&w.uncut);
