@@ -177,6 +177,30 @@ void lab_surface_free(struct lab_surface *s)
     scratch_free(&s->scratch);
 }
 
+/* The height at the point of the hull that is nearest to q, which is outside. */
+static double beyond_hull(const struct mesh *m, struct ivec2 q)
+{
+    const uint32_t first = m->out[m->nv];
+    double nearest = INFINITY, height = 0;
+    uint32_t h = first;
+
+    do { /* the edge of the hull across each ghost triangle */
+        const uint32_t a = mesh_dest(m, h), b = m->org[mesh_prev(h)];
+        const double dx = (double)m->xy[b].x - m->xy[a].x;
+        const double dy = (double)m->xy[b].y - m->xy[a].y;
+        const double qx = (double)q.x - m->xy[a].x, qy = (double)q.y - m->xy[a].y;
+        const double s = fmin(fmax((dx * qx + dy * qy) / (dx * dx + dy * dy), 0), 1);
+        const double off = hypot(qx - s * dx, qy - s * dy);
+
+        if (off < nearest) {
+            nearest = off;
+            height = m->z[a] + s * ((double)m->z[b] - m->z[a]);
+        }
+        h = mesh_turn(m, h);
+    } while (h != first);
+    return height;
+}
+
 double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
 {
     /* Every walk starts at a corner of the triangle where the last one ended. */
@@ -184,7 +208,8 @@ double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
 
     s->last = locate_point(&s->surface.mesh, s->last.he, from, q, NULL);
     *inside = s->last.where != LOCATE_OUTSIDE;
-    return interpolate_height(&s->surface.mesh, s->last, q);
+    return *inside ? interpolate_height(&s->surface.mesh, s->last, q)
+                   : beyond_hull(&s->surface.mesh, q);
 }
 
 void lab_edges(const struct mesh *m, double per, const char *tag, FILE *f)
