@@ -159,13 +159,13 @@ static enum status restore_triangle(struct work *w, uint32_t t, double side)
     const double low = fmin(fmin(m->xy[v[0]].y, m->xy[v[1]].y), m->xy[v[2]].y);
     const double high = fmax(fmax(m->xy[v[0]].y, m->xy[v[1]].y), m->xy[v[2]].y);
 
-    for (int64_t j = (int64_t)floor(low / row); j <= ceil(high / row); j++) {
+    for (int64_t j = (int64_t)floor(low / row); j <= (int64_t)ceil(high / row); j++) {
         double left, right;
 
         crossing(m, t, fmin(fmax((double)j * row, low), high), &left, &right);
         /* One point more at either end: grid_point() rounds. */
-        for (int64_t i = (int64_t)floor(left / side) - 1; i <= ceil(right / side) + 1;
-             i++) {
+        for (int64_t i = (int64_t)floor(left / side) - 1;
+             i <= (int64_t)ceil(right / side) + 1; i++) {
             const struct ivec2 q = grid_point(i, j, side);
             enum status st;
 
