@@ -18,7 +18,6 @@ struct walk {
     uint32_t he;
     struct location at;
     const struct locate_trace *trace;
-    uint32_t steps; /* so far: edges crossed, and turns about a vertex */
 };
 
 enum state { CROSSING, VERTEX, DONE };
@@ -58,7 +57,6 @@ static inline enum state cross(struct walk *w)
         const uint32_t h = m->twin[w->he], last = mesh_prev(h), c = m->org[last];
         int64_t side, beyond;
 
-        w->steps++;
         if (c == m->nv)
             return done(w, w->he, LOCATE_OUTSIDE);
         enter(w, h);
@@ -125,7 +123,6 @@ static enum state turn(struct walk *w)
             return CROSSING;
         }
         g = mesh_turn(m, g);
-        w->steps++;
     } while (g != first);
     /* Past the hull: one of the two hull edges that meet here faces q. */
     if (side_of(m, hull, q) >= 0)
@@ -187,29 +184,18 @@ static inline enum state start(struct walk *w, uint32_t he)
     return VERTEX;
 }
 
-/* Adds the steps taken to *steps. */
-static inline struct location walk(const struct mesh *m, uint32_t he, struct ivec2 from,
-                                   struct ivec2 q, const struct locate_trace *trace,
-                                   uint64_t *steps)
+struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
+                             struct ivec2 q, const struct locate_trace *trace)
 {
-    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace, 0};
+    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace};
     enum state st = start(&w, he);
 
     while (st != DONE)
         st = st == CROSSING ? cross(&w) : turn(&w);
-    *steps += w.steps;
     return w.at;
 }
 
-struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
-                             struct ivec2 q, const struct locate_trace *trace)
-{
-    uint64_t steps = 0;
-
-    return walk(m, he, from, q, trace, &steps);
-}
-
-/* The same without a walk.  Of q on an edge or a vertex it may give another triangle there. */
+/* Where q lies, without a walk.  Of q on an edge or a vertex it may give another triangle there. */
 static struct location find(const struct chains *c, struct ivec2 q)
 {
     const struct mesh *m = c->m;
@@ -227,11 +213,48 @@ static struct location find(const struct chains *c, struct ivec2 q)
     return w.at;
 }
 
+/* Where q lies, from the triangle of he across any edge that q lies beyond: fewer tests than
+ * straight.  Each step gets nearer where m is a Delaunay triangulation; elsewhere the way may be
+ * a circle.  *left counts down the steps; false: there were no more. */
+static inline bool nearby(const struct mesh *m, uint32_t he, struct ivec2 q,
+                          uint64_t *left, struct location *loc)
+{
+    uint32_t t = he / 3;
+
+    for (; *left > 0; --*left) {
+        const uint32_t h = 3 * t, *v = &m->org[h], *twin = &m->twin[h];
+        const struct ivec2 a = m->xy[v[0]], b = m->xy[v[1]], c = m->xy[v[2]];
+        const int64_t o[3] = {orient2d(a, b, q), orient2d(b, c, q), orient2d(c, a, q)};
+        uint32_t beyond;
+
+        if (o[0] < 0) {
+            beyond = 0;
+            t = twin[0] / 3;
+        } else if (o[1] < 0) {
+            beyond = 1;
+            t = twin[1] / 3;
+        } else if (o[2] < 0) {
+            beyond = 2;
+            t = twin[2] / 3;
+        } else {
+            struct walk w = {.m = m};
+
+            (void)within(&w, h, o);
+            *loc = w.at;
+            return true;
+        }
+        if (mesh_is_ghost(m, t)) {
+            *loc = (struct location){h + beyond, LOCATE_OUTSIDE};
+            return true;
+        }
+    }
+    return false;
+}
+
 enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
                         struct location *loc)
 {
-    const uint64_t limit = (uint64_t)LOCATE_WORK * ((uint64_t)in->nv + pts->nv);
-    uint64_t steps = 0;
+    uint64_t left = (uint64_t)LOCATE_WORK * ((uint64_t)in->nv + pts->nv);
     uint32_t he = in->out[0], v;
     struct scratch scratch = {0};
     struct chains chains;
@@ -239,18 +262,11 @@ enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
 
     while (mesh_is_ghost(in, he / 3))
         he = mesh_turn(in, he);
-    loc[0] = walk(in, he, in->xy[0], pts->xy[0], NULL, &steps);
-    for (v = 1; v < pts->nv && steps <= limit; v++) {
-        const uint32_t p = pts->parent[v];
-        const struct ivec2 q = pts->xy[v];
-
-        he = loc[p].he;
-        if (loc[p].where != LOCATE_OUTSIDE)
-            loc[v] = walk(in, he, pts->xy[p], q, NULL, &steps);
-        else if (side_of(in, he, q) < 0) /* beyond the same edge */
-            loc[v] = loc[p];
-        else
-            loc[v] = walk(in, he, in->xy[in->org[he]], q, NULL, &steps);
+    for (v = 0; v < pts->nv; v++) {
+        if (v > 0)
+            he = loc[pts->parent[v]].he;
+        if (!nearby(in, he, pts->xy[v], &left, &loc[v]))
+            break;
     }
     if (v == pts->nv)
         return ST_OK;

@@ -1,9 +1,9 @@
-/* locate.h -- where a point lies in a triangulation, by walking straight towards it.
- * Paper 1 sections 3.2 (one point) and 3.3 (a whole mesh, along its spanning tree).
- * Exact: every turn of the walk is decided by orient2d on the lattice, and each step gets
- * strictly nearer along the segment, so the walk ends on every mesh that mesh_link() or
- * mesh_check() accepts, Delaunay or not.  Of contrived meshes each walk may cross most of the
- * triangles: the steps of locate_mesh() are counted, and beyond a multiple of the points the
+/* locate.h -- where a point lies in a triangulation, by walking towards it.
+ * Paper 1 sections 3.2 (one point, straight) and 3.3 (a whole mesh, along its spanning tree).
+ * Exact: every turn of the walk is decided by orient2d on the lattice.  The straight walk ends
+ * on every mesh that mesh_link() or mesh_check() accepts, Delaunay or not.  locate_mesh() goes
+ * across any edge that the point lies beyond, which takes fewer tests; of contrived meshes each
+ * way may be long, or a circle: its steps are counted, and beyond a multiple of the points the
  * others are located by bisection (chains.h). */
 #ifndef CORE_LOCATE_H
 #define CORE_LOCATE_H

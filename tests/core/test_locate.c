@@ -359,7 +359,7 @@ static void test_linear(void **state)
             assert_true(orient2d(m[0].xy[t[1]], m[0].xy[t[2]], q) >= 0);
             assert_true(orient2d(m[0].xy[t[2]], m[0].xy[t[0]], q) >= 0);
             at = locate_point(&m[0], loc[p].he, m[1].xy[p], q, &trace);
-            assert_int_equal(at.he, loc[v].he);
+            assert_int_equal(at.he / 3, loc[v].he / 3);
         }
         assert_true(entered < 4 * n);
         mesh_free(&m[0]);
