@@ -98,47 +98,60 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
     return ended;
 }
 
-/* load(probe, pts): the probe's vertices as points.  All vertices of measured triangles stand
- * for equal shares of the surface.  Shares by the area of the triangles round each vertex
- * would depend on the side that the probe was scanned from, and so would the pose. */
-static void load(const struct surface *probe, struct align_point *pts)
-{
-    const struct mesh *m = &probe->mesh;
-    uint32_t seen = 0;
-    double area = 0;
-
-    for (uint32_t v = 0; v < m->nv; v++)
-        pts[v] = (struct align_point){lattice_to_mm(m->xy[v], m->z[v]), 0.0f,
-                                      ALIGN_FIELD_NONE};
-    for (uint32_t t = 0; t < m->nt; t++) {
-        const uint32_t *v = &m->org[3 * t];
-        struct dvec3 n;
-
-        if (probe->bridge[t] || mesh_is_ghost(m, t))
-            continue;
-        n = vec_cross(vec_sub(pts[v[1]].p, pts[v[0]].p),
-                      vec_sub(pts[v[2]].p, pts[v[0]].p));
-        area += 0.5 * sqrt(vec_dot(n, n));
-        for (int i = 0; i < 3; i++) {
-            seen += pts[v[i]].area == 0.0f;
-            pts[v[i]].area = 1.0f;
-        }
-    }
-    for (uint32_t v = 0; v < m->nv && seen > 0; v++)
-        pts[v].area *= (float)(area / seen);
-}
-
-/* sample(probe, step, pts): each step-th vertex as a point without an area.  Returns how many
- * there are. */
-static uint32_t sample(const struct surface *probe, uint32_t step,
-                       struct align_point *pts)
+/* load(probe, step, pts): each step-th vertex as a point that has not been located and stands
+ * for no area.  Returns how many there are. */
+static uint32_t load(const struct surface *probe, uint32_t step, struct align_point *pts)
 {
     const struct mesh *m = &probe->mesh;
     uint32_t n = 0;
 
     for (uint32_t v = 0; v < m->nv; v += step)
-        pts[n++].p = lattice_to_mm(m->xy[v], m->z[v]);
+        pts[n++] = (struct align_point){lattice_to_mm(m->xy[v], m->z[v]), 0.0f,
+                                        ALIGN_FIELD_NONE};
     return n;
+}
+
+/* Does a measured triangle have the vertex? */
+static bool measured(const struct surface *s, uint32_t vertex)
+{
+    const uint32_t first = s->mesh.out[vertex];
+    uint32_t h = first;
+
+    while (s->bridge[h / 3]) /* (Ghosts bridge.) */
+        if ((h = mesh_turn(&s->mesh, h)) == first)
+            return false;
+    return true;
+}
+
+/* share(probe, step, pts): the points that load() made stand for equal shares of the surface,
+ * but for those of no measured triangle.  Shares by the area of the triangles round each
+ * vertex would depend on the side that the probe was scanned from, and so would the pose.
+ * The surface's area is taken from ALIGN_AREA_TRIANGLES of its triangles. */
+static void share(const struct surface *probe, uint32_t step, struct align_point *pts)
+{
+    const struct mesh *m = &probe->mesh;
+    const uint32_t each = stride_for(m->nt, ALIGN_AREA_TRIANGLES);
+    uint32_t seen = 0;
+    double twice = 0, area;
+
+    for (uint32_t t = 0; t < m->nt; t += each) {
+        const uint32_t *v = &m->org[3 * t];
+        struct dvec3 a, n;
+
+        if (probe->bridge[t])
+            continue;
+        a = lattice_to_mm(m->xy[v[0]], m->z[v[0]]);
+        n = vec_cross(vec_sub(lattice_to_mm(m->xy[v[1]], m->z[v[1]]), a),
+                      vec_sub(lattice_to_mm(m->xy[v[2]], m->z[v[2]]), a));
+        twice += sqrt(vec_dot(n, n));
+    }
+    for (uint32_t v = 0, i = 0; v < m->nv; v += step, i++) {
+        pts[i].area = measured(probe, v) ? 1.0f : 0.0f;
+        seen += pts[i].area > 0.0f;
+    }
+    area = 0.5 * twice * each / (seen > 0 ? seen : 1);
+    for (uint32_t v = 0, i = 0; v < m->nv; v += step, i++)
+        pts[i].area *= (float)area;
 }
 
 /* between(to, from, by_nose, pose): the pose that moves the axes `from` onto `to`, centre to
@@ -286,8 +299,7 @@ static enum status settle(struct search *s, struct align_work *w, struct align_p
     double x[6], *d = fit.deviation;
     enum status st;
 
-    cells_sample(&s->field, s->pts, s->n, stride_for(s->n, ALIGN_LAST_POINTS), pose,
-                 frame, &cells);
+    cells_sample(&s->field, s->pts, s->n, pose, frame, &cells);
     st = fit_solve(s->how->motion, &cells, ALIGN_LAST_TIE, 1, &w->fit, &fit);
     if (st != ST_OK)
         return st;
@@ -314,22 +326,25 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out)
 {
-    struct search search = {.n = probe->mesh.nv, .stretch = 1.0, .how = how, .out = out};
+    const uint32_t step =
+        stride_for(probe->mesh.nv, tmpl == NULL ? FRAME_POINTS : ALIGN_LAST_POINTS);
+    struct search search = {.stretch = 1.0, .how = how, .out = out};
     struct candidate best[2];
     enum status st = ST_OK;
     bool rival;
 
-    search.pts = scratch_need(&w->field, search.n * sizeof *search.pts);
+    search.pts =
+        scratch_need(&w->field, (probe->mesh.nv / step + 1) * sizeof *search.pts);
     if (search.pts == NULL)
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
+    search.n = load(probe, step, search.pts);
     if (tmpl == NULL) {
         search.stretch = FRAME_STRETCH;
-        search.n = sample(probe, stride_for(search.n, FRAME_POINTS), search.pts);
     } else {
         align_field_make(tmpl, how->u, &search.field);
-        load(probe, search.pts);
+        share(probe, step, search.pts);
     }
     search.centre =
         how->axes != NULL ? how->axes->centre : align_pose_centre(&tmpl->mesh);

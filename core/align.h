@@ -6,7 +6,7 @@
  * (2) Reweighted Gauss-Newton steps, coarse to fine, on a robust sum of the gaps at points
  *     of the probe.  Each point is located in the template's triangulation, from the
  *     triangle where the step before found it.
- * (3) The last steps separate motion from change between two scans of one person (fit.h), so
+ * (3) The last step separates motion from change between two scans of one person (fit.h), so
  *     that an expression does not move the nose.
  * All arithmetic is in doubles in a fixed order, + - * / and sqrt only: the same two
  * surfaces give the same digits on every machine with IEEE 754 numbers. */
@@ -66,8 +66,8 @@ void align_work_free(struct align_work *w); /* w is empty again */
  * out          filled; with ALIGN_APART the transform is the best one found
  * Works from any shift, and from rotations of the one against the other of up to 30 degrees
  * of yaw and 20 of pitch and roll.
- * Cost  O(probe->nv) a step, at most a fixed number of steps; no allocation once w has
- * grown.  Returns ST_OK (surfaces apart included), ST_ENOMEM. */
+ * Cost  a few thousand points are taken, however many there are, and a fixed number of steps
+ * at most; no allocation once w has grown.  Returns ST_OK (surfaces apart included), ST_ENOMEM. */
 enum status align_search(const struct surface *tmpl, const struct surface *probe,
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out);

@@ -74,7 +74,7 @@ static inline uint32_t cell_of(lane4 q)
     const whole4 i = __builtin_convertvector(q * scale + origin, whole4);
     const uint32_t x = (uint32_t)(i[0] - far), y = (uint32_t)(i[1] - far);
 
-    return (x < GRID_NX) & (y < GRID_NY) ? y * GRID_NX + x : GRID_N;
+    return ((x < GRID_NX) & (y < GRID_NY)) != 0 ? y * GRID_NX + x : GRID_N;
 }
 
 static inline void add_piece(struct sums *sums, lane4 q, bool used, lane4 normal,
@@ -187,8 +187,8 @@ enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
 }
 
 void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
-                  uint32_t stride, const struct align_pose *pose,
-                  const struct align_pose *frame, struct cells *out)
+                  const struct align_pose *pose, const struct align_pose *frame,
+                  struct cells *out)
 {
     const double *r = frame->r, *t = frame->t;
     const lane4 x = {(float)r[0], (float)r[3], (float)r[6], 0};
@@ -200,11 +200,11 @@ void cells_sample(const struct align_field *field, struct align_point *pts, uint
     struct sums sums[GRID_N + 1];
 
     memset(sums, 0, sizeof sums);
-    for (uint32_t i = 0; i < n; i += stride) {
+    for (uint32_t i = 0; i < n; i++) {
         const struct dvec3 q = align_pose_apply(pose, pts[i].p);
         struct align_corners k;
         lane4 a, b, c, normal, at;
-        const float area = pts[i].area * (float)stride;
+        const float area = pts[i].area;
         float gap;
         bool found;
 

@@ -49,11 +49,11 @@ enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
                           const struct align_pose *frame, struct cells *out,
                           double *overlap);
 
-/* cells_sample(field, pts, n, stride, pose, frame, out): an estimate of the same from the
- * probe's points 0, stride, 2 stride, ... below n, moved by pose over the template's field,
- * each weighted by the area it stands for.  O(n / stride). */
+/* cells_sample(field, pts, n, pose, frame, out): an estimate of the same from points of the
+ * probe, moved by pose over the template's field, each weighted by the area it stands for.
+ * O(n). */
 void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
-                  uint32_t stride, const struct align_pose *pose,
-                  const struct align_pose *frame, struct cells *out);
+                  const struct align_pose *pose, const struct align_pose *frame,
+                  struct cells *out);
 
 #endif

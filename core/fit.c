@@ -200,9 +200,12 @@ static float left(const float *modes, const float *tail, uint32_t n, const float
     return (s[0][0] + s[0][2]) + (s[0][1] + s[0][3]);
 }
 
-/* Weigh the rows by what y leaves of them, and bring the sum up to date. */
-static void reweight(struct work *w, const struct model_basis *b, const float *y)
+/* Weigh the rows by what y leaves of them, and bring the sum up to date.  False: nothing
+ * changed. */
+static bool reweight(struct work *w, const struct model_basis *b, const float *y)
 {
+    bool changed = false;
+
     for (uint32_t r = 0; r < w->n; r++) {
         const float *modes = b->mode[w->cell[r]];
         const float z = fabsf(left(modes, w->tail[r], w->modes, y)) * w->over[r];
@@ -210,12 +213,15 @@ static void reweight(struct work *w, const struct model_basis *b, const float *y
             w->full[r] * (z > (float)FIT_HUBER ? (float)FIT_HUBER / z : 1.0f);
         const float rise = now - w->weight[r];
 
-        w->weight[r] = now;
-        if (rise != 0.0f)
+        if (fabsf(rise) > (float)FIT_STILL * w->full[r]) {
+            changed = true;
+            w->weight[r] = now;
             put_row(&w->block, modes, w->modes, w->tail[r], rise);
+        }
         if (w->block.n == ROWS || r == w->n - 1)
             add_block(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
     }
+    return changed;
 }
 
 /* The lower Cholesky factor of the sum plus the priors, in h; column by column, so that
@@ -290,6 +296,7 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
 {
     struct work *w = scratch_need(s, sizeof *w);
     float y[WIDTH] = {0.0f};
+    bool solved = false;
 
     memset(out, 0, sizeof *out);
     if (w == NULL)
@@ -302,9 +309,9 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
     for (int pass = 0; w->n >= FIT_MIN_CELLS && pass <= passes; pass++) {
         if (pass == 0)
             add_first(w, p);
-        else
-            reweight(w, p->b, y);
-        if (!factor(w, tie))
+        else if (!reweight(w, p->b, y))
+            break;
+        if (!(solved = factor(w, tie)))
             break;
         substitute(w, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)
@@ -312,9 +319,9 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
         memcpy(out->a, w->g, p->b->n * sizeof *out->a);
         for (uint32_t i = 0; i < 6; i++)
             out->x[i] = w->g[w->modes + i] / (i < 3 ? POSE_LEVER_MM : 1.0);
-        if (pass == passes)
-            deviations(w, out);
     }
+    if (solved)
+        deviations(w, out);
     for (uint32_t r = 0; r < w->n; r++)
         out->rest[w->cell[r]] = left(p->b->mode[w->cell[r]], w->tail[r], w->modes, y);
     return ST_OK;

@@ -285,7 +285,7 @@ static void test_sample(void **state)
                                        b.mesh.z[v] / LATTICE_PER_MM},
                                       (float)(3.14159265 * 55 * 70 / b.mesh.nv),
                                       ALIGN_FIELD_NONE};
-    cells_sample(&field, pts, b.mesh.nv, 1, &still, &still, &other);
+    cells_sample(&field, pts, b.mesh.nv, &still, &still, &other);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (!inner(&cells, i))
             continue;
@@ -298,7 +298,7 @@ static void test_sample(void **state)
     printf("sampled: off by %.4f mm in the mean\n", sum / n);
     assert_true(n > 400 && sum / n < 0.03);
     pts[0].area = 0.0f; /* all of the point's triangles are bridges: it covers no cell */
-    cells_sample(&field, pts, 1, 1, &still, &still, &other);
+    cells_sample(&field, pts, 1, &still, &still, &other);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(other.area[i] == 0.0f);
 }
