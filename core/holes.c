@@ -57,28 +57,89 @@ enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacin
     return ST_OK;
 }
 
+#define LANES 4
+typedef float lanes __attribute__((vector_size(4 * LANES)));
+typedef int32_t masks __attribute__((vector_size(4 * LANES)));
+
+/* Is any of them true? */
+static inline bool any(masks m)
+{
+    uint64_t half[2];
+
+    memcpy(half, &m, sizeof half);
+    return (half[0] | half[1]) != 0;
+}
+
+/* Squared distances. */
+static inline lanes apart(masks ax, masks ay, masks bx, masks by)
+{
+    const lanes x = __builtin_convertvector(bx - ax, lanes);
+    const lanes y = __builtin_convertvector(by - ay, lanes);
+
+    return x * x + y * y;
+}
+
+/* May one of the LANES triangles from t on be wide, or is one a ghost?  In single precision,
+ * and a little too readily: in nearly all of them no side is long for its spacing. */
+static inline bool suspect(const struct mesh *m, const float *spacing, uint32_t t)
+{
+    const uint32_t *const v = &m->org[3 * t];
+    const struct ivec2 *const xy = m->xy;
+    masks corner[3], x[3], y[3];
+    lanes sum = {0}, limit;
+
+    memcpy(corner, v, sizeof corner);
+    if (any((corner[0] == (int32_t)m->nv) | (corner[1] == (int32_t)m->nv) |
+            (corner[2] == (int32_t)m->nv)))
+        return true;
+    for (uint32_t k = 0; k < 3; k++) {
+        const struct ivec2 a = xy[v[k]], b = xy[v[k + 3]], c = xy[v[k + 6]];
+        const struct ivec2 d = xy[v[k + 9]];
+
+        x[k] = (masks){a.x, b.x, c.x, d.x};
+        y[k] = (masks){a.y, b.y, c.y, d.y};
+        sum += (lanes){spacing[v[k]], spacing[v[k + 3]], spacing[v[k + 6]],
+                       spacing[v[k + 9]]};
+    }
+    limit = sum * sum * (float)(0.999 * HOLES_SIDE * HOLES_SIDE / 9);
+    return any((apart(x[0], y[0], x[1], y[1]) > limit) |
+               (apart(x[1], y[1], x[2], y[2]) > limit) |
+               (apart(x[2], y[2], x[0], y[0]) > limit));
+}
+
+/* Mark the triangle t.  Returns what it adds to twice the measured area: a ghost the fan from
+ * the origin to its side of the hull, a triangle that bridges less its own. */
+static int64_t mark(const struct mesh *m, const float *spacing, uint32_t t,
+                    uint8_t *bridge)
+{
+    const uint32_t *const v = &m->org[3 * t], nv = m->nv;
+    double sum, twice;
+
+    bridge[t] = 1;
+    if (mesh_is_ghost(m, t)) {
+        const uint32_t k = v[0] == nv ? 1 : v[1] == nv ? 2 : 0;
+        const struct ivec2 a = m->xy[v[k]], b = m->xy[v[(k + 1) % 3]];
+
+        return (int64_t)b.x * a.y - (int64_t)b.y * a.x;
+    }
+    sum = (double)spacing[v[0]] + (double)spacing[v[1]] + (double)spacing[v[2]];
+    bridge[t] = holes_wide(m->xy[v[0]], m->xy[v[1]], m->xy[v[2]], sum, &twice);
+    return bridge[t] ? -(int64_t)twice : 0;
+}
+
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge)
 {
-    const uint32_t nv = m->nv, nt = m->nt;
-    const uint32_t *const org = m->org;
-    const struct ivec2 *const xy = m->xy;
-    double measured = 0; /* twice the area: a whole number below 2^52, like the hull's */
+    const uint32_t nt = m->nt;
+    int64_t measured = 0; /* twice the area: that of the hull, less what bridges */
 
-    for (uint32_t t = 0; t < nt; t++) {
-        const uint32_t a = org[3 * t], b = org[3 * t + 1], c = org[3 * t + 2];
-        double twice, sum;
-        bool wide;
-
-        if (__builtin_expect((a == nv) | (b == nv) | (c == nv), 0)) {
-            bridge[t] = 1;
+    memset(bridge, 0, nt);
+    for (uint32_t t = 0; t < nt; t += LANES) {
+        if (t + LANES <= nt && !suspect(m, spacing, t))
             continue;
-        }
-        sum = (double)spacing[a] + (double)spacing[b] + (double)spacing[c];
-        wide = holes_wide(xy[a], xy[b], xy[c], sum, &twice);
-        bridge[t] = wide;
-        measured += wide ? 0 : twice;
+        for (uint32_t k = t; k < t + LANES && k < nt; k++)
+            measured += mark(m, spacing, k, bridge);
     }
-    return 0.5 * measured;
+    return 0.5 * (double)measured;
 }
 
 bool holes_measured(const struct mesh *m, const uint8_t *bridge, struct location loc)
