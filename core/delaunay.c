@@ -266,54 +266,57 @@ static void build_strips(struct builder *b, const struct strips *st, uint32_t fi
     }
 }
 
-/* Number the triangles left of each edge and write the mesh.  half[e] becomes the
- * half-edge of the directed edge e. */
+/* Number the triangles and write the mesh: the ghosts, round the hull clockwise, then each
+ * triangle behind the first half-edge that it shares with one before it.  half[e] becomes the
+ * half-edge of the directed edge e; twin[] is its inverse until the other side is known. */
 static void emit(const struct builder *b, uint32_t hull_vertex, uint32_t *half,
                  struct mesh *m)
 {
     const struct edge *edges = b->edges;
     const uint32_t outer = b->hull[hull_vertex] ^ 1;
-    uint32_t h = 0, e = outer;
+    uint32_t *const org = m->org, *const twin = m->twin, *const out = m->out;
+    uint32_t h = 0, e = outer, ghosts;
 
     memset(half, 0xff, b->count * sizeof *half);
-    m->out[m->nv] = 2;
-    do { /* the ghosts, round the hull clockwise */
+    out[m->nv] = 2;
+    do {
         const uint32_t next = edges[e ^ 1].prev;
 
         half[e] = h;
-        m->org[h] = edges[e ^ 1].dst;
-        m->org[h + 1] = edges[e].dst;
-        m->org[h + 2] = m->nv;
-        m->twin[h + 1] = next == outer ? 2 : h + 5;
-        m->twin[h + 2] = h == 0 ? NONE : h - 2;
+        org[h] = edges[e ^ 1].dst;
+        org[h + 1] = edges[e].dst;
+        org[h + 2] = m->nv;
+        twin[h] = e;
+        twin[h + 1] = next == outer ? 2 : h + 5;
+        twin[h + 2] = h == 0 ? NONE : h - 2;
         e = next;
         h += 3;
     } while (e != outer);
-    m->twin[2] = h - 2;
+    twin[2] = h - 2;
 
-    for (e = 0; e < b->count; e++) {
-        uint32_t f, g;
+    ghosts = h;
+    for (uint32_t i = 0; i < h; i += i < ghosts ? 3 : 1) {
+        e = twin[i] ^ 1;
+        if (half[e] == NONE) {
+            const uint32_t f = edges[e ^ 1].prev, g = edges[f ^ 1].prev;
 
-        if (half[e] != NONE || edges[e].dst == NONE)
-            continue;
-        f = edges[e ^ 1].prev;
-        g = edges[f ^ 1].prev;
-        half[e] = h;
-        half[f] = h + 1;
-        half[g] = h + 2;
-        m->org[h] = edges[g].dst;
-        m->org[h + 1] = edges[e].dst;
-        m->org[h + 2] = edges[f].dst;
-        m->out[edges[g].dst] = h;
-        m->out[edges[e].dst] = h + 1;
-        m->out[edges[f].dst] = h + 2;
-        h += 3;
+            half[e] = h;
+            half[f] = h + 1;
+            half[g] = h + 2;
+            twin[h] = e;
+            twin[h + 1] = f;
+            twin[h + 2] = g;
+            org[h] = edges[g].dst;
+            org[h + 1] = edges[e].dst;
+            org[h + 2] = edges[f].dst;
+            out[edges[g].dst] = h;
+            out[edges[e].dst] = h + 1;
+            out[edges[f].dst] = h + 2;
+            h += 3;
+        }
+        twin[i] = half[e];
     }
     m->nt = h / 3;
-    for (e = 0; e < b->count; e++) {
-        if (half[e] != NONE)
-            m->twin[half[e]] = half[e ^ 1];
-    }
 }
 
 enum status delaunay_build(const struct ivec3 *pts, size_t n, struct scratch *s,

@@ -66,9 +66,9 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
 void face_free(struct face *f); /* NULL and empty ones are allowed */
 
 /* face_adopt(f, w): for decoding: mesh_link(), then everything that follows from the mesh.
- * On entry f->surface.mesh has nv, nt, xy, z, org and parent, none of them checked, and
- * f->frame is the stored frame (mean_id 0: none).  The frame is found again where it belongs
- * to another model's mean face.
+ * On entry f->surface.mesh has what mesh_link() reads, nothing of it checked, and f->frame is
+ * the stored frame (mean_id 0: none).  The frame is found again where it belongs to another
+ * model's mean face.
  * Returns ST_OK, ST_ECORRUPT (f->surface.mesh.nv is 0 then), ST_ENOMEM. */
 enum status face_adopt(struct face *f, struct face_work *w);
 

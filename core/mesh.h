@@ -7,6 +7,9 @@
  * hull edge a -> b lies the ghost triangle with the half-edge b -> a and the corner nv.  So
  * every half-edge has a twin, every vertex has a full ring of triangles, and there are
  * always nt = 2 nv - 2 triangles, ghosts included.
+ * The order of triangles.  First come the ghosts, clockwise round the hull, each with the
+ * ghost vertex as third corner.  Each other triangle has its gate: the twin of its first
+ * half-edge, which belongs to a triangle before it.
  * The tree.  parent[] is the minimum spanning tree of the Delaunay graph, made by
  * mst_build(), which also numbers the vertices along a depth-first walk of it: parent[0]
  * is 0 and parent[v] < v for every other v, so 0, 1, 2, ... visits parents first.

@@ -1,21 +1,29 @@
-/* mesh_link.h -- a mesh from the corners of its triangles, checked: for decoding. */
+/* mesh_link.h -- a mesh from the code of its triangles, checked: for decoding. */
 #ifndef CORE_MESH_LINK_H
 #define CORE_MESH_LINK_H
+#include <stdbool.h>
+#include <stdint.h>
 #include "status.h"
 
 struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 
-/* mesh_link(m, s): set twin[] and out[] from nv, nt, xy, org and parent, and check that the
- * result is a triangulation of the convex hull: coordinates on the lattice, indices in range,
- * every edge shared by exactly two triangles, every real triangle counter-clockwise, one
- * ring of ghosts round a convex hull, every vertex with one full ring of triangles; the
- * tree's edges are edges of the mesh, parent[v] < v.  Any input is safe.
- * The triangles must be in the order in which delaunay_build() writes them: ghosts first,
- * clockwise round the hull, with the ghost vertex as third corner.  Then out[] too is what
- * delaunay_build() sets: the half-edge of the highest number out of a vertex, of the lowest
- * out of the ghost.
+/* mesh_link(m, s): the triangulation that delaunay_build() wrote, from part of it, and a check
+ * that the result is a triangulation of the convex hull: coordinates on the lattice, indices
+ * in range, every edge shared by exactly two triangles, every real triangle
+ * counter-clockwise, one ring of ghosts round a convex hull, every vertex with one full ring
+ * of triangles; the tree's edges are edges of the mesh, parent[v] < v.  Any input is safe.
+ * On entry there are nv, nt, xy, z, parent, and of each triangle t, in the order of mesh.h,
+ *   org[3 t]      for a ghost its first corner
+ *   twin[3 t]     for a real triangle its gate
+ *   org[3 t + 1]  in turns the first and the second of nv - 1 pairs of half-edges that are each
+ *                 other's twins: mesh_listed()
+ *   org[3 t + 2]  its third corner
  * Cost  O(nv) time.  Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
 enum status mesh_link(struct mesh *m, struct scratch *s);
+
+/* mesh_listed(m, h): is h less than its twin, and do the two follow neither from a gate nor
+ * from the ring of ghosts?  nv - 1 half-edges are listed. */
+bool mesh_listed(const struct mesh *m, uint32_t h);
 
 #endif

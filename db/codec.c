@@ -12,17 +12,17 @@
 #include "face.h"
 #include "lattice.h"
 #include "mesh.h"
+#include "mesh_link.h"
 
 /* The layout: db/FORMAT.md. */
-#define MAGIC     "SURF"
-#define VERSION   1
-#define FLAG_WIDE 1     /* indices of 4 bytes, not 2 */
-#define NARROW    65535 /* points up to which all indices, the ghost's too, fit 2 bytes */
+#define MAGIC   "SURF"
+#define VERSION 1
+#define NARROW  65535 /* the largest number that fits 2 bytes */
 
 enum {
     AT_MAGIC = 0,
     AT_VERSION = 4,
-    AT_FLAGS = 6,
+    AT_ZERO = 6,
     AT_LENGTH = 8,
     AT_POINTS = 16,
     AT_TRIANGLES = 20,
@@ -41,6 +41,12 @@ static void put16(unsigned char *p, uint32_t v)
     p[1] = (unsigned char)(v >> 8 & 0xff);
 }
 
+static void put24(unsigned char *p, uint32_t v)
+{
+    put16(p, v & 0xffff);
+    p[2] = (unsigned char)(v >> 16 & 0xff);
+}
+
 static void put32(unsigned char *p, uint32_t v)
 {
     put16(p, v & 0xffff);
@@ -52,36 +58,41 @@ static uint32_t get16(const unsigned char *p)
     return (uint32_t)p[0] | (uint32_t)p[1] << 8;
 }
 
+static uint32_t get24(const unsigned char *p)
+{
+    return get16(p) | (uint32_t)p[2] << 16;
+}
+
 static uint32_t get32(const unsigned char *p)
 {
     return get16(p) | get16(p + 2) << 16;
 }
 
-static bool narrow(uint32_t nv)
+/* Bytes of a number that is at most `most`: below 6 MESH_MAX_POINTS, so 3 are enough. */
+static size_t width(uint32_t most)
 {
-    return nv <= NARROW;
+    return most <= NARROW ? 2 : 3;
 }
 
-static unsigned char *put_indices(unsigned char *p, const uint32_t *v, size_t n, bool two)
+static void put_index(unsigned char *p, uint32_t v, size_t bytes)
 {
-    for (size_t i = 0; i < n; i++)
-        if (two)
-            put16(p + 2 * i, v[i]);
-        else
-            put32(p + 4 * i, v[i]);
-    return p + n * (two ? 2 : 4);
+    if (bytes == 2)
+        put16(p, v);
+    else
+        put24(p, v);
 }
 
+/* n numbers to v[0], v[stride], ...; returns what follows them. */
 static const unsigned char *get_indices(const unsigned char *p, uint32_t *v, size_t n,
-                                        bool two)
+                                        size_t stride, size_t bytes)
 {
-    if (two)
+    if (bytes == 2)
         for (size_t i = 0; i < n; i++)
-            v[i] = get16(p + 2 * i);
+            v[stride * i] = get16(p + 2 * i);
     else
         for (size_t i = 0; i < n; i++)
-            v[i] = get32(p + 4 * i);
-    return p + n * (two ? 2 : 4);
+            v[stride * i] = get24(p + 3 * i);
+    return p + n * bytes;
 }
 
 /* Two's complement in 32 bits to int32_t, without relying on how a conversion overflows. */
@@ -95,11 +106,23 @@ static int32_t to_signed(uint32_t v)
 
 /* ---- models */
 
+/* A model's numbers of vertices and of half-edges have these bytes each. */
+static size_t vertex_width(uint32_t nv)
+{
+    return width(nv); /* the ghost's is nv */
+}
+
+static size_t half_width(uint32_t nv)
+{
+    return width(6 * nv - 7); /* 2 nv - 2 triangles */
+}
+
 static size_t size_of(uint32_t nv)
 {
-    const size_t n = nv, index = narrow(nv) ? 2 : 4;
+    const size_t n = nv, nt = 2 * n - 2;
 
-    return HEADER + 12 * n + (3 * (2 * n - 2) + n) * index + CHECKSUM;
+    return HEADER + 12 * n + 2 * nt * half_width(nv) + (nt + n) * vertex_width(nv) +
+           CHECKSUM;
 }
 
 size_t codec_size(const struct mesh *m)
@@ -125,12 +148,12 @@ void codec_encode(const struct face *f, unsigned char *buf)
 {
     const struct mesh *m = &f->surface.mesh;
     const size_t len = size_of(m->nv);
-    const bool two = narrow(m->nv);
+    const size_t half = half_width(m->nv), vertex = vertex_width(m->nv);
     unsigned char *p = buf + HEADER;
 
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
-    put16(buf + AT_FLAGS, two ? 0 : FLAG_WIDE);
+    put16(buf + AT_ZERO, 0);
     bytes_set(buf + AT_LENGTH, len, 8);
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
@@ -143,8 +166,18 @@ void codec_encode(const struct face *f, unsigned char *buf)
     }
     for (uint32_t v = 0; v < m->nv; v++, p += 4)
         put32(p, (uint32_t)m->z[v]);
-    p = put_indices(p, m->org, 3 * (size_t)m->nt, two);
-    p = put_indices(p, m->parent, m->nv, two);
+    for (uint32_t t = 0; t < m->nt; t++, p += half)
+        put_index(p, m->org[3 * t + 2] == m->nv ? m->org[3 * t] : m->twin[3 * t], half);
+    for (uint32_t t = 0; t < m->nt; t++, p += vertex)
+        put_index(p, m->org[3 * t + 2], vertex);
+    for (uint32_t h = 0; h < 3 * m->nt; h++)
+        if (mesh_listed(m, h)) {
+            put_index(p, h, half);
+            put_index(p + half, m->twin[h], half);
+            p += 2 * half;
+        }
+    for (uint32_t v = 0; v < m->nv; v++, p += vertex)
+        put_index(p, m->parent[v], vertex);
     bytes_set(p, XXH3_64bits(buf, len - CHECKSUM), 8);
 }
 
@@ -167,8 +200,7 @@ static enum status check_header(const unsigned char *p, size_t len, struct errin
         get32(p + AT_TRIANGLES) != 2 * nv - 2)
         return errinfo_set(e, ST_ECORRUPT, "%u points and %u triangles in %zu bytes", nv,
                            get32(p + AT_TRIANGLES), len);
-    if (get16(p + AT_FLAGS) != (narrow(nv) ? 0 : FLAG_WIDE) ||
-        get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
+    if (get16(p + AT_ZERO) != 0 || get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
         return errinfo_set(e, ST_ECORRUPT, "its header contradicts itself");
     return ST_OK;
 }
@@ -201,8 +233,12 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
     }
     for (uint32_t v = 0; v < nv; v++, p += 4)
         m->z[v] = to_signed(get32(p));
-    p = get_indices(p, m->org, 3 * (size_t)m->nt, narrow(nv));
-    (void)get_indices(p, m->parent, nv, narrow(nv));
+    p = get_indices(p, m->twin, m->nt, 3, half_width(nv));
+    p = get_indices(p, m->org + 2, m->nt, 3, vertex_width(nv));
+    for (uint32_t t = 0; t < m->nt && m->org[3 * t + 2] == nv; t++)
+        m->org[3 * t] = m->twin[3 * t]; /* a ghost has no gate */
+    p = get_indices(p, m->org + 1, m->nt, 3, half_width(nv));
+    (void)get_indices(p, m->parent, nv, 1, vertex_width(nv));
     if ((st = face_adopt(out, w)) != ST_OK)
         return errinfo_set(e, st, "its triangulation or tree is no valid one: %s",
                            status_message(st));

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brute.h"
 #include "clouds.h"
 #include "delaunay.h"
 #include "disparity.h"
@@ -96,6 +97,7 @@ static void pass(struct pair *p, struct timing row[STAGES])
     for (int i = 0; i < 2; i++)
         build(p, i, row);
     lab_must(mesh_copy(&p->stored, a, 0));
+    brute_code(&p->stored);
     t = timing_now_ms();
     lab_must(mesh_link(&p->stored, &p->scratch));
     t = lap(&row[LOAD], t);

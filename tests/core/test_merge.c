@@ -335,6 +335,8 @@ static void make_pinwheel(struct mesh *m)
     memset(m->z, 0, 8 * sizeof *m->z);
     memcpy(m->org, org, sizeof org);
     memcpy(m->parent, parent, sizeof parent);
+    brute_order(m, NULL);
+    brute_code(m);
     assert_int_equal(mesh_link(m, &scratch), ST_OK);
     assert_int_equal(mesh_check(m, true), ST_ECORRUPT); /* is not Delaunay */
 }

@@ -32,21 +32,33 @@ static void build(size_t n, struct mesh *m)
     assert_int_equal(mst_build(m, &scratch), ST_OK);
 }
 
-/* A copy without what mesh_link() makes. */
+/* A copy of what mesh_link() reads, and nothing else. */
 static void strip(const struct mesh *m, struct mesh *out)
 {
     assert_int_equal(mesh_copy(out, m, 0), ST_OK);
-    memset(out->twin, 0xa5, 6 * (size_t)out->cap * sizeof *out->twin);
-    memset(out->out, 0xa5, (out->nv + 1) * sizeof *out->out);
+    brute_code(out);
 }
 
 static void assert_same(const struct mesh *a, const struct mesh *b)
 {
+    assert_memory_equal(a->org, b->org, 3 * (size_t)a->nt * sizeof *a->org);
     assert_memory_equal(a->twin, b->twin, 3 * (size_t)a->nt * sizeof *a->twin);
     assert_memory_equal(a->out, b->out, (a->nv + 1) * sizeof *a->out);
 }
 
 /* ---- the conditions by definition */
+
+/* Is v to the right of the way from a to b, or straight ahead beyond b? */
+static bool beyond(const struct mesh *m, uint32_t a, uint32_t b, uint32_t v)
+{
+    const struct ivec2 p = m->xy[a], q = m->xy[b], r = m->xy[v];
+    const int64_t turn = orient2d(p, q, r);
+
+    if (turn != 0)
+        return turn < 0;
+    return llabs((int64_t)r.x - p.x) + llabs((int64_t)r.y - p.y) >
+           llabs((int64_t)q.x - p.x) + llabs((int64_t)q.y - p.y);
+}
 
 /* Twice the area of the convex hull, by gift wrapping. */
 static int64_t hull_area(const struct mesh *m)
@@ -61,7 +73,7 @@ static int64_t hull_area(const struct mesh *m)
     do {
         next = at == 0 ? 1 : 0;
         for (uint32_t v = 0; v < m->nv; v++)
-            if (v != at && orient2d(m->xy[at], m->xy[next], m->xy[v]) < 0)
+            if (v != at && beyond(m, at, next, v))
                 next = v;
         area += orient2d(m->xy[first], m->xy[at], m->xy[next]);
         at = next;
@@ -179,6 +191,7 @@ static void test_flipped(void **state)
         build(brute_points(BRUTE_RANDOM, 40, &r, pts), &m);
         for (int i = 0; i < 3; i++) {
             if (flip(&m, (uint32_t)brute_int(&r, 0, (int32_t)(3 * m.nt) - 1))) {
+                brute_order(&m, &r);
                 strip(&m, &d);
                 if (mesh_link(&d, &scratch) != ST_OK) {
                     assert_false(tree_in_mesh(&d));
@@ -197,12 +210,12 @@ static void test_flipped(void **state)
 
 static uint32_t refused, accepted;
 
-/* Links a damaged mesh: if it is accepted, it must be valid. */
-static void try(const struct mesh *m, struct mesh *d)
+/* Links damaged code: if it is accepted, the mesh must be valid. */
+static void try(const struct mesh *code, struct mesh *d)
 {
     enum status st;
 
-    strip(m, d);
+    assert_int_equal(mesh_copy(d, code, 0), ST_OK);
     st = mesh_link(d, &scratch);
     if (st == ST_OK) {
         assert_true(valid(d));
@@ -213,27 +226,36 @@ static void try(const struct mesh *m, struct mesh *d)
     }
 }
 
-/* Every corner and every parent of small meshes, set to every other value. */
+/* The i-th number of a mesh's code, of 4 nt + nv: four kinds of each triangle, and parents. */
+static uint32_t *number(struct mesh *m, uint32_t i)
+{
+    if (i >= 4 * m->nt)
+        return &m->parent[i - 4 * m->nt];
+    return i % 4 == 3 ? &m->twin[i / 4 * 3] : &m->org[i / 4 * 3 + i % 4];
+}
+
+/* Every number of the code of small meshes, set to every other value. */
 static void test_each_index(void **state)
 {
     struct brute_rng r = {brute_seed("indices")};
-    struct mesh m = {0}, d = {0};
+    struct mesh m = {0}, k = {0}, d = {0};
 
     (void)state;
     refused = accepted = 0;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 4; n <= 10; n += 3) {
             build(brute_points((enum brute_shape)shape, n, &r, pts), &m);
-            for (uint32_t h = 0; h < 3 * m.nt + m.nv; h++) {
-                uint32_t *const at = h < 3 * m.nt ? m.org + h : m.parent + (h - 3 * m.nt);
+            strip(&m, &k);
+            for (uint32_t i = 0; i < 4 * k.nt + k.nv; i++) {
+                uint32_t *const at = number(&k, i);
                 const uint32_t was = *at;
 
-                for (uint32_t v = 0; v <= m.nv + 3; v++) {
-                    *at = v <= m.nv + 1   ? v
-                          : v == m.nv + 2 ? UINT32_C(0x80000000)
-                                          : UINT32_MAX;
-                    if (*at != was)
-                        try(&m, &d);
+                for (uint32_t v = 0; v <= 3 * k.nt + 2; v++) {
+                    *at = v <= 3 * k.nt       ? v
+                          : v == 3 * k.nt + 1 ? UINT32_C(0x80000000)
+                                              : UINT32_MAX;
+                    if (*at != was && was != UINT32_MAX)
+                        try(&k, &d);
                 }
                 *at = was;
             }
@@ -241,36 +263,70 @@ static void test_each_index(void **state)
     print_message("%u refused, %u accepted\n", refused, accepted);
     assert_true(refused > 10000);
     mesh_free(&m);
+    mesh_free(&k);
     mesh_free(&d);
 }
 
-/* Two or three corners exchanged or overwritten, points moved. */
+/* A pair that is listed twice, in place of another: the other one would be without twins. */
+static void test_pair_twice(void **state)
+{
+    struct brute_rng r = {brute_seed("pairs")};
+    struct mesh m = {0}, k = {0}, d = {0};
+
+    (void)state;
+    build(brute_points(BRUTE_RANDOM, 20, &r, pts), &m);
+    strip(&m, &k);
+    refused = accepted = 0;
+    for (uint32_t t = 2; t < k.nt; t += 2) {
+        const uint32_t h = k.org[3 * t + 1], g = k.org[3 * t + 4];
+
+        k.org[3 * t + 1] = k.org[1];
+        k.org[3 * t + 4] = k.org[4];
+        try(&k, &d);
+        k.org[3 * t + 1] = k.org[4];
+        k.org[3 * t + 4] = k.org[1];
+        try(&k, &d);
+        k.org[3 * t + 1] = h;
+        k.org[3 * t + 4] = g;
+    }
+    assert_int_equal(accepted, 0);
+    try(&k, &d);
+    assert_int_equal(accepted, 1);
+    mesh_free(&m);
+    mesh_free(&k);
+    mesh_free(&d);
+}
+
+/* Up to three numbers exchanged or overwritten, points moved. */
 static void test_damaged(void **state)
 {
     struct brute_rng r = {brute_seed("damaged")};
-    struct mesh m = {0}, k = {0}, d = {0};
+    struct mesh m = {0}, code = {0}, k = {0}, d = {0};
 
     (void)state;
     refused = accepted = 0;
     for (int round = 0; round < 40000; round++) {
-        if (round % 100 == 0)
+        if (round % 100 == 0) {
             build(
                 brute_points((enum brute_shape)(round / 100 % BRUTE_SHAPES), 14, &r, pts),
                 &m);
-        assert_int_equal(mesh_copy(&k, &m, 0), ST_OK);
+            strip(&m, &code);
+        }
+        assert_int_equal(mesh_copy(&k, &code, 0), ST_OK);
         for (int changes = brute_int(&r, 1, 3); changes > 0; changes--) {
-            const uint32_t h = (uint32_t)brute_int(&r, 0, (int32_t)(3 * k.nt) - 1);
-            const uint32_t g = (uint32_t)brute_int(&r, 0, (int32_t)(3 * k.nt) - 1);
-            const uint32_t v = (uint32_t)brute_int(&r, 0, (int32_t)k.nv - 1),
-                           was = k.org[h];
+            const int32_t last = (int32_t)k.nt - 1;
+            const uint32_t kind = (uint32_t)brute_int(&r, 0, 3);
+            uint32_t *const a = number(&k, 4 * (uint32_t)brute_int(&r, 0, last) + kind);
+            uint32_t *const b = number(&k, 4 * (uint32_t)brute_int(&r, 0, last) + kind);
+            const uint32_t v = (uint32_t)brute_int(&r, 0, (int32_t)k.nv - 1), was = *a;
 
             switch (brute_int(&r, 0, 3)) {
             case 0:
-                k.org[h] = k.org[g];
+                *a = *b;
                 break;
             case 1:
-                k.org[h] = k.org[g];
-                k.org[g] = was;
+                *a = *b;
+                *b = was;
                 break;
             case 2:
                 k.xy[v] = k.xy[brute_int(&r, 0, (int32_t)k.nv - 1)];
@@ -285,6 +341,7 @@ static void test_damaged(void **state)
     print_message("%u refused, %u accepted\n", refused, accepted);
     assert_true(refused > 10000 && accepted > 100);
     mesh_free(&m);
+    mesh_free(&code);
     mesh_free(&k);
     mesh_free(&d);
 }
@@ -313,6 +370,8 @@ static void test_turns_twice(void **state)
             memcpy(m.org + 3 * i, clockwise, sizeof clockwise);
             memcpy(m.org + 3 * (5 + i), real, sizeof real);
         }
+        brute_order(&m, NULL);
+        brute_code(&m);
         assert_int_equal(mesh_link(&m, &scratch), step == 1 ? ST_OK : ST_ECORRUPT);
     }
     mesh_free(&m);
@@ -344,6 +403,7 @@ static void test_limits(void **state)
     m.z[8] = -LATTICE_MAX;
     strip(&m, &d);
     assert_int_equal(mesh_link(&d, &scratch), ST_OK);
+    strip(&m, &d);
     d.nt--;
     assert_int_equal(mesh_link(&d, &scratch), ST_ECORRUPT);
     d.nv = 2;
@@ -353,31 +413,22 @@ static void test_limits(void **state)
     mesh_free(&d);
 }
 
-/* Triangles in an order that separates neighbours: linking takes more rounds and gives the
- * same links. */
+/* Triangles behind gates chosen at random: any order in which each has its gate will do. */
 static void test_any_order(void **state)
 {
     struct brute_rng r = {brute_seed("order")};
     struct mesh m = {0}, d = {0};
-    uint32_t first = 0;
 
     (void)state;
-    build(brute_points(BRUTE_RANDOM, MAX_POINTS, &r, pts), &m);
-    while (mesh_is_ghost(&m, first))
-        first++;
-    for (uint32_t t = m.nt - 1; t > first; t--) {
-        const uint32_t u = (uint32_t)brute_int(&r, (int32_t)first, (int32_t)t);
-
-        for (uint32_t i = 0; i < 3; i++) {
-            const uint32_t was = m.org[3 * t + i];
-
-            m.org[3 * t + i] = m.org[3 * u + i];
-            m.org[3 * u + i] = was;
-        }
+    for (int round = 0; round < 20; round++) {
+        build(brute_points((enum brute_shape)(round % BRUTE_SHAPES), 300, &r, pts), &m);
+        brute_order(&m, &r);
+        strip(&m, &d);
+        assert_int_equal(mesh_link(&d, &scratch), ST_OK);
+        assert_int_equal(mesh_check(&d, true), ST_OK);
+        assert_memory_equal(m.org, d.org, 3 * (size_t)m.nt * sizeof *m.org);
+        assert_memory_equal(m.twin, d.twin, 3 * (size_t)m.nt * sizeof *m.twin);
     }
-    strip(&m, &d);
-    assert_int_equal(mesh_link(&d, &scratch), ST_OK);
-    assert_int_equal(mesh_check(&d, true), ST_OK);
     mesh_free(&m);
     mesh_free(&d);
 }
@@ -408,7 +459,8 @@ int main(void)
         cmocka_unit_test(test_links),       cmocka_unit_test(test_flipped),
         cmocka_unit_test(test_each_index),  cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_turns_twice), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_any_order),   cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_pair_twice),  cmocka_unit_test(test_any_order),
+        cmocka_unit_test(test_no_memory),
     };
 
     return cmocka_run_group_tests_name("mesh", tests, NULL, NULL);

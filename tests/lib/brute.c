@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh_link.h"
 #include "predicates.h"
 
 uint64_t brute_seed(const char *name)
@@ -384,6 +385,85 @@ static struct corners *canonical(const struct mesh *m, size_t *n)
     }
     qsort(c, *n, sizeof *c, by_corners);
     return c;
+}
+
+/* The half-edge opposite to h. */
+static uint32_t opposite(const struct mesh *m, uint32_t h)
+{
+    for (uint32_t g = 0; g < 3 * m->nt; g++)
+        if (m->org[g] == mesh_dest(m, h) && mesh_dest(m, g) == m->org[h])
+            return g;
+    assert(0);
+    return h;
+}
+
+/* Triangle n of the new order is the one of the old half-edge h, which becomes its first. */
+static void renumber(const struct mesh *m, uint32_t h, uint32_t n, uint32_t *now,
+                     uint32_t *was)
+{
+    for (uint32_t i = 0; i < 3; i++, h = mesh_next(h)) {
+        assert(now[h] == UINT32_MAX && n < m->nt);
+        now[h] = 3 * n + i;
+        was[3 * n + i] = h;
+    }
+}
+
+void brute_order(struct mesh *m, struct brute_rng *r)
+{
+    const uint32_t halves = 3 * m->nt;
+    uint32_t *now = malloc(halves * sizeof *now), *was = malloc(halves * sizeof *was);
+    uint32_t *org = malloc(halves * sizeof *org), n = 0, first = 0;
+
+    assert(now != NULL && was != NULL && org != NULL);
+    memcpy(org, m->org, halves * sizeof *org);
+    memset(now, 0xff, halves * sizeof *now);
+    for (uint32_t h = 0; h < halves; h++)
+        m->twin[h] = opposite(m, h);
+    while (m->org[mesh_prev(first)] != m->nv)
+        first++;
+    for (uint32_t h = first; now[h] == UINT32_MAX; h = mesh_next(m->twin[mesh_next(h)]))
+        renumber(m, h, n++, now, was);
+    while (n < m->nt) {
+        uint32_t i = 0, gate;
+
+        if (r != NULL)
+            i = (uint32_t)brute_int(r, 0, (int32_t)(3 * n) - 1);
+        while (now[gate = m->twin[was[i]]] != UINT32_MAX)
+            i = (i + 1) % (3 * n);
+        renumber(m, gate, n++, now, was);
+    }
+    for (uint32_t h = 0; h < halves; h++)
+        m->org[h] = org[was[h]];
+    memcpy(org, m->twin, halves * sizeof *org);
+    for (uint32_t h = 0; h < halves; h++)
+        m->twin[h] = now[org[was[h]]];
+    free(now);
+    free(was);
+    free(org);
+}
+
+void brute_code(struct mesh *m)
+{
+    uint32_t *list = malloc(m->nt * sizeof *list), n = 0;
+
+    assert(list != NULL);
+    for (uint32_t h = 0; h < 3 * m->nt; h++)
+        if (mesh_listed(m, h)) {
+            assert(n + 2 <= m->nt);
+            list[n++] = h;
+            list[n++] = m->twin[h];
+        }
+    assert(n == m->nt);
+    for (uint32_t t = 0; t < m->nt; t++) {
+        if (m->org[3 * t + 2] == m->nv)
+            m->twin[3 * t] = UINT32_MAX;
+        else
+            m->org[3 * t] = UINT32_MAX;
+        m->org[3 * t + 1] = list[t];
+        m->twin[3 * t + 1] = m->twin[3 * t + 2] = UINT32_MAX;
+    }
+    memset(m->out, 0xff, (m->nv + 1) * sizeof *m->out);
+    free(list);
 }
 
 bool brute_same(const struct mesh *a, const struct mesh *b)

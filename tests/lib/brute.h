@@ -50,6 +50,15 @@ void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out);
  * then no longer Delaunay.  Returns whether it was flipped. */
 bool brute_flip(struct mesh *m, uint32_t h);
 
+/* brute_order(m, r): m->org has the corners of triangles that form a sphere.  Links their edges
+ * and puts the triangles in the order of mesh.h: each behind the first half-edge that shows
+ * it, or, with r, behind one chosen at random.  O(nt^2). */
+void brute_order(struct mesh *m, struct brute_rng *r);
+
+/* brute_code(m): keep of m, whose triangles are in the order of mesh.h, what mesh_link() reads;
+ * the rest is overwritten. */
+void brute_code(struct mesh *m);
+
 /* brute_same(a, b): the same points and the same set of triangles, whatever the numbers. */
 bool brute_same(const struct mesh *a, const struct mesh *b);
 
