@@ -13,20 +13,20 @@
 void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_field *f)
 {
-    *f = (struct align_field){s, u, 0};
+    *f = (struct align_field){s, u, 0, (int64_t)ALIGN_WORK * s->mesh.nt};
     while (mesh_is_ghost(&s->mesh, f->first))
         f->first++;
 }
 
-/* walk(m, t, q, out): whether q (x, y) lies in the hull of m: walk to the triangle that
- * contains it, from triangle *t.  *t becomes the last triangle seen.  The step limit matters
- * only where m is not a Delaunay triangulation. */
+/* walk(m, t, q, left, out): whether q (x, y) lies in the hull of m: walk to the triangle that
+ * contains it, from triangle *t.  *t becomes the last triangle seen.  *left falls by the steps
+ * taken; below 0 the walk ends. */
 static inline bool walk(const struct mesh *m, uint32_t *t, const double q[3],
-                        struct align_corners *out)
+                        int64_t *left, struct align_corners *out)
 {
     const int32_t x = (int32_t)lrint(q[0]), y = (int32_t)lrint(q[1]);
 
-    for (uint32_t steps = 0; steps < m->nt; steps++) {
+    for (; *left >= 0; --*left) {
         const uint32_t *v = &m->org[3 * *t], *twin = &m->twin[3 * *t];
         const struct ivec2 a = m->xy[v[0]], b = m->xy[v[1]], c = m->xy[v[2]];
         const int64_t x0 = a.x - x, x1 = b.x - x, x2 = c.x - x;
@@ -53,18 +53,19 @@ static inline bool walk(const struct mesh *m, uint32_t *t, const double q[3],
     return false;
 }
 
-static inline bool find(const struct align_field *f, struct align_point *p,
-                        struct dvec3 q, struct align_corners *out)
+static inline bool find(struct align_field *f, struct align_point *p, struct dvec3 q,
+                        struct align_corners *out)
 {
     const double at[3] = {q.x * LATTICE_PER_MM, q.y * LATTICE_PER_MM,
                           q.z * LATTICE_PER_MM};
 
+    f->left += ALIGN_WALK;
     return fabs(at[0]) < LATTICE_MAX && fabs(at[1]) < LATTICE_MAX &&
-           walk(&f->surface->mesh, &p->triangle, at, out) &&
+           walk(&f->surface->mesh, &p->triangle, at, &f->left, out) &&
            !f->surface->bridge[p->triangle];
 }
 
-bool align_field_find(const struct align_field *f, struct align_point *p, struct dvec3 q,
+bool align_field_find(struct align_field *f, struct align_point *p, struct dvec3 q,
                       struct align_corners *out)
 {
     return find(f, p, q, out);
@@ -141,7 +142,7 @@ static inline void add_batch(struct batch *b, const struct align_weight *u,
     b->n = 0;
 }
 
-void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
+void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,
                      enum align_loss loss, struct align_sum *sum)
 {

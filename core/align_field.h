@@ -1,7 +1,9 @@
 /* align_field.h -- the template as a height field, and the robust sum of the gaps between it
  * and points of the probe.
  * A moved point is rounded to the lattice and located by a visibility walk from the triangle
- * where it was before.  The walk is exact, so on a Delaunay triangulation it ends. */
+ * where it was before.  The walk is exact, so on a Delaunay triangulation it ends; but whoever
+ * sends two surfaces can make each step of a search cross most of the triangles, and on other
+ * triangulations it can go round in circles.  So the steps of all walks are limited. */
 #ifndef CORE_ALIGN_FIELD_H
 #define CORE_ALIGN_FIELD_H
 #include <stdbool.h>
@@ -23,11 +25,13 @@ struct align_field {
     const struct align_weight
         *u;         /* NULL: a weight of 1 everywhere; else 0 off the grid */
     uint32_t first; /* a triangle to start from */
+    int64_t left; /* steps that walks may still take; below 0 no gap is found any more */
 };
 
 #define ALIGN_FIELD_NONE UINT32_MAX
 
-/* align_field_make(s, u, f): the field of s, which f refers to, as to u.  O(1). */
+/* align_field_make(s, u, f): the field of s, which f refers to, as to u; for one search.
+ * O(1). */
 void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_field *f);
 
@@ -60,14 +64,15 @@ struct align_corners {
 /* align_field_find(f, p, q, out): the triangle under q (mm), to which p has moved.  False
  * outside the template's hull and where it only bridges missing points: there is no gap.
  * Starts at p->triangle, which must not be ALIGN_FIELD_NONE, and leaves the last triangle of
- * the walk there. */
-bool align_field_find(const struct align_field *f, struct align_point *p, struct dvec3 q,
+ * the walk there.  Cost: ALIGN_WALK steps, and all together at most ALIGN_WORK a triangle
+ * more. */
+bool align_field_find(struct align_field *f, struct align_point *p, struct dvec3 q,
                       struct align_corners *out);
 
 /* align_field_sum(f, pts, n, stride, pose, c, loss, sum): over the points 0, stride, 2
  * stride, ... below n, moved by pose; updates where each one is.  Rotations in the normal
  * equations are about c (template, mm).  In single precision: accurate to 0.0001 mm. */
-void align_field_sum(const struct align_field *f, struct align_point *pts, uint32_t n,
+void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
                      uint32_t stride, const struct align_pose *pose, struct dvec3 c,
                      enum align_loss loss, struct align_sum *sum);
 

@@ -186,7 +186,7 @@ enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
     return ST_OK;
 }
 
-void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
+void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n,
                   const struct align_pose *pose, const struct align_pose *frame,
                   struct cells *out)
 {

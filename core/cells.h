@@ -52,7 +52,7 @@ enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
 /* cells_sample(field, pts, n, pose, frame, out): an estimate of the same from points of the
  * probe, moved by pose over the template's field, each weighted by the area it stands for.
  * O(n). */
-void cells_sample(const struct align_field *field, struct align_point *pts, uint32_t n,
+void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n,
                   const struct align_pose *pose, const struct align_pose *frame,
                   struct cells *out);
 

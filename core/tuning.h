@@ -194,6 +194,12 @@
 #define ALIGN_AREA_TRIANGLES 2500
 #define ALIGN_LAST_TIE       1e-4
 
+/* Steps that a walk of the search is allowed, and the steps a triangle that all of them may
+ * take beyond that: time, not results.  On scans a walk takes two or three; what needs more
+ * than both is no face, and the search ends apart. */
+#define ALIGN_WALK 8
+#define ALIGN_WORK 40
+
 /* Gauss-Newton: the longest step, and damping that keeps what nothing tells where it is.  By
  * hand. */
 #define ALIGN_MAX_TURN_RAD 0.25
