@@ -27,9 +27,10 @@ struct sums {
 /* One surface's triangles, with the gap at their corners. */
 struct side {
     const struct surface *surface;
-    const double *gap; /* [nv] measure_gaps() */
-    bool above;        /* the surface is the probe: the template lies gap below it */
-    float share;       /* what its area counts */
+    const double *gap;  /* [nv] measure_gaps() */
+    const float *trust; /* [nv] likewise */
+    bool above;         /* the surface is the probe: the template lies gap below it */
+    float share;        /* what its area counts */
 };
 
 /* The template's points under the side's vertices, in the frame, and the gap there: x, y, z,
@@ -98,7 +99,7 @@ static double add_side(const struct side *side, const struct align_pose *frame,
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
         lane4 a, b, c, sum, n, level;
-        float length, twice, area;
+        float length, twice, half, area;
         bool used;
 
         if (side->surface->bridge[t])
@@ -115,9 +116,11 @@ static double add_side(const struct side *side, const struct align_pose *frame,
         length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         used = n[2] > (float)CELLS_STEEP * length;
         twice = n[0] * ux + n[1] * uy + n[2] * uz; /* seen along the scanner's z */
-        area = 0.5f * side->share * n[2];
+        half = side->share * (1.0f / 6) *
+               (side->trust[v[0]] + side->trust[v[1]] + side->trust[v[2]]);
+        area = half * n[2];
         level = (lane4){0, 0, area, area * twice / length};
-        n *= 0.5f * side->share;
+        n *= half;
         if (twice < (float)(2 * CELLS_SMALL_MM2)) {
             add_piece(sums, sum * (1.0f / 3), used, n, level);
         } else { /* at three points */
@@ -171,10 +174,11 @@ enum status cells_measure(const struct surface *tmpl, struct measure_work *w,
     memset(sums, 0, (GRID_N + 1) * sizeof *sums);
     ha = tmpl->measured / na; /* the spacing's square */
     hb = probe->measured / nb;
-    share = hb * hb / (ha * ha + hb * hb);
+    share = hb / (ha + hb);
     for (int i = 0; i < 2; i++) {
         const struct side side = {i == 0 ? tmpl : probe,
-                                  i == 0 ? w->tmpl_gap : w->moved_gap, i == 1,
+                                  i == 0 ? w->tmpl_gap : w->moved_gap,
+                                  i == 0 ? w->tmpl_trust : w->moved_trust, i == 1,
                                   (float)(i == 0 ? 1 - share : share)};
 
         place(&side, frame, at);

@@ -36,9 +36,11 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
  * A triangulated surface cuts across what is curved between its points: its error grows with
  * the square of the point spacing.  So the gap is measured twice: at the template's vertices
  * and linear between them, with the probe's error alone, and at the probe's vertices and
- * linear between them, with the template's error alone.  The errors have opposite signs.
- * The result is the mean of both, each weighted by the inverse of its variance: the fourth
- * power of the spacing of the vertices that it was measured at.
+ * linear between them, with the template's error alone.  The errors have opposite signs: in
+ * the mean of both they cancel, where each is weighted by the square of the spacing of the
+ * vertices that it was measured at.  Within a cell a triangle counts, and covers, less where
+ * the other surface's triangles are large: at the rim of a hole, and all over a sparse scan
+ * (measure_work's trust).
  * frame    maps the template to its canonical frame
  * overlap  the share of the template's measured area that the probe covers, 0..1: of its
  *          triangles with a gap at each corner

@@ -23,6 +23,9 @@ struct measure_work {
     struct location *tmpl_in_moved, *moved_in_tmpl;
     double *tmpl_gap, *moved_gap; /* at their vertices: moved minus template
                                      (disparity.h), lattice units */
+    float *tmpl_trust,
+        *moved_trust;    /* what these gaps count, 0..1: little where the other
+                                        surface's triangle is large (CELLS_SIDE_MM) */
     struct mesh general; /* the general triangulation; template vertices come first */
     uint32_t *b_vertex;  /* [moved nv] merge_build()'s */
     struct disparity_vertex *vertex; /* [general.nv] */
@@ -32,7 +35,7 @@ void measure_work_free(struct measure_work *w); /* w is empty again; NULL is all
 
 /* measure_gaps(tmpl, probe, transform, w): the gap between tmpl and probe moved by transform
  * (mm, row-major 4 x 4, a rigid motion or a reflection) at the vertices of either: w->moved,
- * the locations and the gaps.
+ * the locations, the gaps and what they count.
  * Where a moved point leaves the lattice, or the probe is seen edge-on, the surfaces have
  * nothing in common: w->moved.mesh.nv is 0.  So it is on failure.
  * Cost  O(n log n).  Returns ST_OK, ST_ENOMEM. */
