@@ -147,7 +147,7 @@ enum status minimal_find(const struct surface *tmpl, const struct surface *probe
     unsigned char *block;
 
     memset(out, 0, sizeof *out);
-    block = scratch_need(&w->points, minimal_places_layout(&s.pair, NULL));
+    block = scratch_need(&w->scratch, minimal_places_layout(&s.pair, NULL));
     if (block == NULL)
         return ST_ENOMEM;
     (void)minimal_places_layout(&s.pair, block);
