@@ -215,43 +215,47 @@
 #define ALIGN_CAP_MM    5.0
 #define ALIGN_NO_GAP_MM 3.0
 
-/* ---- the minimal disparity (minimal.h) */
+/* ---- the minimal disparity (minimal.h): docs/decision.md, "How the minimum is found" */
 
 /* tan(MINIMAL_TURN_DEG / 2). */
 #define MINIMAL_TAN_HALF_TURN 0.08748866352592400
 
 /* The first steps see so many of the probe's vertices; how many steps at most, and the length
- * of the last, mm. */
+ * of the last, mm.  Of non-mated pairs 97 % end within 1 % of the least known value with 1,500,
+ * 96 with 750, 94 with 500; a seventh step gains nothing. */
 #define MINIMAL_FEW      750
 #define MINIMAL_STEPS    6
 #define MINIMAL_SHORT_MM 0.1
 
-/* The longest Newton step, mm, in the first steps and in the last. */
+/* The longest Newton step, mm, in the first steps and in the last.  By hand. */
 #define MINIMAL_FAR_MM  4
 #define MINIMAL_NEAR_MM 1
 
-/* Newton steps between two looks at the surfaces, and how far one goes back. */
-#define MINIMAL_NEWTON 2
+/* Newton steps between two looks at the surfaces (2: 95.7 % of them, 3: 96.7, 4: 96.3), and
+ * how far one goes back. */
+#define MINIMAL_NEWTON 3
 #define MINIMAL_BACK   0.35
 
 /* In terms of the mean of |gap|: below SHARP |gap| is rounded off; its curvature is spread
- * over SOFT. */
+ * over SOFT.  0.05 to 0.2 and 0.3 to 0.6 fare alike. */
 #define MINIMAL_SHARP 0.1
 #define MINIMAL_SOFT  0.4
 
 /* A mean gap, mm, below which there is nothing to make less: a tenth of a lattice unit. */
 #define MINIMAL_LEVEL_MM 1e-4
 
-/* The alignment is measured too unless the estimate has become less than this, and the vertices
- * over the template not less than this.  */
+/* The alignment is measured too unless estimate and measure are less than this share of the
+ * estimate at the alignment, and the estimated area is not less than this share of the one
+ * there.  Of 600 pairs the change of the estimate errs by -5 to +17 % of the measure's, of the
+ * area by 2 %; one pair in 20 is measured at both poses. */
 #define MINIMAL_SURE_GAP  0.95
 #define MINIMAL_SURE_AREA 0.97
 
-/* The least share of the motion found that is tried then. */
+/* The least share of the motion that is tried where all of it is not allowed.  By hand. */
 #define MINIMAL_LEAST_SHARE 0.1
 
-/* Triangles passed for each point, on average, before the template's other vertices count as
- * having no gap.  Scans need 3. */
+/* Triangles passed on the way to a vertex of the template before it counts as having no gap:
+ * longer walks, one in a thousand, go in circles between overturned triangles. */
 #define MINIMAL_WALK 40
 
 /* ---- asymmetry (asymmetry.h): alignment along three motions */

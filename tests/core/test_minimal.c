@@ -64,6 +64,12 @@ static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_
     return r.align.transform;
 }
 
+static void close_to(double got, double wanted, double by)
+{
+    if (!(fabs(got - wanted) <= by))
+        fail_msg("%.9g, wanted %.9g to %.2g", got, wanted, by);
+}
+
 static struct disparity at(const double transform[16])
 {
     struct disparity d;
@@ -186,35 +192,65 @@ static void test_result(void **state)
     }
 }
 
-/* Few points, half faces, partial overlaps: never more than at the alignment, and its area is
- * kept. */
+/* m's measure is not more than that at the pose where it began, and the area is kept. */
+static void not_above(const char *what, const struct minimal *m,
+                      const struct disparity *before)
+{
+    if (!(m->disparity.plain_mm <= before->plain_mm &&
+          m->disparity.area_mm2 >= MINIMAL_AREA * before->area_mm2))
+        fail_msg("%s: %.4f mm of %.4f, %.4f of the area", what, m->disparity.plain_mm,
+                 before->plain_mm, m->disparity.area_mm2 / before->area_mm2);
+}
+
+/* Few points, parts of faces, poses far off.  At the estimate's minimum alone the first eight
+ * have 0.67 to 0.94 of the area, and the next three 0.2 to 2 % more than at the alignment. */
 static void test_alignment(void **state)
 {
-    static const double far[6] = {4, -6, 3, 15, -12, 4};
     static const struct {
+        uint64_t subject;
+        bool mated;
         uint32_t n;
         double from_x;
-        bool far;
-    } kind[] = {{250, -INFINITY, false}, {POINTS, -10, false}, {POINTS, -INFINITY, true}};
+    } k[] = {{155, false, 3000, -10}, {147, false, 3000, 0}, {116, false, 3000, 8},
+             {123, false, 3000, 8},   {100, false, 500, 0},  {153, false, 500, 8},
+             {155, false, 250, -10},  {140, false, 250, 8},  {110, true, 250, -INFINITY},
+             {140, true, 250, -10},   {127, true, 250, 0},   {134, true, 500, 0}};
+    static const double far[6] = {4, -6, 3, 15, -12, 4};
 
     (void)state;
-    for (uint64_t i = 0; i < 24; i++) {
-        const double *aligned =
-            pair(100 + i, i % 2 == 0, kind[i % 3].n, kind[i % 3].from_x);
+    for (size_t i = 0; i < sizeof k / sizeof *k; i++) {
+        double t[16];
         struct disparity before;
         struct minimal m;
-        double t[16];
+        char what[40];
 
-        memcpy(t, aligned, sizeof t);
-        if (kind[i % 3].far)
-            moved(aligned, far, t);
+        memcpy(t, pair(k[i].subject, k[i].mated, k[i].n, k[i].from_x), sizeof t);
+        (void)snprintf(what, sizeof what, "subject %u", (unsigned)k[i].subject);
         before = at(t);
         m = find(t);
-        if (!(m.disparity.plain_mm <= before.plain_mm &&
-              m.disparity.area_mm2 >= MINIMAL_AREA * before.area_mm2))
-            fail_msg("%u: %.4f mm of %.4f, %.4f of the area", (unsigned)i,
-                     m.disparity.plain_mm, before.plain_mm,
-                     m.disparity.area_mm2 / before.area_mm2);
+        not_above(what, &m, &before);
+        moved(t, far, t);
+        before = at(t);
+        m = find(t);
+        not_above(what, &m, &before);
+    }
+}
+
+/* From a minimum: nothing more, whatever the estimate says. */
+static void test_again(void **state)
+{
+    (void)state;
+    for (uint64_t subject = 60; subject < 68; subject++) {
+        struct minimal m = find(pair(subject, true, POINTS, -INFINITY));
+
+        for (int i = 0; i < 3; i++) {
+            const struct disparity before = m.disparity;
+            double t[16];
+
+            memcpy(t, m.transform, sizeof t);
+            m = find(t);
+            not_above("again", &m, &before);
+        }
     }
 }
 
@@ -236,15 +272,16 @@ static void distance(const double aligned[16], const struct minimal *m, double *
 
 static void test_limits(void **state)
 {
-    static const double far[4][6] = {{0, 0, 0, 0, 0, 45},
+    static const double far[5][6] = {{0, 0, 0, 0, 0, 45},
                                      {0, 0, 0, 0, 0, -30},
+                                     {12, 24, 6, 0, 0, 45},
                                      {0, 24, 0, 0, 0, 0},
                                      {0, 0, 28, 0, 0, 0}};
     double aligned[16], t[16], turn, shift;
 
     (void)state;
     memcpy(aligned, pair(3, true, POINTS, -INFINITY), sizeof aligned);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         struct minimal m;
 
         moved(aligned, far[i], t);
@@ -252,7 +289,7 @@ static void test_limits(void **state)
         distance(t, &m, &turn, &shift);
         assert_true(turn <= MINIMAL_TURN_DEG + 1e-6 && shift <= MINIMAL_SHIFT_MM + 1e-6);
         assert_true(m.disparity.plain_mm < 0.8 * at(t).plain_mm);
-        if (i < 2)
+        if (i < 3)
             assert_true(shift > MINIMAL_SHIFT_MM - 0.01);
         else
             assert_true(turn > MINIMAL_TURN_DEG - 0.5);
@@ -273,7 +310,7 @@ static void sheets(const double a[3], const double b[3])
     struct brute_rng r = {brute_seed("minimal")};
 
     toy_scan(sheet, a, 1500, NULL, &r, &tmpl.surface);
-    toy_scan(sheet, b, 1200, NULL, &r, &probe.surface);
+    toy_scan(sheet, b, 1800, NULL, &r, &probe.surface);
 }
 
 static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -353,9 +390,11 @@ static void test_overturned(void **state)
 
 static void test_places(void **state)
 {
-    static const double a[3] = {0, 0.2, -0.1}, b[3] = {1, -0.1, 0.15};
+    static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
     struct minimal_pair p = {.tmpl = &tmpl.surface, .probe = &probe.surface};
-    struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct align_pose pose;
+    struct disparity d;
+    double transform[16];
     float *gap, *by[5];
     uint32_t n, checked = 0;
     void *block;
@@ -367,9 +406,13 @@ static void test_places(void **state)
     (void)minimal_places_layout(&p, block);
     minimal_places_begin(&p);
 
-    assert_true(minimal_places_all(&p, &pose) > 0);
+    /* Each triangle weighs twice its area at each corner. */
+    toy_pose(12, -9, 15, (struct dvec3){2, -3, 1}, &pose);
+    align_pose_to_matrix(&pose, transform);
+    d = at(transform);
+    close_to(minimal_places_all(&p, &pose) / (2 * 6 * d.area_mm2), 1, 0.02);
     n = p.places.n;
-    assert_true(fabs(minimal_mean(&p.places) / at(still).plain_mm - 1) < 0.01);
+    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.01);
     gap = calloc(6 * (size_t)n, sizeof *gap);
     memcpy(gap, p.places.gap, n * sizeof *gap);
     for (int k = 0; k < 5; k++) {
@@ -394,12 +437,39 @@ static void test_places(void **state)
                          (double)p.places.gap[i] - (double)gap[i], rate * x[k]);
         }
     }
-    assert_true(checked > 5 * n);
+    assert_true(checked > 3 * n);
 
-    /* Few of them: about the same mean. */
-    assert_true(minimal_places_few(&p, &pose) > 0);
-    assert_true(fabs(minimal_mean(&p.places) / at(still).plain_mm - 1) < 0.05);
+    /* Few of them: about the same. */
+    assert_true(probe.surface.mesh.nv / MINIMAL_FEW >= 2);
+    close_to(minimal_places_few(&p, &pose) * p.stride / (6 * d.area_mm2), 1, 0.05);
+    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.03);
     free(gap);
+    free(block);
+}
+
+/* Missing points of either scan are bridged, and nothing is measured there. */
+static void test_holes(void **state)
+{
+    struct minimal_pair p = {.tmpl = &tmpl.surface, .probe = &probe.surface};
+    struct face_result r;
+    struct facegen_scan s;
+    struct align_pose pose;
+    void *block;
+
+    (void)state;
+    facegen_default(&s);
+    s.subject = 20;
+    s.holes = 0.3;
+    build(&s, -INFINITY, &tmpl);
+    s.scan = 1;
+    build(&s, -INFINITY, &probe);
+    assert_int_equal(face_compare(&tmpl, &probe, 0, NULL, work, &r), ST_OK);
+    block = aligned_alloc(64, minimal_places_layout(&p, NULL));
+    (void)minimal_places_layout(&p, block);
+    align_pose_from_matrix(r.align.transform, &pose);
+    minimal_places_begin(&p);
+    close_to(minimal_places_all(&p, &pose) / (2 * 6 * at(r.align.transform).area_mm2), 1,
+             0.04);
     free(block);
 }
 
@@ -465,11 +535,12 @@ static int end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_descent),   cmocka_unit_test(test_result),
-        cmocka_unit_test(test_alignment), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_planes),    cmocka_unit_test(test_itself),
-        cmocka_unit_test(test_apart),     cmocka_unit_test(test_overturned),
-        cmocka_unit_test(test_places),    cmocka_unit_test(test_digits),
+        cmocka_unit_test(test_descent),    cmocka_unit_test(test_result),
+        cmocka_unit_test(test_alignment),  cmocka_unit_test(test_again),
+        cmocka_unit_test(test_limits),     cmocka_unit_test(test_planes),
+        cmocka_unit_test(test_itself),     cmocka_unit_test(test_apart),
+        cmocka_unit_test(test_overturned), cmocka_unit_test(test_places),
+        cmocka_unit_test(test_holes),      cmocka_unit_test(test_digits),
         cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, start, end);
