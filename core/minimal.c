@@ -80,8 +80,8 @@ static double descend(struct search *s)
         move(s, y);
     }
     e = estimate(s);
-    if (s->pair.probe->mesh.nv < MINIMAL_FEW || e.gap >= MINIMAL_SURE_GAP * first.gap ||
-        e.area < MINIMAL_SURE_AREA * first.area)
+    if (s->pair.probe.surface->mesh.nv < MINIMAL_FEW ||
+        e.gap >= MINIMAL_SURE_GAP * first.gap || e.area < MINIMAL_SURE_AREA * first.area)
         return 0;
     return MINIMAL_SURE_GAP * first.gap;
 }
@@ -90,7 +90,7 @@ static enum status measure(const struct search *s, const double transform[16],
                            struct minimal *out)
 {
     memcpy(out->transform, transform, sizeof out->transform);
-    return measure_at(s->pair.tmpl, s->pair.probe, transform, NULL, s->w,
+    return measure_at(s->pair.tmpl.surface, s->pair.probe.surface, transform, NULL, s->w,
                       &out->disparity);
 }
 
@@ -142,8 +142,9 @@ enum status minimal_find(const struct surface *tmpl, const struct surface *probe
                          const double transform[16], struct measure_work *w,
                          struct minimal *out)
 {
-    struct search s = {
-        .pair = {.tmpl = tmpl, .probe = probe}, .transform = transform, .w = w};
+    struct search s = {.pair = {.tmpl = {.surface = tmpl}, .probe = {.surface = probe}},
+                       .transform = transform,
+                       .w = w};
     unsigned char *block;
 
     memset(out, 0, sizeof *out);

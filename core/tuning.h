@@ -254,9 +254,9 @@
 /* The least share of the motion that is tried where all of it is not allowed.  By hand. */
 #define MINIMAL_LEAST_SHARE 0.1
 
-/* Triangles passed on the way to a vertex of the template before it counts as having no gap:
- * longer walks, one in a thousand, go in circles between overturned triangles. */
-#define MINIMAL_WALK 40
+/* Triangles passed on the way to a vertex before it counts as having no gap.  In two scans
+ * alike it is one or two; between overturned triangles a walk may go in circles. */
+#define MINIMAL_WALK 400
 
 /* ---- asymmetry (asymmetry.h): alignment along three motions */
 

@@ -391,7 +391,8 @@ static void test_overturned(void **state)
 static void test_places(void **state)
 {
     static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
-    struct minimal_pair p = {.tmpl = &tmpl.surface, .probe = &probe.surface};
+    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
+                             .probe = {.surface = &probe.surface}};
     struct align_pose pose;
     struct disparity d;
     double transform[16];
@@ -450,7 +451,8 @@ static void test_places(void **state)
 /* Missing points of either scan are bridged, and nothing is measured there. */
 static void test_holes(void **state)
 {
-    struct minimal_pair p = {.tmpl = &tmpl.surface, .probe = &probe.surface};
+    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
+                             .probe = {.surface = &probe.surface}};
     struct face_result r;
     struct facegen_scan s;
     struct align_pose pose;
