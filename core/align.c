@@ -70,8 +70,9 @@ static double step(const struct search *s, const struct align_sum *sum,
 }
 
 /* descend(s, stride, loss, limit, enough, c): at most limit steps from c->pose, until one
- * is shorter than enough (mm).  *c becomes the cheapest pose met.  Returns true if a short
- * step ended it. */
+ * is shorter than enough (mm).  *c becomes the cheapest pose met; with Tukey's loss, where
+ * no other pose is compared with it, the one after a short step, which is not summed again.
+ * Returns true if a short step ended it. */
 static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int limit,
                     double enough, struct candidate *c)
 {
@@ -94,6 +95,10 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
         if (ended || i == limit)
             break;
         ended = step(s, &sum, &pose) < enough;
+        if (ended && loss == ALIGN_LOSS_TUKEY) {
+            c->pose = pose;
+            break;
+        }
     }
     return ended;
 }

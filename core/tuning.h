@@ -189,10 +189,10 @@
  * many (with half as many the median rotation error grows by 5 %, and a second step does not
  * make it less), and the prior on the motion (1 / mm^2), which is next to none.  By hand. */
 #define ALIGN_LAST_POINTS 3000
+#define ALIGN_LAST_TIE    1e-4
 
 /* Triangles that the area of the probe is taken from, at most twice as many: to 2 %. */
 #define ALIGN_AREA_TRIANGLES 2500
-#define ALIGN_LAST_TIE       1e-4
 
 /* Steps that a walk of the search is allowed, and the steps a triangle that all of them may
  * take beyond that: time, not results.  On scans a walk takes two or three; what needs more
