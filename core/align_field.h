@@ -42,19 +42,6 @@ struct align_point {
     uint32_t triangle; /* where it was last time, or ALIGN_FIELD_NONE */
 };
 
-enum align_loss {
-    ALIGN_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
-    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at ALIGN_TUKEY_MM */
-};
-
-struct align_sum {
-    struct align_normal normal;
-    double cost;   /* mm.  L1: mean of |r|, capped; a point without a gap costs
-                      ALIGN_NO_GAP_MM.  Tukey: weighted mean of the loss over the points
-                      that have a gap */
-    double within; /* share of the points that have a gap, 0..1 */
-};
-
 /* The corners of a triangle, counter-clockwise, seen from a point: each x, y, z, lattice
  * units. */
 struct align_corners {

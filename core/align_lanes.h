@@ -5,7 +5,7 @@
 #define CORE_ALIGN_LANES_H
 #include <math.h>
 #include <stdint.h>
-#include "align_field.h"
+#include "align_solve.h"
 #include "tuning.h"
 
 #define ALIGN_LANES 4

@@ -1,4 +1,5 @@
-/* align_solve.h -- weighted normal equations in six unknowns, solved by Cholesky. */
+/* align_solve.h -- robust sums of residuals: weighted normal equations in six unknowns, solved by
+ * Cholesky. */
 #ifndef CORE_ALIGN_SOLVE_H
 #define CORE_ALIGN_SOLVE_H
 #include <stdbool.h>
@@ -6,6 +7,20 @@
 /* The sum of w J J^T (upper triangle, row by row) and of w r J over the residuals. */
 struct align_normal {
     double h[21], g[6];
+};
+
+/* Residuals of an alignment, and their robust sum. */
+enum align_loss {
+    ALIGN_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
+    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at ALIGN_TUKEY_MM */
+};
+
+struct align_sum {
+    struct align_normal normal;
+    double cost;   /* mm.  L1: mean of |r|, capped; a point without a gap costs
+                      ALIGN_NO_GAP_MM.  Tukey: weighted mean of the loss over the points
+                      that have a gap */
+    double within; /* share of the points that have a gap, 0..1 */
 };
 
 static inline void align_solve_add(struct align_normal *a, const double j[6], double r,
