@@ -103,6 +103,7 @@ $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
 SEES_box   := $(call sees,db)
 SEES_fuzz  := server $(SEES_ctl)
+SEES_work  := core
 SEES_bench := $(call sees,db)
 define testroom
 $(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Itools $(call flags,$(1))
@@ -156,6 +157,14 @@ $(BUILD)/lib%.a:
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
 
+# The core with a call in each basic block, which tests/work counts.
+COUNTED := $(patsubst core/%.c,$(BUILD)/counted/%.o,$(wildcard core/*.c))
+$(COUNTED): $(BUILD)/counted/%.o: core/%.c Makefile
+	@mkdir -p $(@D)
+	$(call say,CC)
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc -Icore -MMD -MP -c -o $@ $<
+$(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
+
 # The library as it is installed: core as one object that exports what core/libsurface.h
 # declares, and nothing else.
 $(BUILD)/libsurface.a: $(call arch,core)
@@ -186,20 +195,21 @@ $(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call ar
 
 # ---- tests
 
+testarchs = $(if $(filter work,$(1)),$(call arch,counted),$(call archs,$(1)))
 linkflags = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
 
 # The programs in tests/ROOM, linked with tests/lib, the face generator and the rooms they see.
 define testlink
 $(filter $(BUILD)/tests/$(1)/%,$(TEST_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,fixtures) $(call arch,tests) \
-    $(call arch,tools) $(call archs,$(1))
+    $(call arch,tools) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $$(call linkflags,$$*.c) -lcmocka $(call needs,$(1))
 $(filter $(BUILD)/tests/$(1)/%,$(FUZZ_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,tests) \
-    $(call arch,tools) $(call archs,$(1))
+    $(call arch,tools) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $$(if $$(findstring fuzzer,$$(EXTRA)),-fsanitize=fuzzer) $(call needs,$(1))
 $(call programs,$(filter tests/$(1)/%,$(AID_SRC))): $(BUILD)/%: $(BUILD)/tests/$(1)/%_main.o \
-    $(call arch,tests) $(call arch,tools) $(call archs,$(1))
+    $(call arch,tests) $(call arch,tools) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $(call needs,$(1))
 endef
@@ -355,4 +365,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/counted/*.d $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
