@@ -64,19 +64,22 @@ static double descend(struct search *s)
     const struct minimal_places *const p = &s->pair.places;
     const struct estimate first = estimate(s);
     struct estimate e = first;
-    struct align_pose pose;
-    double y[6];
+    double y[6], step;
 
     for (int i = 0; e.gap > MINIMAL_LEVEL_MM; e = estimate(s)) {
-        const double step = minimal_solve(p, e.gap, MINIMAL_FAR_MM, y);
-
+        step = minimal_solve(p, e.gap, MINIMAL_FAR_MM, y);
         move(s, y);
         if (++i == MINIMAL_STEPS || step < MINIMAL_SHORT_MM)
             break;
     }
-    pose = pose_at(s, s->x);
-    if (minimal_places_all(&s->pair, &pose) > 0 && minimal_mean(p) > MINIMAL_LEVEL_MM) {
-        (void)minimal_solve(p, minimal_mean(p), MINIMAL_NEAR_MM, y);
+    step = INFINITY;
+    for (int i = 0; i < MINIMAL_LOOKS && step > MINIMAL_NEAR_MM; i++) {
+        const struct align_pose pose = pose_at(s, s->x);
+
+        if (!(minimal_places_all(&s->pair, &pose) > 0) ||
+            !(minimal_mean(p) > MINIMAL_LEVEL_MM))
+            break;
+        step = minimal_solve(p, minimal_mean(p), MINIMAL_LAST_MM, y);
         move(s, y);
     }
     e = estimate(s);

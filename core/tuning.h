@@ -229,7 +229,13 @@
 
 /* The longest Newton step, mm, in the first steps and in the last.  By hand. */
 #define MINIMAL_FAR_MM  4
-#define MINIMAL_NEAR_MM 1
+#define MINIMAL_LAST_MM 1
+
+/* Looks at all vertices, at most; and how long, mm, the way from the last one must have been
+ * for another: one pair in eight.  Non-mated pairs more than 2 % above the least known value
+ * become 0.7 % instead of 1.0; of 0.35 mm no fewer. */
+#define MINIMAL_LOOKS   3
+#define MINIMAL_NEAR_MM 0.5
 
 /* Newton steps between two looks at the surfaces (2: 95.7 % of them, 3: 96.7, 4: 96.3), and
  * how far one goes back. */
