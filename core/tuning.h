@@ -232,13 +232,13 @@
 #define MINIMAL_LAST_MM 1
 
 /* Looks at all vertices, at most; and how long, mm, the way from the last one must have been
- * for another: one pair in eight.  Non-mated pairs more than 2 % above the least known value
- * become 0.7 % instead of 1.0; of 0.35 mm no fewer. */
+ * for another: one pair in 18.  Non-mated pairs more than 2 % above the least known value
+ * become 0.7 % instead of 1.0; with 0.35 mm no fewer. */
 #define MINIMAL_LOOKS   3
-#define MINIMAL_NEAR_MM 0.5
+#define MINIMAL_NEAR_MM 1
 
-/* Newton steps between two looks at the surfaces (2: 95.7 % of them, 3: 96.7, 4: 96.3), and
- * how far one goes back. */
+/* Newton steps between two looks at the surfaces (2: 95.7 % of the non-mated pairs,
+ * 3: 96.7, 4: 96.3), and how far one goes back. */
 #define MINIMAL_NEWTON 3
 #define MINIMAL_BACK   0.35
 

@@ -408,7 +408,7 @@ static void test_places(void **state)
     minimal_places_begin(&p);
 
     /* Each triangle weighs twice its area at each corner. */
-    toy_pose(12, -9, 15, (struct dvec3){2, -3, 1}, &pose);
+    toy_pose(25, -9, 15, (struct dvec3){2, -3, 1}, &pose);
     align_pose_to_matrix(&pose, transform);
     d = at(transform);
     close_to(minimal_places_all(&p, &pose) / (2 * 6 * d.area_mm2), 1, 0.02);
