@@ -274,7 +274,7 @@ void cover_run(const struct lab *lab)
     people_free(p, people);
     if (lab->faces != NULL) {
         memset(p, 0, MOST * sizeof *p);
-        people = people_scanned(lab->faces, MOST, w, p);
+        people = people_scanned(lab->faces, "p1", MOST, w, p);
         verify(lab, "scans", p, people, w);
         people_free(p, people);
     }

@@ -187,7 +187,7 @@ static void verify(const struct lab *lab)
     people_free(p, people);
     if (lab->faces != NULL) {
         memset(p, 0, PEOPLE * sizeof *p);
-        people = people_scanned(lab->faces, people, w, p);
+        people = people_scanned(lab->faces, "p1", people, w, p);
         templates(lab, "verify-scans.csv", p, people, w);
         people_free(p, people);
     }

@@ -192,7 +192,7 @@ static void scanned(const struct lab *lab, FILE *f, struct work *w, double aspec
 
     if (faces == NULL)
         lab_must(ST_ENOMEM);
-    n = people_scanned(lab->faces, PEOPLE, faces, people);
+    n = people_scanned(lab->faces, "p1", PEOPLE, faces, people);
     for (size_t s = 0; s < n; s++) {
         if (people[s].n > MOST)
             continue;

@@ -27,6 +27,7 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
         facegen_pose(&scan, 8, 12);
         p[i].probe = lab_alloc(PEOPLE_POINTS, sizeof *pts);
         p[i].n = facegen_sample(&scan, p[i].probe);
+        (void)snprintf(p[i].name, sizeof p->name, "made up %zu", i);
     }
     free(pts);
 }
@@ -64,7 +65,8 @@ static int enrolled(const struct dirent *e)
     return strstr(e->d_name, "_enroll.ply") != NULL;
 }
 
-size_t people_scanned(const char *dir, size_t most, struct face_work *w, struct person *p)
+size_t people_scanned(const char *dir, const char *kind, size_t most, struct face_work *w,
+                      struct person *p)
 {
     struct dirent **list = NULL;
     const int files = scandir(dir, &list, enrolled, by_name);
@@ -76,11 +78,13 @@ size_t people_scanned(const char *dir, size_t most, struct face_work *w, struct 
         struct dvec3 *pts = read_scan(dir, list[i]->d_name, &n);
         const int who = (int)strcspn(list[i]->d_name, "_");
 
-        (void)snprintf(name, sizeof name, "%.*s_p1.ply", who, list[i]->d_name);
+        (void)snprintf(name, sizeof name, "%.*s_%s.ply", who, list[i]->d_name, kind);
         if (people < most && pts != NULL &&
             face_build(pts, n, w, &p[people].template, NULL) == ST_OK &&
-            (p[people].probe = read_scan(dir, name, &p[people].n)) != NULL)
-            people++;
+            (p[people].probe = read_scan(dir, name, &p[people].n)) != NULL) {
+            name[who] = '\0';
+            (void)snprintf(p[people++].name, sizeof p->name, "%.31s", name);
+        }
         free(pts);
         free(list[i]);
     }

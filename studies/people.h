@@ -10,6 +10,7 @@
 #define PEOPLE_POINTS 3000 /* of a made-up scan, at most */
 
 struct person {
+    char name[32]; /* of the subject; cut off */
     struct face template;
     struct dvec3 *probe; /* [n], mm */
     size_t n;
@@ -18,9 +19,9 @@ struct person {
 /* people_made_up(first, n, w, p): tools/facegen.h's subjects from first on, into p[n]. */
 void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p);
 
-/* people_scanned(dir, most, w, p): those of a folder's scans, by name, of which there are
- * both SUBJECT_enroll.ply and SUBJECT_p1.ply; returns how many. */
-size_t people_scanned(const char *dir, size_t most, struct face_work *w,
+/* people_scanned(dir, kind, most, w, p): those of a folder's scans, by name, of which there
+ * are both SUBJECT_enroll.ply and SUBJECT_KIND.ply; returns how many. */
+size_t people_scanned(const char *dir, const char *kind, size_t most, struct face_work *w,
                       struct person *p);
 
 void people_free(struct person *p, size_t n); /* not p itself */

@@ -25,6 +25,7 @@ static const struct {
     {"filled", "missing points: restored points, by the size of the hole", filled_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
+    {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
     {"fewer", "disparity: simplified surfaces and templates", fewer_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
@@ -38,13 +39,14 @@ static int usage(FILE *to)
                 "one is).\n");
     for (size_t i = 0; i < STUDIES; i++)
         fprintf(to, "  %-14s %s\n", study[i].name, study[i].what);
-    fprintf(to,
-            "--seed     of everything random (%d)\n"
-            "--reduced  few draws and small sizes: seconds instead of minutes\n"
-            "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply, which "
-            "study cover uses besides\n"
-            "With scripts/studies: pictures and a report besides.\n",
-            SEED);
+    fprintf(
+        to,
+        "--seed     of everything random (%d)\n"
+        "--reduced  few draws and small sizes: seconds instead of minutes\n"
+        "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
+        "which cover, fewer and minimal use\n"
+        "With scripts/studies: pictures and a report besides.\n",
+        SEED);
     return to == stdout ? 0 : 64;
 }
 

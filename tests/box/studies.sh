@@ -85,6 +85,17 @@ between "mated, at the true pose: mm" \
 is "a constant weight changes no mean" "$(sed -n 3p "$T/faces/weights.csv" | cut -d, -f2-)" \
     "$(sed -n 2p "$T/faces/weights.csv" | cut -d, -f2-)"
 
+# ---- the minimal disparity
+study minimal
+ok "what is reported is the measure at its pose" \
+    awk -F, 'NR > 1 && $3 != $2 { exit 1 } END { exit NR < 3 }' "$T/minimal/summary.csv"
+mated='mated made up' others='non-mated made up'
+between "mated: % of the pairs within 1 % of the best known" "$(value minimal/summary.csv "$mated" 4)" 98 100
+between "mated: the furthest above it" "$(value minimal/summary.csv "$mated" 8)" 1 1.02
+between "non-mated: % of the pairs within 2 %" "$(value minimal/summary.csv "$others" 5)" 98 100
+ok "the best known is a minimum: below the alignment, the area kept" \
+    awk -F, 'NR > 1 && ($9 <= 1.01 || $16 < 0.95) { exit 1 }' "$T/minimal/summary.csv"
+
 # ---- asymmetry
 study mirror
 between "the asymmetry follows the generated one" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1
