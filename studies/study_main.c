@@ -26,6 +26,7 @@ static const struct {
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
     {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
+    {"bound", "disparity: a sound lower bound of the minimum", bound_run},
     {"fewer", "disparity: simplified surfaces and templates", fewer_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
@@ -44,7 +45,7 @@ static int usage(FILE *to)
         "--seed     of everything random (%d)\n"
         "--reduced  few draws and small sizes: seconds instead of minutes\n"
         "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
-        "which cover, fewer and minimal use\n"
+        "which cover, fewer, minimal and bound use\n"
         "With scripts/studies: pictures and a report besides.\n",
         SEED);
     return to == stdout ? 0 : 64;

@@ -96,6 +96,23 @@ between "non-mated: % of the pairs within 2 %" "$(value minimal/summary.csv "$ot
 ok "the best known is a minimum: below the alignment, the area kept" \
     awk -F, 'NR > 1 && ($9 <= 1.01 || $16 < 0.95) { exit 1 }' "$T/minimal/summary.csv"
 
+# ---- a lower bound of it
+study bound
+ok "the frozen measure is the measure where it was frozen" \
+    awk -F, 'NR > 1 && ($4 - $5 > 1e-9 || $5 - $4 > 1e-9) { exit 1 } END { exit NR != 3 }' "$T/bound/check.csv"
+ok "no pose lies below the bound of its box" \
+    awk -F, 'NR > 1 && ($9 < 400 || $10 != 0 || $11 < 1) { exit 1 }' "$T/bound/check.csv"
+ok "no gap of a corner lies outside the bounds that are added up" \
+    awk -F, 'NR > 1 && $13 != 0 { exit 1 } END { exit NR != 3 }' "$T/bound/check.csv"
+ok "the bound is nearly met somewhere" awk -F, 'NR > 1 && $11 > 1.01 { exit 1 }' "$T/bound/check.csv"
+ok "control: poses do lie below the bound of half the box" \
+    awk -F, 'NR > 1 && $12 == 0 { exit 1 }' "$T/bound/check.csv"
+ok "the wider the box, the lower the bound; never above what is reported" \
+    awk -F, 'NR > 1 && ($9 > 1 || ($2 == last && $9 > was + 0.005)) { exit 1 } { last = $2; was = $9 }' "$T/bound/bounds.csv"
+ok "within 0.25 mm the bound is close" awk -F, 'NR == 2 && ($2 < 0.9 || $5 < 0.9) { exit 1 }' "$T/bound/summary.csv"
+ok "near it the frozen measure is the measure to 2 %" \
+    awk -F, 'NR > 1 && $4 <= 0.5 && ($8 < 0.98 || $10 > 1.02) { exit 1 }' "$T/bound/sampled.csv"
+
 # ---- asymmetry
 study mirror
 between "the asymmetry follows the generated one" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1
