@@ -355,10 +355,20 @@ static enum status read_document(struct reader *r, struct json_value **out)
     return st;
 }
 
+static struct json_text text_of(const char *text, size_t len, size_t max_values,
+                                size_t max_cuts)
+{
+    return (struct json_text){.bytes = text,
+                              .len = len,
+                              .max_values = max_values,
+                              .max_depth = JSON_DEPTH,
+                              .max_cuts = max_cuts};
+}
+
 enum status json_read(const char *text, size_t len, size_t max_values,
                       struct json_value **out, struct errinfo *e)
 {
-    struct reader r = {.text = {text, len, max_values, JSON_DEPTH}, .e = e};
+    struct reader r = {.text = text_of(text, len, max_values, 0), .e = e};
 
     return read_document(&r, out);
 }
@@ -366,8 +376,7 @@ enum status json_read(const char *text, size_t len, size_t max_values,
 enum status json_read_points(const char *text, size_t len, size_t max_values,
                              struct json_value **out, struct errinfo *e)
 {
-    struct reader r = {.text = {text, len, max_values, JSON_DEPTH, JSON_TEXT_CUTS},
-                       .e = e};
+    struct reader r = {.text = text_of(text, len, max_values, JSON_TEXT_CUTS), .e = e};
 
     return read_document(&r, out);
 }

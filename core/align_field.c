@@ -101,7 +101,7 @@ static inline align_lanes weights(const struct align_weight *w, struct dvec3 c,
         s->x * (float)r[0] + s->y * (float)r[1] + s->z * (float)r[2] + (float)t.x;
     const align_lanes y =
         s->x * (float)r[3] + s->y * (float)r[4] + s->z * (float)r[5] + (float)t.y;
-    align_lanes u;
+    align_lanes u = {0};
 
     for (int i = 0; i < ALIGN_LANES; i++) {
         const uint32_t cell = grid_cell((double)x[i], (double)y[i]);

@@ -191,7 +191,7 @@ static double protrusion(struct dvec3 p, const struct align_axes *f)
 static struct dvec3 nose_of(const struct mesh *m, uint32_t step,
                             const struct align_axes *f)
 {
-    double h[2 * POSE_AXES_POINTS], lo = INFINITY, hi = -INFINITY, scale;
+    double h[2 * POSE_AXES_POINTS] = {0}, lo = INFINITY, hi = -INFINITY, scale;
     uint32_t count[POSE_NOSE_BINS] = {0}, n = 0, above = 0;
     struct dvec3 sum = {0.0, 0.0, 0.0};
     int bin = POSE_NOSE_BINS;

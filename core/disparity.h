@@ -84,7 +84,7 @@ struct disparity {
     double plain_mm;    /* volume / area; 0 when the area is 0 */
     double weighted_mm; /* integral of u |gap| over that of u, over the same; or 0 */
     double weight_mm2;  /* the integral of u; area_mm2 without a weight */
-    double overlap;    /* area over a's measured area, 0..1 */
+    double overlap;     /* area over a's measured area, 0..1 */
     double bridged_mm2; /* area left out because a surface only bridges missing points */
     double outside_mm2; /* area of the triangles not wholly inside both hulls */
     uint32_t common, bridged, outside; /* how many triangles of each kind */

@@ -144,7 +144,7 @@ struct plane {
 static inline struct plane plane_at(const struct minimal_side *s, uint32_t t,
                                     struct minimal_spot q)
 {
-    const uint32_t *v = &s->surface->mesh.org[3 * t];
+    const uint32_t *v = s->surface->mesh.org + 3 * t;
     const struct minimal_spot a = s->spot[v[0]], b = s->spot[v[1]], c = s->spot[v[2]];
     const float z = s->height[v[0]], ez = s->height[v[1]] - z, fz = s->height[v[2]] - z;
     const float over = 1 / turn(a, b, c);
@@ -158,7 +158,7 @@ static inline struct plane plane_at(const struct minimal_side *s, uint32_t t,
 static inline void smooth(const struct minimal_pair *p, const struct align_pose *pose,
                           uint32_t t, struct plane *f)
 {
-    const uint32_t *v = &p->probe.surface->mesh.org[3 * t];
+    const uint32_t *v = p->probe.surface->mesh.org + 3 * t;
     const minimal_lanes n = p->normal[v[0]] + p->normal[v[1]] + p->normal[v[2]];
     const double *r = pose->r;
     const float nx = (float)r[0] * n[0] + (float)r[1] * n[1] + (float)r[2] * n[2];

@@ -35,6 +35,8 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "main|sql_schema_.*" # in place of a file of db/sql
         if (source == "server/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
+        if (source == "tests/lib/work")
+            return "work_.*|__sanitizer_cov_trace_pc" # which the compiler calls
         if (source ~ /^(server|ctl)\/main$|^(tools|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)
