@@ -41,7 +41,8 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out);
 /* fit_solve(p, c, tie, passes, s, out): split c's gap.
  * tie     strength of the prior on x, in 1 / mm^2 with rotations at POSE_LEVER_MM; a
  *         small one leaves x free
- * passes  reweightings, 0 or more
+ * passes  reweightings, 0 or more; a weight that would change by less than FIT_STILL of a
+ *         full one stays
  * With fewer than FIT_MIN_CELLS covered cells a and x are 0 and the rest is the gap.
  * Cost  O(cells n + n^3 + changed n^2), where changed counts the cells that are not fully
  * covered and, in each pass, those that change their weight.  Returns ST_OK, ST_ENOMEM. */

@@ -109,7 +109,7 @@ static void row_of(const struct model_basis *b, const struct cells *c, uint32_t 
 static void naive(const struct model_basis *b, const struct cells *c, double tie,
                   int passes, double *y, double *rest)
 {
-    static double m[MOST][MOST + 1];
+    static double m[MOST][MOST + 1], share[GRID_N]; /* of its full weight, by cell */
     const uint32_t n = b->n + 6;
     double row[MOST];
 
@@ -118,9 +118,14 @@ static void naive(const struct model_basis *b, const struct cells *c, double tie
         memset(m, 0, sizeof m);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double over = 1 / (double)b->rest[i], z = fabs(rest[i]) * over;
-            const double w = over * over * (double)cells_cover(c, i) *
-                             (pass > 0 && z > 2.5 ? 2.5 / z : 1);
+            const double now = z > FIT_HUBER ? FIT_HUBER / z : 1;
+            double w;
 
+            if (pass == 0)
+                share[i] = 1;
+            else if (fabs(now - share[i]) > FIT_STILL)
+                share[i] = now;
+            w = over * over * (double)cells_cover(c, i) * share[i];
             if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
                 continue;
             row_of(b, c, i, row);
