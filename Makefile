@@ -42,10 +42,10 @@ LINKS_db    := db/sql
 
 # The libraries that a room needs in addition to the C library.
 NEEDS_core   := -lm
-NEEDS_base   := -linih -lcjson -lpthread
+NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_db/sql := -lsqlite3 -lpthread
 NEEDS_db     := -lsodium -lxxhash
-NEEDS_server := -lmicrohttpd -lgnutls -lsystemd -lz -lzstd
+NEEDS_server := -lmicrohttpd -lgnutls -lsystemd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
 links = $(foreach r,$(call sees,$(1)),$r $(LINKS_$r))

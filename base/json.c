@@ -491,6 +491,16 @@ bool json_get_count(const struct json_value *v, uint64_t *out)
     return true;
 }
 
+bool json_get_number(const struct json_value *v, double *out)
+{
+    const cJSON *item = item_of(v);
+
+    if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble))
+        return false;
+    *out = item->valuedouble;
+    return true;
+}
+
 /* Three finite numbers. */
 static enum status get_point(const cJSON *array, struct dvec3 *out)
 {

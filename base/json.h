@@ -111,6 +111,7 @@ const char *json_key(const struct json_value *v);
  * json_get_text(v): valid as long as the document.
  * json_copy_text(v, out, size): false too where it has more than size - 1 bytes.
  * json_get_count(v, out): a whole number, 0 to 2^53.
+ * json_get_number(v, out): a finite number.
  * json_count(v): the values of an array or object.
  * json_get_points(v, out, n): an array of points into out, which has room for
  * json_count(v).  Returns ST_OK; ST_EINVAL the element *n, or v itself, is something else;
@@ -119,6 +120,7 @@ const char *json_get_text(const struct json_value *v);
 bool json_copy_text(const struct json_value *v, char *out, size_t size);
 bool json_get_flag(const struct json_value *v, bool *out);
 bool json_get_count(const struct json_value *v, uint64_t *out);
+bool json_get_number(const struct json_value *v, double *out);
 size_t json_count(const struct json_value *v);
 enum status json_get_points(const struct json_value *v, struct dvec3 *out, size_t *n);
 

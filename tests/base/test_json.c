@@ -253,6 +253,7 @@ static void test_values(void **state)
 {
     const struct json_value *v;
     uint64_t count;
+    double number;
     bool flag;
     char text[4];
 
@@ -278,6 +279,10 @@ static void test_values(void **state)
     assert_false(json_get_count(json_member(doc, "h"), &count));
     assert_false(json_get_count(json_member(doc, "t"), &count));
     assert_false(json_get_count(NULL, &count));
+    assert_true(json_get_number(json_member(doc, "c"), &number) && number == 7);
+    assert_true(json_get_number(json_member(doc, "h"), &number) && number == 0.5);
+    assert_false(json_get_number(json_member(doc, "t"), &number));
+    assert_false(json_get_number(NULL, &number));
     assert_int_equal(json_count(json_member(doc, "p")), 3);
     assert_int_equal(json_count(json_member(doc, "o")), 0);
     assert_int_equal(json_count(doc), 9);

@@ -1,8 +1,8 @@
-/* inflate.h -- decompresses request bodies (RFC 9110 section 8.4): gzip
- * (RFC 1952, all members of the file) and zstd (RFC 8878, all frames).  Bodies are
- * untrusted: their size is bounded while they are decompressed. */
-#ifndef SERVER_INFLATE_H
-#define SERVER_INFLATE_H
+/* inflate.h -- decompresses request bodies (RFC 9110 section 8.4) and scans' files: gzip
+ * (RFC 1952, all members of the file) and zstd (RFC 8878, all frames).  They are untrusted:
+ * their size is bounded while they are decompressed. */
+#ifndef BASE_INFLATE_H
+#define BASE_INFLATE_H
 #include <stddef.h>
 #include "status.h"
 
