@@ -58,7 +58,7 @@ struct ctl {
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *archive_key;    /* a file with its key or passphrase; NULL: asked for */
-    const char *units;          /* NULL: millimetres */
+    double unit_mm;             /* of the scans, millimetres; 0: not given */
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */
     double threshold_mm;    /* 0: the default */

@@ -5,6 +5,7 @@
 #include "ctl_dir.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
+#include "cloudpoints.h"
 #include "ctl_scan.h"
 #include "explain.h"
 #include "explain_cloud.h"
@@ -43,10 +44,15 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
 static enum status compare(struct ctl *c, struct explanation *x, struct store_template *t)
 {
     bool scan = true; /* A is one */
-    enum status st = ctl_scan_points(c, x->b, &x->pts, &x->n);
+    struct cloudpoints p;
+    enum status st = ctl_scan_points(c, x->b, &p);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, x->b, x->pts, x->n, c->work, &x->probe);
+        st = ctl_scan_build(c, x->b, &p, c->work, &x->probe);
+    x->pts = p.at;
+    x->n = p.n;
+    p.at = NULL; /* it is x's */
+    cloudpoints_free(&p);
     if (st == ST_OK && c->db != NULL && store_subject_valid(x->a)) {
         bool none = false;
 

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "cloudpoints.h"
+#include "cloudunit.h"
 #include "fill.h"
 #include "lattice.h"
 #include "mem.h"
@@ -11,10 +13,7 @@
 #include "ctl_scan.h"
 
 struct filled {
-    const char *unit; /* of the file's coordinates */
-    double unit_mm;
-    const struct dvec3 *pts; /* [n] the scan's own, in it */
-    size_t n;
+    struct cloudpoints scan; /* in the file's unit */
     struct fill fill;
 };
 
@@ -50,12 +49,12 @@ static enum status write_filled(FILE *to, const void *arg, struct errinfo *e)
                   "comment restored: 0 a point of the scan, 1 filled in\n"
                   "element vertex %zu\nproperty double x\nproperty double y\n"
                   "property double z\nproperty uchar restored\nend_header\n",
-                  f->unit, f->n + f->fill.n);
-    for (size_t i = 0; i < f->n; i++)
-        print_point(to, f->pts[i].x, f->pts[i].y, f->pts[i].z, 0);
+                  cloudunit_name(f->scan.unit_mm), f->scan.n + f->fill.n);
+    for (size_t i = 0; i < f->scan.n; i++)
+        print_point(to, f->scan.at[i].x, f->scan.at[i].y, f->scan.at[i].z, 0);
     for (uint32_t i = 0; i < f->fill.n; i++) {
         const struct ivec3 *p = &f->fill.pts[i];
-        const double per = LATTICE_PER_MM * f->unit_mm;
+        const double per = LATTICE_PER_MM * f->scan.unit_mm;
 
         print_point(to, p->x / per, p->y / per, p->z / per, 1);
     }
@@ -115,10 +114,10 @@ static void tell_filled(struct ctl *c, struct filled *f)
     if (r->nholes > 0)
         qsort(r->hole, r->nholes, sizeof *r->hole, by_area);
     json_text(c->out, "file", c->dir);
-    json_number(c->out, "points", (double)f->n);
+    json_number(c->out, "points", (double)f->scan.n);
     json_number(c->out, "restored", r->n);
     ctl_say(c, "restored     %u points in %u holes, beside %zu of the scan\n", r->n,
-            r->nholes, f->n);
+            r->nholes, f->scan.n);
     json_array(c->out, "holes");
     for (uint32_t i = 0; i < r->nholes; i++)
         tell_hole(c, &r->hole[i]);
@@ -133,23 +132,25 @@ static void tell_filled(struct ctl *c, struct filled *f)
 /* The scan's points in millimetres, as a face; from that what is missing. */
 static enum status restore(struct ctl *c, struct filled *f)
 {
-    struct dvec3 *mm = mem_array(f->n, sizeof *mm);
+    const double unit = f->scan.unit_mm;
+    struct cloudpoints mm = {
+        .at = mem_array(f->scan.n, sizeof *mm.at), .n = f->scan.n, .unit_mm = unit};
     struct scratch scratch = {0};
     struct face face = {0};
     enum status st;
 
-    if (mm == NULL)
+    if (mm.at == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    for (size_t i = 0; i < f->n; i++)
-        mm[i] = (struct dvec3){f->pts[i].x * f->unit_mm, f->pts[i].y * f->unit_mm,
-                               f->pts[i].z * f->unit_mm};
-    if ((st = ctl_scan_build(c, c->args[0], mm, f->n, c->work, &face)) == ST_OK &&
-        (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - f->n), &scratch,
+    for (size_t i = 0; i < mm.n; i++)
+        mm.at[i] = (struct dvec3){f->scan.at[i].x * unit, f->scan.at[i].y * unit,
+                                  f->scan.at[i].z * unit};
+    if ((st = ctl_scan_build(c, c->args[0], &mm, c->work, &face)) == ST_OK &&
+        (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - mm.n), &scratch,
                          &f->fill)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0],
                           st == ST_ELIMIT ? "filled, it would have too many points"
                                           : status_message(st));
-    mem_free(mm);
+    cloudpoints_free(&mm);
     scratch_free(&scratch);
     face_free(&face);
     return st;
@@ -157,20 +158,17 @@ static enum status restore(struct ctl *c, struct filled *f)
 
 static enum status run(struct ctl *c)
 {
-    struct filled f = {.unit = c->units != NULL ? c->units : "mm",
-                       .unit_mm = ctl_scan_unit(c)};
-    struct dvec3 *pts = NULL;
+    struct filled f = {.scan = {.n = 0}};
     enum status st;
 
     if (c->dir == NULL)
         return ctl_usage(c, "fill needs --out FILE");
-    st = ctl_scan_parse(c, c->args[0], &pts, &f.n);
-    f.pts = pts;
+    st = ctl_scan_parse(c, c->args[0], &f.scan);
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
         (st = write_new(c->dir, &f, &c->e)) == ST_OK)
         tell_filled(c, &f);
     fill_free(&f.fill);
-    mem_free(pts);
+    cloudpoints_free(&f.scan);
     return st;
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "cloudunit.h"
 #include "ctl.h"
 #include "store.h"
 #include "utc.h"
@@ -26,10 +27,7 @@ const char *ctl_option_text(const char *text, void *value)
 
 static const char *read_units(const char *text, void *value)
 {
-    *(const char **)value = text;
-    return strcmp(text, "mm") == 0 || strcmp(text, "cm") == 0 || strcmp(text, "m") == 0
-               ? NULL
-               : "mm, cm or m";
+    return cloudunit_mm(text, strlen(text), value) ? NULL : CLOUDUNIT_NAMES;
 }
 
 static bool read_number(const char *text, double *to, double most)
@@ -125,8 +123,8 @@ static const struct ctl_option shared_options[] = {
            "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
-    SHARED("units", "mm|cm|m", read_units, units, 0,
-           "the unit of the scans' coordinates (mm)"),
+    SHARED("units", "mm|cm|m|in", read_units, unit_mm, 0,
+           "the unit of the scans' coordinates (mm), where a file does not say it"),
     SHARED("model", "FILE", ctl_option_text, model_path, 0,
            "a model that surfacectl train wrote; or set SURFACED_MODEL"),
     SHARED("threshold-mm", "MM", ctl_option_mm, threshold_mm, 0,

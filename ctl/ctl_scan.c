@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "cloudfile.h"
-#include "mem.h"
 #include "sample.h"
 #include "ctl.h"
 #include "ctl_scan.h"
@@ -46,51 +45,40 @@ enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
     return st;
 }
 
-double ctl_scan_unit(const struct ctl *c)
+enum status ctl_scan_parse(struct ctl *c, const char *path, struct cloudpoints *out)
 {
-    if (c->units == NULL || strcmp(c->units, "mm") == 0)
-        return 1;
-    return strcmp(c->units, "cm") == 0 ? 10 : 1000;
-}
-
-enum status ctl_scan_parse(struct ctl *c, const char *path, struct dvec3 **pts, size_t *n)
-{
-    struct clouderror why = {.what = "out of memory"};
+    const struct cloudfile_options o = {
+        .max_points = FACE_MAX_POINTS, .max_bytes = MAX_FILE, .unit_mm = c->unit_mm};
+    struct errinfo why = {.msg = "out of memory"};
     unsigned char *bytes;
     size_t len;
     enum status st = ctl_scan_file(path, MAX_FILE, &bytes, &len, &c->e);
 
-    *pts = NULL;
-    *n = 0;
-    if (st == ST_OK && (st = cloudfile_parse(bytes, len, CLOUDFILE_ANY, FACE_MAX_POINTS,
-                                             pts, n, &why)) != ST_OK) {
-        if (why.line != 0)
-            (void)errinfo_set(&c->e, st, "%s, line %u: %s", path, why.line, why.what);
-        else
-            (void)errinfo_set(&c->e, st, "%s, byte %zu: %s", path, why.where, why.what);
-    }
+    *out = (struct cloudpoints){0};
+    if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%.100s: %s", path, why.msg);
     free(bytes);
+    if (out->unit_mm == 0)
+        out->unit_mm = 1;
     return st;
 }
 
-enum status ctl_scan_points(struct ctl *c, const char *path, struct dvec3 **pts,
-                            size_t *n)
+enum status ctl_scan_points(struct ctl *c, const char *path, struct cloudpoints *out)
 {
-    const double mm = ctl_scan_unit(c);
-    const enum status st = ctl_scan_parse(c, path, pts, n);
+    const enum status st = ctl_scan_parse(c, path, out);
+    const double mm = out->unit_mm;
 
-    if (st == ST_OK)
-        for (size_t i = 0; i < *n; i++)
-            (*pts)[i] =
-                (struct dvec3){(*pts)[i].x * mm, (*pts)[i].y * mm, (*pts)[i].z * mm};
+    for (size_t i = 0; i < out->n; i++)
+        out->at[i] =
+            (struct dvec3){out->at[i].x * mm, out->at[i].y * mm, out->at[i].z * mm};
     return st;
 }
 
-enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *pts,
-                           size_t n, struct face_work *w, struct face *out)
+enum status ctl_scan_build(struct ctl *c, const char *path, const struct cloudpoints *p,
+                           struct face_work *w, struct face *out)
 {
     const struct sample sample = {
-        .name = path, .pts = pts, .n = n, .unit_mm = ctl_scan_unit(c)};
+        .name = path, .pts = p->at, .n = p->n, .unit_mm = p->unit_mm};
 
     return sample_build(&sample, w, out, &c->e);
 }
@@ -98,12 +86,11 @@ enum status ctl_scan_build(struct ctl *c, const char *path, const struct dvec3 *
 enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,
                           struct face *out)
 {
-    struct dvec3 *pts;
-    size_t n;
-    enum status st = ctl_scan_points(c, path, &pts, &n);
+    struct cloudpoints p;
+    enum status st = ctl_scan_points(c, path, &p);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, path, pts, n, w, out);
-    mem_free(pts);
+        st = ctl_scan_build(c, path, &p, w, out);
+    cloudpoints_free(&p);
     return st;
 }

@@ -1,12 +1,17 @@
 #include "cloudfile.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "cloudjson.h"
+#include "cloudlist.h"
 #include "cloudobj.h"
 #include "cloudply.h"
 #include "cloudtext.h"
 #include "cloudxyz.h"
-#include "mem.h"
+#include "errinfo.h"
+#include "inflate.h"
+#include "json.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -14,80 +19,146 @@ static void skip_bom(struct cloudtext *t)
         t->p += 3;
 }
 
-/* By the first line that is not a comment. */
-static enum status recognise(const struct cloudtext *text, enum cloudfile_format *format)
+static enum status nothing(struct cloudtext *t)
+{
+    return cloudtext_fail(t, ST_EINVAL, "there are no points in it");
+}
+
+/* The first line that is not a comment.  False: there is none. */
+static bool find_line(struct cloudtext *t)
+{
+    for (; t->p < t->end; cloudtext_skip(t)) {
+        cloudtext_blank(t);
+        if (!cloudtext_eol(t) && !cloudtext_comment(t))
+            return true;
+    }
+    return false;
+}
+
+/* By what it begins with. */
+static enum status recognise(const struct cloudtext *text, enum cloudformat *format)
 {
     struct cloudtext t = *text;
+    const char *foreign =
+        cloudformat_foreign((const unsigned char *)t.p, (size_t)(t.end - t.p));
 
+    if (foreign != NULL)
+        return errinfo_set(t.e, ST_EVERSION,
+                           "%s, which is not read: send " CLOUDFORMAT_READ, foreign);
     if (cloudply_is(&t)) {
-        *format = CLOUDFILE_PLY;
+        *format = CLOUDFORMAT_PLY;
         return ST_OK;
     }
     skip_bom(&t);
-    for (;;) {
-        cloudtext_blank(&t);
-        if (t.p == t.end)
-            return cloudtext_fail(&t, ST_EINVAL, "there are no points in it");
-        if (!cloudtext_eol(&t) && !cloudtext_comment(&t))
-            break;
-        cloudtext_skip(&t);
-    }
-    if (cloudobj_is(&t))
-        *format = CLOUDFILE_OBJ;
+    if (!find_line(&t))
+        return nothing(&t);
+    if (*t.p == '{' || *t.p == '[')
+        *format = CLOUDFORMAT_JSON;
+    else if (cloudobj_is(&t))
+        *format = CLOUDFORMAT_OBJ;
     else if (cloudxyz_is(&t))
-        *format = CLOUDFILE_XYZ;
+        *format = CLOUDFORMAT_XYZ;
     else
-        return cloudtext_fail(&t, ST_EINVAL, "neither a PLY nor an OBJ nor an XYZ file");
+        return errinfo_set(t.e, ST_EVERSION,
+                           "not a scan in a format that is read: " CLOUDFORMAT_READ);
     return ST_OK;
 }
 
-static enum status text_parse(struct cloudtext *t, enum cloudfile_format format,
-                              size_t max_points, struct dvec3 **out, size_t *n)
+static enum status text_parse(struct cloudtext *t, struct cloudlist *list)
 {
-    struct cloudtext_points list = {NULL, 0, max_points};
-    size_t bytes, room;
     enum status st;
 
     skip_bom(t);
-    if ((st = cloudtext_plain(t)) != ST_OK)
-        return st;
-    bytes = (size_t)(t->end - t->p);
-    room = cloudtext_lines(t);
-    room = room < bytes / 6 + 1 ? room : bytes / 6 + 1;
-    room = room < max_points ? room : max_points;
-    if ((list.at = mem_array(room, sizeof *list.at)) == NULL)
-        return ST_ENOMEM;
-    st = format == CLOUDFILE_OBJ ? cloudobj_parse(t, &list) : cloudxyz_parse(t, &list);
-    if (st == ST_OK && list.n == 0)
-        st = cloudtext_fail(t, ST_EINVAL, "there are no points in it");
-    if (st != ST_OK) {
-        mem_free(list.at);
-        return st;
-    }
-    *out = list.at;
-    *n = list.n;
-    return ST_OK;
+    if ((st = cloudtext_plain(t)) == ST_OK)
+        st = list->out.format == CLOUDFORMAT_OBJ ? cloudobj_parse(t, list)
+                                                 : cloudxyz_parse(t, list);
+    return st == ST_OK && list->out.read == 0 ? nothing(t) : st;
 }
 
-enum status cloudfile_parse(const void *bytes, size_t len, enum cloudfile_format format,
-                            size_t max_points, struct dvec3 **out, size_t *n,
-                            struct clouderror *err)
+static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 {
-    struct cloudtext t;
+    struct json_value *doc;
     enum status st;
 
-    *out = NULL;
-    *n = 0;
-    t.start = t.p = bytes;
-    t.end = t.start + len;
-    t.line = 1;
-    t.continued = false;
-    t.err = err;
-    if (len == 0)
-        return cloudtext_fail(&t, ST_EINVAL, "there are no points in it");
-    if (format == CLOUDFILE_ANY && (st = recognise(&t, &format)) != ST_OK)
+    skip_bom(t);
+    st = cloudjson_document(t->p, (size_t)(t->end - t->p), list->max, 1, &doc, list->e);
+    if (st == ST_OK)
+        st = cloudjson_take(doc, "the body", "", list);
+    json_free(doc);
+    return st;
+}
+
+static enum status parse(struct cloudtext *t, struct cloudlist *list)
+{
+    enum status st = ST_OK;
+
+    if (list->out.format == CLOUDFORMAT_ANY)
+        st = recognise(t, &list->out.format);
+    if (st != ST_OK)
         return st;
-    if (format == CLOUDFILE_PLY)
-        return cloudply_parse(&t, max_points, out, n);
-    return text_parse(&t, format, max_points, out, n);
+    switch (list->out.format) {
+    case CLOUDFORMAT_PLY:
+        return cloudply_parse(t, list);
+    case CLOUDFORMAT_JSON:
+        return json_parse(t, list);
+    default:
+        return text_parse(t, list);
+    }
+}
+
+/* What is in the list becomes *out, if st is ST_OK. */
+static enum status finish(struct cloudlist *list, enum status st,
+                          const struct cloudfile_options *o, struct cloudpoints *out)
+{
+    if (st == ST_OK)
+        st = cloudlist_finish(list);
+    if (st != ST_OK) {
+        cloudpoints_free(&list->out);
+    } else {
+        if (list->out.unit_mm == 0)
+            list->out.unit_mm = o->unit_mm;
+        *out = list->out;
+    }
+    return st;
+}
+
+/* The file, unpacked. */
+static enum status read_plain(const char *bytes, size_t len,
+                              const struct cloudfile_options *o, struct cloudpoints *out,
+                              struct errinfo *e)
+{
+    struct cloudtext t = {
+        .start = bytes, .p = bytes, .end = bytes + len, .line = 1, .e = e};
+    struct cloudlist list = {.out = {.format = o->format}, .max = o->max_points, .e = e};
+
+    return finish(&list, len == 0 ? nothing(&t) : parse(&t, &list), o, out);
+}
+
+enum status cloudfile_read(const void *bytes, size_t len,
+                           const struct cloudfile_options *o, struct cloudpoints *out,
+                           struct errinfo *e)
+{
+    unsigned char *unpacked;
+    size_t n;
+    enum status st;
+
+    *out = (struct cloudpoints){0};
+    if (len < 2 || memcmp(bytes, "\x1F\x8B", 2) != 0)
+        return read_plain(bytes, len, o, out, e);
+    st = inflate_body(INFLATE_GZIP, bytes, len, o->max_bytes, &unpacked, &n, e);
+    if (st == ST_OK)
+        st = read_plain((const char *)unpacked, n, o, out, e);
+    free(unpacked);
+    return st;
+}
+
+enum status cloudfile_read_json(const struct json_value *object, const char *name,
+                                const char *prefix, const struct cloudfile_options *o,
+                                struct cloudpoints *out, struct errinfo *e)
+{
+    struct cloudlist list = {
+        .out = {.format = CLOUDFORMAT_JSON}, .max = o->max_points, .e = e};
+
+    *out = (struct cloudpoints){0};
+    return finish(&list, cloudjson_take(object, name, prefix, &list), o, out);
 }

@@ -1,38 +1,54 @@
-/* cloudfile.h -- the points of a scanner's file in memory: PLY, OBJ or XYZ.
+/* cloudfile.h -- the points of a scanner's file in memory.
  * Any bytes are safe.  Nothing that a file names is opened or fetched. */
 #ifndef SCAN_CLOUDFILE_H
 #define SCAN_CLOUDFILE_H
 #include <stddef.h>
-#include "clouderror.h"
+#include "cloudpoints.h"
 #include "status.h"
-#include "vec.h"
 
-enum cloudfile_format {
-    CLOUDFILE_ANY, /* recognised by its first bytes */
-    CLOUDFILE_PLY, /* ascii, binary_little_endian, binary_big_endian, version 1.0 */
-    CLOUDFILE_OBJ, /* "v x y z" lines */
-    CLOUDFILE_XYZ  /* three numbers a line (more are ignored), # comments */
+struct errinfo;    /* errinfo.h */
+struct json_value; /* json.h */
+
+struct cloudfile_options {
+    enum cloudformat format; /* as declared; CLOUDFORMAT_ANY: recognised by the content */
+    size_t max_points;       /* that may have a value */
+    size_t max_bytes;        /* of a file when unpacked */
+    double unit_mm;          /* millimetres per unit; 0: not given */
 };
 
-/* cloudfile_parse(bytes, len, format, max_points, out, n, err)
- * out   new array of *n points in the file's own units, released by mem_free(); NULL on
- *       error
- * err   filled on every failure but ST_ENOMEM; may be NULL
+/* cloudfile_read(bytes, len, o, out, e): bytes[len] must be 0.
+ * out   released by cloudpoints_free(); empty on failure.  The unit is that of o, if the
+ *       file has none of its own (JSON, the heading of a text file).
+ * e     on failure "line 3: ...", "byte 80: ...", or a sentence; may be NULL
+ * A file may be compressed by gzip, whatever its format.
  * PLY   every scalar type, lists, any other elements and properties; each row of an ascii
  *       file on a line of its own.  The data must be what the header says: too few rows,
- *       values on a line too many, or bytes after the last row are errors (elements that
- *       follow the vertices are not read).  No vertices at all is ST_OK with *n == 0.
- * OBJ   "v" with 3 to 8 numbers, the first three taken; a backslash continues a line;
- *       other keywords are skipped.
+ *       values on a line too many, or bytes after the last row are errors (of the elements
+ *       that follow the vertices only faces are read, and where they cannot be, the normals
+ *       are unknown).  Normals: nx, ny, nz, or the faces'.  No vertices at all is ST_OK with
+ *       n == 0.
+ * OBJ   "v" with 3 to 8 numbers, the first three taken; normals by the "f" lines; a backslash
+ *       continues a line; other keywords are skipped.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
- *       other line may be a heading, which begins with a letter or a quotation mark.
- * Numbers do not depend on the locale and are correctly rounded.  Cost O(len) time; memory
- * at most 8 bytes per byte of input, whatever the header claims.
- * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE; ST_ELIMIT more than
- * max_points; ST_EVERSION a format variant not supported; ST_ENOMEM. */
-enum status cloudfile_parse(const void *bytes, size_t len, enum cloudfile_format format,
-                            size_t max_points, struct dvec3 **out, size_t *n,
-                            struct clouderror *err);
+ *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one
+ *       before each part.
+ * JSON  {"points": [[x,y,z], ...], "units": "mm"}
+ * Numbers do not depend on the locale and are correctly rounded.  Points without a value are
+ * dropped (cloudpoints.h).
+ * Cost O(len) time; memory at most 52 bytes a point that is kept, and for JSON what
+ * cloudjson.h says, whatever a header claims.
+ * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE no point has a value, or a
+ * number of JSON is too large; ST_ELIMIT more than max_points or max_bytes; ST_EVERSION a
+ * format, or a variant of one, that is not read; ST_ENOMEM. */
+enum status cloudfile_read(const void *bytes, size_t len,
+                           const struct cloudfile_options *o, struct cloudpoints *out,
+                           struct errinfo *e);
+
+/* cloudfile_read_json(object, name, prefix, o, out, e): a cloud that is a part of a JSON
+ * document; name and prefix as in cloudjson.h. */
+enum status cloudfile_read_json(const struct json_value *object, const char *name,
+                                const char *prefix, const struct cloudfile_options *o,
+                                struct cloudpoints *out, struct errinfo *e);
 
 #endif

@@ -4,22 +4,22 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-#include "clouderror.h"
+#include "errinfo.h"
 #include "number.h"
 
 enum status cloudtext_fail(struct cloudtext *t, enum status st, const char *fmt, ...)
 {
+    char what[160];
     va_list ap;
 
-    if (t->err == NULL)
-        return st;
-    t->err->where = (size_t)(t->p - t->start);
-    t->err->line = t->line;
     va_start(ap, fmt);
-    (void)vsnprintf(t->err->what, sizeof t->err->what, fmt, ap);
+    (void)vsnprintf(what, sizeof what, fmt, ap);
     va_end(ap);
-    return st;
+    if (t->line > 0)
+        return errinfo_set(t->e, st, "line %lu: %s", (unsigned long)t->line, what);
+    return errinfo_set(t->e, st, "byte %zu: %s", (size_t)(t->p - t->start), what);
 }
 
 bool cloudtext_eol(const struct cloudtext *t)
@@ -79,6 +79,22 @@ bool cloudtext_is(const char *word, size_t len, const char *what)
     return strlen(what) == len && memcmp(word, what, len) == 0;
 }
 
+bool cloudtext_like(const char *word, size_t len, const char *what)
+{
+    return strlen(what) == len && strncasecmp(word, what, len) == 0;
+}
+
+bool cloudtext_count(const char *word, size_t len, uint64_t *out)
+{
+    *out = 0;
+    for (size_t i = 0; i < len; i++) {
+        if (word[i] < '0' || word[i] > '9' || i == 18)
+            return false;
+        *out = 10 * *out + (uint64_t)(word[i] - '0');
+    }
+    return len > 0;
+}
+
 bool cloudtext_is_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
@@ -89,37 +105,30 @@ bool cloudtext_comment(const struct cloudtext *t)
     return *t->p == '#' || (t->end - t->p > 1 && t->p[0] == '/' && t->p[1] == '/');
 }
 
-enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
-                            struct dvec3 p)
-{
-    if (list->n == list->max)
-        return cloudtext_fail(t, ST_ELIMIT, "more points than the limit of %zu",
-                              list->max);
-    list->at[list->n++] = p;
-    return ST_OK;
-}
-
 static bool ends_number(const struct cloudtext *t, const char *p)
 {
     return p == t->end || *p == ' ' || *p == '\t' || *p == '\n' || *p == '\r' ||
            *p == ',' || *p == ';' || (*p == '\\' && t->continued);
 }
 
-/* Is the text here one of the ways in which programs write NaN and infinity? */
-static bool not_finite(const struct cloudtext *t)
+/* The end of NaN or infinity at t->p, as programs write them; NULL: there is none. */
+static const char *not_finite(const struct cloudtext *t)
 {
-    const char *p = t->p;
-    size_t left;
+    static const char *const words[] = {"nan", "inf", "infinity"};
+    const char *p = t->p + (t->p < t->end && (*t->p == '+' || *t->p == '-')), *q = p;
+    size_t len;
 
-    if (p < t->end && (*p == '+' || *p == '-'))
-        p++;
-    left = (size_t)(t->end - p);
-    if (left >= 4 && memcmp(p, "1.#", 3) == 0) /* 1.#INF, 1.#QNAN, 1.#IND */
-        return true;
-    if (left < 3)
-        return false;
-    return ((p[0] | 32) == 'n' && (p[1] | 32) == 'a' && (p[2] | 32) == 'n') ||
-           ((p[0] | 32) == 'i' && (p[1] | 32) == 'n' && (p[2] | 32) == 'f');
+    while (!ends_number(t, q))
+        q++;
+    len = (size_t)(q - p);
+    if (len >= 4 && memcmp(p, "1.#", 3) == 0) /* 1.#INF, 1.#QNAN, 1.#IND */
+        return q;
+    if (len >= 4 && strncasecmp(p, "nan(", 4) == 0)
+        return q;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (cloudtext_like(p, len, words[i]))
+            return q;
+    return NULL;
 }
 
 enum status cloudtext_number(struct cloudtext *t, double *out)
@@ -129,15 +138,12 @@ enum status cloudtext_number(struct cloudtext *t, double *out)
     cloudtext_blank(t);
     after = number_read(t->p, t->end, out);
     if (after == NULL || !ends_number(t, after)) {
-        if (not_finite(t))
-            return cloudtext_fail(t, ST_ENOTFINITE,
-                                  "a coordinate is not a finite number");
-        if (cloudtext_eol(t))
-            return cloudtext_fail(t, ST_EINVAL, "the line has too few numbers");
-        return cloudtext_fail(t, ST_EINVAL, "a number is expected here");
+        if ((after = not_finite(t)) == NULL)
+            return cloudtext_fail(t, ST_EINVAL,
+                                  cloudtext_eol(t) ? "the line has too few numbers"
+                                                   : "a number is expected here");
+        *out = NAN;
     }
-    if (!isfinite(*out))
-        return cloudtext_fail(t, ST_ENOTFINITE, "a coordinate is too large for a number");
     t->p = after;
     return ST_OK;
 }

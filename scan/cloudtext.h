@@ -7,25 +7,18 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"
-#include "vec.h"
 
-struct clouderror; /* clouderror.h */
+struct errinfo; /* errinfo.h */
 
 struct cloudtext {
     const char *start, *p, *end;
-    uint32_t line;          /* of p, from 1; 0: not counted (binary) */
-    bool continued;         /* a backslash before a line end joins two lines (OBJ) */
-    struct clouderror *err; /* may be NULL */
+    uint32_t line;     /* of p, from 1; 0: not counted (binary) */
+    bool continued;    /* a backslash before a line end joins two lines (OBJ) */
+    struct errinfo *e; /* may be NULL */
 };
 
-/* The points of a text file.  Each has a line of its own, of 6 bytes or more ("1 1 1" and a
- * line end): the room for them is known before they are read. */
-struct cloudtext_points {
-    struct dvec3 *at;
-    size_t n, max;
-};
-
-/* cloudtext_fail(t, st, fmt, ...): fill *t->err, for the byte at t->p; returns st. */
+/* cloudtext_fail(t, st, fmt, ...): fill *t->e, "line 3: ..." or "byte 80: ..." of t->p;
+ * returns st. */
 __attribute__((format(printf, 3, 4))) enum status
 cloudtext_fail(struct cloudtext *t, enum status st, const char *fmt, ...);
 
@@ -45,15 +38,16 @@ void cloudtext_skip(struct cloudtext *t);
  * *len is 0 at the line's end. */
 const char *cloudtext_word(struct cloudtext *t, size_t *len);
 bool cloudtext_is(const char *word, size_t len, const char *what);
+bool cloudtext_like(const char *word, size_t len, const char *what); /* in any case */
 
-/* cloudtext_number(t, out): read a finite number, after blanks; a blank, a comma, a semicolon
- * or the line's end must follow it.
- * Returns ST_OK, ST_EINVAL (no number), ST_ENOTFINITE. */
+/* cloudtext_number(t, out): read a number, after blanks; a blank, a comma, a semicolon or the
+ * line's end must follow it.  NaN and infinity, as programs write them ("nan", "-inf",
+ * "1.#QNAN"), and numbers too large for a double, give a value that is not finite.
+ * Returns ST_OK, ST_EINVAL (no number). */
 enum status cloudtext_number(struct cloudtext *t, double *out);
 
-/* cloudtext_point(t, list, p): one point more.  Returns ST_OK, ST_ELIMIT. */
-enum status cloudtext_point(struct cloudtext *t, struct cloudtext_points *list,
-                            struct dvec3 p);
+/* cloudtext_count(word, len, out): a word of 1 to 18 digits. */
+bool cloudtext_count(const char *word, size_t len, uint64_t *out);
 
 /* cloudtext_comment(t): does a comment (# or //) begin here?  Not at the text's end. */
 bool cloudtext_comment(const struct cloudtext *t);

@@ -4,13 +4,13 @@
 #include <stdbool.h>
 #include "status.h"
 
-struct cloudtext;        /* cloudtext.h */
-struct cloudtext_points; /* cloudtext.h */
+struct cloudlist; /* cloudlist.h */
+struct cloudtext; /* cloudtext.h */
 
 /* cloudxyz_is(t): can what is here begin the first line of an XYZ file? */
 bool cloudxyz_is(const struct cloudtext *t);
 
-/* cloudxyz_parse(t, list): the points from t on, as cloudfile_parse() says. */
-enum status cloudxyz_parse(struct cloudtext *t, struct cloudtext_points *list);
+/* cloudxyz_parse(t, list): the points from t on, as cloudfile_read() says. */
+enum status cloudxyz_parse(struct cloudtext *t, struct cloudlist *list);
 
 #endif

@@ -14,11 +14,9 @@ static const char *wants(const struct request *r)
 {
     switch (r->route->body) {
     case ROUTE_CLOUD:
-        return r->media == REQUEST_NO_MEDIA || r->media == REQUEST_MERGE ||
-                       r->media == REQUEST_OTHER_MEDIA
-                   ? "application/json, model/x-ply, application/x-ply, model/obj, "
-                     "text/plain or application/octet-stream"
-                   : NULL;
+        return r->media == REQUEST_JSON || r->media == REQUEST_SCAN
+                   ? NULL
+                   : cloudformat_media_list();
     case ROUTE_JSON:
         return r->media == REQUEST_JSON ? NULL : "application/json";
     case ROUTE_MERGE:

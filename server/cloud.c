@@ -1,130 +1,106 @@
 #include "cloud.h"
 
+#include <math.h>
 #include <stdlib.h>
 
+#include "app.h"
 #include "cloudfile.h"
 #include "errinfo.h"
 #include "face.h"
-#include "parse.h"
-#include "mem.h"
 #include "params.h"
+#include "parse.h"
 #include "request.h"
 #include "sample.h"
 
-void cloud_free(struct cloud *c)
+/* By the request's parameters.  False: r->response says what is wrong with them. */
+static bool take_options(struct request *r, struct cloudfile_options *o)
 {
-    mem_free(c->pts);
-    *c = (struct cloud){0};
+    *o = (struct cloudfile_options){.format = r->format,
+                                    .max_points = FACE_MAX_POINTS,
+                                    .max_bytes = r->app->max_body};
+    return params_units(r, &o->unit_mm);
 }
 
-static void to_mm(struct cloud *c, double mm)
+static void to_mm(struct cloudpoints *c)
 {
-    c->unit_mm = mm;
-    if (mm != 1.0) {
-        for (size_t i = 0; i < c->n; i++) {
-            c->pts[i].x *= mm;
-            c->pts[i].y *= mm;
-            c->pts[i].z *= mm;
-        }
+    if (c->unit_mm == 0)
+        c->unit_mm = 1;
+    if (c->unit_mm == 1)
+        return;
+    for (size_t i = 0; i < c->n; i++) {
+        c->at[i].x *= c->unit_mm;
+        c->at[i].y *= c->unit_mm;
+        c->at[i].z *= c->unit_mm;
     }
 }
 
-static void drop_body(struct request *r)
+/* After the reading: the body is not needed any more. */
+static enum status settle(struct request *r, enum status st, struct errinfo *e)
 {
     free(r->body);
     r->body = NULL;
     r->len = 0;
-}
-
-static enum status read_json(struct request *r, double mm, struct cloud *out,
-                             struct errinfo *e)
-{
-    struct parse_cloud c;
-    enum status st = parse_cloud((const char *)r->body, r->len, FACE_MAX_POINTS, &c, e);
-
-    if (st == ST_OK) {
-        *out = (struct cloud){.pts = c.pts, .n = c.n};
-        to_mm(out, c.has_units ? c.mm : mm);
-    }
+    if (st == ST_EVERSION) /* another format, or a variant of one */
+        e->code = ST_EINVAL;
+    if (st != ST_OK)
+        request_fail(r, e);
     return st;
 }
 
-static enum status read_file(struct request *r, double mm, struct cloud *out,
-                             struct errinfo *e)
+enum status cloud_read(struct request *r, struct cloudpoints *out)
 {
-    static const enum cloudfile_format format[] = {
-        [REQUEST_PLY] = CLOUDFILE_PLY,
-        [REQUEST_OBJ] = CLOUDFILE_OBJ,
-        [REQUEST_XYZ] = CLOUDFILE_XYZ,
-        [REQUEST_BYTES] = CLOUDFILE_ANY,
-    };
-    struct clouderror fe = {0};
-    enum status st = cloudfile_parse(r->body, r->len, format[r->media], FACE_MAX_POINTS,
-                                     &out->pts, &out->n, &fe);
-
-    if (st == ST_OK)
-        to_mm(out, mm);
-    else if (st == ST_ENOMEM)
-        (void)errinfo_set(e, st, "no memory for the points");
-    else if (fe.line > 0)
-        (void)errinfo_set(e, st == ST_EVERSION ? ST_EINVAL : st, "line %u: %s",
-                          (unsigned)fe.line, fe.what);
-    else
-        (void)errinfo_set(e, st == ST_EVERSION ? ST_EINVAL : st, "byte %zu: %s", fe.where,
-                          fe.what);
-    return st;
-}
-
-enum status cloud_read(struct request *r, struct cloud *out)
-{
+    struct cloudfile_options o;
     struct errinfo e = {0};
-    double mm = 1.0;
     enum status st;
 
-    *out = (struct cloud){0};
-    if (!params_units(r, &mm))
+    *out = (struct cloudpoints){0};
+    if (!take_options(r, &o))
         return ST_EINVAL;
-    st = r->media == REQUEST_JSON ? read_json(r, mm, out, &e) : read_file(r, mm, out, &e);
-    drop_body(r);
-    if (st != ST_OK) {
-        *out = (struct cloud){0};
-        request_fail(r, &e);
-    }
-    return st;
+    st = cloudfile_read(r->body, r->len, &o, out, &e);
+    to_mm(out);
+    return settle(r, st, &e);
 }
 
-enum status cloud_read_two(struct request *r, struct cloud *a, struct cloud *b)
+enum status cloud_read_two(struct request *r, struct cloudpoints *a,
+                           struct cloudpoints *b)
 {
+    struct cloudfile_options o;
     struct errinfo e = {0};
-    struct parse_cloud ja, jb;
-    double mm = 1.0;
     enum status st;
 
-    *a = *b = (struct cloud){0};
-    if (!params_units(r, &mm))
+    *a = *b = (struct cloudpoints){0};
+    if (!take_options(r, &o))
         return ST_EINVAL;
-    st = parse_clouds((const char *)r->body, r->len, FACE_MAX_POINTS, &ja, &jb, &e);
-    drop_body(r);
-    if (st != ST_OK) {
-        request_fail(r, &e);
-        return st;
-    }
-    *a = (struct cloud){.pts = ja.pts, .n = ja.n};
-    *b = (struct cloud){.pts = jb.pts, .n = jb.n};
-    to_mm(a, ja.has_units ? ja.mm : mm);
-    to_mm(b, jb.has_units ? jb.mm : mm);
-    return ST_OK;
+    st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
+    to_mm(a);
+    to_mm(b);
+    return settle(r, st, &e);
 }
 
-enum status cloud_build(struct request *r, const struct cloud *c, const char *name,
+enum status cloud_build(struct request *r, const struct cloudpoints *c, const char *name,
                         struct face_work *w, struct face *out)
 {
     const struct sample sample = {
-        .name = name, .pts = c->pts, .n = c->n, .unit_mm = c->unit_mm};
+        .name = name, .pts = c->at, .n = c->n, .unit_mm = c->unit_mm};
     struct errinfo e = {0};
     enum status st = sample_build(&sample, w, out, &e);
 
     if (st != ST_OK)
         request_fail(r, &e);
     return st;
+}
+
+void cloud_spread(const struct cloudpoints *c, double *value)
+{
+    size_t to = c->read;
+
+    if (c->index == NULL)
+        return;
+    for (size_t i = c->n; i-- > 0;) { /* from the end: index[i] >= i */
+        while (--to > c->index[i])
+            value[to] = NAN;
+        value[to] = value[i];
+    }
+    while (to > 0)
+        value[--to] = NAN;
 }

@@ -35,7 +35,7 @@ struct comparison {
     struct request *r;
     struct worker *w;
     enum params_detail detail;
-    struct cloud a, b;
+    struct cloudpoints a, b;
     double parse_ms, prepare_ms;
     struct face_result result;
     struct minimal least; /* not for PARAMS_DECISION */
@@ -67,11 +67,16 @@ static bool build(struct comparison *c)
 
 static enum status heatmap(struct comparison *c)
 {
-    c->gap = mem_array(c->b.n, sizeof *c->gap);
+    enum status st;
+
+    c->gap = mem_array(c->b.read, sizeof *c->gap);
     if (c->gap == NULL)
         return ST_ENOMEM;
-    return heatmap_gaps(&c->w->other.surface, c->b.pts, c->b.n, c->result.align.transform,
-                        c->gap);
+    st = heatmap_gaps(&c->w->other.surface, c->b.at, c->b.n, c->result.align.transform,
+                      c->gap);
+    if (st == ST_OK)
+        cloud_spread(&c->b, c->gap);
+    return st;
 }
 
 static bool compare(struct comparison *c)
@@ -115,7 +120,7 @@ static void respond(struct comparison *c)
                              .times = &times,
                              .measure = c->detail != PARAMS_BRIEF,
                              .gap_mm = c->gap,
-                             .n = c->b.n,
+                             .n = c->b.read,
                          });
 }
 
@@ -130,6 +135,6 @@ void compare_handle(struct request *r, struct worker *w)
         respond(&c);
     }
     mem_free(c.gap);
-    cloud_free(&c.a);
-    cloud_free(&c.b);
+    cloudpoints_free(&c.a);
+    cloudpoints_free(&c.b);
 }

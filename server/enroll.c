@@ -56,7 +56,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
 static void read_and_enroll(struct request *r, struct worker *w)
 {
     char label[STORE_LABEL_MAX + 1];
-    struct cloud c;
+    struct cloudpoints c;
     bool force = false;
     double start = log_clock_ms(), parsed;
     enum status st = request_query(r, "label", label, sizeof label);
@@ -72,7 +72,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
     request_stage(r, REQUEST_PARSE, parsed - start);
     st = cloud_build(r, &c, "points", w->compare.work, &w->probe);
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
-    cloud_free(&c);
+    cloudpoints_free(&c);
     if (st == ST_OK)
         enroll(r, w, label, force);
 }

@@ -242,7 +242,7 @@ static void look_at_body(struct exchange *x)
     else if (length != NULL)
         x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
     x->body_sent = x->length > 0;
-    x->r.media = request_media(header(x, "Content-Type"));
+    x->r.media = request_media(header(x, "Content-Type"), &x->r.format);
 }
 
 /* Room for n more bytes and a final 0 in r.body. */

@@ -155,7 +155,8 @@ static void digest_key(const struct idempotency *m, const struct request *r,
 static void digest_request(const struct idempotency *m, const struct request *r,
                            unsigned char out[DIGEST])
 {
-    const unsigned char kind[2] = {(unsigned char)r->method, (unsigned char)r->media};
+    const unsigned char kind[3] = {(unsigned char)r->method, (unsigned char)r->media,
+                                   (unsigned char)r->format};
     crypto_generichash_state h;
 
     (void)crypto_generichash_init(&h, m->secret, sizeof m->secret, DIGEST);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "auth.h"
+#include "cloudunit.h"
 #include "errmap.h"
-#include "parse.h"
 #include "request.h"
 
 /* The value into buf; *there tells whether it was given.  False when it cannot be read, and
@@ -42,9 +42,10 @@ bool params_units(struct request *r, double *mm)
     char buf[8];
     bool there;
 
-    if (get(r, "units", buf, sizeof buf, &there) && (!there || parse_units(buf, mm)))
+    if (get(r, "units", buf, sizeof buf, &there) &&
+        (!there || cloudunit_mm(buf, strlen(buf), mm)))
         return true;
-    request_problem(r, ERRMAP_PARAMETER, "units is not mm, cm or m");
+    request_problem(r, ERRMAP_PARAMETER, "units is not " CLOUDUNIT_NAMES);
     return false;
 }
 

@@ -9,7 +9,7 @@ struct request;
 
 bool params_flag(struct request *r, const char *name, bool *out); /* true, false */
 
-/* params_units(r, mm): units=mm|cm|m as millimetres per unit. */
+/* params_units(r, mm): units=mm|cm|m|in as millimetres per unit. */
 bool params_units(struct request *r, double *mm);
 
 enum params_detail {                  /* what the response to a comparison contains */

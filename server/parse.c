@@ -2,130 +2,29 @@
 
 #include <string.h>
 
+#include "cloudfile.h"
+#include "cloudjson.h"
 #include "errinfo.h"
 #include "json.h"
-#include "mem.h"
 
 /* ---- clouds */
 
-bool parse_units(const char *name, double *mm)
-{
-    if (strcmp(name, "mm") == 0)
-        *mm = 1.0;
-    else if (strcmp(name, "cm") == 0)
-        *mm = 10.0;
-    else if (strcmp(name, "m") == 0)
-        *mm = 1000.0;
-    else
-        return false;
-    return true;
-}
-
-static enum status take_units(const struct json_value *units, const char *prefix,
-                              struct parse_cloud *out, struct errinfo *e)
-{
-    const char *name = json_get_text(units);
-
-    if (units == NULL)
-        return ST_OK;
-    if (name == NULL || !parse_units(name, &out->mm))
-        return errinfo_set(e, ST_EINVAL, "%sunits is not \"mm\", \"cm\" or \"m\"",
-                           prefix);
-    out->has_units = true;
-    return ST_OK;
-}
-
-static enum status take_points(const struct json_value *points, const char *prefix,
-                               size_t max_points, struct parse_cloud *out,
-                               struct errinfo *e)
-{
-    const size_t n = json_count(points);
-    enum status st;
-
-    if (n > max_points)
-        return errinfo_set(e, ST_ELIMIT, "%spoints has %zu points; the limit is %zu",
-                           prefix, n, max_points);
-    if ((out->pts = mem_array(n, sizeof *out->pts)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "no memory for %zu points", n);
-    if ((st = json_get_points(points, out->pts, &out->n)) != ST_OK)
-        (void)errinfo_set(e, st, "%spoints[%zu] is not three finite numbers", prefix,
-                          out->n);
-    return st;
-}
-
-static void drop_cloud(struct parse_cloud *c)
-{
-    mem_free(c->pts);
-    *c = (struct parse_cloud){.mm = 1.0};
-}
-
-/* One cloud; prefix is "" or "a." for messages, name that of the object. */
-static enum status take_cloud(const struct json_value *object, const char *name,
-                              const char *prefix, size_t max_points,
-                              struct parse_cloud *out, struct errinfo *e)
-{
-    static const char *const known[] = {"points", "units", NULL};
-    const struct json_value *points = json_member(object, "points");
-    enum status st = json_expect(object, name, known, e);
-
-    *out = (struct parse_cloud){.mm = 1.0};
-    if (st == ST_OK &&
-        (st = take_units(json_member(object, "units"), prefix, out, e)) == ST_OK) {
-        if (points == NULL)
-            st = errinfo_set(e, ST_EINVAL, "%spoints is missing", prefix);
-        else if (!json_is_array(points))
-            st = errinfo_set(e, ST_EINVAL, "%spoints is not an array", prefix);
-        else
-            st = take_points(points, prefix, max_points, out, e);
-    }
-    if (st != ST_OK)
-        drop_cloud(out);
-    return st;
-}
-
-/* The body as a document with room for so many clouds: four values a point, and a few for
- * other members. */
-static enum status read_clouds(const char *text, size_t len, size_t max_points,
-                               size_t clouds, struct json_value **out, struct errinfo *e)
-{
-    const enum status st =
-        json_read_points(text, len, clouds * (4 * max_points + 64), out, e);
-
-    return st == ST_ELIMIT
-               ? errinfo_set(e, ST_ELIMIT, "more values than %zu points can have",
-                             clouds * max_points)
-               : st;
-}
-
-enum status parse_cloud(const char *text, size_t len, size_t max_points,
-                        struct parse_cloud *out, struct errinfo *e)
-{
-    struct json_value *doc;
-    enum status st = read_clouds(text, len, max_points, 1, &doc, e);
-
-    *out = (struct parse_cloud){.mm = 1.0};
-    if (st == ST_OK)
-        st = take_cloud(doc, "the body", "", max_points, out, e);
-    json_free(doc);
-    return st;
-}
-
-enum status parse_clouds(const char *text, size_t len, size_t max_points,
-                         struct parse_cloud *a, struct parse_cloud *b, struct errinfo *e)
+enum status parse_clouds(const char *text, size_t len, const struct cloudfile_options *o,
+                         struct cloudpoints *a, struct cloudpoints *b, struct errinfo *e)
 {
     static const char *const known[] = {"a", "b", NULL};
     struct json_value *doc;
-    enum status st = read_clouds(text, len, max_points, 2, &doc, e);
+    enum status st = cloudjson_document(text, len, o->max_points, 2, &doc, e);
 
-    *a = *b = (struct parse_cloud){.mm = 1.0};
+    *a = *b = (struct cloudpoints){0};
     if (st == ST_OK)
         st = json_expect(doc, "the body", known, e);
     if (st == ST_OK)
-        st = take_cloud(json_member(doc, "a"), "a", "a.", max_points, a, e);
+        st = cloudfile_read_json(json_member(doc, "a"), "a", "a.", o, a, e);
     if (st == ST_OK)
-        st = take_cloud(json_member(doc, "b"), "b", "b.", max_points, b, e);
+        st = cloudfile_read_json(json_member(doc, "b"), "b", "b.", o, b, e);
     if (st != ST_OK)
-        drop_cloud(a);
+        cloudpoints_free(a);
     json_free(doc);
     return st;
 }

@@ -6,34 +6,15 @@
 #include <stddef.h>
 #include "status.h"
 #include "store.h"
-#include "vec.h"
 
-struct errinfo;
+struct cloudfile_options; /* cloudfile.h */
+struct cloudpoints;       /* cloudpoints.h */
+struct errinfo;           /* errinfo.h */
 
-struct parse_cloud {
-    struct dvec3 *pts; /* in their own unit; released by mem_free() */
-    size_t n;
-    double mm;      /* millimetres per unit */
-    bool has_units; /* false: units was not given, and mm is 1 */
-};
-
-/* parse_cloud(text, len, max_points, out, e): {"points": [[x,y,z],...], "units": "mm"}.
- * text  text[len] must be 0.
- * Strict where it matters: one document and nothing behind it, valid UTF-8, no key twice,
- * three finite numbers a point, no other members.  e tells what and where.
- * Memory: at most 75 bytes a point while it reads, and 80 a value behind one that is not a
- * point; refused before that when there are more values than max_points can need.
- * Returns ST_OK; ST_EINVAL malformed; ST_ENOTFINITE a number too large for a double;
- * ST_ELIMIT more than max_points; ST_ENOMEM.  On failure out is empty. */
-enum status parse_cloud(const char *text, size_t len, size_t max_points,
-                        struct parse_cloud *out, struct errinfo *e);
-
-/* parse_clouds(..., a, b, e): {"a": cloud, "b": cloud}, the same. */
-enum status parse_clouds(const char *text, size_t len, size_t max_points,
-                         struct parse_cloud *a, struct parse_cloud *b, struct errinfo *e);
-
-/* parse_units(name, mm): "mm", "cm", "m" to millimetres per unit; false: none of them. */
-bool parse_units(const char *name, double *mm);
+/* parse_clouds(text, len, o, a, b, e): {"a": cloud, "b": cloud}, as cloudfile_read() reads
+ * one.  text[len] must be 0.  On failure both are empty. */
+enum status parse_clouds(const char *text, size_t len, const struct cloudfile_options *o,
+                         struct cloudpoints *a, struct cloudpoints *b, struct errinfo *e);
 
 #define PARSE_TEXT_MAX 256
 

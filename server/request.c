@@ -25,30 +25,21 @@ enum request_method request_method(const char *name)
     return REQUEST_OTHER;
 }
 
-enum request_media request_media(const char *type)
+enum request_media request_media(const char *type, enum cloudformat *format)
 {
-    static const struct {
-        const char *name;
-        enum request_media media;
-    } known[] = {
-        {"application/json", REQUEST_JSON},
-        {"application/merge-patch+json", REQUEST_MERGE},
-        {"model/x-ply", REQUEST_PLY},
-        {"application/x-ply", REQUEST_PLY},
-        {"model/obj", REQUEST_OBJ},
-        {"text/plain", REQUEST_XYZ},
-        {"application/octet-stream", REQUEST_BYTES},
-    };
+    static const char merge[] = "application/merge-patch+json";
     size_t len;
 
+    *format = CLOUDFORMAT_ANY;
     if (type == NULL)
         return REQUEST_NO_MEDIA;
     type += strspn(type, " \t");
     len = strcspn(type, "; \t,");
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (strlen(known[i].name) == len && strncasecmp(type, known[i].name, len) == 0)
-            return known[i].media;
-    return REQUEST_OTHER_MEDIA;
+    if (len == strlen(merge) && strncasecmp(type, merge, len) == 0)
+        return REQUEST_MERGE;
+    if (!cloudformat_media(type, len, format))
+        return REQUEST_OTHER_MEDIA;
+    return *format == CLOUDFORMAT_JSON ? REQUEST_JSON : REQUEST_SCAN;
 }
 
 void request_set_id(struct request *r, const char *given, unsigned long serial)

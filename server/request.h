@@ -5,6 +5,7 @@
 #define SERVER_REQUEST_H
 #include <stdbool.h>
 #include <stddef.h>
+#include "cloudformat.h"
 #include "inflate.h"
 #include "status.h"
 #include "store.h"
@@ -31,10 +32,7 @@ enum request_media { /* of the body, by its Content-Type */
                      REQUEST_NO_MEDIA,
                      REQUEST_JSON,
                      REQUEST_MERGE, /* a JSON merge patch (RFC 7396) */
-                     REQUEST_PLY,
-                     REQUEST_OBJ,
-                     REQUEST_XYZ,
-                     REQUEST_BYTES, /* recognised by the first bytes */
+                     REQUEST_SCAN,  /* a scanner's file, or bytes that may be one */
                      REQUEST_OTHER_MEDIA
 };
 
@@ -81,6 +79,7 @@ struct request {
     bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
     enum request_media media;
+    enum cloudformat format;    /* of REQUEST_JSON and REQUEST_SCAN */
     enum inflate_coding coding; /* of the body as it is now */
     unsigned char *body;        /* heap; body[len] is 0 */
     size_t len;
@@ -95,8 +94,9 @@ struct request {
 /* request_method(name): GET and HEAD are REQUEST_GET. */
 enum request_method request_method(const char *name);
 
-/* request_media(type): Content-Type's value, parameters ignored; NULL: REQUEST_NO_MEDIA. */
-enum request_media request_media(const char *type);
+/* request_media(type, format): Content-Type's value, parameters ignored; NULL:
+ * REQUEST_NO_MEDIA.  *format: CLOUDFORMAT_ANY where it says none. */
+enum request_media request_media(const char *type, enum cloudformat *format);
 
 /* request_set_id(r, given, serial): given if it is 1..64 safe characters, else a new one
  * made of a number drawn once a process and the serial. */

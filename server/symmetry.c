@@ -15,7 +15,7 @@ void symmetry_handle(struct request *r, struct worker *w)
     const double start = log_clock_ms();
     double parsed, prepared, measured;
     struct asymmetry result;
-    struct cloud c = {0};
+    struct cloudpoints c = {0};
     enum status st;
 
     if (cloud_read(r, &c) != ST_OK)
@@ -40,5 +40,5 @@ void symmetry_handle(struct request *r, struct worker *w)
                                                   .measure = measured - prepared,
                                                   .total = measured - r->start_ms}));
 out:
-    cloud_free(&c);
+    cloudpoints_free(&c);
 }

@@ -32,7 +32,7 @@ struct verification {
         *gap; /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
     /* The probe; the builder's until builder_wait(). */
     bool begun; /* with the builder */
-    struct cloud cloud;
+    struct cloudpoints cloud;
     double parse_ms, prepare_ms;
     enum status built;
 };
@@ -115,7 +115,7 @@ static bool admit(struct verification *v, const char *subject, const char *templ
         builder_wait(v->w->builder);
     else if (st == ST_OK)
         build(v, v->w->compare.work);
-    if (v->cloud.pts != NULL) { /* parsed */
+    if (v->cloud.at != NULL) { /* parsed */
         request_stage(v->r, REQUEST_PARSE, v->parse_ms);
         request_stage(v->r, REQUEST_PREPARE, v->prepare_ms);
     }
@@ -152,11 +152,13 @@ static enum status heatmap(struct verification *v, struct errinfo *e)
         return ST_OK;
     if ((st = admission_hold(c, &v->admission, i, &face, e)) != ST_OK)
         return st;
-    v->gap = mem_array(v->cloud.n, sizeof *v->gap);
+    v->gap = mem_array(v->cloud.read, sizeof *v->gap);
     st = v->gap == NULL ? ST_ENOMEM
-                        : heatmap_gaps(&face->surface, v->cloud.pts, v->cloud.n,
+                        : heatmap_gaps(&face->surface, v->cloud.at, v->cloud.n,
                                        v->best.result.align.transform, v->gap);
     admission_release(c, &v->admission, i, face);
+    if (st == ST_OK)
+        cloud_spread(&v->cloud, v->gap);
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "no memory for the heatmap");
 }
 
@@ -243,7 +245,7 @@ static void respond(struct verification *v)
                              .times = &times,
                              .measure = v->detail != PARAMS_BRIEF,
                              .gap_mm = v->gap,
-                             .n = v->cloud.n,
+                             .n = v->cloud.read,
                          });
 }
 
@@ -259,7 +261,7 @@ static void verify(struct request *r, struct worker *w, const char *subject,
         respond(&v);
     admission_free(&w->compare, &v.admission);
     mem_free(v.gap);
-    cloud_free(&v.cloud);
+    cloudpoints_free(&v.cloud);
 }
 
 void verify_subject(struct request *r, struct worker *w)

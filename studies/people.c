@@ -8,7 +8,6 @@
 #include "cloudfile.h"
 #include "facegen.h"
 #include "lab.h"
-#include "mem.h"
 
 #define FILE_MAX ((size_t)1 << 25)
 
@@ -35,7 +34,10 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
 /* The points of a scan, free(); NULL: not there, or no scan. */
 static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
 {
-    struct dvec3 *pts = NULL, *copy = NULL;
+    static const struct cloudfile_options options = {.max_points = FACE_MAX_POINTS,
+                                                     .max_bytes = FILE_MAX};
+    struct cloudpoints scan;
+    struct dvec3 *copy = NULL;
     unsigned char *bytes;
     char path[4096];
     FILE *f;
@@ -43,12 +45,14 @@ static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
     (void)snprintf(path, sizeof path, "%s/%s", dir, name);
     if ((f = fopen(path, "rb")) == NULL)
         return NULL;
-    bytes = lab_alloc(FILE_MAX, 1);
-    if (cloudfile_parse(bytes, fread(bytes, 1, FILE_MAX, f), CLOUDFILE_ANY,
-                        FACE_MAX_POINTS, &pts, n, NULL) == ST_OK) {
+    bytes = lab_alloc(FILE_MAX + 1, 1);
+    *n = fread(bytes, 1, FILE_MAX, f);
+    bytes[*n] = '\0';
+    if (cloudfile_read(bytes, *n, &options, &scan, NULL) == ST_OK) {
+        *n = scan.n;
         copy = lab_alloc(*n, sizeof *copy);
-        memcpy(copy, pts, *n * sizeof *copy);
-        mem_free(pts);
+        memcpy(copy, scan.at, *n * sizeof *copy);
+        cloudpoints_free(&scan);
     }
     free(bytes);
     (void)fclose(f);

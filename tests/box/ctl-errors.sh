@@ -36,7 +36,7 @@ refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
 refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
 refuse 64 'it is: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
-refuse 64 'units takes mm, cm or m' "$ctl" --db f.db --units inch enroll alice good.ply
+refuse 64 'units takes mm, cm, m or in' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm nan
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm -1
 refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
@@ -77,7 +77,7 @@ refuse 65 'subject id' "$ctl" --db f.db attempts reset 'al ice'
 printf '0 0 0\n1 0 0\n0 1 0\n' >three.xyz
 awk 'BEGIN { for (i = 0; i < 500; i++) print i / 5, i / 5, i / 5 }' >line.xyz
 awk 'BEGIN { for (i = 0; i < 500; i++) print 5, 5, 5 }' >point.xyz
-awk 'BEGIN { for (i = 0; i < 500; i++) print i % 20 * 7, int(i / 20) * 7, (i == 99 ? "nan" : 0) }' >nan.xyz
+awk 'BEGIN { for (i = 0; i < 500; i++) print i % 20 * 7, int(i / 20) * 7, "nan" }' >nan.xyz
 awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 / 5, int(i / 20) / 5, 0 }' >tiny.xyz
 awk 'BEGIN { for (i = 0; i < 300001; i++) print i % 600 / 4, int(i / 600) / 4, i % 7 }' >many.xyz
 head -c 4000 good.ply >cut.ply

@@ -131,7 +131,7 @@ head -c $((LIMIT + 1)) /dev/zero >"$T/big"
 each 413 true -H "$BYTES" --data-binary "@$T/big"
 rm "$T/big"
 each 411 .body
-each 415 .body -H 'Content-Type: image/png' -d x
+each 415 .body -H 'Content-Type: image/jpeg' -d x
 put POST /v1/compare 415 "$JSON" "$T/ab.json" -H 'Content-Encoding: br'
 for last in templates verify; do
     put POST "/v1/subjects/a%20b/$last" 400 "$PLY" "$T/a.ply"

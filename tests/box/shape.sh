@@ -98,7 +98,7 @@ asymmetry "$T/few.xyz"
 is "two points: exit" "$CODE" 65
 asymmetry "$T/none.xyz"
 is "no file: exit" "$CODE" 66
-send POST /v1/asymmetry 'Content-Type: text/csv' "$T/even.xyz"
+send POST /v1/asymmetry 'Content-Type: text/html' "$T/even.xyz"
 problem "another type" 415 unsupported_media_type
 req GET /v1/asymmetry
 problem "GET" 405 method_not_allowed

@@ -3,31 +3,44 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cloudfile.h"
-#include "mem.h"
+#include "errinfo.h"
+
+static void check(const struct cloudpoints *p)
+{
+    if (p->at == NULL || p->n > 5000 || p->n > p->read ||
+        (p->index == NULL && p->n != p->read))
+        abort();
+    for (size_t i = 0; i < p->n; i++) {
+        if (!isfinite(p->at[i].x) || !isfinite(p->at[i].y) || !isfinite(p->at[i].z))
+            abort();
+        if (p->index != NULL &&
+            (p->index[i] >= p->read || (i > 0 && p->index[i] <= p->index[i - 1])))
+            abort();
+    }
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct clouderror err = {0, 0, ""};
-    struct dvec3 *points;
+    struct cloudfile_options o = {.max_points = 5000, .max_bytes = 1 << 20};
+    struct cloudpoints p;
+    struct errinfo e = {0};
+    char *copy;
     enum status st;
-    size_t n;
 
-    if (size == 0)
+    if (size == 0 || (copy = malloc(size)) == NULL)
         return 0;
-    st = cloudfile_parse(data + 1, size - 1, (enum cloudfile_format)(data[0] % 4), 5000,
-                         &points, &n, &err);
-    if (st != ST_OK) {
-        if (points != NULL || n != 0 || (st != ST_ENOMEM && err.what[0] == 0))
-            abort();
-        return 0;
-    }
-    if (points == NULL || n > 5000)
+    memcpy(copy, data + 1, size - 1);
+    copy[size - 1] = '\0';
+    o.format = (enum cloudformat)(data[0] % CLOUDFORMAT_COUNT);
+    st = cloudfile_read(copy, size - 1, &o, &p, &e);
+    if (st == ST_OK)
+        check(&p);
+    else if (p.at != NULL || p.n != 0 || (st != ST_ENOMEM && e.msg[0] == 0))
         abort();
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(points[i].x) || !isfinite(points[i].y) || !isfinite(points[i].z))
-            abort();
-    mem_free(points);
+    cloudpoints_free(&p);
+    free(copy);
     return 0;
 }

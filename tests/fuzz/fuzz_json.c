@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cloudfile.h"
 #include "errinfo.h"
 #include "json.h"
 #include "parse.h"
@@ -14,19 +15,19 @@
 
 #define LIMIT 2000
 
-static void check(const struct parse_cloud *c, enum status st)
+static void check(struct cloudpoints *c, enum status st)
 {
     if (st != ST_OK) {
-        if (c->pts != NULL || c->n != 0)
+        if (c->at != NULL || c->n != 0)
             abort();
         return;
     }
-    if (c->n > LIMIT || !(c->mm > 0))
+    if (c->n > LIMIT || !(c->unit_mm >= 0))
         abort();
     for (size_t i = 0; i < c->n; i++)
-        if (!isfinite(c->pts[i].x) || !isfinite(c->pts[i].y) || !isfinite(c->pts[i].z))
+        if (!isfinite(c->at[i].x) || !isfinite(c->at[i].y) || !isfinite(c->at[i].z))
             abort();
-    mem_free(c->pts);
+    cloudpoints_free(c);
 }
 
 /* Both have the same points; below the members of an object too. */
@@ -77,7 +78,9 @@ static void differ(const char *text, size_t len)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct parse_cloud a = {0}, b = {0};
+    struct cloudpoints a = {0}, b = {0};
+    const struct cloudfile_options o = {
+        .format = CLOUDFORMAT_JSON, .max_points = LIMIT, .max_bytes = 1 << 20};
     struct errinfo e = {ST_OK, ""};
     enum status st;
     char *text;
@@ -89,10 +92,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(text, data + 1, size - 1);
     text[size - 1] = 0;
     if (data[0] % 2 == 0) {
-        st = parse_cloud(text, size - 1, LIMIT, &a, &e);
+        st = cloudfile_read(text, size - 1, &o, &a, &e);
         check(&a, st);
     } else {
-        st = parse_clouds(text, size - 1, LIMIT, &a, &b, &e);
+        st = parse_clouds(text, size - 1, &o, &a, &b, &e);
         check(&a, st);
         check(&b, st);
     }

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "cloudfile.h"
+#include "errinfo.h"
 #include "mem.h"
 
 #define LIMIT 100000
@@ -32,34 +33,73 @@ static void put_text(struct buffer *b, const char *text)
     put(b, text, strlen(text));
 }
 
-/* Parse a copy of exactly len bytes, so that the sanitizer sees a read too far. */
-static enum status parse(const void *bytes, size_t len, enum cloudfile_format format,
-                         struct dvec3 **out, size_t *n, struct clouderror *err)
+struct said { /* of an error */
+    uint32_t line;
+    size_t where;
+    char what[240];
+};
+
+static void take_message(const char *msg, struct said *out)
 {
-    void *copy = malloc(len != 0 ? len : 1);
+    unsigned line = 0;
+    int at = 0;
+
+    if (sscanf(msg, "line %u: %n", &line, &at) < 1 || at == 0)
+        line = 0;
+    if (at == 0 && (sscanf(msg, "byte %zu: %n", &out->where, &at) < 1 || at == 0))
+        out->where = 0;
+    out->line = line;
+    (void)snprintf(out->what, sizeof out->what, "%s", msg + at);
+}
+
+/* Parse a copy of exactly len bytes and a 0, so that the sanitizer sees a read too far. */
+static enum status parse_whole(const void *bytes, size_t len, enum cloudformat format,
+                               struct cloudpoints *out, struct said *err)
+{
+    const struct cloudfile_options o = {
+        .format = format, .max_points = LIMIT, .max_bytes = 1 << 20};
+    struct errinfo e = {0};
+    char *copy = malloc(len + 1);
     enum status st;
 
     assert_non_null(copy);
     if (len != 0)
         memcpy(copy, bytes, len);
+    copy[len] = '\0';
     memset(err, 0, sizeof *err);
-    st = cloudfile_parse(copy, len, format, LIMIT, out, n, err);
+    st = cloudfile_read(copy, len, &o, out, &e);
     free(copy);
+    take_message(e.msg, err);
     if (st != ST_OK) {
-        assert_null(*out);
-        assert_true(*n == 0);
+        assert_null(out->at);
+        assert_true(out->n == 0 && out->read == 0 && out->index == NULL);
+        assert_true(out->normal == NULL);
         assert_true(err->what[0] != 0);
         assert_true(err->where <= len);
-    } else {
-        assert_non_null(*out);
+        return st;
     }
+    assert_non_null(out->at);
+    assert_true(out->n <= out->read && (out->index != NULL || out->n == out->read));
     return st;
 }
 
-static void expect_points(const void *bytes, size_t len, enum cloudfile_format format,
+static enum status parse(const void *bytes, size_t len, enum cloudformat format,
+                         struct dvec3 **out, size_t *n, struct said *err)
+{
+    struct cloudpoints p;
+    const enum status st = parse_whole(bytes, len, format, &p, err);
+
+    *out = p.at;
+    *n = p.n;
+    p.at = NULL;
+    cloudpoints_free(&p);
+    return st;
+}
+
+static void expect_points(const void *bytes, size_t len, enum cloudformat format,
                           const double (*want)[3], size_t nwant)
 {
-    struct clouderror err;
+    struct said err;
     struct dvec3 *pts;
     size_t n;
     enum status st = parse(bytes, len, format, &pts, &n, &err);
@@ -75,10 +115,10 @@ static void expect_points(const void *bytes, size_t len, enum cloudfile_format f
     mem_free(pts);
 }
 
-static void expect_error(const char *text, enum cloudfile_format format, enum status want,
+static void expect_error(const char *text, enum cloudformat format, enum status want,
                          uint32_t line)
 {
-    struct clouderror err;
+    struct said err;
     struct dvec3 *pts;
     size_t n;
     enum status st = parse(text, strlen(text), format, &pts, &n, &err);
@@ -221,7 +261,7 @@ static void test_ply_all_types(void **state)
                 for (size_t e = 0; e < 3; e++) {
                     for (int list = 0; list < 2; list++) {
                         make_ply(&b, encoding, axis, count, list != 0, eols[e], want, 20);
-                        expect_points(b.bytes, b.len, CLOUDFILE_ANY,
+                        expect_points(b.bytes, b.len, CLOUDFORMAT_ANY,
                                       (const double(*)[3])want, 20);
                     }
                 }
@@ -249,7 +289,7 @@ static void test_ply_first_byte(void **state)
                        eols[e], eols[e], eols[e], eols[e], eols[e], eols[e], eols[e]);
         put_text(&b, text);
         put(&b, "\n\r\n", 3);
-        expect_points(b.bytes, b.len, CLOUDFILE_PLY, want, 1);
+        expect_points(b.bytes, b.len, CLOUDFORMAT_PLY, want, 1);
     }
 }
 
@@ -269,10 +309,10 @@ static void test_ply_truncated(void **state)
             make_ply(&b, encoding, axis, 1, list != 0, "\n", want, 20);
             after = 1 + 3 * 4; /* the face */
             for (size_t len = 0; len < b.len; len++) {
-                struct clouderror err;
+                struct said err;
                 struct dvec3 *pts;
                 size_t n;
-                enum status st = parse(b.bytes, len, CLOUDFILE_PLY, &pts, &n, &err);
+                enum status st = parse(b.bytes, len, CLOUDFORMAT_PLY, &pts, &n, &err);
 
                 assert_int_equal(st == ST_OK, len >= b.len - after);
                 mem_free(pts);
@@ -291,13 +331,13 @@ static void expect_ply_body(const char *body, enum status want, uint32_t line)
     b.len = 0;
     put_text(&b, head);
     put(&b, body, strlen(body) + 1);
-    expect_error((const char *)b.bytes, CLOUDFILE_ANY, want, line);
+    expect_error((const char *)b.bytes, CLOUDFORMAT_ANY, want, line);
 }
 
 static void test_ply_bad_text(void **state)
 {
     static struct buffer b;
-    struct clouderror err;
+    struct said err;
     struct dvec3 *pts;
     size_t n;
 
@@ -311,15 +351,14 @@ static void test_ply_bad_text(void **state)
     expect_ply_body("1 2 3\n4 5 x\n", ST_EINVAL, 9);
     expect_ply_body("1 2 3\n4 5 6x\n", ST_EINVAL, 9);
     expect_ply_body("1 2 3\n4 5 0x10\n", ST_EINVAL, 9);
-    expect_ply_body("1 nan 3\n4 5 6\n", ST_ENOTFINITE, 8);
-    expect_ply_body("1 2 3\n4 -Infinity 6\n", ST_ENOTFINITE, 9);
-    expect_ply_body("1 2 3\n4 1.#QNAN 6\n", ST_ENOTFINITE, 9);
-    expect_ply_body("1 2 3\n4 1e999 6\n", ST_ENOTFINITE, 9);
+    expect_ply_body("1 2 3\n4 nano 6\n", ST_EINVAL, 9);
+    expect_ply_body("1 2 3\n4 1.#\n", ST_EINVAL, 9);
+    expect_ply_body("1 nan 3\n4 5 inf\n", ST_ENOTFINITE, 0);
     expect_ply_body("1 2 3\n4 5 \x01 6\n", ST_EINVAL, 9);
     b.len = 0;
     put_text(&b, head);
     put(&b, "1 2 3\n4 5 6\0\n", 13);
-    assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_ANY, &pts, &n, &err), ST_EINVAL);
+    assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_ANY, &pts, &n, &err), ST_EINVAL);
     assert_string_equal(err.what, "binary data inside text");
 }
 
@@ -370,10 +409,11 @@ static void test_ply_bad_header(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        expect_error(bad[i], CLOUDFILE_PLY, ST_EINVAL, 0);
-    expect_error("ply\nformat ascii 2.0\n", CLOUDFILE_PLY, ST_EVERSION, 2);
-    expect_error("ply\nformat binary_middle_endian 1.0\n", CLOUDFILE_PLY, ST_EVERSION, 2);
-    expect_error("solid x\n", CLOUDFILE_PLY, ST_EINVAL, 1);
+        expect_error(bad[i], CLOUDFORMAT_PLY, ST_EINVAL, 0);
+    expect_error("ply\nformat ascii 2.0\n", CLOUDFORMAT_PLY, ST_EVERSION, 2);
+    expect_error("ply\nformat binary_middle_endian 1.0\n", CLOUDFORMAT_PLY, ST_EVERSION,
+                 2);
+    expect_error("solid x\n", CLOUDFORMAT_PLY, ST_EINVAL, 1);
 }
 
 /* A count (of the vertices or of an element before them) far beyond the data is an error at
@@ -388,7 +428,7 @@ static void test_ply_false_counts(void **state)
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             for (int before = 0; before < 3; before++) {
-                struct clouderror err;
+                struct said err;
                 struct dvec3 *pts;
                 char text[300];
                 size_t n;
@@ -411,7 +451,7 @@ static void test_ply_false_counts(void **state)
                     put(&b, (const unsigned char[24]){0}, 24);
                 if (before && i == 0 && (before == 2 || encoding == ASCII))
                     continue; /* the data may hold three such rows */
-                assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_ANY, &pts, &n, &err),
+                assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_ANY, &pts, &n, &err),
                                  ST_EINVAL);
             }
         }
@@ -427,7 +467,7 @@ static void test_ply_rows_of_nothing(void **state)
                                "property float z\nend_header\n1 2 3\n4 5 6\n";
 
     (void)state;
-    expect_points(text, strlen(text), CLOUDFILE_ANY, want, 2);
+    expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
 }
 
 static void test_ply_no_vertices(void **state)
@@ -437,39 +477,157 @@ static void test_ply_no_vertices(void **state)
                                "end_header\n";
 
     (void)state;
-    expect_points(text, strlen(text), CLOUDFILE_ANY, NULL, 0);
-    expect_points(text, strlen(text) - 1, CLOUDFILE_ANY, NULL, 0);
+    expect_points(text, strlen(text), CLOUDFORMAT_ANY, NULL, 0);
+    expect_points(text, strlen(text) - 1, CLOUDFORMAT_ANY, NULL, 0);
 }
 
-static void test_ply_binary_not_finite(void **state)
+/* Bytes after the last vertex that the header promises. */
+static void test_ply_left_over(void **state)
 {
     static struct buffer b;
-    const float bad[] = {NAN, INFINITY, -INFINITY};
+    struct said err;
+    struct dvec3 *pts;
+    size_t n;
 
     (void)state;
-    for (size_t i = 0; i < 3; i++) {
-        struct clouderror err;
-        struct dvec3 *pts;
-        size_t n;
-
-        b.len = 0;
-        put_text(&b,
-                 "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
+    b.len = 0;
+    put_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
                  "property float x\nproperty float y\nproperty float z\nend_header\n");
-        for (size_t k = 0; k < 9; k++)
-            put_value(&b, LITTLE, 6, k == 3 + i ? (double)bad[i] : 1);
-        assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_PLY, &pts, &n, &err),
-                         ST_ENOTFINITE);
-        assert_string_equal(err.what, "vertex 1 is not three finite numbers");
-        assert_int_equal(err.line, 0);
-        assert_int_equal(err.where, b.len - 24);
-        /* bytes after the last vertex that the header promises */
-        b.len -= 36;
-        for (size_t k = 0; k < 12; k++)
-            put_value(&b, LITTLE, 6, 1);
-        assert_int_equal(parse(b.bytes, b.len, CLOUDFILE_PLY, &pts, &n, &err), ST_EINVAL);
+    for (size_t k = 0; k < 12; k++)
+        put_value(&b, LITTLE, 6, 1);
+    assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_PLY, &pts, &n, &err), ST_EINVAL);
+    assert_int_equal(err.line, 0);
+    assert_int_equal(err.where, b.len - 12);
+}
+
+/* ---- points without a value, normals */
+
+static void expect_whole(const void *bytes, size_t len, enum cloudformat format,
+                         struct cloudpoints *out)
+{
+    struct said err;
+    const enum status st = parse_whole(bytes, len, format, out, &err);
+
+    if (st != ST_OK)
+        fail_msg("line %u: %s", err.line, err.what);
+}
+
+static void expect_at(struct dvec3 p, double x, double y, double z)
+{
+    if (p.x != x || p.y != y || p.z != z)
+        fail_msg("%g %g %g, not %g %g %g", p.x, p.y, p.z, x, y, z);
+}
+
+static void expect_places(struct cloudpoints *p, size_t read, size_t n,
+                          const uint32_t *place)
+{
+    assert_int_equal(p->read, read);
+    assert_int_equal(p->n, n);
+    for (size_t i = 0; i < n; i++) {
+        assert_int_equal(p->index == NULL ? i : p->index[i], place[i]);
+        expect_at(p->at[i], place[i], 2, 3);
+    }
+    cloudpoints_free(p);
+}
+
+static void test_dropped(void **state)
+{
+    static const uint32_t all[] = {0, 1, 2, 3, 4, 5, 6}, odd[] = {1, 3, 6};
+    static const char *const texts[] = {
+        "nan 2 3\n1 2 3\n2 2 -Infinity\n3 2 3\n1.#QNAN 2 3\n5 1e999 3\n6 2 3\n",
+        "NaN,2,3\n1,2,3\n2,+inf,3\n3,2,3\n4,nan(ind),3\n5,-NAN,3\n6,2,3\n",
+        "v nan 2 3\nv 1 2 3\nv 2 inf 3\nv 3 2 3\nv 4 2 -nan\nv 5 2 -1.#IND\nv 6 2 3\n",
+        "0 0 0\n1 2 3\n0 0 0\n3 2 3\n-0 0 0.0\n0 0 0\n6 2 3\n",
+        "{\"points\": [[0,0,0],[1,2,3],[0,0,0],[3,2,3],[0,0,0],[0,0,0],[6,2,3]]}",
+        "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n"
+        "nan 2 3\n1 2 3\n0 0 0\n3 2 3\n4 inf 3\n0 0 0\n6 2 3\n"};
+    struct cloudpoints p;
+
+    (void)state;
+    expect_whole("0 2 3\n1 2 3\n2 2 3\n", 18, CLOUDFORMAT_ANY, &p);
+    assert_null(p.index);
+    expect_places(&p, 3, 3, all);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        expect_whole(texts[i], strlen(texts[i]), CLOUDFORMAT_ANY, &p);
+        expect_places(&p, 7, 3, odd);
+    }
+    /* One point at the origin is a point. */
+    expect_whole("0 0 0\n1 2 3\n", 12, CLOUDFORMAT_ANY, &p);
+    assert_int_equal(p.n, 2);
+    assert_null(p.index);
+    cloudpoints_free(&p);
+    expect_error("nan nan nan\n0 0 0\n0 0 0\n", CLOUDFORMAT_XYZ, ST_ENOTFINITE, 0);
+}
+
+/* More points than the first room, with and without a value, and their normals. */
+static void test_dropped_many(void **state)
+{
+    const size_t n = 5000;
+    char *text = malloc(n * 40 + 1), *at = text;
+    struct cloudpoints p;
+
+    (void)state;
+    assert_non_null(text);
+    for (size_t i = 0; i < n; i++)
+        at += sprintf(at, "v %zu %s 3\n", i, i % 3 == 1 ? "nan" : "2");
+    for (size_t i = 0; i + 3 < n; i++)
+        at += sprintf(at, "f %zu %zu %zu\n", i + 1, i + 2, i + 4);
+    expect_whole(text, (size_t)(at - text), CLOUDFORMAT_ANY, &p);
+    assert_int_equal(p.read, n);
+    assert_int_equal(p.n, n - (n + 1) / 3);
+    for (size_t i = 0; i < p.n; i++) {
+        assert_int_equal(p.index[i], i / 2 * 3 + i % 2 * 2);
+        expect_at(p.at[i], p.index[i], 2, 3);
+        expect_at(p.normal[i], 0, 0, 0);
+    }
+    cloudpoints_free(&p);
+    free(text);
+}
+
+static void test_normals(void **state)
+{
+    static const char *const texts[] = {
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf 1 2 3 4\n",
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf -5/1/2 -4//2 -3/1\nf 1 3 4\n",
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+        "property uchar red\nend_header\n"
+        "0 0 0\n2 0 0\n2 3 0\n0 3 0\n9 9 9\n3 0 1 2 7\n3 0 2 3 7\n",
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+        "end_header\n"
+        "0 0 0 0 0 12\n2 0 0 0 0 6\n2 3 0 0 0 12\n0 3 0 0 0 6\n9 9 9 nan 0 0\n"};
+    static const char *const without[] = {
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 4\n",
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 0\n",
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2\n",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+        "end_header\n0 0 0\n2 0 0\n2 3 0\n3 0 1 2\n3 0 1 3\n"};
+    struct cloudpoints p;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        expect_whole(texts[i], strlen(texts[i]), CLOUDFORMAT_ANY, &p);
+        assert_non_null(p.normal);
+        expect_at(p.normal[0], 0, 0, 12);
+        expect_at(p.normal[1], 0, 0, 6);
+        expect_at(p.normal[2], 0, 0, 12);
+        expect_at(p.normal[3], 0, 0, 6);
+        expect_at(p.normal[4], 0, 0, 0);
+        cloudpoints_free(&p);
+    }
+    /* Faces that cannot be right are no reason to refuse the points. */
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        expect_whole(without[i], strlen(without[i]), CLOUDFORMAT_ANY, &p);
+        assert_int_equal(p.n, 3);
+        assert_null(p.normal);
+        cloudpoints_free(&p);
     }
 }
+
+/* ---- the limit of points */
 
 static void test_limit(void **state)
 {
@@ -480,18 +638,16 @@ static void test_limit(void **state)
 
     (void)state;
     for (size_t i = 0; i < 3; i++) {
-        struct dvec3 *pts;
-        size_t n;
+        struct cloudfile_options o = {.max_points = 2};
+        struct cloudpoints p;
 
-        assert_int_equal(
-            cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 2, &pts, &n, NULL),
-            ST_ELIMIT);
-        assert_null(pts);
-        assert_int_equal(
-            cloudfile_parse(three[i], strlen(three[i]), CLOUDFILE_ANY, 3, &pts, &n, NULL),
-            ST_OK);
-        assert_int_equal(n, 3);
-        mem_free(pts);
+        assert_int_equal(cloudfile_read(three[i], strlen(three[i]), &o, &p, NULL),
+                         ST_ELIMIT);
+        assert_null(p.at);
+        o.max_points = 3;
+        assert_int_equal(cloudfile_read(three[i], strlen(three[i]), &o, &p, NULL), ST_OK);
+        assert_int_equal(p.n, 3);
+        cloudpoints_free(&p);
     }
 }
 
@@ -507,25 +663,24 @@ static void test_obj(void **state)
         "f 1//1 2//1 \\\n v 3//1\ng v 1 2 3\nusemtl \\\nv 9 9 9\nv 10 11 12";
 
     (void)state;
-    expect_points(text, strlen(text), CLOUDFILE_OBJ, want, 4);
-    expect_points(text, strlen(text), CLOUDFILE_ANY, want, 4);
+    expect_points(text, strlen(text), CLOUDFORMAT_OBJ, want, 4);
+    expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 4);
 }
 
 static void test_obj_bad(void **state)
 {
     (void)state;
-    expect_error("v 1 2\nv 1 2 3\n", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("v 1 2 3\nv 1 2 x\n", CLOUDFILE_OBJ, ST_EINVAL, 2);
-    expect_error("v 1 2 3\nv 1 nan 3\n", CLOUDFILE_OBJ, ST_ENOTFINITE, 2);
-    expect_error("v 1 2 3 4 5 6 7 8 9\n", CLOUDFILE_OBJ, ST_EINVAL, 1);
-    expect_error("v 1,2,3\n", CLOUDFILE_OBJ, ST_EINVAL, 1);
-    expect_error("v\n", CLOUDFILE_OBJ, ST_EINVAL, 1);
-    expect_error("v", CLOUDFILE_OBJ, ST_EINVAL, 1);
-    expect_error("v 1 2 \\", CLOUDFILE_OBJ, ST_EINVAL, 1);
-    expect_error("v 1 2 3\n\x02\x03\n", CLOUDFILE_OBJ, ST_EINVAL, 2);
-    expect_error("v 1 2 3\n{\"points\": 1}\n", CLOUDFILE_OBJ, ST_EINVAL, 2);
-    expect_error("# nothing\nvn 1 2 3\n", CLOUDFILE_ANY, ST_EINVAL, 0);
-    expect_error("", CLOUDFILE_OBJ, ST_EINVAL, 1);
+    expect_error("v 1 2\nv 1 2 3\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("v 1 2 3\nv 1 2 x\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
+    expect_error("v 1 2 3 4 5 6 7 8 9\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
+    expect_error("v 1,2,3\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
+    expect_error("v\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
+    expect_error("v", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
+    expect_error("v 1 2 \\", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
+    expect_error("v 1 2 3\n\x02\x03\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
+    expect_error("v 1 2 3\n{\"points\": 1}\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
+    expect_error("# nothing\nvn 1 2 3\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
+    expect_error("", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
 }
 
 /* ---- XYZ */
@@ -545,29 +700,27 @@ static void test_xyz(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_points(texts[i], strlen(texts[i]), CLOUDFILE_XYZ, want, 3);
-        expect_points(texts[i], strlen(texts[i]), CLOUDFILE_ANY, want, 3);
+        expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_XYZ, want, 3);
+        expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_ANY, want, 3);
     }
 }
 
 static void test_xyz_bad(void **state)
 {
     (void)state;
-    expect_error("1 2\n", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("1 2 3\n4 5\n", CLOUDFILE_XYZ, ST_EINVAL, 2);
-    expect_error("1 2 3\nx y z\n", CLOUDFILE_XYZ, ST_EINVAL, 2);
-    expect_error("1,5 2,5 3,5\n", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("1,5;2,5;3,5\n", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("1,,2,3\n", CLOUDFILE_XYZ, ST_EINVAL, 1);
-    expect_error("nan 2 3\n1 2 3\n", CLOUDFILE_XYZ, ST_ENOTFINITE, 1);
-    expect_error("1 inf 3\n", CLOUDFILE_ANY, ST_ENOTFINITE, 1);
-    expect_error("1 2 3\n1 2 \"3\"\n", CLOUDFILE_XYZ, ST_EINVAL, 2);
-    expect_error("hello world\n", CLOUDFILE_ANY, ST_EINVAL, 0);
-    expect_error("{\"points\": [[1,2,3]]}", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("\x89PNG\r\n\x1a\n", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("", CLOUDFILE_ANY, ST_EINVAL, 1);
-    expect_error("\n\n# only\n", CLOUDFILE_ANY, ST_EINVAL, 0);
-    expect_error("1 2 3\n4 5 6 \x7f\n", CLOUDFILE_ANY, ST_EINVAL, 2);
+    expect_error("1 2\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("1 2 3\n4 5\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
+    expect_error("1 2 3\nx y z\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
+    expect_error("1,5 2,5 3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("1,5;2,5;3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("1,,2,3\n", CLOUDFORMAT_XYZ, ST_EINVAL, 1);
+    expect_error("1 inf 3\n", CLOUDFORMAT_ANY, ST_ENOTFINITE, 0);
+    expect_error("1 2 3\n1 2 \"3\"\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
+    expect_error("hello world\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
+    expect_error("{\"points\": [[1,2,3]]}", CLOUDFORMAT_XYZ, ST_EINVAL, 1);
+    expect_error("", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("\n\n# only\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
+    expect_error("1 2 3\n4 5 6 \x7f\n", CLOUDFORMAT_ANY, ST_EINVAL, 2);
 }
 
 int main(void)
@@ -581,7 +734,10 @@ int main(void)
         cmocka_unit_test(test_ply_false_counts),
         cmocka_unit_test(test_ply_rows_of_nothing),
         cmocka_unit_test(test_ply_no_vertices),
-        cmocka_unit_test(test_ply_binary_not_finite),
+        cmocka_unit_test(test_ply_left_over),
+        cmocka_unit_test(test_dropped),
+        cmocka_unit_test(test_dropped_many),
+        cmocka_unit_test(test_normals),
         cmocka_unit_test(test_limit),
         cmocka_unit_test(test_obj),
         cmocka_unit_test(test_obj_bad),

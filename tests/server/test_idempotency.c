@@ -105,13 +105,14 @@ enum outcome { DONE, AGAIN, REUSED, BUSY, BAD };
 
 struct ask {
     const char *key, *actor, *target, *body;
-    enum request_media media;
+    enum cloudformat format;
     double now_ms;
 };
 
 static void make(struct request *r, const struct ask *a)
 {
-    *r = (struct request){.method = REQUEST_POST, .media = a->media};
+    *r = (struct request){
+        .method = REQUEST_POST, .media = REQUEST_SCAN, .format = a->format};
     (void)snprintf(r->key, sizeof r->key, "%s", a->key);
     (void)snprintf(r->actor, sizeof r->actor, "%s", a->actor ? a->actor : "");
     (void)snprintf(r->subject, sizeof r->subject, "alice");
@@ -163,7 +164,7 @@ static void test_again(void **state)
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 201, "one"), AGAIN);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .body = "other"}, 0, ""), REUSED);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .target = "/t?x"}, 0, ""), REUSED);
-    assert_int_equal(ask(m, &(struct ask){.key = "k", .media = REQUEST_PLY}, 0, ""),
+    assert_int_equal(ask(m, &(struct ask){.key = "k", .format = CLOUDFORMAT_PLY}, 0, ""),
                      REUSED);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .actor = "b"}, 409, "two"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .actor = "b"}, 409, "two"), AGAIN);

@@ -75,21 +75,37 @@ static void test_query(void **state)
     check_query("/p?a=%", "a", ST_EINVAL, "");
 }
 
+static void check_media(const char *type, enum request_media want,
+                        enum cloudformat format)
+{
+    enum cloudformat got = CLOUDFORMAT_COUNT;
+
+    assert_int_equal(request_media(type, &got), want);
+    assert_int_equal(got, format);
+}
+
 static void test_media(void **state)
 {
     (void)state;
-    assert_int_equal(request_media(NULL), REQUEST_NO_MEDIA);
-    assert_int_equal(request_media(""), REQUEST_OTHER_MEDIA);
-    assert_int_equal(request_media("application/json"), REQUEST_JSON);
-    assert_int_equal(request_media(" Application/JSON;charset=utf-8"), REQUEST_JSON);
-    assert_int_equal(request_media("application/json "), REQUEST_JSON);
-    assert_int_equal(request_media("application/jsonx"), REQUEST_OTHER_MEDIA);
-    assert_int_equal(request_media("application/jso"), REQUEST_OTHER_MEDIA);
-    assert_int_equal(request_media("model/x-ply"), REQUEST_PLY);
-    assert_int_equal(request_media("application/x-ply"), REQUEST_PLY);
-    assert_int_equal(request_media("model/obj"), REQUEST_OBJ);
-    assert_int_equal(request_media("text/plain"), REQUEST_XYZ);
-    assert_int_equal(request_media("application/octet-stream"), REQUEST_BYTES);
+    check_media(NULL, REQUEST_NO_MEDIA, CLOUDFORMAT_ANY);
+    check_media("", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
+    check_media("application/json", REQUEST_JSON, CLOUDFORMAT_JSON);
+    check_media(" Application/JSON;charset=utf-8", REQUEST_JSON, CLOUDFORMAT_JSON);
+    check_media("application/json ", REQUEST_JSON, CLOUDFORMAT_JSON);
+    check_media("application/jsonx", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
+    check_media("application/jso", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
+    check_media("application/merge-patch+json", REQUEST_MERGE, CLOUDFORMAT_ANY);
+    check_media("model/ply", REQUEST_SCAN, CLOUDFORMAT_PLY);
+    check_media("model/x-ply", REQUEST_SCAN, CLOUDFORMAT_PLY);
+    check_media("application/x-ply", REQUEST_SCAN, CLOUDFORMAT_PLY);
+    check_media("model/obj", REQUEST_SCAN, CLOUDFORMAT_OBJ);
+    check_media("model/stl", REQUEST_SCAN, CLOUDFORMAT_STL);
+    check_media("model/gltf-binary", REQUEST_SCAN, CLOUDFORMAT_GLB);
+    check_media("text/csv; header=present", REQUEST_SCAN, CLOUDFORMAT_XYZ);
+    check_media("image/png", REQUEST_SCAN, CLOUDFORMAT_PNG);
+    check_media("text/plain", REQUEST_SCAN, CLOUDFORMAT_ANY);
+    check_media("application/octet-stream", REQUEST_SCAN, CLOUDFORMAT_ANY);
+    check_media("image/jpeg", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
 }
 
 static void check_route(enum request_method m, const char *target, const char *pattern,

@@ -1,0 +1,42 @@
+/* cloudformat.h -- the formats of scanners' files: their names, the endings of files and the
+ * media types by which they are known, and the formats that are refused by name. */
+#ifndef SCAN_CLOUDFORMAT_H
+#define SCAN_CLOUDFORMAT_H
+#include <stdbool.h>
+#include <stddef.h>
+
+enum cloudformat {
+    CLOUDFORMAT_ANY, /* recognised by its content */
+    CLOUDFORMAT_PLY,
+    CLOUDFORMAT_OBJ,
+    CLOUDFORMAT_STL,
+    CLOUDFORMAT_PCD,
+    CLOUDFORMAT_GLB,
+    CLOUDFORMAT_XYZ, /* numbers in lines: XYZ, PTS, CSV */
+    CLOUDFORMAT_PNG, /* a depth image */
+    CLOUDFORMAT_JSON,
+    CLOUDFORMAT_COUNT
+};
+
+/* What is read, for messages. */
+#define CLOUDFORMAT_READ "PLY, OBJ, STL, PCD, GLB, XYZ, PTS, CSV, depth PNG and JSON"
+
+const char *cloudformat_name(enum cloudformat f); /* "PLY"; "" of CLOUDFORMAT_ANY */
+
+/* cloudformat_ending(name): where the ending of a scan's file begins in its name, the
+ * ending .gz with the one before it ("a.ply.gz": at ".ply.gz"); NULL: it is not the name of
+ * a scan.  Small and capital letters are alike. */
+const char *cloudformat_ending(const char *name);
+
+/* cloudformat_media(type, len, out): the format that a media type (without parameters)
+ * says, CLOUDFORMAT_ANY where it only says text, bytes, or nothing about the content.
+ * False: it says that this is no scan.
+ * cloudformat_media_list(): for messages. */
+bool cloudformat_media(const char *type, size_t len, enum cloudformat *out);
+const char *cloudformat_media_list(void);
+
+/* cloudformat_foreign(bytes, len): what this is in words ("an OFF file"), where it begins
+ * like a format that is known and not read; NULL: it does not. */
+const char *cloudformat_foreign(const unsigned char *bytes, size_t len);
+
+#endif

@@ -1,0 +1,200 @@
+#include "cloudlist.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "mem.h"
+
+#define FIRST_ROOM 1024
+
+static enum status no_memory(const struct cloudlist *l)
+{
+    return errinfo_set(l->e, ST_ENOMEM, "no memory for the points");
+}
+
+/* *array with room for `room`, of n elements; where it is NULL it remains so. */
+static bool enlarge(void **array, size_t n, size_t room, size_t size)
+{
+    void *larger;
+
+    if (*array == NULL)
+        return true;
+    if ((larger = mem_array(room, size)) == NULL)
+        return false;
+    memcpy(larger, *array, n * size);
+    mem_free(*array);
+    *array = larger;
+    return true;
+}
+
+static enum status grow(struct cloudlist *l)
+{
+    struct cloudpoints *out = &l->out;
+    const size_t twice = 2 * l->room, room = twice < l->max ? twice : l->max;
+    void *at = out->at, *normal = out->normal, *index = out->index;
+    bool done;
+
+    if (l->room == l->max)
+        return errinfo_set(l->e, ST_ELIMIT, "more points than the limit of %zu", l->max);
+    done = enlarge(&at, out->n, room, sizeof *out->at) &&
+           enlarge(&normal, out->n, room, sizeof *out->normal) &&
+           enlarge(&index, out->n, room, sizeof *out->index);
+    out->at = at;
+    out->normal = normal;
+    out->index = index;
+    if (!done)
+        return no_memory(l);
+    if (normal != NULL)
+        memset(out->normal + out->n, 0, (room - out->n) * sizeof *out->normal);
+    l->room = room;
+    return ST_OK;
+}
+
+enum status cloudlist_room(struct cloudlist *l, size_t n)
+{
+    l->room = n < l->max ? n : l->max;
+    if (l->room == 0)
+        l->room = 1; /* so that it can be doubled */
+    l->out.at = mem_array(l->room, sizeof *l->out.at);
+    return l->out.at != NULL ? ST_OK : no_memory(l);
+}
+
+/* The point read last is not kept: from now on places differ from indices. */
+static enum status drop(struct cloudlist *l)
+{
+    struct cloudpoints *out = &l->out;
+
+    l->kept = false;
+    if (out->index != NULL)
+        return ST_OK;
+    if ((out->index = mem_array(l->room, sizeof *out->index)) == NULL)
+        return no_memory(l);
+    for (size_t i = 0; i < out->n; i++)
+        out->index[i] = (uint32_t)i;
+    return ST_OK;
+}
+
+enum status cloudlist_add(struct cloudlist *l, struct dvec3 p)
+{
+    struct cloudpoints *out = &l->out;
+    const bool zero = p.x == 0 && p.y == 0 && p.z == 0;
+    enum status st;
+
+    if (out->at == NULL && (st = cloudlist_room(l, FIRST_ROOM)) != ST_OK)
+        return st;
+    if (out->read == UINT32_MAX)
+        return errinfo_set(l->e, ST_ELIMIT, "more points than can be counted");
+    out->read++;
+    l->zeros += zero;
+    if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z) || (zero && l->zeros > 1))
+        return drop(l);
+    if (out->n == l->room && (st = grow(l)) != ST_OK)
+        return st;
+    if (zero)
+        l->zero = out->n;
+    if (out->index != NULL)
+        out->index[out->n] = (uint32_t)(out->read - 1);
+    out->at[out->n++] = p;
+    l->kept = true;
+    return ST_OK;
+}
+
+static enum status need_normals(struct cloudlist *l)
+{
+    struct cloudpoints *out = &l->out;
+
+    if (out->normal != NULL || out->at == NULL)
+        return ST_OK;
+    if ((out->normal = mem_array(l->room, sizeof *out->normal)) == NULL)
+        return no_memory(l);
+    memset(out->normal, 0, l->room * sizeof *out->normal);
+    return ST_OK;
+}
+
+enum status cloudlist_normal(struct cloudlist *l, struct dvec3 n)
+{
+    enum status st = need_normals(l);
+
+    if (st == ST_OK && l->kept && isfinite(n.x) && isfinite(n.y) && isfinite(n.z))
+        l->out.normal[l->out.n - 1] = n;
+    return st;
+}
+
+/* Where the point of a place is in out; out->n: it was dropped. */
+static size_t find(const struct cloudpoints *out, uint64_t place)
+{
+    size_t low = 0, high = out->n;
+
+    if (out->index == NULL)
+        return (size_t)place;
+    while (low < high) {
+        const size_t mid = low + (high - low) / 2;
+
+        if (out->index[mid] < place)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low < out->n && out->index[low] == place ? low : out->n;
+}
+
+enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3])
+{
+    struct cloudpoints *out = &l->out;
+    struct dvec3 normal;
+    size_t at[3];
+    enum status st;
+
+    for (int i = 0; i < 3; i++) {
+        if (corner[i] >= out->read)
+            return ST_EINVAL;
+        if ((at[i] = find(out, corner[i])) == out->n)
+            return ST_OK;
+    }
+    if ((st = need_normals(l)) != ST_OK)
+        return st;
+    normal = vec_cross(vec_sub(out->at[at[1]], out->at[at[0]]),
+                       vec_sub(out->at[at[2]], out->at[at[0]]));
+    for (int i = 0; i < 3; i++)
+        out->normal[at[i]] = vec_along(out->normal[at[i]], 1, normal);
+    return ST_OK;
+}
+
+void cloudlist_forget(struct cloudlist *l)
+{
+    mem_free(l->out.normal);
+    l->out.normal = NULL;
+}
+
+/* Take the first point at (0, 0, 0) out. */
+static enum status drop_zero(struct cloudlist *l)
+{
+    struct cloudpoints *out = &l->out;
+    const size_t i = l->zero, after = out->n - i - 1;
+    enum status st = drop(l);
+
+    if (st != ST_OK)
+        return st;
+    memmove(out->at + i, out->at + i + 1, after * sizeof *out->at);
+    memmove(out->index + i, out->index + i + 1, after * sizeof *out->index);
+    if (out->normal != NULL)
+        memmove(out->normal + i, out->normal + i + 1, after * sizeof *out->normal);
+    out->n--;
+    return ST_OK;
+}
+
+enum status cloudlist_finish(struct cloudlist *l)
+{
+    const bool organised = l->out.height > 1;
+    enum status st = ST_OK;
+
+    if (l->zeros > 1 || (l->zeros == 1 && organised))
+        st = drop_zero(l);
+    if (st == ST_OK && l->out.n == 0 && l->out.read > 0)
+        return errinfo_set(l->e, ST_ENOTFINITE,
+                           "none of the %zu points has a value: each is NaN, infinite or "
+                           "(0, 0, 0)",
+                           l->out.read);
+    return st;
+}

@@ -1,0 +1,32 @@
+/* cloudpoints.h -- what a scanner's file says. */
+#ifndef SCAN_CLOUDPOINTS_H
+#define SCAN_CLOUDPOINTS_H
+#include <stddef.h>
+#include <stdint.h>
+#include "cloudformat.h"
+#include "vec.h"
+
+/* The points that have a value, in the order of the file.  Dropped are those with a
+ * coordinate that is NaN or infinite, and those at exactly (0, 0, 0) where that stands for
+ * "no value": in an organised cloud, and wherever two or more points are there. */
+struct cloudpoints {
+    enum cloudformat format;
+    struct dvec3 *at; /* in the file's unit and axes */
+    struct dvec3
+        *normal;     /* NULL: none are known.  The file's own or, with a mesh, the sum
+                              of its faces' normals times twice their area, by their
+                              winding: of any length; (0, 0, 0) where nothing is known.
+                              Whether they point outward is as the file has it */
+    uint32_t *index; /* each one's place among those read, ascending; NULL: none was
+                              dropped.  In an organised cloud row by row: place % width is
+                              the column */
+    size_t n;        /* of at, normal and index */
+    size_t read;     /* with those dropped; vertices of an STL file that are equal
+                              count once */
+    double unit_mm;  /* millimetres per unit; 0: neither the caller nor the file says */
+    uint32_t width, height; /* of an organised cloud, a depth camera's; else 0 */
+};
+
+void cloudpoints_free(struct cloudpoints *c); /* it is empty again */
+
+#endif

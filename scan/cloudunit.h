@@ -1,0 +1,15 @@
+/* cloudunit.h -- the units that the coordinates of a scan may be in. */
+#ifndef SCAN_CLOUDUNIT_H
+#define SCAN_CLOUDUNIT_H
+#include <stdbool.h>
+#include <stddef.h>
+
+#define CLOUDUNIT_NAMES "mm, cm, m or in" /* for messages */
+
+/* cloudunit_mm(name, len, mm): millimetres per unit; false: it is none of the names. */
+bool cloudunit_mm(const char *name, size_t len, double *mm);
+
+/* cloudunit_name(mm): the name of such a unit, or "". */
+const char *cloudunit_name(double mm);
+
+#endif

@@ -1,0 +1,64 @@
+/* cloudvalue.h -- the numbers in binary scans: integers of two's complement, IEEE floats, in
+ * either byte order, at any address. */
+#ifndef SCAN_CLOUDVALUE_H
+#define SCAN_CLOUDVALUE_H
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+enum cloudvalue {
+    CLOUDVALUE_NONE,
+    CLOUDVALUE_I8,
+    CLOUDVALUE_U8,
+    CLOUDVALUE_I16,
+    CLOUDVALUE_U16,
+    CLOUDVALUE_I32,
+    CLOUDVALUE_U32,
+    CLOUDVALUE_F32,
+    CLOUDVALUE_F64
+};
+
+/* In bytes, by type. */
+static const unsigned char cloudvalue_size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+
+/* cloudvalue_swap(big): are the bytes of data in that order the other way round here? */
+static inline bool cloudvalue_swap(bool big)
+{
+    static const uint16_t probe = 1;
+
+    return big == (*(const unsigned char *)&probe == 1);
+}
+
+/* cloudvalue_load(p, type, swap): the value at p; type is not CLOUDVALUE_NONE. */
+static inline double cloudvalue_load(const unsigned char *p, enum cloudvalue type,
+                                     bool swap)
+{
+    uint16_t u16;
+    uint32_t u32;
+    uint64_t u64;
+    float f32;
+    double f64;
+
+    switch (cloudvalue_size[type]) {
+    case 1:
+        return type == CLOUDVALUE_I8 ? (double)(int8_t)*p : (double)*p;
+    case 2:
+        memcpy(&u16, p, sizeof u16);
+        u16 = swap ? __builtin_bswap16(u16) : u16;
+        return type == CLOUDVALUE_I16 ? (double)(int16_t)u16 : (double)u16;
+    case 4:
+        memcpy(&u32, p, sizeof u32);
+        u32 = swap ? __builtin_bswap32(u32) : u32;
+        memcpy(&f32, &u32, sizeof f32);
+        return type == CLOUDVALUE_F32   ? (double)f32
+               : type == CLOUDVALUE_I32 ? (double)(int32_t)u32
+                                        : (double)u32;
+    default:
+        memcpy(&u64, p, sizeof u64);
+        u64 = swap ? __builtin_bswap64(u64) : u64;
+        memcpy(&f64, &u64, sizeof f64);
+        return f64;
+    }
+}
+
+#endif
