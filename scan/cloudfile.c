@@ -3,15 +3,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cloudglb.h"
 #include "cloudjson.h"
 #include "cloudlist.h"
 #include "cloudobj.h"
+#include "cloudpcd.h"
 #include "cloudply.h"
+#include "cloudstl.h"
 #include "cloudtext.h"
 #include "cloudxyz.h"
 #include "errinfo.h"
 #include "inflate.h"
 #include "json.h"
+
+#define GLB_METRE 1000.0 /* the format's unit, which not every program keeps to */
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -38,6 +43,13 @@ static bool find_line(struct cloudtext *t)
 /* By what it begins with. */
 static enum status recognise(const struct cloudtext *text, enum cloudformat *format)
 {
+    static const struct {
+        enum cloudformat format;
+        bool (*is)(const struct cloudtext *t);
+    } known[] = {{CLOUDFORMAT_PLY, cloudply_is},
+                 {CLOUDFORMAT_GLB, cloudglb_is},
+                 {CLOUDFORMAT_PCD, cloudpcd_is},
+                 {CLOUDFORMAT_STL, cloudstl_is}};
     struct cloudtext t = *text;
     const char *foreign =
         cloudformat_foreign((const unsigned char *)t.p, (size_t)(t.end - t.p));
@@ -45,9 +57,11 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
     if (foreign != NULL)
         return errinfo_set(t.e, ST_EVERSION,
                            "%s, which is not read: send " CLOUDFORMAT_READ, foreign);
-    if (cloudply_is(&t)) {
-        *format = CLOUDFORMAT_PLY;
-        return ST_OK;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (known[i].is(&t)) {
+            *format = known[i].format;
+            return ST_OK;
+        }
     }
     skip_bom(&t);
     if (!find_line(&t))
@@ -88,7 +102,8 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
     return st;
 }
 
-static enum status parse(struct cloudtext *t, struct cloudlist *list)
+static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
+                         struct cloudlist *list)
 {
     enum status st = ST_OK;
 
@@ -99,6 +114,12 @@ static enum status parse(struct cloudtext *t, struct cloudlist *list)
     switch (list->out.format) {
     case CLOUDFORMAT_PLY:
         return cloudply_parse(t, list);
+    case CLOUDFORMAT_STL:
+        return cloudstl_parse(t, list);
+    case CLOUDFORMAT_GLB:
+        return cloudglb_parse(t, list);
+    case CLOUDFORMAT_PCD:
+        return cloudpcd_parse(t, o->max_bytes, list);
     case CLOUDFORMAT_JSON:
         return json_parse(t, list);
     default:
@@ -111,12 +132,16 @@ static enum status finish(struct cloudlist *list, enum status st,
                           const struct cloudfile_options *o, struct cloudpoints *out)
 {
     if (st == ST_OK)
-        st = cloudlist_finish(list);
+        st = list->out.at == NULL
+                 ? errinfo_set(list->e, ST_EINVAL, "there are no points in it")
+                 : cloudlist_finish(list);
     if (st != ST_OK) {
         cloudpoints_free(&list->out);
     } else {
         if (list->out.unit_mm == 0)
             list->out.unit_mm = o->unit_mm;
+        if (list->out.unit_mm == 0 && list->out.format == CLOUDFORMAT_GLB)
+            list->out.unit_mm = GLB_METRE;
         *out = list->out;
     }
     return st;
@@ -131,7 +156,7 @@ static enum status read_plain(const char *bytes, size_t len,
         .start = bytes, .p = bytes, .end = bytes + len, .line = 1, .e = e};
     struct cloudlist list = {.out = {.format = o->format}, .max = o->max_points, .e = e};
 
-    return finish(&list, len == 0 ? nothing(&t) : parse(&t, &list), o, out);
+    return finish(&list, len == 0 ? nothing(&t) : parse(&t, o, &list), o, out);
 }
 
 enum status cloudfile_read(const void *bytes, size_t len,

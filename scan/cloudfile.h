@@ -29,6 +29,11 @@ struct cloudfile_options {
  *       n == 0.
  * OBJ   "v" with 3 to 8 numbers, the first three taken; normals by the "f" lines; a backslash
  *       continues a line; other keywords are skipped.
+ * STL   text and binary; equal vertices are one point; normals by the corners' order.
+ * PCD   ascii, binary and binary_compressed, x, y, z anywhere among the fields, of type F, I or
+ *       U; more bytes than the points take may follow.
+ * GLB   glTF 2.0: the vertices of the scene's meshes, moved by their nodes; normals by the
+ *       triangles' order; all data in the file, not compressed.  In metres if o says nothing.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
  *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one
