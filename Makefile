@@ -43,6 +43,7 @@ LINKS_db    := db/sql
 # The libraries that a room needs in addition to the C library.
 NEEDS_core   := -lm
 NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
+NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
 NEEDS_db     := -lsodium -lxxhash
 NEEDS_server := -lmicrohttpd -lgnutls -lsystemd

@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include "clouddepth.h"
 #include "errinfo.h"
 #include "face.h"
 #include "json.h"
@@ -59,6 +60,7 @@ struct ctl {
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *archive_key;    /* a file with its key or passphrase; NULL: asked for */
     double unit_mm;             /* of the scans, millimetres; 0: not given */
+    struct clouddepth_camera camera; /* of those that are depth images */
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */
     double threshold_mm;    /* 0: the default */

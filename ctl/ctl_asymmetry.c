@@ -57,7 +57,7 @@ const struct ctl_command ctl_asymmetry = {
     .name = "asymmetry",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_UNITS | CTL_MODEL,
+    .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"done", NULL,
               "inconclusive: too little of the face lies over its mirror image"},
     .run = measure,

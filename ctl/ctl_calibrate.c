@@ -372,7 +372,7 @@ const struct ctl_command ctl_calibrate = {
     .name = "calibrate",
     .args = "[--list | --reset]",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_UNITS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
     .options = {CTL_OPTION(
                     "mated", "MANIFEST", ctl_option_text, &mated,
                     "more scans of the subjects: a folder, or a table with the columns\n"

@@ -36,7 +36,7 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
 enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
                             struct face *out, char **refused, struct errinfo *e)
 {
-    struct ctl mine = {.unit_mm = c->unit_mm};
+    struct ctl mine = {.unit_mm = c->unit_mm, .camera = c->camera};
     const enum status st = ctl_scan_read(&mine, path, w, out);
 
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)

@@ -291,7 +291,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     const struct corpus_scan *scan = &s->corpus->scan[i];
     const uint32_t subject = s->subject[scan->subject];
     struct rates_score *x = &s->score[i];
-    struct ctl c = {.unit_mm = s->c->unit_mm};
+    struct ctl c = {.unit_mm = s->c->unit_mm, .camera = s->c->camera};
     struct face f = {0};
     char digest[65];
     enum status st;

@@ -94,7 +94,7 @@ const struct ctl_command ctl_enroll = {
     .args = "SUBJECT FILE... | DIR | MANIFEST",
     .takes = {1, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_UNITS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
     .options = {CTL_OPTION("force", NULL, ctl_option_flag, &force,
                            "enroll scans that do not fit the subject's other samples"),
                 CTL_OPTION("kind", "WORD", ctl_option_text, &kind,

@@ -142,7 +142,7 @@ const struct ctl_command ctl_evaluate = {
     .args = "DIR|MANIFEST",
     .takes = {1, 1},
     .database = CTL_TAKES_DATABASE,
-    .shared = CTL_UNITS | CTL_MODEL | CTL_THRESHOLD | CTL_OUT | CTL_THREADS,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_THRESHOLD | CTL_OUT | CTL_THREADS,
     .options = {CTL_OPTION(
         "non-mated", "N", ctl_option_whole, &non_mated,
         "compare each probe with N other subjects (all, up to 200,000\n"

@@ -7,6 +7,7 @@
 
 #include "cloudunit.h"
 #include "ctl.h"
+#include "number.h"
 #include "store.h"
 #include "utc.h"
 
@@ -28,6 +29,26 @@ const char *ctl_option_text(const char *text, void *value)
 static const char *read_units(const char *text, void *value)
 {
     return cloudunit_mm(text, strlen(text), value) ? NULL : CLOUDUNIT_NAMES;
+}
+
+/* Four numbers and perhaps a fifth, with commas between them. */
+static const char *read_camera(const char *text, void *value)
+{
+    static const char wanted[] = "FX,FY,CX,CY or FX,FY,CX,CY,SCALE, pixels";
+    struct clouddepth_camera *c = value;
+    double v[5] = {0};
+    const char *const end = text + strlen(text);
+    int n = 0;
+
+    do {
+        if (n == 5 || (text = number_read(text, end, &v[n])) == NULL || !isfinite(v[n]))
+            return wanted;
+        n++;
+    } while (*text++ == ',');
+    if (text - 1 != end || n < 4 || !(v[0] > 0) || !(v[1] > 0) || (n == 5 && !(v[4] > 0)))
+        return wanted;
+    *c = (struct clouddepth_camera){v[0], v[1], v[2], v[3], v[4]};
+    return NULL;
 }
 
 static bool read_number(const char *text, double *to, double most)
@@ -124,7 +145,10 @@ static const struct ctl_option shared_options[] = {
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
     SHARED("units", "mm|cm|m|in", read_units, unit_mm, 0,
-           "the unit of the scans' coordinates (mm), where a file does not say it"),
+           "the unit of the scans' coordinates (mm); what a file says wins"),
+    SHARED("camera", "FX,FY,CX,CY", read_camera, camera, 0,
+           "of depth images: focal length and centre in pixels; and \",SCALE\" if\n"
+           "a value is not a millimetre (see the manual)"),
     SHARED("model", "FILE", ctl_option_text, model_path, 0,
            "a model that surfacectl train wrote; or set SURFACED_MODEL"),
     SHARED("threshold-mm", "MM", ctl_option_mm, threshold_mm, 0,

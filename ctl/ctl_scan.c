@@ -47,8 +47,10 @@ enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
 
 enum status ctl_scan_parse(struct ctl *c, const char *path, struct cloudpoints *out)
 {
-    const struct cloudfile_options o = {
-        .max_points = FACE_MAX_POINTS, .max_bytes = MAX_FILE, .unit_mm = c->unit_mm};
+    const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
+                                        .max_bytes = MAX_FILE,
+                                        .unit_mm = c->unit_mm,
+                                        .camera = c->camera};
     struct errinfo why = {.msg = "out of memory"};
     unsigned char *bytes;
     size_t len;

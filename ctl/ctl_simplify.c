@@ -61,7 +61,7 @@ const struct ctl_command ctl_simplify = {
     .name = "simplify",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_UNITS | CTL_MODEL | CTL_OUT,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT,
     .options = {CTL_OPTION("tolerance", "MM", ctl_option_mm, &tolerance_mm,
                            "the largest gap that may open; required"),
                 CTL_OPTION("mean", NULL, ctl_option_flag, &mean,

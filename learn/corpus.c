@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "cloudformat.h"
 #include "csv.h"
 #include "utf8.h"
 
@@ -180,17 +180,6 @@ static enum status add_scan(struct reading *r, const char *file, const char *id,
 
 /* ---- a folder */
 
-static bool is_scan(const char *name)
-{
-    static const char *const ends[] = {".ply", ".obj", ".xyz", ".txt"};
-    const char *dot = strrchr(name, '.');
-
-    for (size_t i = 0; dot != NULL && i < sizeof ends / sizeof *ends; i++)
-        if (strcasecmp(dot, ends[i]) == 0)
-            return true;
-    return false;
-}
-
 static int by_name(const struct dirent **a, const struct dirent **b)
 {
     return strcmp((*a)->d_name, (*b)->d_name);
@@ -205,7 +194,7 @@ static int not_hidden(const struct dirent *d)
 static const char *split_name(const char *file, char id[CORPUS_MAX_NAME + 1],
                               char kind[CORPUS_MAX_NAME + 1])
 {
-    const char *cut = strchr(file, '_'), *dot = strrchr(file, '.');
+    const char *cut = strchr(file, '_'), *dot = cloudformat_ending(file);
     const char *why = bad_name(file, 255);
 
     if (why != NULL)
@@ -246,7 +235,7 @@ static enum status add_entry(struct reading *r, const char *name)
     if (path == NULL)
         return no_memory(r->e);
     there = stat(path, &info) == 0;
-    if (!is_scan(name) || (there && !S_ISREG(info.st_mode)))
+    if (cloudformat_ending(name) == NULL || (there && !S_ISREG(info.st_mode)))
         skipped_add(&r->c->skipped, name, there && S_ISDIR(info.st_mode));
     else if (access(path, R_OK) != 0)
         st = leave_out(r, name, strerror(errno));

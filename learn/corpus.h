@@ -1,8 +1,8 @@
 /* corpus.h -- a collection of scans to learn from or to evaluate on: which scans it has, of
  * which subject, of what kind.  The scans themselves are not opened.
  *
- * A folder of scans (*.ply *.obj *.xyz *.txt, small or capital letters; no subfolders),
- * named SUBJECT_KIND.ply: the subject is what comes before the first underscore, the kind the
+ * A folder of scans (by the endings of their names: cloudformat.h; no subfolders), named
+ * SUBJECT_KIND.ply: the subject is what comes before the first underscore, the kind the
  * rest; neither may be empty.  Scans that cannot be used are listed with the reason, other
  * files are counted.  Or a manifest, a CSV file (csv.h); a folder's manifest is index.csv.
  * Its columns, in any order:

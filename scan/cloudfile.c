@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clouddepth.h"
 #include "cloudglb.h"
 #include "cloudjson.h"
 #include "cloudlist.h"
@@ -48,6 +49,7 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
         bool (*is)(const struct cloudtext *t);
     } known[] = {{CLOUDFORMAT_PLY, cloudply_is},
                  {CLOUDFORMAT_GLB, cloudglb_is},
+                 {CLOUDFORMAT_PNG, clouddepth_is},
                  {CLOUDFORMAT_PCD, cloudpcd_is},
                  {CLOUDFORMAT_STL, cloudstl_is}};
     struct cloudtext t = *text;
@@ -120,6 +122,8 @@ static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
         return cloudglb_parse(t, list);
     case CLOUDFORMAT_PCD:
         return cloudpcd_parse(t, o->max_bytes, list);
+    case CLOUDFORMAT_PNG:
+        return clouddepth_parse(t, &o->camera, o->max_bytes, list);
     case CLOUDFORMAT_JSON:
         return json_parse(t, list);
     default:

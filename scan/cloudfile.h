@@ -3,6 +3,7 @@
 #ifndef SCAN_CLOUDFILE_H
 #define SCAN_CLOUDFILE_H
 #include <stddef.h>
+#include "clouddepth.h"
 #include "cloudpoints.h"
 #include "status.h"
 
@@ -12,13 +13,14 @@ struct json_value; /* json.h */
 struct cloudfile_options {
     enum cloudformat format; /* as declared; CLOUDFORMAT_ANY: recognised by the content */
     size_t max_points;       /* that may have a value */
-    size_t max_bytes;        /* of a file when unpacked */
+    size_t max_bytes;        /* of a file or its parts when unpacked */
     double unit_mm;          /* millimetres per unit; 0: not given */
+    struct clouddepth_camera camera; /* of a depth image; all 0: not given */
 };
 
 /* cloudfile_read(bytes, len, o, out, e): bytes[len] must be 0.
  * out   released by cloudpoints_free(); empty on failure.  The unit is that of o, if the
- *       file has none of its own (JSON, the heading of a text file).
+ *       file has none of its own (JSON, a depth image, the heading of a text file).
  * e     on failure "line 3: ...", "byte 80: ...", or a sentence; may be NULL
  * A file may be compressed by gzip, whatever its format.
  * PLY   every scalar type, lists, any other elements and properties; each row of an ascii
@@ -34,6 +36,7 @@ struct cloudfile_options {
  *       U; more bytes than the points take may follow.
  * GLB   glTF 2.0: the vertices of the scene's meshes, moved by their nodes; normals by the
  *       triangles' order; all data in the file, not compressed.  In metres if o says nothing.
+ * PNG   a depth image: clouddepth.h.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
  *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one

@@ -122,17 +122,18 @@ enum status cloudheading_take(struct cloudheading *h, struct cloudtext *t, bool 
 {
     const char *p = t->p, *const end = line_end(t);
     struct cloudheading found = {.column = {-1, -1, -1, -1, -1, -1}};
-    bool named;
+    bool named, any;
 
     while (comment && p < end && (*p == '#' || *p == '/' || *p == ' ' || *p == '\t'))
         p++;
     found.separator = separator_of(p, end);
     named = read_names(&found, p, end);
+    any = found.column[0] >= 0 || found.column[1] >= 0 || found.column[2] >= 0;
     if (named) {
         *h = found;
         if (!comment && found.separator != ' ')
             h->fields = 0; /* settled */
-    } else if (!comment && found.separator != ' ' && found.fields > 3) {
+    } else if (!comment && found.separator != ' ' && (found.fields > 3 || any)) {
         return cloudtext_fail(t, ST_EINVAL,
                               "the heading does not name one column x, one y and one z");
     }

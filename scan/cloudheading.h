@@ -28,9 +28,9 @@ bool cloudheading_is(const struct cloudtext *t);
  * x, y, z, with a unit behind them or without, and Points:0, Points:1, Points:2; nx, ny, nz or
  * normal_x, normal_y, normal_z; in any case, quoted or not.  A line without them is no
  * heading: the first three columns.
- * Returns ST_OK; ST_EINVAL it separates more than three columns by commas, semicolons or
- * tabs, and x, y, z are not all among them, or one is there twice: better none than wrong
- * ones. */
+ * Returns ST_OK; ST_EINVAL it separates columns by commas, semicolons or tabs, and has only
+ * some of x, y and z, or one of them twice, or none among more than three: better no points
+ * than wrong ones. */
 enum status cloudheading_take(struct cloudheading *h, struct cloudtext *t, bool comment);
 
 /* cloudheading_settle(h, t): t is at the first line of data.  A heading that was words

@@ -17,8 +17,9 @@ static bool take_options(struct request *r, struct cloudfile_options *o)
 {
     *o = (struct cloudfile_options){.format = r->format,
                                     .max_points = FACE_MAX_POINTS,
-                                    .max_bytes = r->app->max_body};
-    return params_units(r, &o->unit_mm);
+                                    .max_bytes = r->app->max_body,
+                                    .camera = CLOUDDEPTH_NO_CAMERA};
+    return params_units(r, &o->unit_mm) && params_camera(r, &o->camera);
 }
 
 static void to_mm(struct cloudpoints *c)

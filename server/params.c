@@ -1,12 +1,15 @@
 #include "params.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "auth.h"
+#include "clouddepth.h"
 #include "cloudunit.h"
 #include "errmap.h"
+#include "number.h"
 #include "request.h"
 
 /* The value into buf; *there tells whether it was given.  False when it cannot be read, and
@@ -47,6 +50,33 @@ bool params_units(struct request *r, double *mm)
         return true;
     request_problem(r, ERRMAP_PARAMETER, "units is not " CLOUDUNIT_NAMES);
     return false;
+}
+
+/* A finite number, above 0 or of any sign. */
+static bool take_number(struct request *r, const char *name, bool positive, double *out)
+{
+    char buf[40];
+    bool there;
+
+    if (get(r, name, buf, sizeof buf, &there)) {
+        const char *end = buf + strlen(buf);
+
+        if (!there)
+            return true;
+        if (number_read(buf, end, out) == end && isfinite(*out) &&
+            (!positive || *out > 0))
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "%s is not a number%s", name,
+                    positive ? " above 0" : "");
+    return false;
+}
+
+bool params_camera(struct request *r, struct clouddepth_camera *c)
+{
+    return take_number(r, "fx", true, &c->fx) && take_number(r, "fy", true, &c->fy) &&
+           take_number(r, "cx", false, &c->cx) && take_number(r, "cy", false, &c->cy) &&
+           take_number(r, "depth_scale", true, &c->scale);
 }
 
 bool params_detail(struct request *r, enum params_detail *out)

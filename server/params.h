@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+struct clouddepth_camera; /* clouddepth.h */
 struct request;
 
 bool params_flag(struct request *r, const char *name, bool *out); /* true, false */
@@ -18,6 +19,9 @@ enum params_detail {                  /* what the response to a comparison conta
                      PARAMS_MEASURE,  /* the measure, the pose and the regions */
                      PARAMS_HEATMAP   /* and the gap at each point */
 };
+
+/* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image. */
+bool params_camera(struct request *r, struct clouddepth_camera *c);
 
 /* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail; without
  * it PARAMS_DECISION for a client that prefers the minimum (headers.h), else PARAMS_BRIEF. */

@@ -15,7 +15,9 @@
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
 
-#define COMPARING "units, detail" /* the query parameters of a comparison */
+/* The query parameters of a cloud, and of a comparison with one. */
+#define CLOUD     "units, fx, fy, cx, cy, depth_scale"
+#define COMPARING CLOUD ", detail"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
@@ -35,14 +37,15 @@ static const struct route table[] = {
     {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", docs_style, true},
     {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", docs_script, true},
     {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", version_handle, true},
-    {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUD, ENROLL, "units, label, force",
+    {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUD, ENROLL, CLOUD ", label, force",
      enroll_handle, false},
     {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_subject,
      false},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_template,
      false},
-    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, COMPARING, compare_handle, false},
-    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, "units", symmetry_handle, false},
+    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, detail", compare_handle,
+     false},
+    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
      false},
     {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, false},

@@ -66,9 +66,9 @@ static void test_folder(void **state)
     struct corpus *c;
 
     (void)state;
-    put("bob_2.ply", "");
+    put("bob_2.ply.gz", "");
     put("bob_1.XYZ", "");
-    put("alice_late_one.obj", "");
+    put("alice_late_one.stl", "");
     put("alice_enroll.txt", "");
     put("alice_early.ply", "");
     put("README.md", "");
@@ -82,6 +82,7 @@ static void test_folder(void **state)
     assert_string_equal(c->scan[c->subject[1].enrolled].file, "bob_1.XYZ");
     assert_int_equal(c->subject[0].nscan, 3);
     assert_string_equal(kind(c, 2), "late_one");
+    assert_string_equal(kind(c, 4), "2");
     assert_false(c->scan[2].enrolled);
     assert_true(c->scan[1].enrolled);
     assert_int_equal(corpus_pair(c, 0, 1), CORPUS_IMPOSTOR);
@@ -104,9 +105,9 @@ static void test_left_out(void **state)
     for (int i = 0; i < 3; i++)
         put(left[i], "");
     put("bob_1.ply", "");
-    put("a.stl", "");
-    put("b.stl", "");
-    put("table.csv", "");
+    put("a.off", "");
+    put("b.off", "");
+    put("table.xls", "");
     put("Makefile", "");
     put("subjects.csv", "id\n");
     assert_int_equal(symlink("nowhere", link), 0);
@@ -122,9 +123,9 @@ static void test_left_out(void **state)
     assert_non_null(strstr(c->left[1].why, "SUBJECT_KIND"));
     assert_string_equal(c->left[3].why, "No such file or directory");
     skipped_text(&c->skipped, text, sizeof text);
-    assert_string_equal(text, "4 files (.stl 2, .csv 1), 1 folder");
+    assert_string_equal(text, "4 files (.off 2, .xls 1), 1 folder");
     skipped_text(&c->skipped, text, 12);
-    assert_string_equal(text, "4 files (.s");
+    assert_string_equal(text, "4 files (.o");
     corpus_free(c);
 }
 

@@ -1,0 +1,164 @@
+/* Formats by their names, and by what a file begins with; what is refused by name; files
+ * compressed by gzip. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <zlib.h>
+
+#include "scanfile.h"
+
+static void test_endings(void **state)
+{
+    static const struct {
+        const char *name, *ending;
+    } c[] = {{"a.ply", ".ply"},
+             {"a_b.PLY", ".PLY"},
+             {"a.b.stl", ".stl"},
+             {"a.ply.gz", ".ply.gz"},
+             {"A.OBJ.GZ", ".OBJ.GZ"},
+             {"a.csv", ".csv"},
+             {"a.pts", ".pts"},
+             {"a.json", ".json"},
+             {"a.glb", ".glb"},
+             {"a.pcd", ".pcd"},
+             {"a.png", ".png"},
+             {"a.xyz", ".xyz"},
+             {"a.txt", ".txt"},
+             {".ply", NULL},
+             {"ply", NULL},
+             {"a.gz", NULL},
+             {"a.off", NULL},
+             {"a.ply.bak", NULL},
+             {"aply", NULL},
+             {"", NULL},
+             {".gz", NULL}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        const char *ending = cloudformat_ending(c[i].name);
+
+        if (c[i].ending == NULL)
+            assert_null(ending);
+        else
+            assert_string_equal(ending, c[i].ending);
+    }
+}
+
+static void test_foreign(void **state)
+{
+    static const struct {
+        const char *bytes;
+        size_t len;
+        const char *name;
+    } c[] = {{"OFF\n3 1 0\n0 0 0\n", 16, "an OFF file"},
+             {"\x93NUMPY\x01\0v\0", 10, "an NPY file"},
+             {"PK\x03\x04\x14\0", 6, "3MF, XLSX"},
+             {"Kaydara FBX Binary  \0", 21, "an FBX file"},
+             {"; FBX 7.3.0 project file\n", 25, "an FBX file"},
+             {"<?xml version=\"1.0\"?>\n<COLLADA>", 32, "DAE"},
+             {"ASTM-E57\1\0\0\0", 12, "an E57 file"},
+             {"LASF\0\0\0\0", 8, "a LAS file"},
+             {"# vtk DataFile Version 3.0\n", 27, "a VTK file"},
+             {"\xFF\xD8\xFF\xE0", 4, "a JPEG picture"},
+             {"II*\0\x08", 5, "a TIFF picture"},
+             {"\0\0\0\x18"
+              "ftypheic",
+              12, "a HEIC picture"},
+             {"\xFF\xFE\x31\0", 4, "UTF-16"},
+             {"\0\0\0\0\0\0", 6, "not a scan in a format"},
+             {"\x7F"
+              "ELF",
+              4, "not a scan in a format"}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        struct scanfile f = {.len = 0};
+
+        scanfile_put(&f, c[i].bytes, c[i].len);
+        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, c[i].name);
+        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION,
+                     "PLY, OBJ, STL, PCD, GLB, XYZ, PTS");
+    }
+}
+
+static void test_json(void **state)
+{
+    static const char *const good[] = {
+        "{\"points\": [[1,2,3],[4,5,6]], \"units\": \"in\"}",
+        "\xEF\xBB\xBF \n{\"units\":\"in\",\"points\":[[1,2,3],[4e0,5.0,6]]}\n"};
+    struct scanfile f;
+    struct cloudpoints p;
+
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        f.len = 0;
+        scanfile_text(&f, good[i]);
+        scanfile_good(&f, i == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_JSON, &p);
+        assert_true(p.format == CLOUDFORMAT_JSON && p.n == 2 && p.unit_mm == 25.4);
+        scanfile_at(p.at[1], 4, 5, 6);
+        cloudpoints_free(&p);
+    }
+    f.len = 0;
+    scanfile_text(&f, "{\"asset\": {\"version\": \"2.0\"}}");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
+                 "the body has points and units, not asset");
+    f.len = 0;
+    scanfile_text(&f, "{\"points\": [[1,2,1e999]]}");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
+    f.len = 0;
+    scanfile_text(&f, "{\"points\": [[1,2,3]], \"units\": \"ell\"}");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "units is not mm, cm, m or in");
+}
+
+static void pack(struct scanfile *f, const void *bytes, size_t len)
+{
+    z_stream z = {0};
+
+    assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    z.next_in = (unsigned char *)(uintptr_t)bytes;
+    z.avail_in = (unsigned)len;
+    z.next_out = f->bytes;
+    z.avail_out = sizeof f->bytes;
+    assert_int_equal(deflate(&z, Z_FINISH), Z_STREAM_END);
+    f->len = z.total_out;
+    (void)deflateEnd(&z);
+}
+
+static void test_gzip(void **state)
+{
+    static unsigned char zeros[2 << 20];
+    struct scanfile f;
+    struct cloudpoints p;
+
+    (void)state;
+    pack(&f, "v 1 2 3\nv 4 5 6\n", 16);
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.format == CLOUDFORMAT_OBJ && p.n == 2);
+    cloudpoints_free(&p);
+    scanfile_good(&f, CLOUDFORMAT_OBJ, &p);
+    cloudpoints_free(&p);
+    scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "STL");
+    scanfile_cut(&f, CLOUDFORMAT_ANY);
+    f.bytes[f.len - 1]++;
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "gzip");
+    pack(&f, zeros, sizeof zeros);
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ELIMIT, "1048576 bytes when unpacked");
+    pack(&f, "", 0);
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "no points");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_endings),
+        cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_gzip),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,149 @@
+/* Text files with points: headings and where the columns are, units in them, PTS. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "scanfile.h"
+
+static void good(const char *text, struct cloudpoints *p)
+{
+    struct scanfile f = {.len = 0};
+
+    scanfile_text(&f, text);
+    scanfile_good(&f, CLOUDFORMAT_ANY, p);
+    assert_int_equal(p->format, CLOUDFORMAT_XYZ);
+}
+
+static void bad(const char *text, enum status st, const char *words)
+{
+    struct scanfile f = {.len = 0};
+
+    scanfile_text(&f, text);
+    scanfile_bad(&f, CLOUDFORMAT_ANY, st, words);
+}
+
+/* All of these have the points (1, 2, 3) and (4, 5, 6). */
+static void test_columns(void **state)
+{
+    static const char *const texts[] = {
+        "time,x,y,z\n0.5,1,2,3\n0.6,4,5,6\n",
+        "z;y;x\n3;2;1\n6;5;4\n",
+        "Z\tlabel\tX\tY\n3\ta b\t1\t2\n6\t\t4\t5\n",
+        "\"time\",\"X\",\"Y\",\"Z\"\n\"2020-01-01, 12:00\",1,2,3\n,4,5,6\n",
+        "id x y z i\n7 1 2 3 9\n8 4 5 6 9\n",
+        "# id x y z\n7 1 2 3\n8 4 5 6\n",
+        "//X Y Z R G B\n1 2 3 255 0 0\n4 5 6 255 0 0\n",
+        "# the x and the y and then z\n1 2 3\n4 5 6\n", /* not as many as there are */
+        "# a scan; in x, y and z\n1;2;3\n4;5;6\n",      /* the same */
+        "a scan of somebody\n1 2 3\n4 5 6\n",           /* no heading */
+        "right up front\n1 2 3\n4 5 6\n",               /* three, in this order */
+        "right,up,front\n1,2,3\n4,5,6\n",
+        "Points:2,Points:0,Points:1,Normals:0\n3,1,2,7\n6,4,5,7\n",
+        "x_scan,x,y,z\n9,1,2,3\n9,4,5,6\n",
+        "frame , X , Y , Z\r\n1 , 1 , 2 , 3\r\n2 , 4 , 5 , 6\r\n",
+        "x,y,z,\n1,2,3,\n4,5,6,\n",
+        "2\n1 2 3 77 255 0 0\n4 5 6 77 255 0 0\n",
+        "1\n1 2 3\n1\n4 5 6\n",
+        "  2 \r\n1 2 3\r\n4 5 6\r\n",
+        "# exported\n2\n1,2,3\n4,5,6\n",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct cloudpoints p;
+
+        good(texts[i], &p);
+        if (p.n != 2)
+            fail_msg("%zu points: %s", p.n, texts[i]);
+        if (p.at[0].x != 1 || p.at[0].y != 2 || p.at[0].z != 3 || p.at[1].x != 4 ||
+            p.at[1].y != 5 || p.at[1].z != 6)
+            fail_msg("(%g, %g, %g), ... of: %s", p.at[0].x, p.at[0].y, p.at[0].z,
+                     texts[i]);
+        assert_true(p.unit_mm == 0 && p.normal == NULL);
+        cloudpoints_free(&p);
+    }
+}
+
+static void test_units(void **state)
+{
+    static const struct {
+        const char *heading;
+        double mm;
+    } c[] = {{"x_mm,y_mm,z_mm", 1},
+             {"X (m),Y (m),Z (m)", 1000},
+             {"x[cm],y[cm],z[cm]", 10},
+             {"x/in,y/in,z/in", 25.4},
+             {"x,y,z", 0}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        struct cloudpoints p;
+        char text[100];
+
+        (void)snprintf(text, sizeof text, "%s\n1,2,3\n", c[i].heading);
+        good(text, &p);
+        assert_true(p.unit_mm == c[i].mm);
+        cloudpoints_free(&p);
+    }
+}
+
+static void test_normals(void **state)
+{
+    struct cloudpoints p;
+
+    (void)state;
+    good("x y z nx ny nz\n1 2 3 0 0 1\n4 5 6 nan 0 1\n", &p);
+    scanfile_at(p.normal[0], 0, 0, 1);
+    scanfile_at(p.normal[1], 0, 0, 0);
+    cloudpoints_free(&p);
+    good("normal_z,normal_y,normal_x,x,y,z\n3,2,1,4,5,6\n", &p);
+    scanfile_at(p.at[0], 4, 5, 6);
+    scanfile_at(p.normal[0], 1, 2, 3);
+    cloudpoints_free(&p);
+    good("x y z nx ny\n1 2 3 0 0\n", &p);
+    assert_null(p.normal);
+    cloudpoints_free(&p);
+}
+
+static void test_bad(void **state)
+{
+    static const struct {
+        const char *text;
+        enum status st;
+        const char *words;
+    } c[] = {
+        {"time,px,py,pz\n0,1,2,3\n", ST_EINVAL, "one column x, one y and one z"},
+        {"time,x,y,z,x\n0,1,2,3,4\n", ST_EINVAL, "one column x, one y and one z"},
+        {"time,x,y\n0,1,2\n", ST_EINVAL, "one column x, one y and one z"},
+        {"time,x,y,z\n0,1,2\n", ST_EINVAL, "too few numbers"},
+        {"time,x,y,z\n0,1,,3\n", ST_EINVAL, "a number is expected"},
+        {"t\tx\ty\tz\n0\t1\t\t3\n", ST_EINVAL, "a number is expected"},
+        {"3\n1 2 3\n4 5 6\n", ST_EINVAL, "1 points fewer"},
+        {"1\n1 2 3\n4 5 6\n", ST_EINVAL, "more points than the count"},
+        {"2\n1 2 3\n1\n4 5 6\n", ST_EINVAL, "1 points fewer"},
+        {"7\n", ST_EINVAL, ""},
+        {"999999999999999999999\n1 2 3\n", ST_EINVAL, ""},
+        {"480\n640\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n", ST_EVERSION, "PTX"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++)
+        bad(c[i].text, c[i].st, c[i].words);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_units),
+        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_bad),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
