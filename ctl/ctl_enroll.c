@@ -102,9 +102,10 @@ const struct ctl_command ctl_enroll = {
     .run = run,
     .summary = "enroll scans of a subject, or of many",
     .help =
-        "Each FILE (PLY, OBJ or XYZ; - is standard input) becomes a template.  Enrolling the same\n"
-        "scan again changes nothing.  A scan that matches none of the subject's templates, or has\n"
-        "too little in common with them to tell, is refused unless --force is given.\n"
+        "Each FILE (PLY, OBJ, STL, PCD, GLB, XYZ, PTS, CSV, depth PNG, JSON; - is standard input)\n"
+        "becomes a template.  Enrolling the same scan again changes nothing.  A scan that matches\n"
+        "none of the subject's templates, or has too little in common with them to tell, is\n"
+        "refused unless --force is given.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"

@@ -160,8 +160,10 @@ void cloudheading_settle(struct cloudheading *h, const struct cloudtext *t)
 
 int cloudheading_role(const struct cloudheading *h, unsigned i)
 {
-    for (int role = 0; role < 6; role++)
-        if (h->column[role] == (int)i && (role < 3 || h->normals))
+    const int most = h->normals ? 6 : 3;
+
+    for (int role = 0; role < most; role++)
+        if (h->column[role] == (int)i)
             return role;
     return -1;
 }

@@ -27,6 +27,6 @@ done <<END
 $layers
 END
 alone tests/lib tools db scan base core
-alone tests/fuzz
+alone tests/fuzz scan base core
 alone studies tests/lib tools scan base core
 exit $bad

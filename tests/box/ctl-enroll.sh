@@ -49,7 +49,7 @@ is "of the scans" "$(counts) $(said .left_out)" '12 0 9 3 0 2'
 is "all of it is told" "$(said '[.failures[].file] | join(", ")')" \
     'a b_1.ply, s1_wrong.ply, s3_cut.ply, README.txt, carol.ply'
 is "why" "$(said '.failures[-1].reason')" 'not named SUBJECT_KIND.ply (or list it in index.csv)'
-is "what was not read" "$(said .not_read)" '3 files (.off 2, .xls 1), 1 folder'
+is "what was not read" "$(said .not_read)" '3 files (.xls 1, .off 2), 1 folder'
 is "once" "$(grep -c 'not read: 3 files' "$T/ctl.err")" 1
 ok "how many" grep -q '5 of 14 scans were not enrolled' "$T/ctl.err"
 

@@ -11,7 +11,7 @@
 
 #define CLOUD_MAX 5000
 
-static void cloud_check(const struct cloudpoints *p)
+static inline void cloud_check(const struct cloudpoints *p)
 {
     if (p->at == NULL || p->n > CLOUD_MAX || p->n > p->read ||
         (p->index == NULL && p->n != p->read))
@@ -25,7 +25,7 @@ static void cloud_check(const struct cloudpoints *p)
     }
 }
 
-static int cloud_fuzz(const void *data, size_t size, enum cloudformat format)
+static inline int cloud_fuzz(const void *data, size_t size, enum cloudformat format)
 {
     const struct cloudfile_options o = {
         .format = format,
