@@ -34,8 +34,9 @@ static uint64_t mix(uint64_t h, double v)
 
     v += 0.0; /* one zero */
     memcpy(&bits, &v, sizeof bits);
-    h = (h ^ bits) * UINT64_C(0xBF58476D1CE4E5B9); /* splitmix64 */
-    return h ^ (h >> 29);
+    bits ^= bits >> 32; /* of a float's value the lower bits are all zero */
+    h = (h ^ bits) * UINT64_C(0xBF58476D1CE4E5B9); /* of splitmix64 */
+    return h ^ (h >> 32);
 }
 
 enum status cloudweld_add(struct cloudweld *w, struct dvec3 p, uint64_t *place)

@@ -13,10 +13,10 @@
 #include "cloudstl.h"
 #include "scanfile.h"
 
-/* A square of two triangles, and one without a value. */
-static const double triangle[3][3][3] = {{{0, 0, 0}, {2, 0, 0}, {2, 3, 0}},
-                                         {{0, 0, 0}, {2, 3, 0}, {0, 3, 0}},
-                                         {{2, 0, 0}, {NAN, 1, 1}, {0, 3, 0}}};
+/* A triangle with a corner without a value, and a square of two. */
+static const double triangle[3][3][3] = {{{2, 0, 0}, {NAN, 1, 1}, {0, 3, 0}},
+                                         {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}},
+                                         {{0, 0, 0}, {2, 3, 0}, {0, 3, 0}}};
 
 static void make_binary(struct scanfile *f, const char *head, uint32_t count)
 {
@@ -68,14 +68,14 @@ static void check_square(const struct scanfile *f, enum cloudformat format)
     assert_int_equal(p.format, CLOUDFORMAT_STL);
     assert_int_equal(p.read, 5);
     assert_int_equal(p.n, 4);
-    scanfile_at(p.at[0], 0, 0, 0); /* once, and therefore a point */
-    scanfile_at(p.at[1], 2, 0, 0);
-    scanfile_at(p.at[2], 2, 3, 0);
-    scanfile_at(p.at[3], 0, 3, 0);
-    scanfile_at(p.normal[0], 0, 0, 12);
+    scanfile_at(p.at[0], 2, 0, 0);
+    scanfile_at(p.at[1], 0, 3, 0);
+    scanfile_at(p.at[2], 0, 0, 0); /* once, and therefore a point */
+    scanfile_at(p.at[3], 2, 3, 0);
+    scanfile_at(p.normal[0], 0, 0, 6);
     scanfile_at(p.normal[1], 0, 0, 6);
     scanfile_at(p.normal[2], 0, 0, 12);
-    scanfile_at(p.normal[3], 0, 0, 6);
+    scanfile_at(p.normal[3], 0, 0, 12);
     assert_true(p.unit_mm == 0 && p.width == 0 && p.height == 0);
     cloudpoints_free(&p);
 }
@@ -161,14 +161,13 @@ static void test_weld(void **state)
                                                  {{0, 0}, {1, 1}, {0, 1}}};
         struct scanfile f = {.len = 0};
 
-        for (int k = 0; k < 3; k++)
-            for (int axis = 0; axis < 3; axis++)
-                scanfile_real(
-                    &f,
-                    axis == 0   ? (double)(t / 2 % (SIDE - 1) + corner[t % 2][k][0])
-                    : axis == 1 ? (double)(t / 2 / (SIDE - 1) + corner[t % 2][k][1])
-                                : 5,
-                    4, false);
+        for (int k = 0; k < 3; k++) {
+            scanfile_real(&f, 5, 4, false);
+            scanfile_real(&f, (double)(t / 2 / (SIDE - 1) + corner[t % 2][k][1]), 4,
+                          false);
+            scanfile_real(&f, (double)(t / 2 % (SIDE - 1) + corner[t % 2][k][0]), 4,
+                          false);
+        }
         memcpy(at + 12, f.bytes, f.len);
     }
     assert_int_equal(scanfile_read(file, len, &o, &p, &err), ST_OK);
