@@ -44,8 +44,9 @@ struct cloudfile_options {
  * JSON  {"points": [[x,y,z], ...], "units": "mm"}
  * Numbers do not depend on the locale and are correctly rounded.  Points without a value are
  * dropped (cloudpoints.h).
- * Cost O(len) time; memory at most 52 bytes a point that is kept, and for JSON what
- * cloudjson.h says, whatever a header claims.
+ * Cost O(n log n) for n bytes, unpacked.  Memory, whatever a header claims: 52 bytes a point
+ * that is kept and has a normal, and twice that while it grows; what is unpacked, up to
+ * max_bytes; of STL 8 bytes a vertex; and what cloudjson.h and cloudglb.h say.
  * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE no point has a value, or a
  * number of JSON is too large; ST_ELIMIT more than max_points or max_bytes; ST_EVERSION a
  * format, or a variant of one, that is not read; ST_ENOMEM. */

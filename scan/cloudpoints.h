@@ -8,23 +8,22 @@
 
 /* The points that have a value, in the order of the file.  Dropped are those with a
  * coordinate that is NaN or infinite, and those at exactly (0, 0, 0) where that stands for
- * "no value": in an organised cloud, and wherever two or more points are there. */
+ * "no value": in an organised cloud, and wherever two or more points are there.
+ * normal  NULL: none are known.  The file's own or, of a mesh, the sum over a point's faces of
+ *         their normal by the corners' order, times twice the area.  Of any length; (0, 0, 0)
+ *         where nothing is known.  Whether they point outward is as the file has it
+ * index   each one's place among those read, ascending; NULL: none was dropped.  The places of
+ *         an organised cloud go row by row: place % width is the column
+ * read    with those dropped: read - n are.  Equal vertices of an STL file count once */
 struct cloudpoints {
     enum cloudformat format;
     struct dvec3 *at; /* in the file's unit and axes */
-    struct dvec3
-        *normal;     /* NULL: none are known.  The file's own or, with a mesh, the sum
-                              of its faces' normals times twice their area, by their
-                              winding: of any length; (0, 0, 0) where nothing is known.
-                              Whether they point outward is as the file has it */
-    uint32_t *index; /* each one's place among those read, ascending; NULL: none was
-                              dropped.  In an organised cloud row by row: place % width is
-                              the column */
-    size_t n;        /* of at, normal and index */
-    size_t read;     /* with those dropped; vertices of an STL file that are equal
-                              count once */
-    double unit_mm;  /* millimetres per unit; 0: neither the caller nor the file says */
-    uint32_t width, height; /* of an organised cloud, a depth camera's; else 0 */
+    struct dvec3 *normal;
+    uint32_t *index;
+    size_t n; /* of at, normal and index */
+    size_t read;
+    double unit_mm; /* millimetres per unit; 0: neither the caller nor the file says */
+    uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
 };
 
 void cloudpoints_free(struct cloudpoints *c); /* it is empty again */

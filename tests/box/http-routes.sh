@@ -110,7 +110,7 @@ for one in subjects/alice "templates/$id"; do
     for value in 1e9 0 x ''; do
         send POST "/v1/$one/verify?threshold_mm=$value" "$PLY" "$T/b.ply"
         problem "$one, threshold_mm=$value" 400 invalid_parameter \
-            'no query parameter threshold_mm here: this path has units, detail'
+            'no query parameter threshold_mm here: this path has units, .*, detail'
     done
 done
 jq -c '. + {threshold_mm: 1e9}' "$T/a2.json" >"$T/own.json"
@@ -130,7 +130,7 @@ is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
 for query in 'unknown=1' 'units=mm&unknown' 'unknown&units=mm' '&unknown=1&' 'unit=mm' 'unitss=mm' \
     'Units=mm' '%75nits=mm' 'unknown=%zz' '=mm' 'units,%20detail=mm' 'force=true'; do
     send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
-    problem "$query" 400 invalid_parameter 'no query parameter .*here: this path has units, detail$'
+    problem "$query" 400 invalid_parameter 'no query parameter .*here: this path has units, fx, fy, cx, cy, depth_scale, detail$'
 done
 send POST "/v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1" "$PLY" "$T/a2.ply"
 problem "a long one" 400 invalid_parameter 'no query parameter u0{63} here'
