@@ -33,7 +33,7 @@ send POST /v1/subjects/alice/verify "$BYTES" "$T/p.xyz"
 echo '{"points": [[12.3456789, 1, "oops"]]}' >"$T/bad.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
 is "malformed" "$STATUS" 400
-printf '12.3456789 1 2\n3 4 5e999\n' >"$T/bad.xyz"
+printf '12.3456789 1 nan\n3 4 5e999\n' >"$T/bad.xyz"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/bad.xyz"
 is "not finite" "$STATUS" 422
 req GET "/v1/subjects/alice?probe=12.3456789"
