@@ -53,12 +53,7 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
                  {CLOUDFORMAT_PCD, cloudpcd_is},
                  {CLOUDFORMAT_STL, cloudstl_is}};
     struct cloudtext t = *text;
-    const char *foreign =
-        cloudformat_foreign((const unsigned char *)t.p, (size_t)(t.end - t.p));
 
-    if (foreign != NULL)
-        return errinfo_set(t.e, ST_EVERSION,
-                           "%s, which is not read: send " CLOUDFORMAT_READ, foreign);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         if (known[i].is(&t)) {
             *format = known[i].format;
@@ -104,15 +99,9 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
     return st;
 }
 
-static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
-                         struct cloudlist *list)
+static enum status parse_as(struct cloudtext *t, const struct cloudfile_options *o,
+                            struct cloudlist *list)
 {
-    enum status st = ST_OK;
-
-    if (list->out.format == CLOUDFORMAT_ANY)
-        st = recognise(t, &list->out.format);
-    if (st != ST_OK)
-        return st;
     switch (list->out.format) {
     case CLOUDFORMAT_PLY:
         return cloudply_parse(t, list);
@@ -129,6 +118,39 @@ static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
     default:
         return text_parse(t, list);
     }
+}
+
+/* What is malformed as what it was declared to be may be something else.  Nearly every text
+ * could be XYZ, which therefore says nothing. */
+static enum status blame(struct cloudtext *whole, enum cloudformat declared)
+{
+    struct cloudtext t = *whole;
+    enum cloudformat is = declared;
+
+    t.e = NULL;
+    if (recognise(&t, &is) == ST_OK && is != declared && is != CLOUDFORMAT_XYZ)
+        (void)cloudtext_fail(whole, ST_EINVAL, "this is %s, not %s as declared",
+                             cloudformat_name(is), cloudformat_name(declared));
+    return ST_EINVAL;
+}
+
+static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
+                         struct cloudlist *list)
+{
+    const char *foreign =
+        cloudformat_foreign((const unsigned char *)t->p, (size_t)(t->end - t->p));
+    struct cloudtext whole = *t;
+    enum status st = ST_OK;
+
+    if (foreign != NULL)
+        return errinfo_set(t->e, ST_EVERSION,
+                           "%s, which is not read: send " CLOUDFORMAT_READ, foreign);
+    if (o->format == CLOUDFORMAT_ANY)
+        st = recognise(t, &list->out.format);
+    if (st == ST_OK)
+        st = parse_as(t, o, list);
+    return st == ST_EINVAL && o->format != CLOUDFORMAT_ANY ? blame(&whole, o->format)
+                                                           : st;
 }
 
 /* What is in the list becomes *out, if st is ST_OK. */

@@ -114,6 +114,25 @@ static void test_json(void **state)
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "units is not mm, cm, m or in");
 }
 
+/* Declared as something else than it is. */
+static void test_declared(void **state)
+{
+    struct scanfile f = {.len = 0};
+
+    (void)state;
+    scanfile_text(&f, "v 1 2 3\nv 4 5 6\n");
+    scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "this is OBJ, not STL as declared");
+    scanfile_bad(&f, CLOUDFORMAT_GLB, ST_EINVAL, "this is OBJ, not GLB as declared");
+    scanfile_bad(&f, CLOUDFORMAT_PNG, ST_EINVAL, "this is OBJ, not PNG as declared");
+    scanfile_bad(&f, CLOUDFORMAT_JSON, ST_EINVAL, "this is OBJ, not JSON as declared");
+    f.len = 0;
+    scanfile_text(&f, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    scanfile_bad(&f, CLOUDFORMAT_XYZ, ST_EVERSION, "an OFF file");
+    f.len = 0;
+    scanfile_text(&f, "1 2 3\n4 5 6\n");
+    scanfile_bad(&f, CLOUDFORMAT_PLY, ST_EINVAL, "a PLY file begins with the word ply");
+}
+
 static void pack(struct scanfile *f, const void *bytes, size_t len)
 {
     z_stream z = {0};
@@ -154,9 +173,8 @@ static void test_gzip(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_endings),
-        cmocka_unit_test(test_foreign),
-        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_endings), cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_json),    cmocka_unit_test(test_declared),
         cmocka_unit_test(test_gzip),
     };
 
