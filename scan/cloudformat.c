@@ -80,9 +80,13 @@ const char *cloudformat_foreign(const unsigned char *bytes, size_t len)
         const char *magic;
         size_t len, at;
     } known[] = {
-        {"an OFF file", "OFF", 3, 0},
-        {"an OFF file", "COFF", 4, 0},
-        {"an OFF file", "NOFF", 4, 0},
+        {"an OFF file", "OFF\n", 4, 0}, /* and not a heading like "OFFSET x y z" */
+        {"an OFF file", "OFF\r", 4, 0},
+        {"an OFF file", "OFF ", 4, 0},
+        {"an OFF file", "COFF\n", 5, 0},
+        {"an OFF file", "COFF\r", 5, 0},
+        {"an OFF file", "NOFF\n", 5, 0},
+        {"an OFF file", "NOFF\r", 5, 0},
         {"an NPY file", "\x93NUMPY", 6, 0},
         {"a ZIP archive (3MF, XLSX, USDZ or NPZ)", "PK\x03\x04", 4, 0},
         {"an FBX file", "Kaydara FBX", 11, 0},

@@ -47,6 +47,7 @@ static void test_columns(void **state)
         "x_scan,x,y,z\n9,1,2,3\n9,4,5,6\n",
         "frame , X , Y , Z\r\n1 , 1 , 2 , 3\r\n2 , 4 , 5 , 6\r\n",
         "x,y,z,\n1,2,3,\n4,5,6,\n",
+        "OFFSET x y z\n9 1 2 3\n9 4 5 6\n",
         "2\n1 2 3 77 255 0 0\n4 5 6 77 255 0 0\n",
         "1\n1 2 3\n1\n4 5 6\n",
         "  2 \r\n1 2 3\r\n4 5 6\r\n",
