@@ -69,6 +69,16 @@ void face_work_decide(struct face_work *w, const struct decision *d)
     w->decision = d != NULL ? *d : w->model->decision;
 }
 
+const struct model *face_work_model(const struct face_work *w)
+{
+    return w->model;
+}
+
+const struct frame_mean *face_work_mean(const struct face_work *w)
+{
+    return &w->mean;
+}
+
 void face_work_free(struct face_work *w)
 {
     if (w == NULL)

@@ -53,6 +53,10 @@ void face_work_free(struct face_work *w);
  * model's own. */
 void face_work_decide(struct face_work *w, const struct decision *d);
 
+/* The model that w was made with, and its mean face ready to align to. */
+const struct model *face_work_model(const struct face_work *w);
+const struct frame_mean *face_work_mean(const struct face_work *w);
+
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but

@@ -14,6 +14,9 @@ enum status {
     ST_ERANGE,      /* a coordinate lies off the lattice */
     ST_EDEGENERATE, /* all points on one line, or no area */
     ST_EUNITS,      /* the extent is not that of a face in millimetres */
+    ST_ENOFACE,     /* no face was found */
+    ST_ESEVERAL,    /* more than one face, where there must be one */
+    ST_EMIRRORED,   /* a mirror image */
     ST_ENOTFACE,    /* the surface is not a face (quality gate) */
     ST_EQUALITY,    /* a face, but too poor a scan (quality gate) */
     ST_ECORRUPT,    /* stored or internal data contradicts itself */

@@ -32,7 +32,7 @@ static enum status measure(struct ctl *c)
     const double start = ctl_clock_ms();
     struct face f = {0};
     struct asymmetry a;
-    enum status st = ctl_scan_read(c, c->args[0], c->work, &f);
+    enum status st = ctl_scan_read(c, c->args[0], false, c->work, &f);
     const double prepared = ctl_clock_ms();
 
     if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)

@@ -37,7 +37,7 @@ enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_w
                             struct face *out, char **refused, struct errinfo *e)
 {
     struct ctl mine = {.unit_mm = c->unit_mm, .camera = c->camera};
-    const enum status st = ctl_scan_read(&mine, path, w, out);
+    const enum status st = ctl_scan_read(&mine, path, false, w, out);
 
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
         return errinfo_set(e, st, "%s", mine.e.msg);

@@ -299,7 +299,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     *x = (struct rates_score){.mm = -2, .template = subject, .probe = subject};
     if (subject == NOBODY)
         return ST_OK;
-    st = ctl_scan_read(&c, scan->path, w, &f);
+    st = ctl_scan_read(&c, scan->path, false, w, &f);
     if (st == ST_OK && (st = codec_digest(&f.surface.mesh, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;

@@ -102,7 +102,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
     if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
-        st = ctl_scan_read(c, scan->path, work, f);
+        st = ctl_scan_read(c, scan->path, true, work, f);
     if (st == ST_OK) {
         stored = true;
         st = is_there(c, x.subject, f, &there);

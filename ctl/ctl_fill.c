@@ -132,9 +132,12 @@ static void tell_filled(struct ctl *c, struct filled *f)
 /* The scan's points in millimetres, as a face; from that what is missing. */
 static enum status restore(struct ctl *c, struct filled *f)
 {
-    const double unit = f->scan.unit_mm;
-    struct cloudpoints mm = {
-        .at = mem_array(f->scan.n, sizeof *mm.at), .n = f->scan.n, .unit_mm = unit};
+    const struct scan_options as_it_is = {.axes = SCAN_AXES_SCANNER};
+    struct scan_found found;
+    struct cloudpoints mm = {.at = mem_array(f->scan.n, sizeof *mm.at),
+                             .read = f->scan.n,
+                             .n = f->scan.n,
+                             .unit_mm = f->scan.unit_mm};
     struct scratch scratch = {0};
     struct face face = {0};
     enum status st;
@@ -142,9 +145,9 @@ static enum status restore(struct ctl *c, struct filled *f)
     if (mm.at == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; i < mm.n; i++)
-        mm.at[i] = (struct dvec3){f->scan.at[i].x * unit, f->scan.at[i].y * unit,
-                                  f->scan.at[i].z * unit};
-    if ((st = ctl_scan_build(c, c->args[0], &mm, c->work, &face)) == ST_OK &&
+        mm.at[i] = f->scan.at[i];
+    if ((st = ctl_scan_build(c, c->args[0], &mm, &as_it_is, c->work, &face, &found)) ==
+            ST_OK &&
         (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - mm.n), &scratch,
                          &f->fill)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0],
@@ -164,6 +167,8 @@ static enum status run(struct ctl *c)
     if (c->dir == NULL)
         return ctl_usage(c, "fill needs --out FILE");
     st = ctl_scan_parse(c, c->args[0], &f.scan);
+    if (f.scan.unit_mm == 0)
+        f.scan.unit_mm = 1;
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
         (st = write_new(c->dir, &f, &c->e)) == ST_OK)
         tell_filled(c, &f);

@@ -60,39 +60,26 @@ enum status ctl_scan_parse(struct ctl *c, const char *path, struct cloudpoints *
     if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%.100s: %s", path, why.msg);
     free(bytes);
-    if (out->unit_mm == 0)
-        out->unit_mm = 1;
     return st;
 }
 
-enum status ctl_scan_points(struct ctl *c, const char *path, struct cloudpoints *out)
+enum status ctl_scan_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                           const struct scan_options *o, struct face_work *w,
+                           struct face *out, struct scan_found *found)
 {
-    const enum status st = ctl_scan_parse(c, path, out);
-    const double mm = out->unit_mm;
-
-    for (size_t i = 0; i < out->n; i++)
-        out->at[i] =
-            (struct dvec3){out->at[i].x * mm, out->at[i].y * mm, out->at[i].z * mm};
-    return st;
+    return sample_build(path, p, o, w, out, found, &c->e);
 }
 
-enum status ctl_scan_build(struct ctl *c, const char *path, const struct cloudpoints *p,
-                           struct face_work *w, struct face *out)
+enum status ctl_scan_read(struct ctl *c, const char *path, bool enrolment,
+                          struct face_work *w, struct face *out)
 {
-    const struct sample sample = {
-        .name = path, .pts = p->at, .n = p->n, .unit_mm = p->unit_mm};
-
-    return sample_build(&sample, w, out, &c->e);
-}
-
-enum status ctl_scan_read(struct ctl *c, const char *path, struct face_work *w,
-                          struct face *out)
-{
+    const struct scan_options o = {.enrolment = enrolment};
+    struct scan_found found;
     struct cloudpoints p;
-    enum status st = ctl_scan_points(c, path, &p);
+    enum status st = ctl_scan_parse(c, path, &p);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, path, &p, w, out);
+        st = ctl_scan_build(c, path, &p, &o, w, out, &found);
     cloudpoints_free(&p);
     return st;
 }

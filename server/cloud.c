@@ -22,19 +22,6 @@ static bool take_options(struct request *r, struct cloudfile_options *o)
     return params_units(r, &o->unit_mm) && params_camera(r, &o->camera);
 }
 
-static void to_mm(struct cloudpoints *c)
-{
-    if (c->unit_mm == 0)
-        c->unit_mm = 1;
-    if (c->unit_mm == 1)
-        return;
-    for (size_t i = 0; i < c->n; i++) {
-        c->at[i].x *= c->unit_mm;
-        c->at[i].y *= c->unit_mm;
-        c->at[i].z *= c->unit_mm;
-    }
-}
-
 /* After the reading: the body is not needed any more. */
 static enum status settle(struct request *r, enum status st, struct errinfo *e)
 {
@@ -58,7 +45,6 @@ enum status cloud_read(struct request *r, struct cloudpoints *out)
     if (!take_options(r, &o))
         return ST_EINVAL;
     st = cloudfile_read(r->body, r->len, &o, out, &e);
-    to_mm(out);
     return settle(r, st, &e);
 }
 
@@ -73,18 +59,16 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
     if (!take_options(r, &o))
         return ST_EINVAL;
     st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
-    to_mm(a);
-    to_mm(b);
     return settle(r, st, &e);
 }
 
-enum status cloud_build(struct request *r, const struct cloudpoints *c, const char *name,
-                        struct face_work *w, struct face *out)
+enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
+                        bool enrolment, struct face_work *w, struct face *out)
 {
-    const struct sample sample = {
-        .name = name, .pts = c->at, .n = c->n, .unit_mm = c->unit_mm};
+    const struct scan_options o = {.enrolment = enrolment};
+    struct scan_found found;
     struct errinfo e = {0};
-    enum status st = sample_build(&sample, w, out, &e);
+    enum status st = sample_build(name, c, &o, w, out, &found, &e);
 
     if (st != ST_OK)
         request_fail(r, &e);

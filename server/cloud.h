@@ -1,6 +1,7 @@
 /* cloud.h -- from the body of a request to a face model. */
 #ifndef SERVER_CLOUD_H
 #define SERVER_CLOUD_H
+#include <stdbool.h>
 #include "cloudpoints.h"
 #include "status.h"
 
@@ -8,8 +9,8 @@ struct face;
 struct face_work;
 struct request;
 
-/* cloud_read(r, out): the body as JSON or as a scanner's file, in millimetres (out->unit_mm
- * tells what it was in); a unit of the file's own wins over ?units=.  The body is released.
+/* cloud_read(r, out): the body as JSON or as a scanner's file; a unit of the file's own wins
+ * over ?units=.  The body is released.
  * out: by cloudpoints_free().  Returns ST_OK, or another status with r->response set. */
 enum status cloud_read(struct request *r, struct cloudpoints *out);
 
@@ -17,10 +18,11 @@ enum status cloud_read(struct request *r, struct cloudpoints *out);
 enum status cloud_read_two(struct request *r, struct cloudpoints *a,
                            struct cloudpoints *b);
 
-/* cloud_build(r, c, name, w, out): the model; name is "points", "a.points" or "b.points".
+/* cloud_build(r, c, name, enrolment, w, out): the model; c then has the points used, in mm
+ * (scan.h).  name is "points", "a.points" or "b.points".
  * Returns ST_OK, or another status with r->response set. */
-enum status cloud_build(struct request *r, const struct cloudpoints *c, const char *name,
-                        struct face_work *w, struct face *out);
+enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
+                        bool enrolment, struct face_work *w, struct face *out);
 
 /* cloud_spread(c, value): value, with room for c->read, has one for each point of c; after
  * it one for each point that was sent, NaN for those that were dropped. */

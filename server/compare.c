@@ -54,8 +54,8 @@ static bool build(struct comparison *c)
         return false;
     parsed = log_clock_ms();
     request_stage(c->r, REQUEST_PARSE, c->parse_ms = parsed - start);
-    if (cloud_build(c->r, &c->a, "a.points", work, &c->w->other) != ST_OK ||
-        cloud_build(c->r, &c->b, "b.points", work, &c->w->probe) != ST_OK)
+    if (cloud_build(c->r, &c->a, "a.points", false, work, &c->w->other) != ST_OK ||
+        cloud_build(c->r, &c->b, "b.points", false, work, &c->w->probe) != ST_OK)
         return false;
     if (admission_calibrate(&c->w->compare, &e) != ST_OK) {
         request_fail(c->r, &e);

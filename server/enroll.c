@@ -70,7 +70,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    st = cloud_build(r, &c, "points", w->compare.work, &w->probe);
+    st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe);
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloudpoints_free(&c);
     if (st == ST_OK)

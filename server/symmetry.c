@@ -22,7 +22,7 @@ void symmetry_handle(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", w->compare.work, &w->probe) != ST_OK)
+    if (cloud_build(r, &c, "points", false, w->compare.work, &w->probe) != ST_OK)
         goto out;
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);

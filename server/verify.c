@@ -87,7 +87,7 @@ static void build(void *arg, struct face_work *work)
     if ((v->built = cloud_read(v->r, &v->cloud)) != ST_OK)
         return;
     parsed = log_clock_ms();
-    v->built = cloud_build(v->r, &v->cloud, "points", work, &v->w->probe);
+    v->built = cloud_build(v->r, &v->cloud, "points", false, work, &v->w->probe);
     v->parse_ms = parsed - start;
     v->prepare_ms = log_clock_ms() - parsed;
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "cloudpoints.h"
 #include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
@@ -26,35 +27,28 @@ static const char *likely_unit(double side, double given_mm)
 }
 
 /* ST_EUNITS, with the extent in the units given and the unit that it is likely in. */
-static enum status tell_extent(const struct sample *s, struct errinfo *e)
+static enum status tell_extent(const char *name, const struct scan_found *f,
+                               struct errinfo *e)
 {
-    struct dvec3 lo = s->pts[0], hi = s->pts[0];
-    const char *unit;
+    const double *x = f->extent;
+    const char *unit = likely_unit(fmax(x[0], fmax(x[1], x[2])), f->unit_mm);
 
-    for (size_t i = 1; i < s->n; i++) {
-        lo = (struct dvec3){fmin(lo.x, s->pts[i].x), fmin(lo.y, s->pts[i].y),
-                            fmin(lo.z, s->pts[i].z)};
-        hi = (struct dvec3){fmax(hi.x, s->pts[i].x), fmax(hi.y, s->pts[i].y),
-                            fmax(hi.z, s->pts[i].z)};
-    }
-    hi.x = (hi.x - lo.x) / s->unit_mm;
-    hi.y = (hi.y - lo.y) / s->unit_mm;
-    hi.z = (hi.z - lo.z) / s->unit_mm;
-    unit = likely_unit(fmax(hi.x, fmax(hi.y, hi.z)), s->unit_mm);
     return errinfo_set(
         e, ST_EUNITS,
         "%.80s: the extent is %.4g x %.4g x %.4g in the units given; a face "
         "is %.0f to %.0f mm: %s%s?",
-        s->name, hi.x, hi.y, hi.z, EXTENT_MIN_MM, EXTENT_MAX_MM,
+        name, x[0], x[1], x[2], EXTENT_MIN_MM, EXTENT_MAX_MM,
         unit != NULL ? "is it " : "is it one face, and the unit right",
         unit != NULL ? unit : "");
 }
 
-enum status sample_build(const struct sample *s, struct face_work *w, struct face *out,
-                         struct errinfo *e)
+enum status sample_build(const char *name, struct cloudpoints *c,
+                         const struct scan_options *o, struct face_work *w,
+                         struct face *out, struct scan_found *found, struct errinfo *e)
 {
+    const size_t n = c->n;
     size_t bad = 0;
-    const enum status st = face_build(s->pts, s->n, w, out, &bad);
+    const enum status st = scan_build(c, o, w, out, &bad, found);
 
     switch (st) {
     case ST_OK:
@@ -63,41 +57,41 @@ enum status sample_build(const struct sample *s, struct face_work *w, struct fac
         return errinfo_set(e, st,
                            "%.80s: %zu points, fewer than %d at different places: a good "
                            "scan has 3,000 or more",
-                           s->name, s->n, FACE_MIN_POINTS);
+                           name, n, FACE_MIN_POINTS);
     case ST_ENOTFINITE:
         return errinfo_set(
             e, st,
             "%.80s: point %zu of %zu is not three finite numbers: leave out "
             "points without a value",
-            s->name, bad + 1, s->n);
+            name, bad + 1, n);
     case ST_ERANGE:
         return errinfo_set(
             e, st,
             "%.80s: point %zu of %zu has a coordinate beyond %.0f mm: is the "
             "unit right, and the origin near the face?",
-            s->name, bad + 1, s->n, LATTICE_MAX / LATTICE_PER_MM);
+            name, bad + 1, n, LATTICE_MAX / LATTICE_PER_MM);
     case ST_EDEGENERATE:
         return errinfo_set(e, st,
                            "%.80s: the %zu points lie on one line or at one place: send "
                            "points all over a face",
-                           s->name, s->n);
+                           name, n);
     case ST_EUNITS:
-        return tell_extent(s, e);
+        return tell_extent(name, found, e);
     case ST_ENOTFACE:
         return errinfo_set(
             e, st,
             "%.80s: the surface does not have the shape of a face: send one "
             "face seen from the front, without what is round it",
-            s->name);
+            name);
     case ST_EQUALITY:
         return errinfo_set(
             e, st,
             "%.80s: noise %.1f mm, %.0f %% of the outline covered, a point "
             "every %.1f mm: too noisy, or too many holes or spikes: scan "
             "again, nearer and without moving",
-            s->name, out->quality.noise_mm, 100 * out->quality.coverage,
+            name, out->quality.noise_mm, 100 * out->quality.coverage,
             out->quality.density_mm);
     default:
-        return errinfo_set(e, st, "%.80s: %s", s->name, status_message(st));
+        return errinfo_set(e, st, "%.80s: %s", name, status_message(st));
     }
 }

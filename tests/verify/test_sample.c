@@ -11,6 +11,8 @@
 #include "clouds.h"
 #include "errinfo.h"
 #include "face.h"
+#include "cloudpoints.h"
+#include "mem.h"
 #include "sample.h"
 
 #define POINTS 1500
@@ -36,22 +38,29 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A scan in units of unit_mm whose unit is given as given_mm. */
-static void take(double unit_mm, double given_mm)
+/* A scan in units of unit_mm. */
+static void take(double unit_mm)
 {
     n = clouds_scan(1, 0, POINTS, pts);
     for (size_t i = 0; i < n; i++)
         pts[i] =
-            (struct dvec3){pts[i].x / unit_mm * given_mm, pts[i].y / unit_mm * given_mm,
-                           pts[i].z / unit_mm * given_mm};
+            (struct dvec3){pts[i].x / unit_mm, pts[i].y / unit_mm, pts[i].z / unit_mm};
 }
 
 static enum status build(double given_mm)
 {
-    const struct sample s = {.name = "points", .pts = pts, .n = n, .unit_mm = given_mm};
+    const struct scan_options o = {.axes = SCAN_AXES_SCANNER};
+    struct cloudpoints c = {
+        .at = mem_array(n + 1, sizeof *pts), .n = n, .read = n, .unit_mm = given_mm};
+    struct scan_found found;
+    enum status st;
 
     e = (struct errinfo){0};
-    return sample_build(&s, work, &f, &e);
+    assert_non_null(c.at);
+    memcpy(c.at, pts, n * sizeof *pts);
+    st = sample_build("points", &c, &o, work, &f, &found, &e);
+    cloudpoints_free(&c);
+    return st;
 }
 
 /* The scan is rejected with st and a whole message that contains text. */
@@ -77,7 +86,7 @@ static void test_units(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        take(known[i].real_mm, known[i].given_mm);
+        take(known[i].real_mm);
         if (known[i].real_mm > 50000) { /* else too small for a triangulation */
             pts[0].x += 5;
             pts[1].y += 5;
@@ -85,7 +94,7 @@ static void test_units(void **state)
         assert_refused(ST_EUNITS, known[i].given_mm, known[i].guess);
         assert_non_null(strstr(e.msg, "the extent is "));
     }
-    take(1000, 1);
+    take(1000);
     pts[0] = (struct dvec3){-0.09, 0.12, 0.01};
     for (size_t i = 1; i < n; i++)
         pts[i] = (struct dvec3){fmax(pts[i].x, -0.09), fmin(pts[i].y, 0.12), pts[i].z};
@@ -97,16 +106,16 @@ static void test_units(void **state)
 static void test_points(void **state)
 {
     (void)state;
-    take(1, 1);
+    take(1);
     assert_int_equal(build(1), ST_OK);
     pts[16].y = NAN;
     assert_refused(ST_ENOTFINITE, 1, "point 17 of 15");
-    take(1, 1);
+    take(1);
     pts[16].z = 2e6;
     assert_refused(ST_ERANGE, 1, "point 17 of 15");
     n = 99;
     assert_refused(ST_ETOOFEW, 1, "99 points");
-    take(1, 1);
+    take(1);
     for (size_t i = 0; i < n; i++)
         pts[i].x = pts[i].y = 0;
     assert_refused(ST_EDEGENERATE, 1, "on one line");
@@ -115,11 +124,11 @@ static void test_points(void **state)
 static void test_surface(void **state)
 {
     (void)state;
-    take(1, 1);
+    take(1);
     for (size_t i = 0; i < n; i++)
         pts[i].z = 0;
     assert_refused(ST_ENOTFACE, 1, "from the front");
-    take(1, 1);
+    take(1);
     for (size_t i = 0; i < n; i++)
         pts[i].z += (double)(i * 7919 % 41) - 20;
     assert_refused(ST_EQUALITY, 1, "scan again");

@@ -1,0 +1,72 @@
+/* scan.h -- from the points of a scanner's file to the model of one frontal face: the unit, the
+ * face and its view, the crop, the gate. */
+#ifndef SCAN_SCAN_H
+#define SCAN_SCAN_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+
+struct cloudpoints; /* cloudpoints.h */
+struct face;        /* face.h */
+struct face_work;   /* face.h */
+
+enum scan_axes {
+    SCAN_AXES_AUTO,   /* the face is found, whatever its pose */
+    SCAN_AXES_SCANNER /* x to the image's right, y up, z towards the scanner: nothing is
+                         turned or cropped */
+};
+
+struct scan_options {
+    enum scan_axes axes;
+    bool enrolment; /* the strict gate */
+};
+
+/* What a scan of which a face model can be made has nevertheless, as bits. */
+enum scan_warning {
+    SCAN_SEVERAL,  /* more faces than one: the nearest was taken */
+    SCAN_MIRRORED, /* winding, normals or the order of pixels are a mirror image's */
+    SCAN_BEHIND, /* many points lie elsewhere: behind the head, on shoulders or a wall */
+    SCAN_TURNED, /* farther from the scanner's view than an enrolment may be */
+    SCAN_OCCLUDED, /* something covers a part of the face */
+    SCAN_THINNED,  /* more points than the measure needs */
+    SCAN_WARNINGS
+};
+
+/* What was found; as far as it was found on failure, the rest 0 or NAN. */
+struct scan_found {
+    size_t points_read, points_dropped; /* dropped: without a value */
+    size_t points_used;
+    double unit_mm;   /* that was taken; 0: none */
+    double extent[3]; /* of the points, in the unit given */
+    double view[16];  /* from the file's unit and axes to the frontal view in mm */
+    bool found;       /* the face was searched for; else the axes were as agreed */
+    double
+        yaw_deg; /* the face's front, seen from the scanner: positive to the image's right;
+                          NAN: where the scanner was cannot be told */
+    double pitch_deg, roll_deg; /* likewise; positive upwards, and anticlockwise */
+    double occluded;  /* share of the mean face's cells that something covers, 0..1 */
+    double elsewhere; /* share of the points that are not of the face, 0..1 */
+    uint32_t faces;   /* in the cloud */
+    double support; /* how well a face explains it (shape.h), and the least wanted here */
+    double support_wanted;
+    unsigned warnings; /* 1 << enum scan_warning */
+};
+
+/* scan_build(c, o, w, out, found): the model of the face in c.
+ * c      as cloudfile_read() left it, c->unit_mm 0: to be found.  Afterwards the points of the
+ *        face alone, in the frontal view and mm; index as before tells their places among those
+ *        read.  On failure unspecified, but still to be freed
+ * out    as in face_build()
+ * bad    as in face_build(), of the points before; may be NULL
+ * A scan that is frontal and in mm already is left as it is.
+ * Returns ST_OK; as face_build(); ST_ENOFACE: none was found; ST_ESEVERAL, ST_EMIRRORED:
+ * enrolment alone. */
+enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
+                       struct face_work *w, struct face *out, size_t *bad,
+                       struct scan_found *found);
+
+/* scan_warning_name(k): "several_faces", "mirrored", ...; static. */
+const char *scan_warning_name(enum scan_warning k);
+
+#endif
