@@ -4,32 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* ---- random numbers: splitmix64, and a bell curve of twelve uniform ones, so that not
- * even libm comes into the seeds' meaning */
-
-struct random {
-    uint64_t x;
-};
-
-static uint64_t next(struct random *r)
-{
-    uint64_t z = r->x += UINT64_C(0x9E3779B97F4A7C15);
-
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    return z ^ (z >> 31);
-}
-
-/* A stream for each purpose: what one takes more or less does not shift the others. */
-static struct random stream(uint64_t a, uint64_t b, uint64_t purpose)
-{
-    struct random r = {a};
-
-    r.x = next(&r) ^ b;
-    r.x = next(&r) ^ purpose;
-    (void)next(&r);
-    return r;
-}
+#include "draw.h"
 
 enum purpose {
     P_SHAPE = 1,
@@ -42,20 +17,6 @@ enum purpose {
     P_HOLES,
     P_SPIKES
 };
-
-static double uniform(struct random *r, double low, double high)
-{
-    return low + (high - low) * ((double)(next(r) >> 11) * 0x1p-53);
-}
-
-static double normal(struct random *r)
-{
-    double sum = -6;
-
-    for (int i = 0; i < 12; i++)
-        sum += uniform(r, 0, 1);
-    return sum;
-}
 
 /* ---- the face */
 
@@ -111,12 +72,13 @@ static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
 
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
 {
-    struct random shape = stream(subject, 0, P_SHAPE), own = stream(subject, 0, P_OWN);
+    struct draw shape = draw_stream(subject, 0, P_SHAPE),
+                own = draw_stream(subject, 0, P_OWN);
     double p[FACEGEN_PARAMS];
 
     memset(out, 0, sizeof *out);
     for (int i = 0; i < FACEGEN_PARAMS; i++)
-        p[i] = normal(&shape);
+        p[i] = draw_normal(&shape);
     out->width = 69 + 2.5 * p[0];
     out->depth = 45 + 3 * p[1];
     out->jaw = 0.16 + 0.03 * p[2];
@@ -129,16 +91,16 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
     out->side = 14.5 + 1.2 * p[8];
     add_features(out, p, smile);
     while (out->nbumps < FACEGEN_BUMPS - 20) {
-        const double x = uniform(&own, -60, 60), y = uniform(&own, -75, 80);
-        const double s = uniform(&own, 9, 22);
+        const double x = draw_uniform(&own, -60, 60), y = draw_uniform(&own, -75, 80);
+        const double s = draw_uniform(&own, 9, 22);
 
-        add(out, x, y, s, s, 1.2 * normal(&own));
+        add(out, x, y, s, s, 1.2 * draw_normal(&own));
     }
     while (out->nbumps < FACEGEN_BUMPS - 8) { /* no two noses are alike */
-        const double x = uniform(&own, -16, 16), y = uniform(&own, -2, 48);
-        const double s = uniform(&own, 5, 9);
+        const double x = draw_uniform(&own, -16, 16), y = draw_uniform(&own, -2, 48);
+        const double s = draw_uniform(&own, 5, 9);
 
-        add(out, x, y, s, s, 2.1 * normal(&own));
+        add(out, x, y, s, s, 2.1 * draw_normal(&own));
     }
 }
 
@@ -302,14 +264,14 @@ struct outline {
 
 static void outline_make(const struct facegen_scan *s, struct outline *o)
 {
-    struct random r = stream(s->subject, s->scan, P_OUTLINE);
+    struct draw r = draw_stream(s->subject, s->scan, P_OUTLINE);
 
-    o->a = uniform(&r, 61, 66);
-    o->up = uniform(&r, 70, 82);
-    o->down = uniform(&r, 78, 84);
+    o->a = draw_uniform(&r, 61, 66);
+    o->up = draw_uniform(&r, 70, 82);
+    o->down = draw_uniform(&r, 78, 84);
     for (int k = 0; k < 5; k++) {
-        o->wave[k] = 0.016 * normal(&r);
-        o->phase[k] = uniform(&r, 0, 6.28);
+        o->wave[k] = 0.016 * draw_normal(&r);
+        o->phase[k] = draw_uniform(&r, 0, 6.28);
     }
     o->outer = 1.001;
     for (int k = 0; k < 5; k++)
@@ -331,14 +293,15 @@ static bool outline_holds(const struct outline *o, double x, double y)
 }
 
 /* A smooth error over the face: a sum of waves, of the given root mean square. */
-static double warp_at(struct random r, double rms, double x, double y)
+static double warp_at(struct draw r, double rms, double x, double y)
 {
     double sum = 0;
 
     for (int k = 0; k < 8; k++) {
-        const double fx = uniform(&r, -0.09, 0.09), fy = uniform(&r, -0.09, 0.09);
+        const double fx = draw_uniform(&r, -0.09, 0.09),
+                     fy = draw_uniform(&r, -0.09, 0.09);
 
-        sum += cos(fx * x + fy * y + uniform(&r, 0, 6.28));
+        sum += cos(fx * x + fy * y + draw_uniform(&r, 0, 6.28));
     }
     return rms * sum / 2; /* 8 waves of mean square 1/2 */
 }
@@ -346,12 +309,12 @@ static double warp_at(struct random r, double rms, double x, double y)
 /* Cut blobs out until the share is reached.  Returns the points left. */
 static size_t cut_holes(const struct facegen_scan *s, struct dvec3 *p, size_t n)
 {
-    struct random r = stream(s->subject, s->scan, P_HOLES);
+    struct draw r = draw_stream(s->subject, s->scan, P_HOLES);
     const size_t keep = (size_t)((double)n * (1 - s->holes));
 
     while (n > keep && n > 1) {
-        const struct dvec3 c = p[next(&r) % n];
-        const double radius = uniform(&r, 6, 15), phase = uniform(&r, 0, 6.28);
+        const struct dvec3 c = p[draw_next(&r) % n];
+        const double radius = draw_uniform(&r, 6, 15), phase = draw_uniform(&r, 0, 6.28);
         size_t left = 0;
 
         for (size_t i = 0; i < n; i++) {
@@ -368,13 +331,13 @@ static size_t cut_holes(const struct facegen_scan *s, struct dvec3 *p, size_t n)
 
 static void throw_spikes(const struct facegen_scan *s, struct dvec3 *p, size_t n)
 {
-    struct random r = stream(s->subject, s->scan, P_SPIKES);
+    struct draw r = draw_stream(s->subject, s->scan, P_SPIKES);
     const size_t spikes = (size_t)(s->spikes * (double)n + 0.5);
 
     for (size_t i = 0; i < spikes; i++) {
-        const double off = uniform(&r, 4, 40);
+        const double off = draw_uniform(&r, 4, 40);
 
-        p[next(&r) % n].z += next(&r) & 1 ? off : -off;
+        p[draw_next(&r) % n].z += draw_next(&r) & 1 ? off : -off;
     }
 }
 
@@ -388,27 +351,27 @@ void facegen_default(struct facegen_scan *s)
 
 void facegen_pose(struct facegen_scan *s, double degrees, double mm)
 {
-    struct random r = stream(s->subject, s->scan, P_POSE);
+    struct draw r = draw_stream(s->subject, s->scan, P_POSE);
 
-    s->yaw = uniform(&r, -degrees, degrees);
-    s->pitch = uniform(&r, -degrees, degrees);
-    s->roll = uniform(&r, -degrees, degrees);
-    s->tx = uniform(&r, -mm, mm);
-    s->ty = uniform(&r, -mm, mm);
-    s->tz = uniform(&r, -mm, mm);
+    s->yaw = draw_uniform(&r, -degrees, degrees);
+    s->pitch = draw_uniform(&r, -degrees, degrees);
+    s->roll = draw_uniform(&r, -degrees, degrees);
+    s->tx = draw_uniform(&r, -mm, mm);
+    s->ty = draw_uniform(&r, -mm, mm);
+    s->tz = draw_uniform(&r, -mm, mm);
 }
 
 /* One point of the face as scanned, or not: outside the outline, turned away, hidden, or
  * lost in an eye or brow. */
 static bool sample_point(const struct facegen_face *f, struct grid *g,
-                         const struct pose *pose, const struct outline *o,
-                         struct random *r, struct dvec3 *q, double *facing)
+                         const struct pose *pose, const struct outline *o, struct draw *r,
+                         struct dvec3 *q, double *facing)
 {
     double slope[2], towards;
 
-    q->x = uniform(r, -72, 72);
-    q->y = uniform(r, -88, 90);
-    towards = uniform(r, 0, 1);
+    q->x = draw_uniform(r, -72, 72);
+    q->y = draw_uniform(r, -88, 90);
+    towards = draw_uniform(r, 0, 1);
     if (!outline_holds(o, q->x, q->y))
         return false;
     (void)grid_height(g, q->x, q->y, slope);
@@ -420,7 +383,7 @@ static bool sample_point(const struct facegen_face *f, struct grid *g,
     *facing /= sqrt(1 + square(slope[0]) + square(slope[1]));
     if (*facing < 0.25)
         return false;
-    if (fabs(fabs(q->x) - 30) < 14 && fabs(q->y - 38) < 9 && next(r) % 10 < 3)
+    if (fabs(fabs(q->x) - 30) < 14 && fabs(q->y - 38) < 9 && draw_next(r) % 10 < 3)
         return false;
     q->z = facegen_height(f, q->x, q->y);
     return !hidden(g, pose, *q);
@@ -428,9 +391,9 @@ static bool sample_point(const struct facegen_face *f, struct grid *g,
 
 size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out)
 {
-    struct random r = stream(s->subject, s->scan, P_SAMPLE);
-    struct random noise = stream(s->subject, s->scan, P_NOISE);
-    const struct random warp = stream(s->subject, s->scan, P_WARP);
+    struct draw r = draw_stream(s->subject, s->scan, P_SAMPLE);
+    struct draw noise = draw_stream(s->subject, s->scan, P_NOISE);
+    const struct draw warp = draw_stream(s->subject, s->scan, P_WARP);
     struct facegen_face face;
     struct grid grid;
     struct pose pose;
@@ -451,7 +414,7 @@ size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out)
             continue;
         q.z += warp_at(warp, s->warp, q.x, q.y);
         out[n] = pose_apply(&pose, q);
-        out[n].z += s->noise * normal(&noise) * (1 + (1 - facing) * 2);
+        out[n].z += s->noise * draw_normal(&noise) * (1 + (1 - facing) * 2);
         n++;
     }
     if (n < s->points)
