@@ -7,7 +7,7 @@
 
 struct errinfo {
     enum status code;
-    char msg[240];
+    char msg[480];
 };
 
 /* errinfo_set(e, st, fmt, ...): fill *e (NULL is allowed) and return st. */

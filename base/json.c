@@ -183,12 +183,20 @@ void json_direction(struct json *j, const char *key, const double value[3])
     json_close(j);
 }
 
-void json_transform(struct json *j, const char *key, const double value[16])
+void json_similarity(struct json *j, const char *key, const double value[16],
+                     double scale)
 {
+    const double direction = DIRECTION / pow(10, floor(log10(scale)));
+
     json_array(j, key);
     for (int i = 0; i < 16; i++)
-        add_rounded(j, NULL, value[i], i % 4 == 3 ? LENGTH : DIRECTION);
+        add_rounded(j, NULL, value[i], i % 4 == 3 ? LENGTH : direction);
     json_close(j);
+}
+
+void json_transform(struct json *j, const char *key, const double value[16])
+{
+    json_similarity(j, key, value, 1);
 }
 
 void json_discard(struct json *j)

@@ -55,6 +55,11 @@ void json_direction(struct json *j, const char *key, const double value[3]);
  * moves by, in mm, those of a length. */
 void json_transform(struct json *j, const char *key, const double value[16]);
 
+/* json_similarity(j, key, value, scale): the same for a transform from units of scale mm each
+ * to mm: with scale the decimals of the 3 x 3 change, so that a point is mapped as exactly. */
+void json_similarity(struct json *j, const char *key, const double value[16],
+                     double scale);
+
 /* The text, on one line or indented, without a newline at its end; heap, for free().
  * NULL: out of memory on the way, or deeper than JSON_DEPTH.  Objects still open are
  * closed.  j is released. */

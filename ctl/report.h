@@ -49,7 +49,7 @@ struct report {
     struct report_count non_mated, relative;
     struct report_rate match;    /* non-mated comparisons decided so */
     double align_ms, measure_ms; /* median of a comparison */
-    char plots[280];             /* why there are none, or "" */
+    char plots[480];             /* why there are none, or "" */
 };
 
 /* report_measure(r, t): fills r, which has source, made, calibration and engine, from the

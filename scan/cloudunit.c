@@ -3,16 +3,22 @@
 #include <string.h>
 
 static const struct {
-    const char *name;
+    const char *name, *plural;
     double mm;
-} unit[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}};
+    bool told; /* may be told, and not only found */
+} unit[] = {{"mm", "millimetres", 1, true},
+            {"cm", "centimetres", 10, true},
+            {"m", "metres", 1000, true},
+            {"in", "inches", 25.4, true},
+            {"um", "micrometres", 0.001, false}};
 
 #define UNITS (sizeof unit / sizeof *unit)
 
 bool cloudunit_mm(const char *name, size_t len, double *mm)
 {
     for (size_t i = 0; i < UNITS; i++) {
-        if (strlen(unit[i].name) != len || memcmp(unit[i].name, name, len) != 0)
+        if (!unit[i].told || strlen(unit[i].name) != len ||
+            memcmp(unit[i].name, name, len) != 0)
             continue;
         *mm = unit[i].mm;
         return true;
@@ -25,5 +31,13 @@ const char *cloudunit_name(double mm)
     for (size_t i = 0; i < UNITS; i++)
         if (unit[i].mm == mm)
             return unit[i].name;
+    return "";
+}
+
+const char *cloudunit_plural(double mm)
+{
+    for (size_t i = 0; i < UNITS; i++)
+        if (unit[i].mm == mm)
+            return unit[i].plural;
     return "";
 }

@@ -9,7 +9,9 @@
 /* cloudunit_mm(name, len, mm): millimetres per unit; false: it is none of the names. */
 bool cloudunit_mm(const char *name, size_t len, double *mm);
 
-/* cloudunit_name(mm): the name of such a unit, or "". */
+/* cloudunit_name(mm): the name of such a unit, or "um", which is only ever found; "": of none.
+ * cloudunit_plural(mm): "metres"; likewise. */
 const char *cloudunit_name(double mm);
+const char *cloudunit_plural(double mm);
 
 #endif

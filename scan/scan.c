@@ -35,9 +35,11 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     enum status st;
 
     (void)o;
-    *found = (struct scan_found){.points_read = c->read,
+    *found = (struct scan_found){.format = c->format,
+                                 .points_read = c->read,
                                  .points_dropped = c->read - c->n,
                                  .unit_mm = c->unit_mm != 0 ? c->unit_mm : 1,
+                                 .unit_found = c->unit_mm == 0,
                                  .yaw_deg = (double)NAN,
                                  .pitch_deg = (double)NAN,
                                  .roll_deg = (double)NAN};

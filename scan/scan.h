@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "cloudformat.h"
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
@@ -35,9 +36,11 @@ enum scan_warning {
 
 /* What was found; as far as it was found on failure, the rest 0 or NAN. */
 struct scan_found {
+    enum cloudformat format;
     size_t points_read, points_dropped; /* dropped: without a value */
     size_t points_used;
     double unit_mm;   /* that was taken; 0: none */
+    bool unit_found;  /* it was not told */
     double extent[3]; /* of the points, in the unit given */
     double view[16];  /* from the file's unit and axes to the frontal view in mm */
     bool found;       /* the face was searched for; else the axes were as agreed */

@@ -1,9 +1,14 @@
 #include "describe.h"
+
+#include <ctype.h>
+
 #include "asymmetry.h"
+#include "cloudunit.h"
 #include "face.h"
 #include "frame.h"
 #include "json.h"
 #include "quality.h"
+#include "scan.h"
 #include "store.h"
 #include "minimal.h"
 #include "verdict.h"
@@ -28,6 +33,41 @@ void describe_quality(struct json *j, const char *key, const struct quality *q,
     for (int i = 0; i < QUALITY_REASONS; i++)
         if (reasons & (1U << i))
             json_text(j, NULL, quality_reason_name((enum quality_reason)i));
+    json_close(j);
+    json_close(j);
+}
+
+/* "ply" */
+static void format(struct json *j, enum cloudformat f)
+{
+    const char *name = cloudformat_name(f);
+    char word[8];
+    size_t n = 0;
+
+    for (; name[n] != '\0' && n < sizeof word - 1; n++)
+        word[n] = (char)tolower((unsigned char)name[n]);
+    word[n] = '\0';
+    json_text(j, "format", word);
+}
+
+void describe_scan(struct json *j, const char *key, const struct scan_found *f)
+{
+    json_object(j, key);
+    format(j, f->format);
+    json_number(j, "points_read", (double)f->points_read);
+    json_number(j, "points_dropped", (double)f->points_dropped);
+    json_number(j, "points_used", (double)f->points_used);
+    text_or_null(j, "units", cloudunit_name(f->unit_mm));
+    if (f->unit_mm > 0 && f->view[15] == 1)
+        json_similarity(j, "view", f->view, f->unit_mm);
+    else
+        json_text(j, "view", NULL);
+    json_number(j, "yaw_deg", f->yaw_deg);
+    json_number(j, "occluded", f->occluded);
+    json_array(j, "warnings");
+    for (int i = 0; i < SCAN_WARNINGS; i++)
+        if ((f->warnings >> i & 1) != 0)
+            json_text(j, NULL, scan_warning_name((enum scan_warning)i));
     json_close(j);
     json_close(j);
 }

@@ -14,6 +14,7 @@ struct frame;          /* frame.h */
 struct json;           /* json.h */
 struct minimal;        /* minimal.h */
 struct quality;        /* quality.h */
+struct scan_found;     /* scan.h */
 struct store_subject;  /* store.h */
 struct store_template; /* store.h */
 
@@ -21,6 +22,10 @@ struct store_template; /* store.h */
  * is not at hand. */
 void describe_quality(struct json *j, const char *key, const struct quality *q,
                       const struct frame *frame);
+
+/* describe_scan(j, key, f): an object: what was found in a scan's file, and taken; format and
+ * warnings as stable words. */
+void describe_scan(struct json *j, const char *key, const struct scan_found *f);
 
 /* describe_subject(j, s): everything but its templates. */
 void describe_subject(struct json *j, const struct store_subject *s);

@@ -1,45 +1,106 @@
 #include "sample.h"
 
-#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
 
+#include "advice.h"
 #include "cloudpoints.h"
 #include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
+#include "tuning.h"
 
-/* What quality_extent() takes for the extent of a face. */
-#define EXTENT_MIN_MM 60.0
-#define EXTENT_MAX_MM 500.0
-
-/* The unit by which `side` units are a face's extent; NULL: none of them, or the one given. */
-static const char *likely_unit(double side, double given_mm)
+/* To the end of the message, as far as there is room. */
+__attribute__((format(printf, 2, 3))) static void append(struct errinfo *e,
+                                                         const char *fmt, ...)
 {
-    static const struct {
-        const char *name;
-        double mm;
-    } unit[] = {{"millimetres", 1}, {"metres", 1000}, {"centimetres", 10}};
+    const size_t len = strlen(e->msg);
+    va_list ap;
 
-    for (size_t i = 0; i < sizeof unit / sizeof *unit; i++)
-        if (unit[i].mm != given_mm && side * unit[i].mm >= EXTENT_MIN_MM &&
-            side * unit[i].mm <= EXTENT_MAX_MM)
-            return unit[i].name;
-    return NULL;
+    va_start(ap, fmt);
+    (void)vsnprintf(e->msg + len, sizeof e->msg - len, fmt, ap);
+    va_end(ap);
 }
 
-/* ST_EUNITS, with the extent in the units given and the unit that it is likely in. */
-static enum status tell_extent(const char *name, const struct scan_found *f,
-                               struct errinfo *e)
+/* What of a face is there, and too poor. */
+static void tell_quality(const struct scan_found *f, const struct quality *q,
+                         struct errinfo *e)
+{
+    const char *comma = "";
+
+    if ((f->warnings >> SCAN_OCCLUDED & 1) != 0) {
+        append(e, "%.0f %% of the face is covered", 100 * f->occluded);
+        comma = ", ";
+    }
+    if ((f->warnings >> SCAN_TURNED & 1) != 0) {
+        append(e, "%sthe face is turned away from the scanner", comma);
+        comma = ", ";
+    }
+    if (q->density_mm > 0)
+        append(e,
+               "%snoise %.1f mm, %.0f %% of the outline covered, a point every %.1f mm",
+               comma, q->noise_mm, 100 * q->coverage, q->density_mm);
+    else if (comma[0] == '\0')
+        append(e, "too little of a face was measured");
+}
+
+/* What was measured. */
+static void tell(enum status st, size_t n, size_t bad, const struct scan_found *f,
+                 const struct quality *q, struct errinfo *e)
 {
     const double *x = f->extent;
-    const char *unit = likely_unit(fmax(x[0], fmax(x[1], x[2])), f->unit_mm);
 
-    return errinfo_set(
-        e, ST_EUNITS,
-        "%.80s: the extent is %.4g x %.4g x %.4g in the units given; a face "
-        "is %.0f to %.0f mm: %s%s?",
-        name, x[0], x[1], x[2], EXTENT_MIN_MM, EXTENT_MAX_MM,
-        unit != NULL ? "is it " : "is it one face, and the unit right",
-        unit != NULL ? unit : "");
+    switch (st) {
+    case ST_ETOOFEW:
+        append(e, "%zu points, fewer than %d at different places", n, FACE_MIN_POINTS);
+        break;
+    case ST_ENOTFINITE:
+        append(e, "point %zu of %zu is not three finite numbers", bad + 1, n);
+        break;
+    case ST_ERANGE:
+        append(e, "point %zu of %zu has a coordinate beyond %.0f mm", bad + 1, n,
+               LATTICE_MAX / LATTICE_PER_MM);
+        break;
+    case ST_EDEGENERATE:
+        append(e, "the %zu points lie on one line or at one place", n);
+        break;
+    case ST_EUNITS:
+        append(
+            e,
+            "the extent is %.4g x %.4g x %.4g in the units given; a face is %d to %d mm",
+            x[0], x[1], x[2], QUALITY_EXTENT_MIN_MM, QUALITY_EXTENT_MAX_MM);
+        break;
+    case ST_ENOFACE:
+        append(e, "no face was found among %zu points, %.4g x %.4g x %.4g in extent", n,
+               x[0], x[1], x[2]);
+        break;
+    case ST_ESEVERAL:
+        append(e, "%u faces were found; an enrolment takes one", (unsigned)f->faces);
+        break;
+    case ST_EMIRRORED:
+        append(e, "its normals or the order of its points are a mirror image's");
+        break;
+    case ST_ENOTFACE:
+        append(e, "the surface does not have the shape of a face");
+        if (f->support_wanted > 0)
+            append(e, " (support %.2f, at least %.2f wanted)", f->support,
+                   f->support_wanted);
+        break;
+    case ST_EQUALITY:
+        tell_quality(f, q, e);
+        break;
+    default:
+        append(e, "%s", status_message(st));
+    }
+}
+
+/* The advice, as many whole lines of it as there is room for. */
+static void tell_advice(const struct advice *a, struct errinfo *e)
+{
+    for (size_t i = 0; i < a->n; i++)
+        if (strlen(e->msg) + 2 + strlen(a->line[i]) < sizeof e->msg)
+            append(e, "%s%s", i == 0 ? ": " : "; ", a->line[i]);
 }
 
 enum status sample_build(const char *name, struct cloudpoints *c,
@@ -47,51 +108,16 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                          struct face *out, struct scan_found *found, struct errinfo *e)
 {
     const size_t n = c->n;
+    struct advice advice;
     size_t bad = 0;
-    const enum status st = scan_build(c, o, w, out, &bad, found);
+    enum status st;
 
-    switch (st) {
-    case ST_OK:
+    out->quality = (struct quality){0}; /* not known, until it is rated */
+    if ((st = scan_build(c, o, w, out, &bad, found)) == ST_OK)
         return st;
-    case ST_ETOOFEW:
-        return errinfo_set(e, st,
-                           "%.80s: %zu points, fewer than %d at different places: a good "
-                           "scan has 3,000 or more",
-                           name, n, FACE_MIN_POINTS);
-    case ST_ENOTFINITE:
-        return errinfo_set(
-            e, st,
-            "%.80s: point %zu of %zu is not three finite numbers: leave out "
-            "points without a value",
-            name, bad + 1, n);
-    case ST_ERANGE:
-        return errinfo_set(
-            e, st,
-            "%.80s: point %zu of %zu has a coordinate beyond %.0f mm: is the "
-            "unit right, and the origin near the face?",
-            name, bad + 1, n, LATTICE_MAX / LATTICE_PER_MM);
-    case ST_EDEGENERATE:
-        return errinfo_set(e, st,
-                           "%.80s: the %zu points lie on one line or at one place: send "
-                           "points all over a face",
-                           name, n);
-    case ST_EUNITS:
-        return tell_extent(name, found, e);
-    case ST_ENOTFACE:
-        return errinfo_set(
-            e, st,
-            "%.80s: the surface does not have the shape of a face: send one "
-            "face seen from the front, without what is round it",
-            name);
-    case ST_EQUALITY:
-        return errinfo_set(
-            e, st,
-            "%.80s: noise %.1f mm, %.0f %% of the outline covered, a point "
-            "every %.1f mm: too noisy, or too many holes or spikes: scan "
-            "again, nearer and without moving",
-            name, out->quality.noise_mm, 100 * out->quality.coverage,
-            out->quality.density_mm);
-    default:
-        return errinfo_set(e, st, "%.80s: %s", name, status_message(st));
-    }
+    advice_give(st, found, out, &advice);
+    (void)errinfo_set(e, st, "%.80s: ", name);
+    tell(st, n, bad, found, &out->quality, e);
+    tell_advice(&advice, e);
+    return st;
 }

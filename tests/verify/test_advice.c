@@ -1,0 +1,213 @@
+/* The advice on what was found says what to change, with the measured value; every kind of it
+ * fits in a line, and describe_scan() has what the HTTP interface promises. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "advice.h"
+#include "describe.h"
+#include "face.h"
+#include "json.h"
+#include "scan.h"
+
+static struct advice a;
+static struct face face; /* quality and frame alone */
+
+static const struct scan_found plain = {.format = CLOUDFORMAT_PLY,
+                                        .points_read = 3000,
+                                        .points_used = 3000,
+                                        .unit_mm = 1,
+                                        .extent = {180, 240, 110},
+                                        .faces = 1};
+
+static void good(void)
+{
+    face = (struct face){0};
+    face.quality = (struct quality){
+        .score = 0.9, .coverage = 0.95, .density_mm = 2.2, .noise_mm = 0.2};
+    face.frame.likeness = 0.9;
+    face.frame.pose.r[0] = face.frame.pose.r[4] = face.frame.pose.r[8] = 1;
+}
+
+/* The line i is text. */
+static void assert_line(size_t i, const char *text)
+{
+    assert_true(i < a.n);
+    assert_string_equal(a.line[i], text);
+}
+
+static void give(enum status st, struct scan_found f)
+{
+    advice_give(st, &f, &face, &a);
+    for (size_t i = 0; i < a.n; i++)
+        assert_true(strlen(a.line[i]) < ADVICE_MAX - 1); /* not truncated */
+}
+
+static void test_none(void **state)
+{
+    (void)state;
+    good();
+    give(ST_OK, plain);
+    assert_int_equal(a.n, 0);
+}
+
+static void test_turned(void **state)
+{
+    struct scan_found f = plain;
+
+    (void)state;
+    good();
+    f.warnings = 1U << SCAN_TURNED;
+    f.yaw_deg = 38.2;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0,
+                "turn the head towards the scanner: 38° to the left now, up to 30° for "
+                "enrolment");
+    f.yaw_deg = -47;
+    f.pitch_deg = 26;
+    give(ST_EQUALITY, f);
+    assert_int_equal(a.n, 2);
+    assert_line(0,
+                "turn the head towards the scanner: 47° to the right now, up to 30° for "
+                "enrolment");
+    assert_line(1, "lower the chin: the face looks 26° up now, up to 20° for enrolment");
+    f.yaw_deg = f.pitch_deg = (double)NAN; /* where the scanner was cannot be told */
+    give(ST_OK, f);
+    assert_int_equal(a.n, 0);
+}
+
+static void test_found(void **state)
+{
+    struct scan_found f = plain;
+
+    (void)state;
+    good();
+    f.warnings = 1U << SCAN_BEHIND | 1U << SCAN_OCCLUDED | 1U << SCAN_SEVERAL |
+                 1U << SCAN_MIRRORED;
+    f.elsewhere = 0.12;
+    f.occluded = 0.234;
+    f.faces = 2;
+    f.unit_mm = 1000;
+    f.unit_found = true;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 5);
+    assert_line(0, "let one person alone be in view: 2 faces are there, the nearest was "
+                   "taken");
+    assert_line(1,
+                "the scan seems to be a mirror image: switch mirroring off where it was "
+                "made");
+    assert_line(2,
+                "take off glasses or mask, keep hair and hands away: 23 % of the face is "
+                "covered");
+    assert_line(3,
+                "12 % of the points are behind the head or beside it: they are left out");
+    assert_line(4, "the unit seems to be metres: tell it, so that it need not be found");
+    f.warnings = 0;
+    give(ST_ESEVERAL, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "let one person alone be in view: 2 faces are there");
+    f.unit_found = false;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 0);
+}
+
+static void test_quality(void **state)
+{
+    (void)state;
+    good();
+    face.quality.noise_mm = 1.24;
+    face.quality.density_mm = 4;
+    face.quality.coverage = 0.45;
+    give(ST_EQUALITY, plain);
+    assert_int_equal(a.n, 3);
+    assert_line(0,
+                "hold still and scan again: the noise is 1.2 mm, 0.6 mm or less is good");
+    assert_line(1,
+                "move nearer to the scanner: a point every 4.0 mm now, every 3.0 mm or "
+                "less is good");
+    assert_line(2,
+                "let the scanner see all of the face: 45 % of its outline was measured");
+    good();
+    face.frame.likeness = 0.4;
+    give(ST_OK, plain);
+    assert_int_equal(a.n, 1);
+    face.frame.pose.r[0] = face.frame.pose.r[8] = cos(0.7);
+    face.frame.pose.r[2] = -(face.frame.pose.r[6] = sin(0.7));
+    give(ST_OK, plain);
+    assert_int_equal(a.n, 2);
+    good();
+    face.quality.density_mm = 0; /* not rated */
+    give(ST_EQUALITY, plain);
+    assert_int_equal(a.n, 1);
+}
+
+/* Each refusal of a scan has its advice, and so does everything at once. */
+static void test_refusals(void **state)
+{
+    struct scan_found f = plain;
+
+    (void)state;
+    good();
+    for (int st = ST_ETOOFEW; st <= ST_EQUALITY; st++) {
+        give((enum status)st, plain);
+        assert_true(a.n >= 1);
+    }
+    face.quality = (struct quality){.coverage = 0.1, .density_mm = 9, .noise_mm = 9};
+    f.warnings = (1U << SCAN_WARNINGS) - 1;
+    f.yaw_deg = f.pitch_deg = 90;
+    give(ST_EQUALITY, f);
+    assert_int_equal(a.n, ADVICE_LINES);
+}
+
+static void test_describe(void **state)
+{
+    struct scan_found f = plain;
+    struct json *j = json_new();
+    char *text;
+
+    (void)state;
+    f.format = CLOUDFORMAT_GLB;
+    f.points_read = 60000;
+    f.points_dropped = 12;
+    f.points_used = 9000;
+    f.unit_mm = 0.001;
+    f.yaw_deg = 12.34567;
+    f.occluded = 0.25;
+    f.warnings = 1U << SCAN_TURNED | 1U << SCAN_SEVERAL;
+    for (int i = 0; i < 3; i++)
+        f.view[5 * i] = 0.001 * 0.123456789;
+    f.view[3] = -12.34567;
+    f.view[15] = 1;
+    describe_scan(j, "scan", &f);
+    text = json_compact(j);
+    assert_string_equal(
+        text,
+        "{\"scan\":{\"format\":\"glb\",\"points_read\":60000,\"points_dropped\":12,"
+        "\"points_used\":9000,\"units\":\"um\",\"view\":[0.0001234568,0,0,-12.3457,0,"
+        "0.0001234568,0,0,0,0,0.0001234568,0,0,0,0,1],\"yaw_deg\":12.3457,"
+        "\"occluded\":0.25,\"warnings\":[\"several_faces\",\"turned\"]}}");
+    free(text);
+    f = (struct scan_found){.format = CLOUDFORMAT_XYZ, .yaw_deg = (double)NAN};
+    describe_scan(j = json_new(), "scan", &f);
+    text = json_compact(j);
+    assert_non_null(strstr(text, "\"units\":null,\"view\":null,\"yaw_deg\":null,"
+                                 "\"occluded\":0,\"warnings\":[]"));
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_none),     cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_found),    cmocka_unit_test(test_quality),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_describe),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

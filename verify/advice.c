@@ -1,0 +1,160 @@
+#include "advice.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "cloudunit.h"
+#include "face.h"
+#include "scan.h"
+#include "tuning.h"
+
+#define HALF_PROFILE_DEG 55 /* beyond it less than half of a face is seen */
+
+__attribute__((format(printf, 2, 3))) static void add(struct advice *a, const char *fmt,
+                                                      ...)
+{
+    va_list ap;
+
+    if (a->n == ADVICE_LINES)
+        return;
+    va_start(ap, fmt);
+    (void)vsnprintf(a->line[a->n++], ADVICE_MAX, fmt, ap);
+    va_end(ap);
+}
+
+static bool warns(const struct scan_found *f, enum scan_warning k)
+{
+    return (f->warnings >> k & 1) != 0;
+}
+
+/* The unit by which the longest side is a face's; "": none of them, or the one taken. */
+static const char *likely_unit(const struct scan_found *f)
+{
+    static const double mm[] = {1, 1000, 10, 25.4, 0.001};
+    const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
+
+    for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
+        if (mm[i] != f->unit_mm && side * mm[i] >= QUALITY_EXTENT_MIN_MM &&
+            side * mm[i] <= QUALITY_EXTENT_MAX_MM)
+            return cloudunit_plural(mm[i]);
+    return "";
+}
+
+static void unit(const struct scan_found *f, struct advice *a)
+{
+    const char *likely = likely_unit(f);
+
+    if (likely[0] != '\0')
+        add(a, "is it %s? Tell the unit, or let it be found (auto)", likely);
+    else
+        add(a, "is it one face, and the unit right?");
+}
+
+/* The reasons that have nothing but the status to tell them by. */
+static void reason(enum status st, const struct scan_found *f, struct advice *a)
+{
+    switch (st) {
+    case ST_ETOOFEW:
+        add(a,
+            "move nearer to the scanner, or let it measure more points: a good scan has "
+            "3,000 or more");
+        break;
+    case ST_ENOTFINITE:
+        add(a, "leave out points without a value");
+        break;
+    case ST_ERANGE:
+        add(a, "is the unit right, and the origin near the face?");
+        break;
+    case ST_EDEGENERATE:
+        add(a, "send points all over a face");
+        break;
+    case ST_EUNITS:
+        unit(f, a);
+        break;
+    case ST_ENOFACE:
+        add(a,
+            "let the scanner see the whole face, from the front or turned by up to %d°",
+            HALF_PROFILE_DEG);
+        break;
+    case ST_ENOTFACE:
+        add(a, "send one face seen from the front, with forehead, nose and chin");
+        break;
+    default:
+        break;
+    }
+}
+
+/* "turn the head ...: 38° to the left now". */
+static void turned(const struct scan_found *f, struct advice *a)
+{
+    if (fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG)
+        add(a,
+            "turn the head towards the scanner: %.0f° to the %s now, up to %d° for "
+            "enrolment",
+            fabs(f->yaw_deg), f->yaw_deg > 0 ? "left" : "right", QUALITY_TURNED_YAW_DEG);
+    if (fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG)
+        add(a, "%s the chin: the face looks %.0f° %s now, up to %d° for enrolment",
+            f->pitch_deg > 0 ? "lower" : "raise", fabs(f->pitch_deg),
+            f->pitch_deg > 0 ? "up" : "down", QUALITY_TURNED_OTHER_DEG);
+}
+
+static void found(enum status st, const struct scan_found *f, struct advice *a)
+{
+    if (st == ST_ESEVERAL || warns(f, SCAN_SEVERAL))
+        add(a, "let one person alone be in view: %u faces are there%s",
+            (unsigned)f->faces, st == ST_OK ? ", the nearest was taken" : "");
+    if (st == ST_EMIRRORED || warns(f, SCAN_MIRRORED))
+        add(a,
+            "the scan seems to be a mirror image: switch mirroring off where it was made");
+    if (warns(f, SCAN_OCCLUDED))
+        add(a,
+            "take off glasses or mask, keep hair and hands away: %.0f %% of the face is "
+            "covered",
+            100 * f->occluded);
+    if (warns(f, SCAN_TURNED))
+        turned(f, a);
+    if (warns(f, SCAN_BEHIND))
+        add(a,
+            "%.0f %% of the points are behind the head or beside it: they are left out",
+            100 * f->elsewhere);
+    if (st == ST_OK && f->unit_found && f->unit_mm != 1)
+        add(a, "the unit seems to be %s: tell it, so that it need not be found",
+            cloudunit_plural(f->unit_mm));
+}
+
+static void quality(enum status st, const struct scan_found *f, const struct face *face,
+                    struct advice *a)
+{
+    const struct quality *q = &face->quality;
+    const unsigned bits = quality_reasons(q, st == ST_OK ? &face->frame : NULL);
+
+    if ((bits & 1U << QUALITY_NOISY) != 0)
+        add(a, "hold still and scan again: the noise is %.1f mm, %.1f mm or less is good",
+            q->noise_mm, QUALITY_NOISY_MM);
+    if ((bits & 1U << QUALITY_SPARSE) != 0)
+        add(a,
+            "move nearer to the scanner: a point every %.1f mm now, every %.1f mm or less "
+            "is good",
+            q->density_mm, QUALITY_SPARSE_MM);
+    if ((bits & 1U << QUALITY_INCOMPLETE) != 0)
+        add(a, "let the scanner see all of the face: %.0f %% of its outline was measured",
+            100 * q->coverage);
+    if ((bits & 1U << QUALITY_TURNED) != 0 && !warns(f, SCAN_TURNED))
+        add(a, "face the scanner: the head is turned away from it");
+    if ((bits & 1U << QUALITY_UNUSUAL) != 0)
+        add(a, "keep the face relaxed and the mouth closed: the shape is unusual");
+}
+
+void advice_give(enum status st, const struct scan_found *f, const struct face *face,
+                 struct advice *out)
+{
+    out->n = 0;
+    reason(st, f, out);
+    found(st, f, out);
+    if (face->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))
+        quality(st, f, face, out);
+    if (st == ST_EQUALITY && out->n == 0)
+        add(out, "scan again, nearer and without moving");
+}
