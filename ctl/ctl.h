@@ -4,7 +4,7 @@
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_key, ctl_model, ctl_config  the database, opened by its key and for a model
  *   ctl_each, ctl_pairs        every subject; of two subjects the nearest templates
- *   ctl_scan, ctl_face, ctl_corpus  a scan as a face, compared, enrolled; many scans
+ *   ctl_sample, ctl_face, ctl_corpus  a scan as a face, compared, enrolled; many scans
  *   ctl_trials, ctl_cross      many comparisons
  *   the other files            a command each, or a few of one group
  *   ctl_table, ctl_help, main  the list of the commands, help texts, the command line */
@@ -18,6 +18,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "json.h"
+#include "scan.h"
 
 struct keyfile;     /* keyfile.h */
 struct model;       /* model.h */
@@ -42,6 +43,12 @@ enum ctl_exit {
     EXIT_NOPERM = 77
 };
 
+struct ctl_scans {  /* how scans are read */
+    double unit_mm; /* --units, millimetres; 0: found */
+    enum scan_axes axes;
+    struct clouddepth_camera camera; /* of those that are depth images */
+};
+
 struct ctl_expires { /* --expires */
     bool given;
     int64_t life_s; /* from now on; 0: never.  Not above 0 where at_s is: in the past */
@@ -59,8 +66,7 @@ struct ctl {
     const char *key;            /* its file; NULL: the database's path and ".key" */
     bool plaintext, passphrase; /* instead of a file, for a new database */
     const char *archive_key;    /* a file with its key or passphrase; NULL: asked for */
-    double unit_mm;             /* of the scans, millimetres; 0: not given */
-    struct clouddepth_camera camera; /* of those that are depth images */
+    struct ctl_scans scans;
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */
     double threshold_mm;    /* 0: the default */

@@ -6,7 +6,7 @@
 #include "describe.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 {
@@ -32,7 +32,7 @@ static enum status measure(struct ctl *c)
     const double start = ctl_clock_ms();
     struct face f = {0};
     struct asymmetry a;
-    enum status st = ctl_scan_read(c, c->args[0], false, c->work, &f);
+    enum status st = ctl_sample_read(c, c->args[0], false, c->work, &f);
     const double prepared = ctl_clock_ms();
 
     if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)

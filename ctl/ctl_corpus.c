@@ -5,7 +5,7 @@
 
 #include "corpus.h"
 #include "ctl.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 void ctl_corpus_tell(const struct corpus *k)
 {
@@ -36,8 +36,8 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
 enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
                             struct face *out, char **refused, struct errinfo *e)
 {
-    struct ctl mine = {.unit_mm = c->unit_mm, .camera = c->camera};
-    const enum status st = ctl_scan_read(&mine, path, false, w, out);
+    struct ctl mine = {.scans = c->scans};
+    const enum status st = ctl_sample_read(&mine, path, false, w, out);
 
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
         return errinfo_set(e, st, "%s", mine.e.msg);

@@ -7,7 +7,7 @@
 #include "ctl_enroll_folder.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 static bool force;       /* --force */
 static const char *kind; /* --kind */
@@ -22,7 +22,7 @@ static enum status enroll_file(struct ctl *c, const char *subject, const char *p
                                 .force = force};
     struct json *o = c->out;
     struct enrolment_outcome out;
-    enum status st = ctl_scan_read(c, path, true, c->work, f);
+    enum status st = ctl_sample_read(c, path, true, c->work, f);
 
     if (st == ST_OK)
         st = ctl_face_enroll(c, &x, path, c->work, &out);

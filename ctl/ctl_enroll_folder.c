@@ -11,7 +11,7 @@
 #include "ctl_corpus.h"
 #include "ctl_model.h"
 #include "ctl_face.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 enum result { UNDONE, ENROLLED, PRESENT, FAILED };
 
@@ -102,7 +102,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
     if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
-        st = ctl_scan_read(c, scan->path, true, work, f);
+        st = ctl_sample_read(c, scan->path, true, work, f);
     if (st == ST_OK) {
         stored = true;
         st = is_there(c, x.subject, f, &there);

@@ -6,7 +6,7 @@
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "cloudpoints.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 #include "explain.h"
 #include "explain_cloud.h"
 #include "explain_plot.h"
@@ -44,13 +44,12 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
 static enum status compare(struct ctl *c, struct explanation *x, struct store_template *t)
 {
     bool scan = true; /* A is one */
-    const struct scan_options o = {.enrolment = false};
     struct scan_found found;
     struct cloudpoints p;
-    enum status st = ctl_scan_parse(c, x->b, &p);
+    enum status st = ctl_sample_parse(c, x->b, &p);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, x->b, &p, &o, c->work, &x->probe, &found);
+        st = ctl_sample_build(c, x->b, &p, false, c->work, &x->probe, &found);
     x->pts = p.at;
     x->n = p.n;
     p.at = NULL; /* it is x's */
@@ -63,7 +62,7 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
         st = scan ? ST_OK : st;
     }
     if (st == ST_OK && scan) {
-        st = ctl_scan_read(c, x->a, false, c->work, &x->tmpl);
+        st = ctl_sample_read(c, x->a, false, c->work, &x->tmpl);
         if (st == ST_OK)
             st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, c->work, &x->result);
         if (st == ST_OK)

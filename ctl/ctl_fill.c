@@ -10,10 +10,10 @@
 #include "mem.h"
 #include "newfile.h"
 #include "ctl_command.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 struct filled {
-    struct cloudpoints scan; /* in the file's unit */
+    struct cloudpoints scan; /* as in the file; its unit once it was found */
     struct fill fill;
 };
 
@@ -132,7 +132,6 @@ static void tell_filled(struct ctl *c, struct filled *f)
 /* The scan's points in millimetres, as a face; from that what is missing. */
 static enum status restore(struct ctl *c, struct filled *f)
 {
-    const struct scan_options as_it_is = {.axes = SCAN_AXES_SCANNER};
     struct scan_found found;
     struct cloudpoints mm = {.at = mem_array(f->scan.n, sizeof *mm.at),
                              .read = f->scan.n,
@@ -146,13 +145,14 @@ static enum status restore(struct ctl *c, struct filled *f)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; i < mm.n; i++)
         mm.at[i] = f->scan.at[i];
-    if ((st = ctl_scan_build(c, c->args[0], &mm, &as_it_is, c->work, &face, &found)) ==
+    if ((st = ctl_sample_build(c, c->args[0], &mm, false, c->work, &face, &found)) ==
             ST_OK &&
         (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - mm.n), &scratch,
                          &f->fill)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0],
                           st == ST_ELIMIT ? "filled, it would have too many points"
                                           : status_message(st));
+    f->scan.unit_mm = found.unit_mm;
     cloudpoints_free(&mm);
     scratch_free(&scratch);
     face_free(&face);
@@ -166,9 +166,8 @@ static enum status run(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "fill needs --out FILE");
-    st = ctl_scan_parse(c, c->args[0], &f.scan);
-    if (f.scan.unit_mm == 0)
-        f.scan.unit_mm = 1;
+    c->scans.axes = SCAN_AXES_SCANNER; /* the points stay where they are */
+    st = ctl_sample_parse(c, c->args[0], &f.scan);
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
         (st = write_new(c->dir, &f, &c->e)) == ST_OK)
         tell_filled(c, &f);
@@ -181,7 +180,7 @@ const struct ctl_command ctl_fill = {
     .name = "fill",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT,
+    .shared = CTL_UNITS | CTL_CAMERA | CTL_MODEL | CTL_OUT,
     .run = run,
     .summary = "restore the points that are missing in a scan's holes",
     .help =

@@ -28,7 +28,17 @@ const char *ctl_option_text(const char *text, void *value)
 
 static const char *read_units(const char *text, void *value)
 {
-    return cloudunit_mm(text, strlen(text), value) ? NULL : CLOUDUNIT_NAMES;
+    if (strcmp(text, "auto") == 0 || cloudunit_mm(text, strlen(text), value))
+        return NULL;
+    return "auto, " CLOUDUNIT_NAMES;
+}
+
+static const char *read_axes(const char *text, void *value)
+{
+    const bool scanner = strcmp(text, "scanner") == 0;
+
+    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+    return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
 }
 
 /* Four numbers and perhaps a fifth, with commas between them. */
@@ -144,9 +154,13 @@ static const struct ctl_option shared_options[] = {
            "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
-    SHARED("units", "mm|cm|m|in", read_units, unit_mm, 0,
-           "the unit of the scans' coordinates (mm); what a file says wins"),
-    SHARED("camera", "FX,FY,CX,CY", read_camera, camera, 0,
+    SHARED("units", "auto|mm|cm|m|in", read_units, scans.unit_mm, 0,
+           "the unit of the scans' coordinates (auto: it is found); what a\n"
+           "file says wins"),
+    SHARED("axes", "auto|scanner", read_axes, scans.axes, 0,
+           "auto: the face is found, however the scan is turned; scanner: x to\n"
+           "the image's right, y up, z towards the scanner, and all of it face"),
+    SHARED("camera", "FX,FY,CX,CY", read_camera, scans.camera, 0,
            "of depth images: focal length and centre in pixels; and \",SCALE\" if\n"
            "a value is not a millimetre (see the manual)"),
     SHARED("model", "FILE", ctl_option_text, model_path, 0,

@@ -32,27 +32,28 @@ enum ctl_shared {
     CTL_CONFIG = 1 << 1,
     CTL_KEY = 1 << 2,
     CTL_UNITS = 1 << 3,
-    CTL_CAMERA = 1 << 4,
-    CTL_MODEL = 1 << 5,
-    CTL_THRESHOLD = 1 << 6,
-    CTL_FMR = 1 << 7,
-    CTL_LABEL = 1 << 8,
-    CTL_OUT = 1 << 9,
-    CTL_THREADS = 1 << 10,
-    CTL_PASSPHRASE = 1 << 11,
-    CTL_PLAINTEXT = 1 << 12,
-    CTL_ARCHIVE_KEY = 1 << 13,
-    CTL_PUBLIC_KEY = 1 << 14,
-    CTL_EXPIRES = 1 << 15,
-    CTL_DRY_RUN = 1 << 16,
-    CTL_YES = 1 << 17,
-    CTL_JSON = 1 << 18,
-    CTL_HELP = 1 << 19,
-    CTL_VERSION = 1 << 20
+    CTL_AXES = 1 << 4,
+    CTL_CAMERA = 1 << 5,
+    CTL_MODEL = 1 << 6,
+    CTL_THRESHOLD = 1 << 7,
+    CTL_FMR = 1 << 8,
+    CTL_LABEL = 1 << 9,
+    CTL_OUT = 1 << 10,
+    CTL_THREADS = 1 << 11,
+    CTL_PASSPHRASE = 1 << 12,
+    CTL_PLAINTEXT = 1 << 13,
+    CTL_ARCHIVE_KEY = 1 << 14,
+    CTL_PUBLIC_KEY = 1 << 15,
+    CTL_EXPIRES = 1 << 16,
+    CTL_DRY_RUN = 1 << 17,
+    CTL_YES = 1 << 18,
+    CTL_JSON = 1 << 19,
+    CTL_HELP = 1 << 20,
+    CTL_VERSION = 1 << 21
 };
 
 /* Of commands that read scans. */
-#define CTL_SCANS    (CTL_UNITS | CTL_CAMERA)
+#define CTL_SCANS    (CTL_UNITS | CTL_AXES | CTL_CAMERA)
 #define CTL_DATABASE (CTL_DB | CTL_CONFIG | CTL_KEY)
 #define CTL_COMMON   (CTL_JSON | CTL_HELP | CTL_VERSION) /* every command takes them */
 

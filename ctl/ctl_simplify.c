@@ -7,7 +7,7 @@
 #include "simplify.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 static double tolerance_mm; /* --tolerance */
 static bool mean;           /* --mean */
@@ -45,7 +45,7 @@ static enum status run(struct ctl *c)
 
     if (!(tolerance_mm > 0) || c->dir == NULL)
         return ctl_usage(c, "simplify needs --tolerance MM and --out FILE");
-    if ((st = ctl_scan_read(c, c->args[0], false, c->work, &f)) == ST_OK &&
+    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &f)) == ST_OK &&
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
                             NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));

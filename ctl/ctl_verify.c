@@ -7,7 +7,7 @@
 #include "verdict.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
@@ -53,7 +53,7 @@ static enum status verify(struct ctl *c)
     const double start = ctl_clock_ms();
     struct face probe = {0};
     struct ctl_nearest best;
-    enum status st = ctl_scan_read(c, c->args[1], false, c->work, &probe);
+    enum status st = ctl_sample_read(c, c->args[1], false, c->work, &probe);
 
     if (st == ST_OK)
         st = ctl_face_nearest(c, subject, &probe, &best);
@@ -88,8 +88,8 @@ static enum status compare(struct ctl *c)
     struct minimal least = {0};
     enum status st;
 
-    if ((st = ctl_scan_read(c, c->args[0], false, c->work, &a)) == ST_OK &&
-        (st = ctl_scan_read(c, c->args[1], false, c->work, &b)) == ST_OK &&
+    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a)) == ST_OK &&
+        (st = ctl_sample_read(c, c->args[1], false, c->work, &b)) == ST_OK &&
         ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
          (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
              ST_OK ||

@@ -6,12 +6,12 @@
 #include "cloudfile.h"
 #include "sample.h"
 #include "ctl.h"
-#include "ctl_scan.h"
+#include "ctl_sample.h"
 
 #define MAX_FILE ((size_t)256 << 20)
 
-enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
-                          size_t *len, struct errinfo *e)
+enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes,
+                            size_t *len, struct errinfo *e)
 {
     const bool standard = strcmp(path, "-") == 0;
     FILE *in = standard ? stdin : fopen(path, "rb");
@@ -45,16 +45,16 @@ enum status ctl_scan_file(const char *path, size_t most, unsigned char **bytes,
     return st;
 }
 
-enum status ctl_scan_parse(struct ctl *c, const char *path, struct cloudpoints *out)
+enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints *out)
 {
     const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
                                         .max_bytes = MAX_FILE,
-                                        .unit_mm = c->unit_mm,
-                                        .camera = c->camera};
+                                        .unit_mm = c->scans.unit_mm,
+                                        .camera = c->scans.camera};
     struct errinfo why = {.msg = "out of memory"};
     unsigned char *bytes;
     size_t len;
-    enum status st = ctl_scan_file(path, MAX_FILE, &bytes, &len, &c->e);
+    enum status st = ctl_sample_file(path, MAX_FILE, &bytes, &len, &c->e);
 
     *out = (struct cloudpoints){0};
     if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
@@ -63,23 +63,24 @@ enum status ctl_scan_parse(struct ctl *c, const char *path, struct cloudpoints *
     return st;
 }
 
-enum status ctl_scan_build(struct ctl *c, const char *path, struct cloudpoints *p,
-                           const struct scan_options *o, struct face_work *w,
-                           struct face *out, struct scan_found *found)
+enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                             bool enrolment, struct face_work *w, struct face *out,
+                             struct scan_found *found)
 {
-    return sample_build(path, p, o, w, out, found, &c->e);
+    const struct scan_options o = {.axes = c->scans.axes, .enrolment = enrolment};
+
+    return sample_build(path, p, &o, w, out, found, &c->e);
 }
 
-enum status ctl_scan_read(struct ctl *c, const char *path, bool enrolment,
-                          struct face_work *w, struct face *out)
+enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
+                            struct face_work *w, struct face *out)
 {
-    const struct scan_options o = {.enrolment = enrolment};
     struct scan_found found;
     struct cloudpoints p;
-    enum status st = ctl_scan_parse(c, path, &p);
+    enum status st = ctl_sample_parse(c, path, &p);
 
     if (st == ST_OK)
-        st = ctl_scan_build(c, path, &p, &o, w, out, &found);
+        st = ctl_sample_build(c, path, &p, enrolment, w, out, &found);
     cloudpoints_free(&p);
     return st;
 }

@@ -1,0 +1,32 @@
+/* ctl_sample.h -- a scan's file as a face. */
+#ifndef CTL_SAMPLE_H
+#define CTL_SAMPLE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include "scan.h"
+#include "status.h"
+
+struct cloudpoints; /* cloudpoints.h */
+struct ctl;         /* ctl.h */
+struct errinfo;     /* errinfo.h */
+struct face;        /* face.h */
+struct face_work;   /* face.h */
+
+/* ctl_sample_read(c, path, enrolment, w, out): the face in a file ("-": standard input), read as
+ * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
+ * ctl_sample_parse(), ctl_sample_build(): the same in two steps, for callers that need the points
+ * or what was found (scan.h); cloudpoints_free() (empty on failure). */
+enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
+                            struct face_work *w, struct face *out);
+enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints *out);
+enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                             bool enrolment, struct face_work *w, struct face *out,
+                             struct scan_found *found);
+
+/* ctl_sample_file(path, most, bytes, len, e): all of a file of up to that many bytes ("-":
+ * standard input), with a zero byte behind it; *bytes is released by free(), also on
+ * failure. */
+enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes,
+                            size_t *len, struct errinfo *e);
+
+#endif
