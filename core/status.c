@@ -18,7 +18,7 @@ const char *status_message(enum status st)
         [ST_ENOTFACE] = "not a face",
         [ST_EQUALITY] = "the scan's quality is too low",
         [ST_ECORRUPT] = "damaged data",
-        [ST_EVERSION] = "unsupported version",
+        [ST_EVERSION] = "unsupported format or version",
         [ST_ENOTFOUND] = "not found",
         [ST_EEXISTS] = "already there",
         [ST_EMISMATCH] = "the sample does not fit the subject's others",

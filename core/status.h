@@ -20,7 +20,7 @@ enum status {
     ST_ENOTFACE,    /* the surface is not a face (quality gate) */
     ST_EQUALITY,    /* a face, but too poor a scan (quality gate) */
     ST_ECORRUPT,    /* stored or internal data contradicts itself */
-    ST_EVERSION,    /* data of another, unsupported version */
+    ST_EVERSION,    /* data of another, unsupported format or version */
     ST_ENOTFOUND,   /* no such subject, template or token */
     ST_EEXISTS,     /* it is already there */
     ST_EMISMATCH,   /* a sample does not fit the subject's others */

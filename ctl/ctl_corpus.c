@@ -9,19 +9,12 @@
 
 void ctl_corpus_tell(const struct corpus *k)
 {
-    char text[200];
-
     for (uint32_t i = 0; i < k->nleft; i++)
         (void)fprintf(stderr, "surfacectl: %s: %s\n", k->left[i].file, k->left[i].why);
-    skipped_text(&k->skipped, text, sizeof text);
-    if (text[0] != '\0')
-        (void)fprintf(stderr, "surfacectl: not read: %s\n", text);
 }
 
 void ctl_corpus_left(struct json *j, const struct corpus *k)
 {
-    char text[200];
-
     for (uint32_t i = 0; i < k->nleft; i++) {
         json_object(j, NULL);
         json_text(j, "file", k->left[i].file);
@@ -29,8 +22,6 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
         json_close(j);
     }
     json_close(j);
-    skipped_text(&k->skipped, text, sizeof text);
-    json_text(j, "not_read", text[0] != '\0' ? text : NULL);
 }
 
 enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,

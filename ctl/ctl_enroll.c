@@ -109,5 +109,5 @@ const struct ctl_command ctl_enroll = {
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"
-        "A scan that cannot be enrolled is listed with the reason, and the others are enrolled.",
+        "What cannot be enrolled is listed at the end with the reason, and stops nothing else.",
     .example = "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply"};

@@ -151,7 +151,27 @@ static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
     (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
 }
 
-/* Returns how many failed or were left out. */
+/* How many were not taken for which reason: the statuses, then those of corpus.c. */
+static void tell_reasons(struct ctl *c, const uint32_t why[ST_COUNT],
+                         const struct corpus *k)
+{
+    for (int st = 0; st < ST_COUNT; st++)
+        if (why[st] > 0)
+            ctl_say(c, "  %6u  %s\n", why[st], status_message((enum status)st));
+    for (uint32_t i = 0; i < k->nleft; i++) {
+        uint32_t before = 0, n = 0;
+
+        while (k->left[before].why != k->left[i].why)
+            before++;
+        if (before < i)
+            continue;
+        for (uint32_t j = i; j < k->nleft; j++)
+            n += k->left[j].why == k->left[i].why;
+        ctl_say(c, "  %6u  %s\n", n, k->left[i].why);
+    }
+}
+
+/* Returns how many scans failed or were left out. */
 static uint32_t report(const struct folder *w, uint32_t n, double seconds)
 {
     struct ctl *c = w->c;
@@ -181,14 +201,12 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     ctl_say(c, "%u scans of %s: %u enrolled, %u were there already, %u failed", n,
             c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
     if (left > 0)
-        ctl_say(c, ", %u files left out", left);
+        ctl_say(c, "; %u other%s left out", left, left == 1 ? "" : "s");
     if (count[UNDONE] > 0)
-        ctl_say(c, ", %u not tried", count[UNDONE]);
+        ctl_say(c, "; %u not tried", count[UNDONE]);
     ctl_say(c, "; %.1f s\n", seconds);
-    for (int st = 0; st < ST_COUNT; st++)
-        if (why[st] > 0)
-            ctl_say(c, "  %6u  %s\n", why[st], status_message((enum status)st));
-    return count[FAILED] + left;
+    tell_reasons(c, why, w->corpus);
+    return count[FAILED] + w->corpus->nleft_scan;
 }
 
 static enum status enroll(struct folder *w, uint32_t *failed, uint32_t *n)
@@ -223,7 +241,7 @@ enum status ctl_enroll_folder(struct ctl *c, const char *kind, bool force)
         st = enroll(&w, &failed, &n);
     if (st == ST_OK && failed > 0)
         st = errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed,
-                         n + corpus->nleft);
+                         n + corpus->nleft_scan);
     corpus_free(corpus);
     free(w.scan);
     free(w.first);

@@ -147,14 +147,26 @@ static char *join(const char *dir, const char *file)
     return path;
 }
 
-/* Add a scan; what is wrong with the file itself is left in *why. */
+/* Why what is at path cannot be a scan, or NULL. */
+static const char *bad_file(const char *path)
+{
+    struct stat info;
+
+    if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && access(path, R_OK) != 0))
+        return errno == ENOENT   ? "No such file or directory"
+               : errno == EACCES ? "Permission denied"
+                                 : "it cannot be opened";
+    if (S_ISDIR(info.st_mode))
+        return "a folder, not a file: what is in it is not read";
+    return S_ISREG(info.st_mode) ? NULL : "not a file";
+}
+
 static enum status add_scan(struct reading *r, const char *file, const char *id,
-                            const char *kind, const char **why)
+                            const char *kind)
 {
     struct corpus *c = r->c;
     struct corpus_scan s = {0};
     void *at = c->scan;
-    struct stat info;
     enum status st;
 
     if (c->nscan == CORPUS_MAX_SCANS)
@@ -171,10 +183,6 @@ static enum status add_scan(struct reading *r, const char *file, const char *id,
     c->scan[c->nscan++] = s;
     if (s.file == NULL || s.path == NULL)
         return no_memory(r->e);
-    if (stat(s.path, &info) != 0 || access(s.path, R_OK) != 0)
-        *why = strerror(errno);
-    else if (!S_ISREG(info.st_mode))
-        *why = "not a file";
     return ST_OK;
 }
 
@@ -208,7 +216,22 @@ static const char *split_name(const char *file, char id[CORPUS_MAX_NAME + 1],
     return NULL;
 }
 
-static enum status leave_out(struct reading *r, const char *file, const char *why)
+/* A name that any terminal can be given. */
+static char *printable(const char *name)
+{
+    char *copy = strdup(name);
+    size_t n;
+
+    for (char *p = copy; p != NULL && *p != '\0'; p += n)
+        if ((n = utf8_character(p, strlen(p))) == 0 || utf8_is_control(p)) {
+            *p = '?';
+            n = 1;
+        }
+    return copy;
+}
+
+static enum status leave_out(struct reading *r, const char *file, const char *why,
+                             bool scan)
 {
     struct corpus *c = r->c;
     void *at = c->left;
@@ -216,33 +239,26 @@ static enum status leave_out(struct reading *r, const char *file, const char *wh
     if (!grow(&at, c->nleft, &r->left_room, sizeof *c->left))
         return no_memory(r->e);
     c->left = at;
-    c->left[c->nleft] = (struct corpus_left){strdup(file), strdup(why)};
-    c->nleft++;
-    return c->left[c->nleft - 1].file != NULL && c->left[c->nleft - 1].why != NULL
-               ? ST_OK
-               : no_memory(r->e);
+    c->left[c->nleft] = (struct corpus_left){printable(file), why, scan};
+    c->nleft_scan += scan;
+    return c->left[c->nleft++].file != NULL ? ST_OK : no_memory(r->e);
 }
 
 static enum status add_entry(struct reading *r, const char *name)
 {
+    const bool scan = cloudformat_ending(name) != NULL;
     char id[CORPUS_MAX_NAME + 1], kind[CORPUS_MAX_NAME + 1];
     char *path = join(r->dir, name);
-    const char *why = NULL;
-    struct stat info;
-    bool there;
-    enum status st = ST_OK;
+    const char *why;
+    enum status st;
 
     if (path == NULL)
         return no_memory(r->e);
-    there = stat(path, &info) == 0;
-    if (cloudformat_ending(name) == NULL || (there && !S_ISREG(info.st_mode)))
-        skipped_add(&r->c->skipped, name, there && S_ISDIR(info.st_mode));
-    else if (access(path, R_OK) != 0)
-        st = leave_out(r, name, strerror(errno));
-    else if ((why = split_name(name, id, kind)) != NULL)
-        st = leave_out(r, name, why);
-    else
-        st = add_scan(r, name, id, kind, &why);
+    if ((why = bad_file(path)) == NULL && !scan)
+        why = "no scan by the ending of its name";
+    if (why == NULL)
+        why = split_name(name, id, kind);
+    st = why != NULL ? leave_out(r, name, why, scan) : add_scan(r, name, id, kind);
     free(path);
     return st;
 }
@@ -324,20 +340,20 @@ static enum status set_population(struct reading *r, const struct csv *t, int co
 static enum status read_scan_row(struct reading *r, const struct csv *t,
                                  const struct columns *col)
 {
-    const char *file, *id, *kind, *why = NULL;
+    const char *file, *id, *kind, *why;
     struct corpus_scan *s;
     enum status st;
 
     if ((st = take_name(t, col->file, 4095, true, &file, r->e)) != ST_OK ||
         (st = take_name(t, col->id, CORPUS_MAX_NAME, true, &id, r->e)) != ST_OK ||
         (st = take_name(t, col->kind, CORPUS_MAX_NAME, false, &kind, r->e)) != ST_OK ||
-        (st = add_scan(r, file, id, kind, &why)) != ST_OK)
+        (st = add_scan(r, file, id, kind)) != ST_OK)
         return st;
-    if (why != NULL) {
+    s = &r->c->scan[r->c->nscan - 1];
+    if ((why = bad_file(s->path)) != NULL) {
         (void)csv_bad(t, col->file, r->e, why);
         return r->e == NULL ? ST_ENOTFOUND : (r->e->code = ST_ENOTFOUND);
     }
-    s = &r->c->scan[r->c->nscan - 1];
     if (col->population >= 0)
         st = set_population(r, t, col->population, s->subject);
     for (int i = 0; i < 6 && st == ST_OK && r->c->posed; i++)
@@ -491,18 +507,18 @@ static enum status find_manifest(struct reading *r, const char *path, char **man
     return r->dir == NULL || *manifest == NULL ? no_memory(r->e) : ST_OK;
 }
 
-/* Why there are none, as far as it is known. */
+/* Why there are none, as far as it is known: by the first that looks like one. */
 static enum status no_scans(struct reading *r, const char *path)
 {
-    const struct corpus_left *first = r->c->left;
-    char text[120];
+    const struct corpus *c = r->c;
+    uint32_t i = 0;
 
-    if (r->c->nleft > 0)
-        return errinfo_set(r->e, ST_EINVAL, "%.80s/%.80s: %s", r->dir, first->file,
-                           first->why);
-    skipped_text(&r->c->skipped, text, sizeof text);
-    return errinfo_set(r->e, ST_EINVAL, "%.100s: no scans%s%s", path,
-                       text[0] != '\0' ? "; not read: " : "", text);
+    if (c->nleft == 0)
+        return errinfo_set(r->e, ST_EINVAL, "%.160s: no scans", path);
+    while (c->nleft_scan > 0 && !c->left[i].scan)
+        i++;
+    return errinfo_set(r->e, ST_EINVAL, "%.80s: no scans; %.60s: %s; and %u more of %u",
+                       path, c->left[i].file, c->left[i].why, c->nleft - 1, c->nleft);
 }
 
 enum status corpus_read(const char *path, struct corpus **out, struct errinfo *e)
@@ -549,10 +565,8 @@ void corpus_free(struct corpus *c)
     }
     for (uint32_t i = 0; i < c->nnamed; i++)
         free(c->subject[i].id);
-    for (uint32_t i = 0; i < c->nleft; i++) {
+    for (uint32_t i = 0; i < c->nleft; i++)
         free(c->left[i].file);
-        free(c->left[i].why);
-    }
     for (uint32_t i = 0; i < c->nkind; i++)
         free(c->kind[i]);
     for (uint32_t i = 0; i < c->npopulation; i++)

@@ -3,8 +3,8 @@
  *
  * A folder of scans (by the endings of their names: cloudformat.h; no subfolders), named
  * SUBJECT_KIND.ply: the subject is what comes before the first underscore, the kind the
- * rest; neither may be empty.  Scans that cannot be used are listed with the reason, other
- * files are counted.  Or a manifest, a CSV file (csv.h); a folder's manifest is index.csv.
+ * rest; neither may be empty.  Whatever else is in the folder is listed with the reason why it
+ * is left out; names that begin with a dot are not looked at.  Or a manifest, a CSV file (csv.h); a folder's manifest is index.csv.
  * Its columns, in any order:
  *   file                  the scan, relative to the manifest's folder
  *   subject, or else id   whose it is
@@ -21,7 +21,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "errinfo.h"
-#include "skipped.h"
 
 #define CORPUS_MAX_SCANS 1000000
 #define CORPUS_MAX_NAME  128 /* bytes of a subject's id, a kind or a population */
@@ -48,8 +47,10 @@ struct corpus_subject {
                              somebody without scans */
 };
 
-struct corpus_left { /* a scan of a folder that is left out */
-    char *file, *why;
+struct corpus_left { /* what of a folder is left out */
+    char *file;      /* its name; '?' for what is not UTF-8 or a control character */
+    const char *why; /* static */
+    bool scan;       /* it ends like a scan's name */
 };
 
 /* Immutable once read. */
@@ -61,9 +62,8 @@ struct corpus {
     uint32_t nnamed;                /* nsubject, and relatives without scans */
     uint32_t nkind, npopulation;    /* at least 1 */
     bool posed;                     /* the poses are known */
-    struct corpus_left *left;       /* [nleft] */
-    uint32_t nleft;
-    struct skipped skipped; /* what in the folder is not named like a scan */
+    struct corpus_left *left;       /* [nleft], by name */
+    uint32_t nleft, nleft_scan;     /* of them scans */
 };
 
 /* corpus_read(path, out, e): the scans of a folder or of a manifest.

@@ -41,17 +41,40 @@ ctl_exits 0 check
 cp -r "$T/scans" "$T/strays"
 mkdir "$T/strays/older"
 cp "$T/scans/s1_enroll.ply" "$T/strays/carol.ply"
+cp "$T/scans/s1_enroll.ply" "$T/strays/dave-2.ply"
 cp "$T/scans/s1_enroll.ply" "$T/strays/a b_1.ply"
+cp "$T/scans/s1_enroll.ply" "$T/strays/$(printf 'bad\377\033[1m_1.ply')"
+cp "$T/scans/s1_enroll.ply" "$T/strays/older/s1_hidden.ply"
 echo 'who is who' >"$T/strays/README.txt"
-touch "$T/strays/x_1.off" "$T/strays/y_1.off" "$T/strays/list.xls"
+echo 'a,b' >"$T/strays/list.csv"
+touch "$T/strays/x_1.off" "$T/strays/list.xls" "$T/strays/e_1.ply" "$T/strays/.s1_2.ply"
+printf 'OFF\n3 1 0\n' >"$T/strays/f_1.ply"
+printf 'solid face\nendsolid\n' >"$T/strays/g_1.stl"
+head -c 64 "$T/scans/s1_enroll.ply" >"$T/strays/h_1.glb"
+mkfifo "$T/strays/pipe_1.ply"
 ctl_exits 65 enroll "$T/strays"
-is "of the scans" "$(counts) $(said .left_out)" '12 0 9 3 0 2'
+is "of the scans" "$(counts) $(said .left_out)" '16 0 9 7 0 9'
 is "all of it is told" "$(said '[.failures[].file] | join(", ")')" \
-    'a b_1.ply, s1_wrong.ply, s3_cut.ply, README.txt, carol.ply'
-is "why" "$(said '.failures[-1].reason')" 'not named SUBJECT_KIND.ply (or list it in index.csv)'
-is "what was not read" "$(said .not_read)" '3 files (.xls 1, .off 2), 1 folder'
-is "once" "$(grep -c 'not read: 3 files' "$T/ctl.err")" 1
-ok "how many" grep -q '5 of 14 scans were not enrolled' "$T/ctl.err"
+    'a b_1.ply, e_1.ply, f_1.ply, g_1.stl, h_1.glb, s1_wrong.ply, s3_cut.ply, README.txt, bad??[1m_1.ply, carol.ply, dave-2.ply, list.csv, list.xls, older, pipe_1.ply, x_1.off'
+ok "each of it, why" jq_true '.failures | all(.reason | length > 0)' "$T/ctl"
+is "a name" "$(said '.failures[] | select(.file == "carol.ply").reason')" \
+    'not named SUBJECT_KIND.ply (or list it in index.csv)'
+is "a folder" "$(said '.failures[] | select(.file == "older").reason')" \
+    'a folder, not a file: what is in it is not read'
+ok "a format that is not read" jq_true '.failures[] | select(.file == "f_1.ply").detail |
+    test("OFF file, which is not read")' "$T/ctl"
+is "each in one line" "$(grep -c '^surfacectl: ' "$T/ctl.err")" 17
+ok "how many" grep -q '13 of 22 scans were not enrolled' "$T/ctl.err"
+"$BUILD/surfacectl" --db "$DB" enroll "$T/strays" >"$T/text" 2>/dev/null
+contains "as text" "$T/text" '^16 scans of .*: 0 enrolled, 9 were there already, 7 failed; 9 others left out; '
+for why in '4  not named SUBJECT_KIND' '1  a folder' '1  unsupported format' '2  no scan by the ending' '1  not a file'; do
+    contains "and by reason" "$T/text" "^ +$why"
+done
+rm "$T"/strays/*.off "$T"/strays/[ae-hp]*_1.* "$T"/strays/bad* "$T"/strays/*.txt "$T"/strays/*.csv \
+    "$T"/strays/carol.ply "$T"/strays/dave-2.ply "$T"/strays/s1_wrong.ply "$T"/strays/s3_cut.ply
+ctl_exits 0 enroll "$T/strays"
+is "what is no scan by its name is told, and no failure" \
+    "$(counts) $(said '[.failures[].file] | join(", ")')" '9 0 9 0 0 list.xls, older'
 
 # ---- the same on one thread
 "$BUILD/surfacectl" --db "$T/one.db" init >"$T/text"

@@ -91,24 +91,30 @@ static void test_folder(void **state)
     corpus_free(NULL);
 }
 
-/* Files that are no scans are left out and reported; the others are used. */
+/* What is no scan is left out and reported; the others are used. */
 static void test_left_out(void **state)
 {
-    static const char *const left[] = {"README.txt", "carol.ply", "dave-2.ply",
-                                       "z_1.ply"};
+    static const struct {
+        const char *name, *why;
+        bool scan;
+    } left[] = {{"Makefile", "no scan by the ending", false},
+                {"README.txt", "SUBJECT_KIND", true},
+                {"a.off", "no scan by the ending", false},
+                {"bad\xff\x1b_1.ply", "not UTF-8", true},
+                {"carol.ply", "SUBJECT_KIND", true},
+                {"dave-2.ply", "SUBJECT_KIND", true},
+                {"more", "a folder", false},
+                {"z_1.ply", "No such file", true}};
     struct corpus *c;
-    char link[64], folder[64], text[80];
+    char link[64], folder[64];
 
     (void)state;
     (void)snprintf(link, sizeof link, "%s/z_1.ply", dir);
-    (void)snprintf(folder, sizeof folder, "%s/more_1.ply", dir);
-    for (int i = 0; i < 3; i++)
-        put(left[i], "");
+    (void)snprintf(folder, sizeof folder, "%s/more", dir);
+    for (int i = 0; i < 6; i++)
+        put(left[i].name, "");
     put("bob_1.ply", "");
-    put("a.off", "");
-    put("b.off", "");
-    put("table.xls", "");
-    put("Makefile", "");
+    put("._bob_1.ply", "");
     put("subjects.csv", "id\n");
     assert_int_equal(symlink("nowhere", link), 0);
     assert_int_equal(mkdir(folder, 0700), 0);
@@ -117,15 +123,13 @@ static void test_left_out(void **state)
     (void)rmdir(folder);
     assert_int_equal(c->nscan, 1);
     assert_int_equal(c->nsubject, 1);
-    assert_int_equal(c->nleft, 4);
-    for (int i = 0; i < 4; i++)
-        assert_string_equal(c->left[i].file, left[i]);
-    assert_non_null(strstr(c->left[1].why, "SUBJECT_KIND"));
-    assert_string_equal(c->left[3].why, "No such file or directory");
-    skipped_text(&c->skipped, text, sizeof text);
-    assert_string_equal(text, "4 files (.off 2, .xls 1), 1 folder");
-    skipped_text(&c->skipped, text, 12);
-    assert_string_equal(text, "4 files (.o");
+    assert_int_equal(c->nleft, 8);
+    assert_int_equal(c->nleft_scan, 5);
+    for (int i = 0; i < 8; i++) {
+        assert_string_equal(c->left[i].file, i == 3 ? "bad??_1.ply" : left[i].name);
+        assert_non_null(strstr(c->left[i].why, left[i].why));
+        assert_int_equal(c->left[i].scan, left[i].scan);
+    }
     corpus_free(c);
 }
 
@@ -135,8 +139,11 @@ static void test_bad_folder(void **state)
 
     (void)state;
     refuse(ST_EINVAL, "no scans");
+    put("list.xls", "");
+    refuse(ST_EINVAL, "no scans; list.xls: no scan by");
     put("noname.ply", "");
-    refuse(ST_EINVAL, "noname.ply: not named SUBJECT_KIND.ply");
+    refuse(ST_EINVAL, "no scans; noname.ply: not named SUBJECT_KIND.ply");
+    refuse(ST_EINVAL, "; and 1 more");
     (void)clean(NULL);
     put("_x.ply", "");
     refuse(ST_EINVAL, "not named SUBJECT_KIND");
