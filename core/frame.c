@@ -161,14 +161,13 @@ static void quadric(const struct relief *r, double at[3][3], struct align_normal
     }
 }
 
-double frame_likeness(const struct frame_mean *mean, const struct surface *face,
-                      const struct align_pose *pose)
+double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID_N],
+                              const double n[GRID_N])
 {
     struct relief r = {0};
     struct align_normal a, b; /* of the face, and of the mean face */
-    double z[GRID_N], n[GRID_N], x[6], y[6];
+    double x[6], y[6];
 
-    add_heights(&face->mesh, pose, z, n);
     for (uint32_t j = 0; j < GRID_NY; j++)
         add_row(&r, j, &z[j * GRID_NX], &n[j * GRID_NX], &mean->height[j * GRID_NX]);
     quadric(&r, r.z, &a);
@@ -186,4 +185,13 @@ double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                    r.hh > FRAME_RELIEF_MIN_MM2 * r.common[0][0]
                ? r.zh / sqrt(r.zz * r.hh)
                : 0;
+}
+
+double frame_likeness(const struct frame_mean *mean, const struct surface *face,
+                      const struct align_pose *pose)
+{
+    double z[GRID_N], n[GRID_N];
+
+    add_heights(&face->mesh, pose, z, n);
+    return frame_likeness_heights(mean, z, n);
 }

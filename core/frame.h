@@ -49,4 +49,9 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
 double frame_likeness(const struct frame_mean *mean, const struct surface *face,
                       const struct align_pose *pose);
 
+/* frame_likeness_heights(mean, z, n): the same of a face whose mean height in a cell is z / n
+ * (mm); n 0: none. */
+double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID_N],
+                              const double n[GRID_N]);
+
 #endif

@@ -361,4 +361,29 @@
 #define DECISION_MIN_OVERLAP 0.3
 #define DECISION_MIN_WEIGHT  0.2
 
+/* ---- finding a face in a cloud (scan/find.h) */
+#define FIND_REACH_CELLS 200
+#define FIND_BALL_MM 45.0
+#define FIND_BALL_VOXELS 24
+#define FIND_APART_MM 12.0
+#define FIND_OUT_MIN_MM 4.0
+#define FIND_OUT_MAX_MM 32.0
+#define FIND_LOOKS 4000
+#define FIND_NEAR_MM 150.0
+#define FIND_FRONT_MM 25.0
+#define FIND_FAR_MM 10.0
+#define FIND_NOSES 40
+#define FIND_PLACES 12
+#define FIND_BEHIND_MM 40.0
+#define FIND_TUKEY_MM {25, 15, 8, 5}
+#define FIND_STEPS 4
+#define FIND_SHORT_MM 0.5
+#define FIND_DAMPING 1e-3
+#define FIND_SCORE_MM 6.0
+#define FIND_NOSES_TILTED 60
+#define FIND_PLACES_TILTED 60
+#define FIND_SAME_MM 10.0
+#define FIND_SAME_TRACE 2.9696 /* 1 + 2 cos 10 degrees */
+#define FIND_PLAIN 1.2
+
 #endif
