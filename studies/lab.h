@@ -42,6 +42,10 @@ struct lab_spread {
 /* lab_spread(v, n): sorts v; quantiles between neighbours in proportion.  n >= 1. */
 struct lab_spread lab_spread(double *v, size_t n);
 
+/* lab_share(k, n, low, high): the 95 % interval of a share of which k of n were seen (Clopper
+ * and Pearson); n 0: 0 to 1. */
+void lab_share(size_t k, size_t n, double *low, double *high);
+
 /* y = c x^slope, by least squares of the logarithms; half: half the 95 % confidence
  * interval of the slope (Student); r2: the share of the variance explained.  n >= 3. */
 struct lab_fit {

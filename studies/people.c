@@ -31,8 +31,7 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
     free(pts);
 }
 
-/* The points of a scan, free(); NULL: not there, or no scan. */
-static struct dvec3 *read_scan(const char *dir, const char *name, size_t *n)
+struct dvec3 *people_points(const char *dir, const char *name, size_t *n)
 {
     static const struct cloudfile_options options = {.max_points = FACE_MAX_POINTS,
                                                      .max_bytes = FILE_MAX};
@@ -79,13 +78,13 @@ size_t people_scanned(const char *dir, const char *kind, size_t most, struct fac
     for (int i = 0; i < files; i++) {
         char name[512];
         size_t n = 0;
-        struct dvec3 *pts = read_scan(dir, list[i]->d_name, &n);
+        struct dvec3 *pts = people_points(dir, list[i]->d_name, &n);
         const int who = (int)strcspn(list[i]->d_name, "_");
 
         (void)snprintf(name, sizeof name, "%.*s_%s.ply", who, list[i]->d_name, kind);
         if (people < most && pts != NULL &&
             face_build(pts, n, w, &p[people].template, NULL) == ST_OK &&
-            (p[people].probe = read_scan(dir, name, &p[people].n)) != NULL) {
+            (p[people].probe = people_points(dir, name, &p[people].n)) != NULL) {
             name[who] = '\0';
             (void)snprintf(p[people++].name, sizeof p->name, "%.31s", name);
         }

@@ -24,6 +24,10 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
 size_t people_scanned(const char *dir, const char *kind, size_t most, struct face_work *w,
                       struct person *p);
 
+/* people_points(dir, name, n): the points of a scan's file, free(); NULL: it is not there, or
+ * cannot be read. */
+struct dvec3 *people_points(const char *dir, const char *name, size_t *n);
+
 void people_free(struct person *p, size_t n); /* not p itself */
 
 #endif

@@ -24,6 +24,7 @@ static const struct {
     {"cover", "missing points: faces with parts missing, and verification", cover_run},
     {"filled", "missing points: restored points, by the size of the hole", filled_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
+    {"gate", "what is no face, and faces: what is enrolled", gate_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
     {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
     {"bound", "disparity: a sound lower bound of the minimum", bound_run},
@@ -45,7 +46,7 @@ static int usage(FILE *to)
         "--seed     of everything random (%d)\n"
         "--reduced  few draws and small sizes: seconds instead of minutes\n"
         "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
-        "which cover, fewer, minimal and bound use\n"
+        "which cover, fewer, gate, minimal and bound use\n"
         "With scripts/studies: pictures and a report besides.\n",
         SEED);
     return to == stdout ? 0 : 64;

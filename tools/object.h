@@ -1,0 +1,21 @@
+/* object.h -- things that are no faces, and simulated scans of them: what the gate has to
+ * refuse.  Everything follows from kind and seed. */
+#ifndef TOOLS_OBJECT_H
+#define TOOLS_OBJECT_H
+#include <stddef.h>
+#include <stdint.h>
+#include "vec.h"
+
+/* object_kinds(): how many kinds there are. */
+uint32_t object_kinds(void);
+
+/* object_name(kind): "cone", "bottle", ...; static. */
+const char *object_name(uint32_t kind);
+
+/* object_scan(kind, seed, points, out): the points, mm, that a scanner looking along -z sees
+ * of a thing of this kind, of the size of a hand to that of a head with neck, turned by a few
+ * degrees, with a scanner's noise.  out has room for `points`.  Returns how many: most or
+ * all of them, of what is cut out of a face (bands) fewer. */
+size_t object_scan(uint32_t kind, uint64_t seed, uint32_t points, struct dvec3 *out);
+
+#endif
