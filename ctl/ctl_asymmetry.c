@@ -30,9 +30,10 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 static enum status measure(struct ctl *c)
 {
     const double start = ctl_clock_ms();
+    struct scan_found found;
     struct face f = {0};
     struct asymmetry a;
-    enum status st = ctl_sample_read(c, c->args[0], false, c->work, &f);
+    enum status st = ctl_sample_read(c, c->args[0], false, c->work, &f, &found);
     const double prepared = ctl_clock_ms();
 
     if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)

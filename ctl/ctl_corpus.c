@@ -24,11 +24,12 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
     json_close(j);
 }
 
-enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
-                            struct face *out, char **refused, struct errinfo *e)
+enum status ctl_corpus_face(const struct ctl *c, const struct corpus_scan *scan,
+                            bool enrolment, struct face_work *w, struct face *out,
+                            struct scan_found *found, char **refused, struct errinfo *e)
 {
     struct ctl mine = {.scans = c->scans};
-    const enum status st = ctl_sample_read(&mine, path, false, w, out);
+    const enum status st = ctl_sample_read(&mine, scan->path, enrolment, w, out, found);
 
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
         return errinfo_set(e, st, "%s", mine.e.msg);

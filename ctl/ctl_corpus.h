@@ -1,14 +1,17 @@
 /* ctl_corpus.h -- the scans of a collection, and what of it was not taken. */
 #ifndef CTL_CORPUS_H
 #define CTL_CORPUS_H
+#include <stdbool.h>
 #include "status.h"
 
-struct ctl;       /* ctl.h */
-struct errinfo;   /* errinfo.h */
-struct face;      /* face.h */
-struct face_work; /* face.h */
-struct corpus;    /* corpus.h */
-struct json;      /* json.h */
+struct ctl;         /* ctl.h */
+struct errinfo;     /* errinfo.h */
+struct face;        /* face.h */
+struct face_work;   /* face.h */
+struct corpus;      /* corpus.h */
+struct corpus_scan; /* corpus.h */
+struct json;        /* json.h */
+struct scan_found;  /* scan.h */
 
 /* ctl_corpus_tell(k): what is left out, on standard error.
  * ctl_corpus_left(j, k): the same, each as an object with file and reason; they end the array
@@ -16,10 +19,11 @@ struct json;      /* json.h */
 void ctl_corpus_tell(const struct corpus *k);
 void ctl_corpus_left(struct json *j, const struct corpus *k);
 
-/* ctl_corpus_face(c, path, w, out, refused, e): the scan in a file as a face, in c->units; on
- * any thread, since c is not changed.  Where it is malformed or no face *refused says why, for
+/* ctl_corpus_face(c, scan, enrolment, w, out, found, refused, e): a scan as a face, read as c->scans
+ * says; enrolment: by the strict gate.  On any thread, since c is not changed.  Where it is malformed or no face *refused says why, for
  * free(), and that is no failure.  ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
-enum status ctl_corpus_face(const struct ctl *c, const char *path, struct face_work *w,
-                            struct face *out, char **refused, struct errinfo *e);
+enum status ctl_corpus_face(const struct ctl *c, const struct corpus_scan *scan,
+                            bool enrolment, struct face_work *w, struct face *out,
+                            struct scan_found *found, char **refused, struct errinfo *e);
 
 #endif

@@ -292,6 +292,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     const uint32_t subject = s->subject[scan->subject];
     struct rates_score *x = &s->score[i];
     struct ctl c = {.scans = s->c->scans};
+    struct scan_found found;
     struct face f = {0};
     char digest[65];
     enum status st;
@@ -299,7 +300,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     *x = (struct rates_score){.mm = -2, .template = subject, .probe = subject};
     if (subject == NOBODY)
         return ST_OK;
-    st = ctl_sample_read(&c, scan->path, false, w, &f);
+    st = ctl_sample_read(&c, scan->path, false, w, &f, &found);
     if (st == ST_OK && (st = codec_digest(&f.surface.mesh, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;

@@ -22,7 +22,8 @@ static enum status enroll_file(struct ctl *c, const char *subject, const char *p
                                 .force = force};
     struct json *o = c->out;
     struct enrolment_outcome out;
-    enum status st = ctl_sample_read(c, path, true, c->work, f);
+    struct scan_found found;
+    enum status st = ctl_sample_read(c, path, true, c->work, f, &found);
 
     if (st == ST_OK)
         st = ctl_face_enroll(c, &x, path, c->work, &out);

@@ -97,12 +97,13 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     struct outcome *o = &w->outcome[i];
     struct enrolment_outcome out = {.created = false};
     bool there = false, stored = false;
+    struct scan_found found;
     char where[104];
     enum status st;
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
     if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
-        st = ctl_sample_read(c, scan->path, true, work, f);
+        st = ctl_sample_read(c, scan->path, true, work, f, &found);
     if (st == ST_OK) {
         stored = true;
         st = is_there(c, x.subject, f, &there);

@@ -62,7 +62,7 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
         st = scan ? ST_OK : st;
     }
     if (st == ST_OK && scan) {
-        st = ctl_sample_read(c, x->a, false, c->work, &x->tmpl);
+        st = ctl_sample_read(c, x->a, false, c->work, &x->tmpl, &found);
         if (st == ST_OK)
             st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, c->work, &x->result);
         if (st == ST_OK)

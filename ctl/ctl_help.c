@@ -13,7 +13,7 @@ static const struct {
     const char *meaning;
 } exits[] = {
     {EXIT_FINE, "done; a match"},
-    {EXIT_NO, "no match; problems, or duplicates, were found"},
+    {EXIT_NO, "no match; problems, or duplicates, were found; a scan is refused"},
     {EXIT_INCONCLUSIVE, "inconclusive: the scans have too little in common"},
     {EXIT_USAGE, "the command line is wrong, or a confirmation is missing"},
     {EXIT_DATA, "a scan, a model or the database is malformed or cannot be used"},
@@ -53,7 +53,10 @@ static void print_options(unsigned shared, const struct ctl_option *own)
         letter[1] = o->letter;
         (void)snprintf(name, sizeof name, "%s--%s%s%s", o->letter != 0 ? letter : "",
                        o->name, o->arg != NULL ? " " : "", o->arg != NULL ? o->arg : "");
-        (void)printf("  %-20s ", name);
+        if (strlen(name) > 20)
+            (void)printf("  %s\n%23s", name, "");
+        else
+            (void)printf("  %-20s ", name);
         print_lines(o->help, 23);
     }
     (void)printf("\n");

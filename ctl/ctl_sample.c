@@ -73,14 +73,14 @@ enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints
 }
 
 enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
-                            struct face_work *w, struct face *out)
+                            struct face_work *w, struct face *out,
+                            struct scan_found *found)
 {
-    struct scan_found found;
     struct cloudpoints p;
     enum status st = ctl_sample_parse(c, path, &p);
 
     if (st == ST_OK)
-        st = ctl_sample_build(c, path, &p, enrolment, w, out, &found);
+        st = ctl_sample_build(c, path, &p, enrolment, w, out, found);
     cloudpoints_free(&p);
     return st;
 }

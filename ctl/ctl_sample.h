@@ -12,12 +12,13 @@ struct errinfo;     /* errinfo.h */
 struct face;        /* face.h */
 struct face_work;   /* face.h */
 
-/* ctl_sample_read(c, path, enrolment, w, out): the face in a file ("-": standard input), read as
+/* ctl_sample_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
  * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
  * ctl_sample_parse(), ctl_sample_build(): the same in two steps, for callers that need the points
  * or what was found (scan.h); cloudpoints_free() (empty on failure). */
 enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
-                            struct face_work *w, struct face *out);
+                            struct face_work *w, struct face *out,
+                            struct scan_found *found);
 enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints *out);
 enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints *p,
                              bool enrolment, struct face_work *w, struct face *out,

@@ -40,12 +40,13 @@ static enum status run(struct ctl *c)
     struct simplify_result r;
     struct scratch scratch = {0};
     struct mesh small = {0};
+    struct scan_found found;
     struct face f = {0};
     enum status st;
 
     if (!(tolerance_mm > 0) || c->dir == NULL)
         return ctl_usage(c, "simplify needs --tolerance MM and --out FILE");
-    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &f)) == ST_OK &&
+    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &f, &found)) == ST_OK &&
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
                             NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));

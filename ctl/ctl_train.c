@@ -23,9 +23,10 @@ struct scans {
 static enum status read_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
 {
     const struct scans *s = arg;
+    struct scan_found found;
 
-    return ctl_corpus_face(s->c, s->corpus->scan[i].path, w, &s->face[i], &s->refused[i],
-                           e);
+    return ctl_corpus_face(s->c, &s->corpus->scan[i], false, w, &s->face[i], &found,
+                           &s->refused[i], e);
 }
 
 static void list_refused(struct ctl *c, const struct scans *s)

@@ -98,18 +98,25 @@ static enum status plan_all(struct ctl_trials *t)
 
 /* ---- doing it */
 
+struct sample {
+    struct face face;
+    struct scan_found found;
+};
+
 struct run {
     struct ctl_trials *t;
     const struct ctl *c;
     const struct decision *decision; /* NULL: the model's */
-    struct face *template;           /* [nsubject] */
+    struct sample *template;         /* [nsubject] */
     size_t *first; /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
 };
 
 static enum status build(const struct run *r, uint32_t scan, struct face_work *w,
-                         struct face *out, struct errinfo *e)
+                         struct sample *out, struct errinfo *e)
 {
-    return ctl_corpus_face(r->c, r->t->corpus->scan[scan].path, w, out,
+    const struct corpus_scan *s = &r->t->corpus->scan[scan];
+
+    return ctl_corpus_face(r->c, s, s->enrolled, w, &out->face, &out->found,
                            &r->t->refused[scan], e);
 }
 
@@ -141,14 +148,30 @@ static void rotation(const struct corpus_scan *s, double r[9])
     memcpy(r, m, sizeof m);
 }
 
+/* The pose of a scan (rotation()) in the view that its points were brought into. */
+static void viewed(const struct corpus_scan *scan, const struct scan_found *found,
+                   double r[9])
+{
+    const double *v = found->view, unit = found->unit_mm;
+    double s[9];
+
+    rotation(scan, s);
+    for (int i = 0; i < 9; i++) {
+        r[i] = 0;
+        for (int k = 0; k < 3; k++)
+            r[i] += v[4 * (i / 3) + k] / unit * s[3 * k + i % 3];
+    }
+}
+
 /* Degrees between the rotation found, probe to template, and the true one. */
-static double angle(const struct corpus_scan *template, const struct corpus_scan *probe,
-                    const double transform[16])
+static double angle(const struct corpus_scan *template,
+                    const struct scan_found *of_template, const struct corpus_scan *probe,
+                    const struct scan_found *of_probe, const double transform[16])
 {
     double p[9], e[9], trace = 0;
 
-    rotation(probe, p);
-    rotation(template, e);
+    viewed(probe, of_probe, p);
+    viewed(template, of_template, e);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             for (int k = 0; k < 3; k++)
@@ -157,15 +180,16 @@ static double angle(const struct corpus_scan *template, const struct corpus_scan
     return acos(trace) * 180 / pi;
 }
 
-static enum status compare(const struct run *r, const struct face *face,
+static enum status compare(const struct run *r, const struct sample *sample,
                            struct face_work *w, struct ctl_trial *x, struct errinfo *e)
 {
     const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
                              *probe = &c->scan[x->probe];
     struct face_result f;
-    const enum status st = face_compare(&r->template[template->subject], face,
-                                        r -> c -> threshold_mm, ctl_clock_ms, w, &f);
+    const struct sample *own = &r->template[template->subject];
+    const enum status st =
+        face_compare(&own->face, &sample->face, r->c->threshold_mm, ctl_clock_ms, w, &f);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
@@ -180,7 +204,8 @@ static enum status compare(const struct run *r, const struct face *face,
     x->align_ms = f.align_ms;
     x->measure_ms = f.measure_ms;
     if (c->posed && x->type == CORPUS_GENUINE)
-        x->rotation_deg = angle(template, probe, f.align.transform);
+        x->rotation_deg =
+            angle(template, &own->found, probe, &sample->found, f.align.transform);
     return ST_OK;
 }
 
@@ -189,15 +214,15 @@ static enum status probe_item(void *arg, size_t i, struct face_work *w, struct e
     const struct run *r = arg;
     struct ctl_trials *t = r->t;
     const uint32_t scan = t->trial[r->first[i]].probe;
-    struct face face = {0};
-    enum status st = build(r, scan, w, &face, e);
+    struct sample sample = {.face = {.quality = {0}}};
+    enum status st = build(r, scan, w, &sample, e);
 
     if (r->decision != NULL)
         face_work_decide(w, r->decision);
     for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++)
         if (t->refused[scan] == NULL && t->refused[t->trial[k].template] == NULL)
-            st = compare(r, &face, w, &t->trial[k], e);
-    face_free(&face);
+            st = compare(r, &sample, w, &t->trial[k], e);
+    face_free(&sample.face);
     return st;
 }
 
@@ -256,7 +281,7 @@ enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
     else
         st = run_all(&r, &c->e);
     for (uint32_t i = 0; r.template != NULL && i < corpus->nsubject; i++)
-        face_free(&r.template[i]);
+        face_free(&r.template[i].face);
     free(r.template);
     free(r.first);
     if (st == ST_OK)

@@ -51,9 +51,10 @@ static enum status verify(struct ctl *c)
 {
     const char *subject = c->args[0];
     const double start = ctl_clock_ms();
+    struct scan_found found;
     struct face probe = {0};
     struct ctl_nearest best;
-    enum status st = ctl_sample_read(c, c->args[1], false, c->work, &probe);
+    enum status st = ctl_sample_read(c, c->args[1], false, c->work, &probe, &found);
 
     if (st == ST_OK)
         st = ctl_face_nearest(c, subject, &probe, &best);
@@ -83,13 +84,14 @@ static enum status verify(struct ctl *c)
 static enum status compare(struct ctl *c)
 {
     const double start = ctl_clock_ms();
+    struct scan_found found;
     struct face a = {0}, b = {0};
     struct face_result r = {0};
     struct minimal least = {0};
     enum status st;
 
-    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a)) == ST_OK &&
-        (st = ctl_sample_read(c, c->args[1], false, c->work, &b)) == ST_OK &&
+    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a, &found)) == ST_OK &&
+        (st = ctl_sample_read(c, c->args[1], false, c->work, &b, &found)) == ST_OK &&
         ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
          (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
              ST_OK ||
