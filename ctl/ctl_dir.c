@@ -79,7 +79,7 @@ enum status ctl_dir_file(const char *path, newfile_writer *write, const void *ar
     if (folder == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     if (*name == '\0')
-        st = errinfo_set(e, ST_EINVAL, "--out is a folder, not a file: %.80s", path);
+        st = errinfo_set(e, ST_EINVAL, "a folder, not a file: %.80s", path);
     if (st == ST_OK)
         st = ctl_dir_open(folder, &dir, e);
     if (st == ST_OK)

@@ -170,7 +170,7 @@ if command -v bash >/dev/null 2>&1; then
             _surfacectl
             echo "${COMPREPLY[*]}"' "$T/complete" "$@")" "$f_wanted"
     }
-    completes 'simplify subject stats' s
+    completes 'scan simplify subject stats' s
     completes 'list show set rename disable enable hold release erase' subject ''
     completes 'rename release' --db x subject re
     completes '--consent' subject set alice --cons
