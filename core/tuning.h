@@ -384,6 +384,10 @@
 #define FIND_PLACES_TILTED 60
 #define FIND_SAME_MM 10.0
 #define FIND_SAME_TRACE 2.9696 /* 1 + 2 cos 10 degrees */
-#define FIND_PLAIN 1.2
+#define FIND_PLAIN 1.1
+#define FIND_TUKEY_FRONT 0.5
+#define FIND_COVER_MM 5.0
+#define FIND_KEY_LIKENESS 0.7
+#define FIND_EDGE_FLAT 0.7
 
 #endif

@@ -80,7 +80,8 @@ static double step(const struct frame_mean *mean, const struct front *f, double 
         double n[3], q[3], w;
         uint32_t under;
 
-        if (isnan(mean->height[c]) || !(fabsf(f->gap[c]) < (float)tukey))
+        const double limit = f->gap[c] > 0 ? tukey * FIND_TUKEY_FRONT : tukey;
+        if (isnan(mean->height[c]) || !(fabsf(f->gap[c]) < (float)limit))
             continue;
         under = f->under[c];
         p = &g->patch[under];
@@ -90,7 +91,7 @@ static double step(const struct frame_mean *mean, const struct front *f, double 
         q[0] = (double)f->at[c][0] - centre.x;
         q[1] = (double)f->at[c][1] - centre.y;
         q[2] = (double)f->at[c][2] - centre.z;
-        w = (double)f->gap[c] / tukey;
+        w = (double)f->gap[c] / limit;
         w = (1 - w * w) * (1 - w * w);
         align_solve_add(&a,
                         (const double[6]){q[1] * n[2] - q[2] * n[1],
@@ -114,36 +115,40 @@ static double step(const struct frame_mean *mean, const struct front *f, double 
     return turn * POSE_LEVER_MM + shift;
 }
 
+static double flat_of(const struct frame_mean *mean, uint32_t cell)
+{
+    return mean->grid.flat[cell] > 0 ? (double)mean->grid.flat[cell] : FIND_EDGE_FLAT;
+}
+
+/* What stands farther in front than FIND_COVER_MM covers the face: it tells nothing of the
+ * face's shape.  What is behind by as much tells against it. */
 static void judge(const struct frame_mean *mean, const struct front *f,
                   struct find_fit *fit)
 {
     double z[GRID_N] = {0}, n[GRID_N] = {0}, sum = 0;
-    uint32_t all = 0;
+    uint32_t all = 0, covered = 0;
 
-    fit->cells = 0;
     for (uint32_t c = 0; c < GRID_N; c++) {
-        const float flat = mean->grid.flat[c] > 0 ? mean->grid.flat[c] : 0.7f;
-        double w;
+        const double gap = (double)f->gap[c];
+        const double w = fmin(fabs(gap) / FIND_SCORE_MM, 1);
 
         if (isnan(mean->height[c]))
             continue;
         all++;
         if (!(f->gap[c] > NONE))
             continue;
-        fit->cells++;
+        covered++;
+        sum += (1 - w * w) * (1 - w * w) - (gap < -FIND_COVER_MM ? 1 : 0);
+        if (gap > FIND_COVER_MM)
+            continue;
         n[c] = 1;
-        z[c] = (double)(mean->height[c] + f->gap[c] / flat);
-        w = fmin(fabs((double)f->gap[c]) / FIND_SCORE_MM, 1);
-        sum += (1 - w * w) * (1 - w * w);
+        z[c] = (double)mean->height[c] + gap / flat_of(mean, c);
     }
+    fit->covered = (double)covered / all;
     fit->likeness = frame_likeness_heights(mean, z, n);
     if (isnan(fit->likeness))
         fit->likeness = 0;
-    fit->score = sum / all;
-    fit->covered = (double)fit->cells / all;
-    /* (all / cells)^0.5 */
-    fit->key = fit->cells > 0 ? fit->score * sqrt((double)all / fit->cells) : 0;
-    fit->key += 0.7 * fit->likeness;
+    fit->key = sum / all + FIND_KEY_LIKENESS * fit->likeness;
 }
 
 void find_refine(const struct frame_mean *mean, const struct find_near *near,

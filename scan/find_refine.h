@@ -10,9 +10,7 @@ struct frame_mean; /* frame.h */
 
 struct find_fit {
     struct align_pose pose; /* mm from the place -> canonical frame */
-    double score, key, likeness, covered;
-    uint32_t cells;  /* of the mean face that have a voxel near it */
-    uint64_t points; /* over them, foremost or not */
+    double key, likeness, covered;
 };
 
 /* find_refine(mean, near, fit): from fit->pose; point-to-plane steps of the foremost voxels,
