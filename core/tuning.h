@@ -389,5 +389,9 @@
 #define FIND_COVER_MM 5.0
 #define FIND_KEY_LIKENESS 0.7
 #define FIND_EDGE_FLAT 0.7
+#define FIND_HEAD_MIN_MM 110
+#define FIND_ROOM_MIN_MM 900
+#define FIND_ROOM_MAX_MM 6000
+#define FIND_PART_POINTS 300
 
 #endif

@@ -9,6 +9,7 @@
 #include "find_grid.h"
 #include "find_near.h"
 #include "find_nose.h"
+#include "find_part.h"
 #include "find_place.h"
 #include "find_refine.h"
 #include "mem.h"
@@ -192,21 +193,48 @@ static void refine(const struct find_grid *g, struct work *w, struct find *out)
     }
 }
 
+static bool plain(const struct find *f)
+{
+    return f->n > 0 && f->pose[0].key >= FIND_PLAIN;
+}
+
+static enum status search_grid(const struct find_grid *g, struct work *w, bool tilted,
+                               struct find *out)
+{
+    const enum status st =
+        find_nose_all(g, tilted ? FIND_NOSES_TILTED : FIND_NOSES, w->nose, &w->noses);
+
+    if (st == ST_OK) {
+        collect(g, w, tilted);
+        refine(g, w, out);
+    }
+    return st;
+}
+
+/* A cloud of a head's size is searched as a whole first, and by its parts where no face was
+ * plain; a larger one by its parts alone. */
 static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
                           const struct extent *e, struct work *w, bool tilted,
                           struct find *out)
 {
     const struct dvec3 middle = {e->middle.x * unit_mm, e->middle.y * unit_mm,
                                  e->middle.z * unit_mm};
-    struct find_grid g;
+    const bool whole = e->size * unit_mm < FIND_ROOM_MIN_MM;
+    struct find_grid g, parts[FIND_PARTS];
+    uint32_t nparts;
     enum status st;
 
     if ((st = find_grid_make(pts, n, unit_mm, middle, &g)) != ST_OK)
         return st;
-    st = find_nose_all(&g, tilted ? FIND_NOSES_TILTED : FIND_NOSES, w->nose, &w->noses);
-    if (st == ST_OK) {
-        collect(&g, w, tilted);
-        refine(&g, w, out);
+    if (whole)
+        st = search_grid(&g, w, tilted, out);
+    if (st == ST_OK && !(whole && plain(out)) &&
+        (st = find_part_all(&g, parts, &nparts)) == ST_OK) {
+        for (uint32_t k = 0; k < nparts; k++) {
+            if (st == ST_OK && !(whole && nparts == 1))
+                st = search_grid(&parts[k], w, tilted, out);
+            find_grid_free(&parts[k]);
+        }
     }
     find_grid_free(&g);
     return st;
@@ -228,19 +256,20 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
         return ST_ENOMEM;
     w->mean = face_work_mean(fw);
     find_place_samples(w->mean, &w->samples);
-    for (int pass = 0; pass < 2; pass++) {
+    for (int pass = 0; pass < 3 && !plain(out); pass++) {
+        const double lo = pass == 1 ? FIND_ROOM_MIN_MM : FIND_HEAD_MIN_MM;
+        const double hi = pass == 0 ? FIND_ROOM_MIN_MM : FIND_ROOM_MAX_MM;
+
         for (size_t i = 0; i < sizeof units / sizeof *units && st == ST_OK; i++) {
             const double mm = unit_mm > 0 ? unit_mm : units[i];
 
-            if (unit_mm > 0 ? i > 0 : e.size * mm < 110 || e.size * mm > 900)
+            if (unit_mm > 0 ? i > 0 : e.size * mm < lo || e.size * mm >= hi)
                 continue;
-            st = search(pts, n, mm, &e, w, pass == 1, out);
-        }
-        if (out->n > 0 && out->pose[0].key > FIND_PLAIN) {
-            out->n = 1;
-            break;
+            st = search(pts, n, mm, &e, w, pass == 2, out);
         }
     }
+    if (plain(out))
+        out->n = 1;
     mem_free(w);
     out->faces = 1;
     return st == ST_OK && out->n == 0 ? ST_ENOFACE : st;

@@ -122,7 +122,7 @@ static void count_all(const struct entry *e, size_t n, struct find_grid *g)
     }
 }
 
-static enum status make_room(struct find_grid *g)
+enum status find_grid_room(struct find_grid *g)
 {
     const size_t rows = (size_t)g->ny * (size_t)g->nz;
     unsigned char *block = NULL;
@@ -140,10 +140,28 @@ static enum status make_room(struct find_grid *g)
     return ST_OK;
 }
 
+void find_grid_rows(struct find_grid *g)
+{
+    uint32_t row = 0;
+
+    for (uint32_t c = 0; c < g->ncells; c++)
+        while (row <= g->cell[c] / (uint32_t)g->nx)
+            g->row[row++] = c;
+    while (row <= (uint32_t)(g->ny * g->nz))
+        g->row[row++] = g->ncells;
+}
+
+void find_grid_place(const struct find_grid *g, uint32_t c, int32_t at[3])
+{
+    at[0] = (int32_t)(g->cell[c] % (uint32_t)g->nx);
+    at[1] = (int32_t)(g->cell[c] / (uint32_t)g->nx % (uint32_t)g->ny);
+    at[2] = (int32_t)(g->cell[c] / (uint32_t)g->nx / (uint32_t)g->ny);
+}
+
 static void fill(const struct dvec3 *pts, const struct entry *e, size_t n,
                  struct find_grid *g)
 {
-    uint32_t voxel = 0, cell = 0, row = 0;
+    uint32_t voxel = 0, cell = 0;
 
     for (size_t i = 0, end; i < n; i = end) {
         const uint32_t number = e[i].voxel / SUBS;
@@ -155,8 +173,6 @@ static void fill(const struct dvec3 *pts, const struct entry *e, size_t n,
                             vec_sub(scaled(pts[e[end].point], g->unit_mm), g->corner));
         each = 1 / (double)(end - i);
         if (cell == 0 || g->cell[cell - 1] != number) {
-            while (row <= number / (uint32_t)g->nx)
-                g->row[row++] = cell;
             g->cell[cell] = number;
             g->first[cell++] = voxel;
         }
@@ -165,8 +181,7 @@ static void fill(const struct dvec3 *pts, const struct entry *e, size_t n,
             (uint32_t)(end - i)};
     }
     g->first[cell] = voxel;
-    while (row <= (uint32_t)(g->ny * g->nz))
-        g->row[row++] = cell;
+    find_grid_rows(g);
 }
 
 enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
@@ -184,7 +199,7 @@ enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
     e = sort(block, block + in, in,
              (uint64_t)g->nx * (uint64_t)g->ny * (uint64_t)g->nz * SUBS);
     count_all(e, in, g);
-    if ((st = make_room(g)) == ST_OK)
+    if ((st = find_grid_room(g)) == ST_OK)
         fill(pts, e, in, g);
     mem_free(block);
     return st;

@@ -36,6 +36,14 @@ enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
                            struct dvec3 middle, struct find_grid *g);
 void find_grid_free(struct find_grid *g);
 
+/* For another grid of the same size: find_grid_room(g) allocates what g->nvoxels and
+ * g->ncells need; find_grid_rows(g) fills g->row once the cells are there. */
+enum status find_grid_room(struct find_grid *g);
+void find_grid_rows(struct find_grid *g);
+
+/* find_grid_place(g, c, at): where cell[c] lies, x, y, z, in cells. */
+void find_grid_place(const struct find_grid *g, uint32_t c, int32_t at[3]);
+
 /* Cells along x: from cell[first] to cell[end - 1]. */
 struct find_run {
     uint32_t first, end;

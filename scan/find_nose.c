@@ -33,13 +33,11 @@ static void add(struct sums *to, const float p[3])
     to->s[ZZ] += p[2] * p[2];
 }
 
-/* The middle of a cell, mm from the grid's corner. */
-static void middle_of(const struct find_grid *g, uint32_t number, int32_t at[3],
+/* Where a cell lies, in cells, and its middle, mm from the grid's corner. */
+static void middle_of(const struct find_grid *g, uint32_t cell, int32_t at[3],
                       float middle[3])
 {
-    at[0] = (int32_t)(number % (uint32_t)g->nx);
-    at[1] = (int32_t)(number / (uint32_t)g->nx % (uint32_t)g->ny);
-    at[2] = (int32_t)(number / (uint32_t)g->nx / (uint32_t)g->ny);
+    find_grid_place(g, cell, at);
     for (int i = 0; i < 3; i++)
         middle[i] = ((float)at[i] + 0.5f) * (float)FIND_GRID_CELL_MM;
 }
@@ -50,7 +48,7 @@ static void sum_cell(const struct find_grid *g, uint32_t cell, struct sums *out)
     float middle[3];
 
     memset(out, 0, sizeof *out);
-    middle_of(g, g->cell[cell], at, middle);
+    middle_of(g, cell, at, middle);
     for (uint32_t v = g->first[cell]; v < g->first[cell + 1]; v++) {
         const float *p = g->voxel[v].at;
 
@@ -70,7 +68,7 @@ static void look_around(const struct find_grid *g, const struct sums *sums, uint
 {
     int32_t at[3], there[3];
 
-    middle_of(g, g->cell[cell], at, middle);
+    middle_of(g, cell, at, middle);
     out->n = 0;
     for (int32_t z = at[2] - REACH; z <= at[2] + REACH; z++)
         for (int32_t y = at[1] - REACH; y <= at[1] + REACH; y++) {
@@ -81,7 +79,7 @@ static void look_around(const struct find_grid *g, const struct sums *sums, uint
                 struct sums *to = &out->sums[out->n];
                 float d[3];
 
-                middle_of(g, g->cell[c], there, d);
+                middle_of(g, c, there, d);
                 *to = sums[c];
                 for (int i = 0; i < 3; i++)
                     d[i] -= middle[i];
@@ -173,7 +171,7 @@ static bool highest(const struct find_grid *g, const float *out, uint32_t cell,
     int32_t at[3];
     float middle[3];
 
-    middle_of(g, g->cell[cell], at, middle);
+    middle_of(g, cell, at, middle);
     for (int32_t z = at[2] - 1; z <= at[2] + 1; z++)
         for (int32_t y = at[1] - 1; y <= at[1] + 1; y++) {
             const struct find_run run = find_grid_run(g, at[0] - 1, at[0] + 1, y, z);
