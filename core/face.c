@@ -18,6 +18,7 @@
 #include "model_digest.h"
 #include "quality.h"
 #include "score.h"
+#include "shape.h"
 #include "tuning.h"
 
 struct face_work {
@@ -27,6 +28,7 @@ struct face_work {
     const struct model *model;
     struct frame_mean mean;          /* the model's */
     struct fit_basis motion, change; /* the model's */
+    struct shape_work shape;
     struct decision decision;
 };
 
@@ -57,6 +59,7 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
+    shape_prepare(w->model, &w->shape);
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -79,6 +82,11 @@ const struct frame_mean *face_work_mean(const struct face_work *w)
     return &w->mean;
 }
 
+struct shape_work *face_work_shape(struct face_work *w)
+{
+    return &w->shape;
+}
+
 void face_work_free(struct face_work *w)
 {
     if (w == NULL)
@@ -86,6 +94,7 @@ void face_work_free(struct face_work *w)
     measure_work_free(&w->measure);
     align_work_free(&w->align);
     surface_free(&w->upright);
+    shape_free(&w->shape);
     mem_free(w);
 }
 

@@ -26,10 +26,11 @@ struct face {
     struct frame frame; /* its canonical frame */
 };
 
-struct asymmetry; /* asymmetry.h */
-struct cells;     /* cells.h */
-struct minimal;   /* minimal.h */
-struct model;     /* model.h */
+struct asymmetry;  /* asymmetry.h */
+struct cells;      /* cells.h */
+struct minimal;    /* minimal.h */
+struct model;      /* model.h */
+struct shape_work; /* shape.h */
 
 /* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
  * with the first 8 hex digits of m's digest (NULL: model_default).  N is counted up with
@@ -53,9 +54,11 @@ void face_work_free(struct face_work *w);
  * model's own. */
 void face_work_decide(struct face_work *w, const struct decision *d);
 
-/* The model that w was made with, and its mean face ready to align to. */
+/* The model that w was made with, its mean face ready to align to, and its shape ready to be
+ * fitted. */
 const struct model *face_work_model(const struct face_work *w);
 const struct frame_mean *face_work_mean(const struct face_work *w);
+struct shape_work *face_work_shape(struct face_work *w);
 
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.

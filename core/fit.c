@@ -100,6 +100,7 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 
     block.n = 0;
     out->b = b;
+    out->prior = 1.0;
     memset(out->gram, 0, sizeof out->gram);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
@@ -226,14 +227,14 @@ static bool reweight(struct work *w, const struct model_basis *b, const float *y
 
 /* The lower Cholesky factor of the sum plus the priors, in h; column by column, so that
  * the inner loop has no chain of additions.  False: not positive definite. */
-static bool factor(struct work *w, double tie)
+static bool factor(struct work *w, double prior, double tie)
 {
     const uint32_t n = w->unknowns;
 
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k <= i; k++)
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
-        w->h[i][i] += i < w->modes ? 1.0 : tie;
+        w->h[i][i] += i < w->modes ? prior : tie;
         w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
     for (uint32_t k = 0; k < n; k++) {
@@ -311,7 +312,7 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
             add_first(w, p);
         else if (!reweight(w, p->b, y))
             break;
-        if (!(solved = factor(w, tie)))
+        if (!(solved = factor(w, p->prior, tie)))
             break;
         substitute(w, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)

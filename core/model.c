@@ -14,6 +14,8 @@
 #define MM_UNITS   1e6
 #define RATE_UNITS 1e9
 
+#define VERSION 2 /* of the text */
+
 #define HEIGHT_MAX 200000 /* of the mean face, in its units */
 #define VALUE_MAX  100000
 #define CAP_MAX    100000000
@@ -135,19 +137,21 @@ static void decision(struct reader *r, struct decision *d)
     r->bad |= r->bad || !decision_valid(d);
 }
 
-/* A mean face to lay others on, and something to weigh. */
+/* A mean face to lay others on and to bend, and something to weigh. */
 static bool usable(const struct model *m)
 {
-    uint32_t face = 0, measured = 0, weighed = 0;
+    uint32_t face = 0, bends = 0, measured = 0, weighed = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
         face += isnan(m->mean[i]) ? 0 : 1;
+        bends += !isnan(m->mean[i]) && m->shape.rest[i] > 0.0f;
         measured += m->change.rest[i] > 0.0f;
         weighed += m->change.rest[i] > 0.0f && m->weight[i] > 0.0f;
         if (isnan(m->weight[i]))
             return false;
     }
-    return face >= MODEL_FACE_MIN && measured >= MODEL_FACE_MIN && weighed >= 20;
+    return face >= MODEL_FACE_MIN && bends >= MODEL_FACE_MIN &&
+           measured >= MODEL_FACE_MIN && weighed >= 20;
 }
 
 enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line)
@@ -157,7 +161,7 @@ enum status model_parse(const char *text, size_t len, struct model *out, uint32_
 
     memset(out, 0, sizeof *out);
     expect(&r, "surfaced-model");
-    if (!r.bad && integer(&r, 0, INT32_MAX) != 1)
+    if (!r.bad && integer(&r, 0, INT32_MAX) != VERSION)
         st = r.bad ? ST_ECORRUPT : ST_EVERSION;
     if (st == ST_OK) {
         expect(&r, "name");
@@ -170,6 +174,7 @@ enum status model_parse(const char *text, size_t len, struct model *out, uint32_
         table(&r, "weight", out->weight, 1, 0, VALUE_MAX, U_UNITS);
         basis(&r, "motion", &out->motion);
         basis(&r, "change", &out->change);
+        basis(&r, "shape", &out->shape);
         expect(&r, "end");
         skip_space(&r);
         if (r.bad || r.at != r.end || !usable(out))
@@ -227,7 +232,7 @@ size_t model_write(const struct model *m, char *buf, size_t size)
     const struct decision *d = &m->decision;
     struct writer w = {buf, size, 0};
 
-    put(&w, "surfaced-model 1\nname %s\ncap %lld\n", m->name,
+    put(&w, "surfaced-model %d\nname %s\ncap %lld\n", VERSION, m->name,
         llrint((double)m->cap_mm * MM_UNITS));
     put(&w, "threshold %lld\nhalving %lld\nknots %u\n",
         llrint(d->threshold_mm * MM_UNITS), llrint(d->halving_mm * MM_UNITS),
@@ -239,6 +244,7 @@ size_t model_write(const struct model *m, char *buf, size_t size)
     put_table(&w, "weight", m->weight, 1, U_UNITS);
     put_basis(&w, "motion", &m->motion);
     put_basis(&w, "change", &m->change);
+    put_basis(&w, "shape", &m->shape);
     put(&w, "end\n");
     return w.at;
 }

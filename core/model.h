@@ -14,8 +14,8 @@
 #define MODEL_NAME_MAX 79
 #define MODEL_FACE_MIN 200 /* cells that a mean face must have: a sixth of the grid */
 
-/* The gap between two scans of one person: per cell (mm) a sum of modes, each with a
- * coefficient of variance 1, and a rest. */
+/* What varies, per cell (mm): a sum of modes, each with a coefficient of variance 1, and a
+ * rest. */
 struct model_basis {
     uint32_t n;         /* modes, 0..MODEL_MODES; the others are 0 */
     float rest[GRID_N]; /* standard deviation of the rest, mm; 0: the cell is not used */
@@ -30,6 +30,8 @@ struct model {
     struct model_basis
         motion; /* of gaps at true poses: for the last steps of alignment */
     struct model_basis change; /* of gaps at poses found: taken out before the score */
+    struct model_basis shape;  /* of heights of faces about the mean: what a face may look
+                                  like, identity and expression together (shape.h) */
     struct decision decision;  /* its own calibration */
 };
 

@@ -57,7 +57,8 @@ static uint64_t digest_all(const struct model *m)
 
     hash = digest_floats(hash, m->weight, GRID_N);
     hash = digest_floats(hash, &m->cap_mm, 1);
-    return digest_basis(digest_basis(hash, &m->motion), &m->change);
+    hash = digest_basis(digest_basis(hash, &m->motion), &m->change);
+    return digest_basis(hash, &m->shape);
 }
 
 /* The shipped model never changes: its digest is worked out once.  Threads that come together

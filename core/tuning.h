@@ -332,6 +332,51 @@
 /* With fewer covered cells nothing is explained; a third of a face has 350.  By hand. */
 #define FIT_MIN_CELLS 40
 
+/* ---- the shape of a face (shape.h) */
+
+/* Passes: {limit in mm, prior (fit.h)}; the first SHAPE_PART_PASSES see a part of the face
+ * alone. */
+/* clang-format off */
+#define SHAPE_PASSES { {12, 100}, {12, 100}, {8, 50}, {8, 50}, {5, 20}, {5, 20}, {3, 10}, {3, 10} }
+/* clang-format on */
+#define SHAPE_PART_PASSES 4
+
+/* The same at a pose that is known. */
+/* clang-format off */
+#define SHAPE_JUDGE { {8, 10}, {4, 10} }
+/* clang-format on */
+
+/* The prior on the motion, 1 / mm^2 (fit.h): next to none, and so strong that nothing moves.
+ * By hand. */
+#define SHAPE_TIE   1e-2
+#define SHAPE_FIXED 1e9
+
+/* The limit in front of the face is this share of the one behind: what covers a face lies in
+ * front of it. */
+#define SHAPE_FRONT 0.7
+
+/* mm: how far beside the grid, and before it, points are kept, and how deep behind the nose; a
+ * cell's points are those up to LAYER behind its first; farther than BEHIND behind the face
+ * they are the back of the head, seen through a gap.  By hand. */
+#define SHAPE_AROUND_MM 30.0
+#define SHAPE_DEEP_MM   160.0
+#define SHAPE_LAYER_MM  4.0
+#define SHAPE_BEHIND_MM 40.0
+
+/* mm: a cell is explained up to NEAR; what stands farther than STRONG in front of the face,
+ * or WEAK beside such cells, covers it, if there are so many. */
+#define SHAPE_NEAR_MM     2.0
+#define SHAPE_STRONG_MM   3.0
+#define SHAPE_WEAK_MM     1.6
+#define SHAPE_COVER_CELLS 8
+#define SHAPE_HOLE        3
+
+/* mm: a rest counts up to this in the likeness. */
+#define SHAPE_REST_MAX_MM 6.0
+
+/* Support that needs no other start. */
+#define SHAPE_GOOD 0.6
+
 /* ---- the score (score.h) */
 
 /* The pose is known within about half a degree and half a millimetre (docs/accuracy.md, "The

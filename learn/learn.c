@@ -126,13 +126,12 @@ static void samples_times(const void *arg, const double *v, uint32_t k, double *
 }
 
 /* One sample, or its mirror image, clipped; cells that are not used are NAN. */
-static void clip(const float *gap, bool mirror, const bool *used, float *out)
+static void clip(const float *gap, bool mirror, float most, const bool *used, float *out)
 {
     for (uint32_t c = 0; c < GRID_N; c++) {
         const float g = gap[mirror ? grid_mirror(c) : c];
 
-        out[c] = used[c] ? fminf(fmaxf(g, (float)-LEARN_MAX_GAP), (float)LEARN_MAX_GAP)
-                         : (float)NAN;
+        out[c] = used[c] ? fminf(fmaxf(g, -most), most) : (float)NAN;
         if (isnan(g))
             out[c] = (float)NAN;
     }
@@ -176,6 +175,7 @@ struct modes_work {
     struct scratch fit;
     double *v, *l, square[GRID_N], count[GRID_N];
     bool used[GRID_N];
+    float most; /* mm */
 };
 
 /* Fill in all samples from gap by b (with 0 while it has no modes), and update b->rest. */
@@ -189,7 +189,7 @@ static enum status fill_all(struct modes_work *w, const float *gap, size_t n,
         float *x = w->s.x + i * GRID_N;
         enum status st;
 
-        clip(gap + i / 2 * GRID_N, i % 2 == 1, w->used, x);
+        clip(gap + i / 2 * GRID_N, i % 2 == 1, w->most, w->used, x);
         if ((st = fill(x, &w->basis, &w->fit, w->square, w->count)) != ST_OK)
             return st;
     }
@@ -200,7 +200,8 @@ static enum status fill_all(struct modes_work *w, const float *gap, size_t n,
     return ST_OK;
 }
 
-enum status learn_modes(const float *gap, size_t n, uint32_t k, struct model_basis *out)
+enum status learn_modes(const float *gap, size_t n, uint32_t k, double most,
+                        struct model_basis *out)
 {
     const size_t rows = (size_t)k * GRID_N;
     struct modes_work *w;
@@ -212,6 +213,7 @@ enum status learn_modes(const float *gap, size_t n, uint32_t k, struct model_bas
     if ((w = mem_array(1, sizeof *w)) == NULL)
         return ST_ENOMEM;
     memset(w, 0, sizeof *w);
+    w->most = (float)most;
     w->s = (struct samples){mem_array(2 * n * GRID_N, sizeof(float)), 2 * n,
                             mem_array(GRID_N, sizeof(double))};
     w->v = mem_array(rows, sizeof *w->v);

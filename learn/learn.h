@@ -21,15 +21,16 @@ void learn_sample(const struct cells *c, float *out);
  * score_of(). */
 void learn_cells(const float *sample, const struct model *m, struct cells *out);
 
-/* learn_modes(gap, n, k, out): from n mated samples and their mirror images, the k modes that
- * explain most of the squared gap, and the deviation of the rest.  Missing cells are filled
+/* learn_modes(gap, n, k, most, out): from n mated samples and their mirror images, the k modes
+ * that explain most of the squared gap, and the deviation of the rest.  Missing cells are filled
  * in from the modes of the round before (expectation maximisation: Roweis, "EM Algorithms for
  * PCA and SPCA", NIPS 1997; here with orthogonal iteration).  Cells covered by less than
- * LEARN_MIN_SHARE of the samples are left out (rest 0).  Gaps are capped at LEARN_MAX_GAP mm.
+ * LEARN_MIN_SHARE of the samples are left out (rest 0).  Gaps are capped at most mm.
  * Cost  O(n k GRID_N).  Returns ST_OK; ST_EINVAL n < 2 k or k > MODEL_MODES; ST_ENOMEM. */
 #define LEARN_MIN_SHARE 0.15
-#define LEARN_MAX_GAP   5.0
-enum status learn_modes(const float *gap, size_t n, uint32_t k, struct model_basis *out);
+#define LEARN_MAX_GAP   5.0 /* between two scans of one person */
+enum status learn_modes(const float *gap, size_t n, uint32_t k, double most,
+                        struct model_basis *out);
 
 /* learn_smooth(b, length_mm, share, k): add k modes for changes that no sample shows: smooth
  * deformations (squared-exponential covariance of that length) with share times the

@@ -19,6 +19,7 @@
 #include "train_mean.h"
 #include "train_motion.h"
 #include "train_set.h"
+#include "train_shape.h"
 #include "tuning.h"
 
 /* What each brings: docs/accuracy.md, "The method, part by part".  Smooth modes of 30 mm
@@ -297,7 +298,7 @@ static enum status learn_change(void *arg, size_t i, struct face_work *w,
                 memcpy(samples + GRID_N * n++, t->gap + g * GRID_N,
                        GRID_N * sizeof *samples);
         *l->m = *t->m;
-        st = learn_modes(samples, n, CHANGE_MODES, &l->m->change);
+        st = learn_modes(samples, n, CHANGE_MODES, LEARN_MAX_GAP, &l->m->change);
     }
     if (st == ST_OK)
         st = learn_smooth(&l->m->change, SMOOTH_MM, SMOOTH_SHARE, SMOOTH_MODES);
@@ -476,6 +477,9 @@ static enum status place(struct train *t, struct errinfo *e)
             return st;
         tell(t, "motion learned from the poses that are known");
     }
+    if ((st = train_shape(t->set, t->m, e)) != ST_OK)
+        return st;
+    tell(t, "shape learned");
     if ((st = rounded(t, e)) == ST_OK &&
         (st = each(t, "aligning", t->m, t->n, gap_found, e)) == ST_OK)
         tell(t, "all pairs aligned");

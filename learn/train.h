@@ -3,11 +3,12 @@
  *      enrolled scans, then by alignment to their mean, several times.
  *   2. The basis of motion: from all pairs of scans of one subject at their true poses, where
  *      the collection has them (train_motion.h); else the base model's.
- *   3. The gaps per cell of all mated pairs and of some non-mated pairs, at the poses found.
- *   4. The basis of change from the mated pairs, with smooth changes added; u(x, y) from what
+ *   3. The basis of shape: how the faces differ from their mean (train_shape.h).
+ *   4. The gaps per cell of all mated pairs and of some non-mated pairs, at the poses found.
+ *   5. The basis of change from the mated pairs, with smooth changes added; u(x, y) from what
  *      it leaves of all pairs; the calibration from the non-mated scores.
  * Error rates for subjects that were not learned from: each half of the subjects is scored by
- * what step 4 learned from the other half.
+ * what step 5 learned from the other half.
  * Deterministic: the same scans give the same model, on any number of threads. */
 #ifndef LEARN_TRAIN_H
 #define LEARN_TRAIN_H

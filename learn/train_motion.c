@@ -170,7 +170,7 @@ enum status train_motion(const struct train_set *set, unsigned threads, struct m
     if (basis == NULL || q.gap == NULL)
         (void)errinfo_set(e, st, "out of memory");
     else if ((st = pool_run("true poses", threads, m, q.n, gap_true, &q, e)) == ST_OK &&
-             (st = learn_modes(q.gap, q.n, MODES, basis)) != ST_OK)
+             (st = learn_modes(q.gap, q.n, MODES, LEARN_MAX_GAP, basis)) != ST_OK)
         (void)errinfo_set(e, st, "the basis of motion: %s", status_message(st));
     if (st == ST_OK)
         m->motion = *basis;

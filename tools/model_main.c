@@ -69,6 +69,7 @@ static void print_model(const struct model *m)
     print_cells("weight", m->weight);
     print_basis("motion", &m->motion);
     print_basis("change", &m->change);
+    print_basis("shape", &m->shape);
     (void)printf("};\n");
 }
 

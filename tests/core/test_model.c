@@ -29,14 +29,14 @@ static bool same_floats(const float *a, const float *b, size_t n)
 /* Every member, bit for bit (whichever NAN). */
 static void check_same(const struct model *a, const struct model *b)
 {
-    const struct model_basis *p[2] = {&a->motion, &a->change};
-    const struct model_basis *q[2] = {&b->motion, &b->change};
+    const struct model_basis *p[3] = {&a->motion, &a->change, &a->shape};
+    const struct model_basis *q[3] = {&b->motion, &b->change, &b->shape};
 
     assert_string_equal(a->name, b->name);
     assert_true(same_floats(a->mean, b->mean, GRID_N));
     assert_true(same_floats(a->weight, b->weight, GRID_N));
     assert_true(a->cap_mm == b->cap_mm);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         assert_int_equal(p[i]->n, q[i]->n);
         assert_true(same_floats(p[i]->rest, q[i]->rest, GRID_N));
         assert_true(same_floats(&p[i]->mode[0][0], &q[i]->mode[0][0],
@@ -163,9 +163,9 @@ static void test_malformed(void **state)
         const char *after, *from, *to;
         enum status st;
     } bad[] = {
-        {"", "surfaced-model 1", "surfaced-model 2", ST_EVERSION},
-        {"", "surfaced-model 1", "surfaced-model 0", ST_EVERSION},
-        {"", "surfaced-model 1", "surfaced-model x", ST_ECORRUPT},
+        {"", "surfaced-model 2", "surfaced-model 3", ST_EVERSION},
+        {"", "surfaced-model 2", "surfaced-model 1", ST_EVERSION},
+        {"", "surfaced-model 2", "surfaced-model x", ST_ECORRUPT},
         {"", "surfaced-model", "Surfaced-model", ST_ECORRUPT},
         {"", "surfaced-model", "surfaced-models", ST_ECORRUPT},
         {"", "a toy", "a\ttoy", ST_ECORRUPT},
@@ -194,6 +194,10 @@ static void test_malformed(void **state)
         {"motion", "4", "-4", ST_ECORRUPT},
         {"motion", " 0 ", " 100001 ", ST_ECORRUPT},
         {"change 6", "mode", "rest", ST_ECORRUPT},
+        {"change 6", "shape", "change", ST_ECORRUPT},
+        {"shape", "6", "73", ST_ECORRUPT},
+        {"shape", " 0 ", " -1 ", ST_ECORRUPT},
+        {"shape 6", "mode", "end", ST_ECORRUPT},
     };
 
     (void)state;
@@ -209,7 +213,7 @@ static void test_contradictions(void **state)
     char *text;
 
     (void)state;
-    for (int what = 0; what < 5; what++) {
+    for (int what = 0; what < 6; what++) {
         bad = model;
         for (uint32_t i = 0; i < GRID_N; i++) {
             if (what == 0)
@@ -218,6 +222,8 @@ static void test_contradictions(void **state)
                 bad.weight[i] = 0.0f;
             if (what == 2)
                 bad.change.rest[i] = 0.0f;
+            if (what == 5)
+                bad.shape.rest[i] = 0.0f;
         }
         if (what == 3)
             bad.decision.knot[1] = bad.decision.knot[0];

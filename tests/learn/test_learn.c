@@ -89,7 +89,8 @@ static void test_modes(void **state)
         family(4, 0.05, &rng);
         if (lost)
             lose(&rng);
-        assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 4, &b), ST_OK);
+        assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 4, LEARN_MAX_GAP, &b),
+                         ST_OK);
         assert_int_equal(b.n, 4);
         for (uint32_t c = 0; c < GRID_N; c++) {
             assert_true((b.rest[c] > 0.0f) ==
@@ -115,9 +116,11 @@ static void test_modes(void **state)
         assert_true(sqrt(error / whole) < 0.2); /* 200 samples: 3 / sqrt(200) */
         assert_true(fabs(rest / cells - 0.05) < 0.01);
     }
-    assert_int_equal(learn_modes(&sample[0][0], 7, 4, &b), ST_EINVAL);
-    assert_int_equal(learn_modes(&sample[0][0], SAMPLES, MODEL_MODES + 1, &b), ST_EINVAL);
-    assert_int_equal(learn_modes(&sample[0][0], 0, 0, &b), ST_EINVAL);
+    assert_int_equal(learn_modes(&sample[0][0], 7, 4, LEARN_MAX_GAP, &b), ST_EINVAL);
+    assert_int_equal(
+        learn_modes(&sample[0][0], SAMPLES, MODEL_MODES + 1, LEARN_MAX_GAP, &b),
+        ST_EINVAL);
+    assert_int_equal(learn_modes(&sample[0][0], 0, 0, LEARN_MAX_GAP, &b), ST_EINVAL);
 }
 
 /* An outlier counts as LEARN_MAX_GAP; and the same samples give the same bytes. */
@@ -129,9 +132,9 @@ static void test_modes_clipped(void **state)
     (void)state;
     family(2, 0.05, &rng);
     sample[17][600] = 1e6f;
-    assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 2, &a), ST_OK);
+    assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 2, LEARN_MAX_GAP, &a), ST_OK);
     sample[17][600] = (float)LEARN_MAX_GAP;
-    assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 2, &b), ST_OK);
+    assert_int_equal(learn_modes(&sample[0][0], SAMPLES, 2, LEARN_MAX_GAP, &b), ST_OK);
     assert_memory_equal(&a, &b, sizeof a);
 }
 
@@ -276,7 +279,7 @@ static void test_memory(void **state)
         for (n = 1; st != ST_OK; n++) {
             b = model.change;
             fail_alloc_at(n);
-            st = what == 0   ? learn_modes(&sample[0][0], 8, 2, &b)
+            st = what == 0   ? learn_modes(&sample[0][0], 8, 2, LEARN_MAX_GAP, &b)
                  : what == 1 ? learn_smooth(&b, 30, 0.5, 3)
                              : learn_weight(&sample[0][0], mated, 8, &model, u);
             fail_alloc_at(0);

@@ -66,6 +66,7 @@ void toy_model(struct model *m)
     m->cap_mm = 1.0f;
     m->motion.n = 4;
     m->change.n = 6;
+    m->shape.n = 6;
     m->decision = (struct decision){0.2, 0.01, 3, {{0.2, 0.001}, {0.3, 0.1}, {0.6, 1.0}}};
     for (uint32_t c = 0; c < GRID_N; c++) {
         const double x = grid_x(c), y = grid_y(c);
@@ -78,10 +79,13 @@ void toy_model(struct model *m)
         m->weight[c] = (float)(0.5 + 2.5 * hill(x, y, 0, 18, 16, 22));
         m->motion.rest[c] = (float)(0.2 + 0.3 * hill(x, y, 0, -45, 40, 20));
         m->change.rest[c] = 0.15f;
+        m->shape.rest[c] = (float)(0.4 + 0.2 * hill(x, y, 0, -45, 40, 20));
         for (uint32_t k = 0; k < 4; k++)
             m->motion.mode[c][k] = (float)change(k, x, y);
-        for (uint32_t k = 0; k < 6; k++)
+        for (uint32_t k = 0; k < 6; k++) {
             m->change.mode[c][k] = (float)change(k, x, y);
+            m->shape.mode[c][k] = (float)(3 * change(k, x, y));
+        }
     }
     text = toy_text(m, &len);
     require(model_parse(text, len, m, NULL) == ST_OK);

@@ -9,8 +9,8 @@
 #include "model.h"
 #include "surface.h"
 
-/* toy_model(m): an egg with a nose and two orbits; 4 modes that register, 6 of change; as
- * model_parse() would give it. */
+/* toy_model(m): an egg with a nose and two orbits; 4 modes that register, 6 of change, 6 of
+ * shape; as model_parse() would give it. */
 void toy_model(struct model *m);
 
 /* toy_text(m, len): m as text, to be released with free(). */

@@ -1,0 +1,221 @@
+#include "shape.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cells.h"
+#include "shape_cells.h"
+#include "shape_map.h"
+#include "tuning.h"
+
+struct shape_pass {
+    float limit_mm; /* beyond which a cell counts nothing */
+    double prior;   /* fit.h */
+};
+
+/* Parts of the face that something may cover, to start from the others. */
+enum part { WHOLE, NO_EYES, UPPER, NO_HAIR, LEFT, RIGHT, PARTS };
+
+static bool in_part(enum part p, uint32_t cell)
+{
+    const double x = grid_x(cell), y = grid_y(cell);
+
+    switch (p) {
+    case NO_EYES:
+        return y < 8 || y > 48;
+    case UPPER:
+        return y > 4;
+    case NO_HAIR:
+        return y < 40;
+    case LEFT:
+        return x < 6;
+    case RIGHT:
+        return x > -6;
+    default:
+        return true;
+    }
+}
+
+void shape_prepare(const struct model *m, struct shape_work *out)
+{
+    memset(out, 0, sizeof *out);
+    out->modes = &m->shape;
+    out->basis.n = m->shape.n;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const bool used = !isnan(m->mean[i]) && m->shape.rest[i] > 0.0f;
+
+        out->mean[i] = used ? m->mean[i] : (float)NAN;
+        out->cells += used;
+    }
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        float x, y, flat;
+
+        if (isnan(out->mean[i]))
+            continue;
+        shape_map_slope(out->mean, i, &x, &y);
+        flat = 1.0f / sqrtf(1.0f + (x * x + y * y));
+        out->normal[i][0] = -x * flat;
+        out->normal[i][1] = -y * flat;
+        out->normal[i][2] = flat;
+        out->basis.rest[i] = m->shape.rest[i] * flat;
+        for (uint32_t k = 0; k < m->shape.n; k++)
+            out->basis.mode[i][k] = m->shape.mode[i][k] * flat;
+    }
+    fit_prepare(&out->basis, &out->fit);
+}
+
+void shape_free(struct shape_work *w)
+{
+    scratch_free(&w->points);
+    scratch_free(&w->solve);
+}
+
+/* The surface that the coefficients a say. */
+static void bend(const struct shape_work *w, const double *a, float height[GRID_N])
+{
+    float by[MODEL_MODES] = {0.0f};
+
+    for (uint32_t k = 0; k < w->modes->n; k++)
+        by[k] = (float)a[k];
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float *mode = w->modes->mode[i];
+        float sum[8] = {0.0f};
+
+        height[i] = w->mean[i];
+        if (isnan(height[i]))
+            continue;
+        for (uint32_t k = 0; k < MODEL_MODES; k += 8)
+            for (uint32_t l = 0; l < 8; l++)
+                sum[l] += mode[k + l] * by[k + l];
+        height[i] += ((sum[0] + sum[4]) + (sum[2] + sum[6])) +
+                     ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+    }
+}
+
+/* How much a cell counts whose points are r in front of the surface: all up to half of the
+ * limit, nothing beyond it. */
+static float trust(float r, float limit)
+{
+    const float far = fabsf(r) / (r > 0.0f ? limit * (float)SHAPE_FRONT : limit);
+
+    return far < 0.5f ? 1.0f : far < 1.0f ? 2.0f - 2.0f * far : 0.0f;
+}
+
+/* The cells for fit_solve(), where the points are over[] in front of the surface height.  A
+ * cell that is less trusted counts as less covered. */
+static void weigh(const struct shape_work *w, const float *height, const float *over,
+                  enum part part, float limit, struct cells *c)
+{
+    const float full = (float)(GRID_MM * GRID_MM / 2);
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float flat = w->normal[i][2];
+        float t = 0.0f;
+
+        c->gap[i] = 0.0f;
+        if (!isnan(over[i]) && in_part(part, i)) {
+            t = trust(over[i] * flat, limit);
+            c->gap[i] = (height[i] - w->mean[i] + over[i]) * flat;
+        }
+        c->area[i] = t > 0.0f ? CELLS_COVERED + t * (full - CELLS_COVERED) : 0.0f;
+        c->z[i] = isnan(height[i]) ? 0.0f : w->mean[i];
+        memcpy(c->normal[i], w->normal[i], sizeof c->normal[i]);
+    }
+}
+
+/* First b, then a. */
+static struct align_pose follow(const struct align_pose *a, const struct align_pose *b)
+{
+    struct align_pose out;
+
+    for (int i = 0; i < 3; i++) {
+        out.t[i] = a->t[i];
+        for (int k = 0; k < 3; k++) {
+            out.t[i] += a->r[3 * i + k] * b->t[k];
+            out.r[3 * i + k] = a->r[3 * i] * b->r[k] + a->r[3 * i + 1] * b->r[3 + k] +
+                               a->r[3 * i + 2] * b->r[6 + k];
+        }
+    }
+    return out;
+}
+
+/* Fit in passes; a limit for each.  The first PART_PASSES see the part alone. */
+static enum status fit_from(struct shape_work *w, struct shape_points *p, enum part part,
+                            const struct shape_pass *pass, uint32_t passes, double tie,
+                            struct shape_fit *out)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
+    float over[GRID_N];
+    struct cells cells;
+    struct fit fit;
+
+    memset(out->a, 0, sizeof out->a);
+    out->pose = still;
+    bend(w, out->a, out->height);
+    shape_map_make(p, &out->pose, out->height, over);
+    for (uint32_t k = 0; k < passes; k++) {
+        enum status st;
+
+        weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE, pass[k].limit_mm,
+              &cells);
+        w->fit.prior = pass[k].prior;
+        if ((st = fit_solve(&w->fit, &cells, tie, 0, &w->solve, &fit)) != ST_OK)
+            return st;
+        memcpy(out->a, fit.a, sizeof out->a);
+        align_pose_move(&out->pose, centre, fit.x);
+        bend(w, out->a, out->height);
+        shape_map_make(p, &out->pose, out->height, over);
+    }
+    shape_cells_rate(w, over, out);
+    return ST_OK;
+}
+
+static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                             const struct align_pose *start, enum part from, enum part to,
+                             struct shape_fit *out)
+{
+    static const struct shape_pass pass[] = SHAPE_PASSES;
+    const uint32_t passes = sizeof pass / sizeof *pass;
+    struct shape_points p;
+    struct shape_fit one;
+    enum status st = shape_map_points(pts, n, start, &w->points, &p);
+
+    for (enum part part = from; st == ST_OK && part <= to; part++) {
+        st = fit_from(w, &p, part, pass, passes, SHAPE_TIE, &one);
+        if (st != ST_OK || !(one.support > out->support))
+            continue;
+        *out = one;
+        out->pose = follow(&one.pose, start);
+    }
+    return st;
+}
+
+enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                      const struct align_pose *start, uint32_t nstart, bool hard,
+                      struct shape_fit *out)
+{
+    enum status st = ST_OK;
+
+    out->support = -INFINITY;
+    for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
+        st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
+    if (hard && out->support < SHAPE_GOOD)
+        for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
+            st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
+    return st;
+}
+
+enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                        const struct align_pose *pose, struct shape_fit *out)
+{
+    static const struct shape_pass pass[] = SHAPE_JUDGE;
+    struct shape_points p;
+    enum status st = shape_map_points(pts, n, pose, &w->points, &p);
+
+    if (st == ST_OK)
+        st =
+            fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, SHAPE_FIXED, out);
+    out->pose = *pose;
+    return st;
+}

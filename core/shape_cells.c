@@ -1,0 +1,148 @@
+#include "shape_cells.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "align_solve.h"
+#include "shape.h"
+#include "tuning.h"
+
+/* The cells beside a cell, sideways, in four lists with an entry each; GRID_NONE: none. */
+static void beside(uint32_t i, uint32_t to[4])
+{
+    const uint32_t x = i % GRID_NX, y = i / GRID_NX;
+
+    to[0] = x > 0 ? i - 1 : GRID_NONE;
+    to[1] = x < GRID_NX - 1 ? i + 1 : GRID_NONE;
+    to[2] = y > 0 ? i - GRID_NX : GRID_NONE;
+    to[3] = y < GRID_NY - 1 ? i + GRID_NX : GRID_NONE;
+}
+
+enum { WEAK = 1, STRONG = 2, SEEN = 4 };
+
+/* The connected cells around i of which mark says WEAK or STRONG; how many are strong. */
+static uint32_t collect(uint8_t *mark, uint32_t i, uint32_t *list, uint32_t *n)
+{
+    uint32_t strong = 0;
+
+    *n = 0;
+    list[(*n)++] = i;
+    mark[i] |= SEEN;
+    for (uint32_t at = 0; at < *n; at++) {
+        uint32_t to[4];
+
+        strong += (mark[list[at]] & STRONG) != 0;
+        beside(list[at], to);
+        for (int k = 0; k < 4; k++)
+            if (to[k] != GRID_NONE && mark[to[k]] != 0 && !(mark[to[k]] & SEEN)) {
+                mark[to[k]] |= SEEN;
+                list[(*n)++] = to[k];
+            }
+    }
+    return strong;
+}
+
+/* Cells of the face beside a covered one become covered; holes alone, or all. */
+static void grow(const float *height, bool holes, uint8_t *cell)
+{
+    uint8_t before[GRID_N];
+
+    memcpy(before, cell, sizeof before);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        uint32_t to[4];
+
+        if (isnan(height[i]) || (holes && before[i] != SHAPE_EMPTY))
+            continue;
+        beside(i, to);
+        for (int k = 0; k < 4; k++)
+            if (to[k] != GRID_NONE && before[to[k]] == SHAPE_COVER)
+                cell[i] = SHAPE_COVER;
+    }
+}
+
+static void cover(const float gap[GRID_N], const float *limit, const float *height,
+                  uint8_t *cell)
+{
+    uint8_t mark[GRID_N];
+    uint32_t list[GRID_N], n, any = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        mark[i] = gap[i] > (float)SHAPE_STRONG_MM * limit[i] ? STRONG
+                  : gap[i] > (float)SHAPE_WEAK_MM * limit[i] ? WEAK
+                                                             : 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (mark[i] != STRONG || collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
+            continue;
+        any += n;
+        for (uint32_t k = 0; k < n; k++)
+            cell[list[k]] = SHAPE_COVER;
+    }
+    for (int k = 0; k < SHAPE_HOLE && any > 0; k++)
+        grow(height, true, cell);
+    if (any > 0)
+        grow(height, false, cell);
+}
+
+/* The mean square of what the best quadric leaves of z over n cells. */
+static double relief(const float *z, const uint32_t *cell, uint32_t n)
+{
+    struct align_normal sum;
+    double x[6], zz = 0;
+
+    memset(&sum, 0, sizeof sum);
+    for (uint32_t i = 0; i < n; i++) {
+        const double u = grid_x(cell[i]) / 64, v = grid_y(cell[i]) / 82;
+        const double j[6] = {1, u, v, u * u, u * v, v * v}, h = (double)z[cell[i]];
+
+        align_solve_add(&sum, j, h, 1);
+        zz += h * h;
+    }
+    if (n < 6 || !align_solve(&sum, 0, x))
+        return 0;
+    for (int k = 0; k < 6; k++)
+        zz += sum.g[k] * x[k];
+    return zz > 0 ? zz / n : 0;
+}
+
+void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
+                      struct shape_fit *fit)
+{
+    float gap[GRID_N], limit[GRID_N], mean = 0.0f;
+    uint32_t skin[GRID_N], seen = 0, near = 0, behind = 0;
+    double a = 0, rest = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        mean += isnan(w->mean[i]) ? 0.0f : w->modes->rest[i] / (float)w->cells;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        gap[i] = over[i] * w->normal[i][2];
+        limit[i] = w->modes->rest[i] / mean;
+        fit->cell[i] = SHAPE_EMPTY;
+        if (isnan(gap[i]))
+            continue;
+        near += fabsf(gap[i]) < (float)SHAPE_NEAR_MM;
+        behind += gap[i] < (float)-SHAPE_STRONG_MM;
+        fit->cell[i] =
+            fabsf(gap[i]) < (float)SHAPE_STRONG_MM * limit[i] ? SHAPE_SKIN : SHAPE_APART;
+    }
+    cover(gap, limit, fit->height, fit->cell);
+    fit->skin = fit->cover = fit->apart = 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double r = fmin(fabs((double)gap[i]), SHAPE_REST_MAX_MM);
+
+        fit->cover += fit->cell[i] == SHAPE_COVER;
+        fit->apart += fit->cell[i] == SHAPE_APART;
+        if (fit->cell[i] == SHAPE_SKIN)
+            skin[fit->skin++] = i;
+        if (fit->cell[i] == SHAPE_SKIN || fit->cell[i] == SHAPE_APART) {
+            rest += r * r;
+            seen++;
+        }
+    }
+    for (uint32_t k = 0; k < w->modes->n; k++)
+        a += fit->a[k] * fit->a[k];
+    fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
+    rest = seen > 0 ? rest / seen : 0;
+    fit->likeness =
+        0.5 * log((relief(fit->height, skin, fit->skin) + 0.5) / (rest + 0.5));
+}

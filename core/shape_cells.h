@@ -1,0 +1,19 @@
+/* shape_cells.h -- what the cells of a fitted face are: skin, or what covers it; and how well
+ * the face explains the points.  Internal to core. */
+#ifndef CORE_SHAPE_CELLS_H
+#define CORE_SHAPE_CELLS_H
+#include "grid.h"
+
+struct shape_fit;  /* shape.h */
+struct shape_work; /* shape.h */
+
+/* shape_cells_rate(w, over, fit): fit's cells and their counts, support and likeness.
+ * over  how far the points lie in front of fit->height, mm; NAN: no points
+ * Cells of a cover: more than SHAPE_STRONG_MM in front of the face (at right angles, times the
+ * cell's rest over the mean of all), and those beside them, sideways, of more than
+ * SHAPE_WEAK_MM, if there are SHAPE_COVER_CELLS strong ones; then empty ones up to
+ * SHAPE_HOLE cells from a strong one; then all beside those. */
+void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
+                      struct shape_fit *fit);
+
+#endif

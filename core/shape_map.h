@@ -1,0 +1,39 @@
+/* shape_map.h -- points over a surface given by a height for each cell: how far in front of it
+ * the front-most are.  Internal to core. */
+#ifndef CORE_SHAPE_MAP_H
+#define CORE_SHAPE_MAP_H
+#include <stddef.h>
+#include <stdint.h>
+#include "align_pose.h"
+#include "grid.h"
+#include "mem.h"
+#include "status.h"
+
+/* Points near the face, in the canonical frame of some pose. */
+struct shape_points {
+    float *x, *y, *z; /* [n], mm; padded to whole lanes with points off the grid */
+    float *over;      /* [n] room: in front of the surface, mm */
+    uint32_t *cell;   /* [n] room: of each, GRID_N: none */
+    uint32_t n;
+};
+
+/* shape_map_points(pts, n, pose, s, out): those of the points, moved by pose, that lie within
+ * SHAPE_AROUND_MM of the grid.  In s until its next use.  Returns ST_OK, ST_ENOMEM. */
+enum status shape_map_points(const struct dvec3 *pts, size_t n,
+                             const struct align_pose *pose, struct scratch *s,
+                             struct shape_points *out);
+
+/* shape_map_slope(h, i, zx, zy): the slope of h at the middle of cell i, from the cells beside
+ * it that have a height. */
+void shape_map_slope(const float h[GRID_N], uint32_t i, float *zx, float *zy);
+
+/* shape_map_make(p, pose, height, out): out[i] is how far the points of cell i, moved by pose,
+ * lie in front of the surface (mm, negative: behind), the mean of the front-most ones: those
+ * up to SHAPE_LAYER_MM behind the first; NAN where there are none.  Within a cell the surface
+ * is a plane, its slope taken from the cells beside.  Points more than SHAPE_BEHIND_MM behind
+ * are left out: they are seen through a gap.
+ * height  mm; NAN: no surface */
+void shape_map_make(struct shape_points *p, const struct align_pose *pose,
+                    const float height[GRID_N], float out[GRID_N]);
+
+#endif
