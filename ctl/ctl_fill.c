@@ -147,7 +147,7 @@ static enum status restore(struct ctl *c, struct filled *f)
         mm.at[i] = f->scan.at[i];
     if ((st = ctl_sample_build(c, c->args[0], &mm, false, c->work, &face, &found)) ==
             ST_OK &&
-        (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - mm.n), &scratch,
+        (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - f->scan.n), &scratch,
                          &f->fill)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0],
                           st == ST_ELIMIT ? "filled, it would have too many points"
