@@ -109,6 +109,15 @@ struct align_pose align_pose_after(const struct align_pose *a, const struct alig
     return out;
 }
 
+struct dvec3 align_pose_origin(const struct align_pose *a)
+{
+    const double *r = a->r, *t = a->t;
+
+    return (struct dvec3){-(r[0] * t[0] + r[3] * t[1] + r[6] * t[2]),
+                          -(r[1] * t[0] + r[4] * t[1] + r[7] * t[2]),
+                          -(r[2] * t[0] + r[5] * t[1] + r[8] * t[2])};
+}
+
 bool align_pose_rigid(const struct align_pose *a)
 {
     const double *r = a->r;

@@ -38,6 +38,9 @@ void align_pose_from_matrix(const double m[16], struct align_pose *a);
 struct align_pose align_pose_after(const struct align_pose *a,
                                    const struct align_pose *b);
 
+/* align_pose_origin(a): what a moves to the origin. */
+struct dvec3 align_pose_origin(const struct align_pose *a);
+
 /* align_pose_rigid(a): is a a rigid motion that shifts by less than 10^5 mm?  To check what
  * comes from a file. */
 bool align_pose_rigid(const struct align_pose *a);

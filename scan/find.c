@@ -58,155 +58,172 @@ struct start {
     struct find_place place;
 };
 
+#define FOUND 16
+
+struct found {
+    struct find_pose pose;
+    struct dvec3 nose; /* the tip, mm, in the points' axes */
+    uint64_t points;   /* on the face */
+};
+
 struct work {
     const struct frame_mean *mean;
     struct find_face_samples samples;
     struct find_near near;
+    struct find_front front;
     struct find_nose nose[FIND_NOSES_TILTED];
     uint32_t noses;
-    struct start start[FIND_PLACES_TILTED];
+    struct start start[FIND_STARTS];
     uint32_t starts;
+    struct found found[FOUND]; /* by falling key, no two the same */
+    uint32_t n;
 };
 
-/* Keep the best starts, by falling cost. */
-static void keep(struct work *w, uint32_t nose, const struct find_place *p, uint32_t most)
+/* ---- starting poses */
+
+/* Keep the best starts, by rising cost. */
+static void keep(struct work *w, uint32_t nose, const struct find_place *p)
 {
     uint32_t i;
 
-    if (w->starts == most && !(p->cost < w->start[most - 1].place.cost))
+    if (w->starts == FIND_STARTS && !(p->cost < w->start[FIND_STARTS - 1].place.cost))
         return;
-    i = w->starts < most ? w->starts++ : most - 1;
+    i = w->starts < FIND_STARTS ? w->starts++ : FIND_STARTS - 1;
     for (; i > 0 && p->cost < w->start[i - 1].place.cost; i--)
         w->start[i] = w->start[i - 1];
     w->start[i] = (struct start){nose, *p};
 }
 
+/* The rolls about an axis that are better than their neighbours. */
+static void roll(struct work *w, uint32_t nose, const float axis[3])
+{
+    struct find_place p[FIND_ROLLS];
+
+    find_place_turn(&w->samples, &w->near, axis, p);
+    for (int r = 0; r < FIND_ROLLS; r++)
+        if (p[r].cost <= p[(r + 1) % FIND_ROLLS].cost &&
+            p[r].cost < p[(r + FIND_ROLLS - 1) % FIND_ROLLS].cost)
+            keep(w, nose, &p[r]);
+}
+
 static void collect(const struct find_grid *g, struct work *w, bool tilted)
 {
-    const uint32_t most = tilted ? FIND_PLACES_TILTED : FIND_PLACES;
-
     w->starts = 0;
     for (uint32_t k = 0; k < w->noses; k++) {
-        const struct find_nose *nose = &w->nose[k];
-        struct find_place p[FIND_ROLLS];
+        const float *axis = w->nose[k].axis;
 
-        find_near_get(g, nose->at, &w->near);
-        for (int t = 0; t < (tilted ? 7 : 1); t++) {
-            float axis[3] = {nose->axis[0], nose->axis[1], nose->axis[2]};
+        find_near_get(g, w->nose[k].at, &w->near);
+        roll(w, k, axis);
+        for (int t = 0; tilted && t < FIND_TILTS; t++) {
+            float other[3];
 
-            if (t > 0) {
-                static const float c[6] = {1, 0.5f, -0.5f, -1, -0.5f, 0.5f};
-                static const float d[6] = {0, 0.866025404f,  0.866025404f,
-                                           0, -0.866025404f, -0.866025404f};
-                float u[3], v[3], l;
-                const int least = fabsf(axis[0]) < 0.6f ? 0 : 1;
-
-                u[0] = (least == 0) - axis[least] * axis[0];
-                u[1] = (least == 1) - axis[least] * axis[1];
-                u[2] = -axis[least] * axis[2];
-                l = 1 / sqrtf(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-                for (int i = 0; i < 3; i++)
-                    u[i] *= l;
-                v[0] = axis[1] * u[2] - axis[2] * u[1];
-                v[1] = axis[2] * u[0] - axis[0] * u[2];
-                v[2] = axis[0] * u[1] - axis[1] * u[0];
-                for (int i = 0; i < 3; i++)
-                    axis[i] = 0.882947593f * axis[i] +
-                              0.469471563f * (c[t - 1] * u[i] + d[t - 1] * v[i]);
-            }
-            find_place_turn(&w->samples, &w->near, axis, p);
-            for (int r = 0; r < FIND_ROLLS; r++)
-                if (p[r].cost <= p[(r + 1) % FIND_ROLLS].cost &&
-                    p[r].cost < p[(r + FIND_ROLLS - 1) % FIND_ROLLS].cost)
-                    keep(w, k, &p[r], most);
+            find_place_tilt(axis, t, other);
+            roll(w, k, other);
         }
     }
 }
 
-/* Less than FIND_SAME_MM and FIND_SAME_DEG apart? */
-static bool same(const struct find_pose *a, const struct find_pose *b)
-{
-    const struct align_pose d = align_pose_after(&a->pose, &b->pose); /* of the points */
-    const struct align_pose *q = &a->pose;
-    /* where b's points for the tip of the nose are in a's frame, and the turn's trace */
-    const struct dvec3 s = {-(b->pose.r[0] * b->pose.t[0] + b->pose.r[3] * b->pose.t[1] +
-                              b->pose.r[6] * b->pose.t[2]),
-                            -(b->pose.r[1] * b->pose.t[0] + b->pose.r[4] * b->pose.t[1] +
-                              b->pose.r[7] * b->pose.t[2]),
-                            -(b->pose.r[2] * b->pose.t[0] + b->pose.r[5] * b->pose.t[1] +
-                              b->pose.r[8] * b->pose.t[2])};
-    const struct dvec3 at = align_pose_apply(q, s);
+/* ---- poses */
 
-    return a->unit_mm == b->unit_mm && vec_dot(at, at) < FIND_SAME_MM * FIND_SAME_MM &&
+/* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
+static bool same(const struct found *a, const struct found *b)
+{
+    const struct align_pose d = align_pose_after(&a->pose.pose, &b->pose.pose);
+    const struct dvec3 way = vec_sub(a->nose, b->nose);
+
+    return a->pose.unit_mm == b->pose.unit_mm &&
+           vec_dot(way, way) < FIND_SAME_MM * FIND_SAME_MM &&
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
 }
 
-static void take(struct find *out, const struct find_pose *p)
+static void take(struct work *w, const struct found *f)
 {
-    uint32_t i;
+    uint32_t i = 0;
 
-    for (i = 0; i < out->n && !same(&out->pose[i], p); i++)
-        ;
-    if (i < out->n) { /* the better one of the two */
-        if (p->key <= out->pose[i].key)
-            return;
-        for (; i > 0 && p->key > out->pose[i - 1].key; i--)
-            out->pose[i] = out->pose[i - 1];
-        out->pose[i] = *p;
+    while (i < w->n && !same(&w->found[i], f))
+        i++;
+    if (i < w->n ? f->pose.key <= w->found[i].pose.key
+                 : w->n == FOUND && f->pose.key <= w->found[FOUND - 1].pose.key)
         return;
-    }
-    if (out->n == FIND_POSES && p->key <= out->pose[FIND_POSES - 1].key)
-        return;
-    i = out->n < FIND_POSES ? out->n++ : FIND_POSES - 1;
-    for (; i > 0 && p->key > out->pose[i - 1].key; i--)
-        out->pose[i] = out->pose[i - 1];
-    out->pose[i] = *p;
+    if (i == w->n)
+        i = w->n < FOUND ? w->n++ : FOUND - 1;
+    for (; i > 0 && f->pose.key > w->found[i - 1].pose.key; i--)
+        w->found[i] = w->found[i - 1];
+    w->found[i] = *f;
 }
 
-static void refine(const struct find_grid *g, struct work *w, struct find *out)
+static bool plain(const struct work *w)
 {
-    for (uint32_t k = 0; k < w->starts; k++) {
+    return w->n > 0 && w->found[0].pose.key >= FIND_PLAIN;
+}
+
+/* Is a plain pose's face at a place already? */
+static bool taken(const struct work *w, double unit_mm, struct dvec3 at)
+{
+    for (uint32_t i = 0; i < w->n && w->found[i].pose.key >= FIND_PLAIN; i++) {
+        const struct dvec3 way = vec_sub(at, w->found[i].nose);
+
+        if (w->found[i].pose.unit_mm != unit_mm ||
+            vec_dot(way, way) < FIND_OTHER_MM * FIND_OTHER_MM)
+            return true;
+    }
+    return false;
+}
+
+static struct found refine_one(const struct find_grid *g, struct work *w,
+                               const struct start *s, struct dvec3 place)
+{
+    struct found f = {.pose.unit_mm = g->unit_mm};
+    struct align_pose *p = &f.pose.pose;
+    struct find_fit fit;
+
+    find_near_get(g, w->nose[s->nose].at, &w->near);
+    for (int i = 0; i < 9; i++)
+        fit.pose.r[i] = (double)s->place.r[i];
+    memcpy(fit.pose.t, w->samples.tip, sizeof fit.pose.t);
+    find_refine(w->mean, &w->near, &w->front, &fit);
+    *p = fit.pose;
+    for (int i = 0; i < 3; i++)
+        p->t[i] -=
+            p->r[3 * i] * place.x + p->r[3 * i + 1] * place.y + p->r[3 * i + 2] * place.z;
+    f.nose = align_pose_origin(p);
+    f.points = fit.points;
+    f.pose.key = fit.key;
+    f.pose.likeness = fit.likeness;
+    f.pose.covered = fit.covered;
+    return f;
+}
+
+/* The best starts, until a face is plain; then those elsewhere that may well be another. */
+static void refine(const struct find_grid *g, struct work *w, uint32_t most)
+{
+    for (uint32_t k = 0; k < w->starts && most > 0; k++) {
         const struct start *s = &w->start[k];
         const float *at = w->nose[s->nose].at;
-        const struct dvec3 from = {g->corner.x + (double)at[0],
-                                   g->corner.y + (double)at[1],
-                                   g->corner.z + (double)at[2]};
-        struct find_fit fit;
-        struct find_pose p = {.unit_mm = g->unit_mm};
-        struct dvec3 t;
+        const struct dvec3 place = {g->corner.x + (double)at[0],
+                                    g->corner.y + (double)at[1],
+                                    g->corner.z + (double)at[2]};
+        struct found f;
 
-        find_near_get(g, at, &w->near);
-        for (int i = 0; i < 9; i++)
-            fit.pose.r[i] = (double)s->place.r[i];
-        memcpy(fit.pose.t, w->samples.tip, sizeof fit.pose.t);
-        find_refine(w->mean, &w->near, &fit);
-        p.pose = fit.pose;
-        p.pose.t[0] = p.pose.t[1] = p.pose.t[2] = 0;
-        t = align_pose_apply(&p.pose, from);
-        p.pose.t[0] = fit.pose.t[0] - t.x;
-        p.pose.t[1] = fit.pose.t[1] - t.y;
-        p.pose.t[2] = fit.pose.t[2] - t.z;
-        p.key = fit.key;
-        p.likeness = fit.likeness;
-        p.covered = fit.covered;
-        take(out, &p);
+        if (taken(w, g->unit_mm, place) ||
+            (plain(w) && s->place.cost > FIND_OTHER_COST_MM))
+            continue;
+        f = refine_one(g, w, s, place);
+        take(w, &f);
+        most--;
     }
 }
 
-static bool plain(const struct find *f)
-{
-    return f->n > 0 && f->pose[0].key >= FIND_PLAIN;
-}
+/* ---- grids, parts and units */
 
-static enum status search_grid(const struct find_grid *g, struct work *w, bool tilted,
-                               struct find *out)
+static enum status search_grid(const struct find_grid *g, struct work *w, bool tilted)
 {
     const enum status st =
         find_nose_all(g, tilted ? FIND_NOSES_TILTED : FIND_NOSES, w->nose, &w->noses);
 
     if (st == ST_OK) {
         collect(g, w, tilted);
-        refine(g, w, out);
+        refine(g, w, tilted ? FIND_PLACES_TILTED : FIND_PLACES);
     }
     return st;
 }
@@ -214,8 +231,7 @@ static enum status search_grid(const struct find_grid *g, struct work *w, bool t
 /* A cloud of a head's size is searched as a whole first, and by its parts where no face was
  * plain; a larger one by its parts alone. */
 static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
-                          const struct extent *e, struct work *w, bool tilted,
-                          struct find *out)
+                          const struct extent *e, struct work *w, bool tilted)
 {
     const struct dvec3 middle = {e->middle.x * unit_mm, e->middle.y * unit_mm,
                                  e->middle.z * unit_mm};
@@ -227,12 +243,12 @@ static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
     if ((st = find_grid_make(pts, n, unit_mm, middle, &g)) != ST_OK)
         return st;
     if (whole)
-        st = search_grid(&g, w, tilted, out);
-    if (st == ST_OK && !(whole && plain(out)) &&
+        st = search_grid(&g, w, tilted);
+    if (st == ST_OK && !(whole && plain(w)) &&
         (st = find_part_all(&g, parts, &nparts)) == ST_OK) {
         for (uint32_t k = 0; k < nparts; k++) {
             if (st == ST_OK && !(whole && nparts == 1))
-                st = search_grid(&parts[k], w, tilted, out);
+                st = search_grid(&parts[k], w, tilted);
             find_grid_free(&parts[k]);
         }
     }
@@ -240,37 +256,67 @@ static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
     return st;
 }
 
-enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      const struct face_work *fw, struct find *out)
+/* The units by which the cloud is as large as a head; where no face is plain, as large as a
+ * room; then both again with tilted axes. */
+static enum status search_units(const struct dvec3 *pts, size_t n, double unit_mm,
+                                struct work *w)
 {
-    static const double units[] = {1, 10, 1000, 25.4, 0.001};
+    static const double units[] = FIND_UNITS_MM;
     struct extent e;
-    struct work *w;
     enum status st = ST_OK;
 
-    memset(out, 0, sizeof *out);
-    if (n == 0)
-        return ST_ENOFACE;
     measure_extent(pts, n, &e);
-    if ((w = mem_array(1, sizeof *w)) == NULL)
-        return ST_ENOMEM;
-    w->mean = face_work_mean(fw);
-    find_place_samples(w->mean, &w->samples);
-    for (int pass = 0; pass < 3 && !plain(out); pass++) {
+    for (int pass = 0; pass < 3 && st == ST_OK && !plain(w); pass++) {
         const double lo = pass == 1 ? FIND_ROOM_MIN_MM : FIND_HEAD_MIN_MM;
         const double hi = pass == 0 ? FIND_ROOM_MIN_MM : FIND_ROOM_MAX_MM;
 
         for (size_t i = 0; i < sizeof units / sizeof *units && st == ST_OK; i++) {
             const double mm = unit_mm > 0 ? unit_mm : units[i];
 
-            if (unit_mm > 0 ? i > 0 : e.size * mm < lo || e.size * mm >= hi)
+            if ((unit_mm > 0 && i > 0) || e.size * mm < lo || e.size * mm >= hi ||
+                plain(w))
                 continue;
-            st = search(pts, n, mm, &e, w, pass == 2, out);
+            st = search(pts, n, mm, &e, w, pass == 2);
         }
     }
-    if (plain(out))
-        out->n = 1;
-    mem_free(w);
+    return st;
+}
+
+/* Of several plain faces the one with the most points; else the best poses. */
+static void choose(const struct work *w, struct find *out)
+{
+    uint32_t first = 0;
+
     out->faces = 1;
-    return st == ST_OK && out->n == 0 ? ST_ENOFACE : st;
+    for (uint32_t i = 1; i < w->n && w->found[i].pose.key >= FIND_PLAIN; i++) {
+        out->faces++;
+        first = w->found[i].points > w->found[first].points ? i : first;
+    }
+    while (out->n < FIND_POSES && out->n < (plain(w) ? 1 : w->n)) {
+        out->pose[out->n] = w->found[first + out->n].pose;
+        out->n++;
+    }
+}
+
+enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
+                      const struct face_work *fw, struct find *out)
+{
+    struct work *w;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if (n == 0)
+        return ST_ENOFACE;
+    if ((w = mem_array(1, sizeof *w)) == NULL)
+        return ST_ENOMEM;
+    w->mean = face_work_mean(fw);
+    w->n = 0;
+    find_place_samples(w->mean, &w->samples);
+    st = search_units(pts, n, unit_mm, w);
+    if (st == ST_OK && w->n == 0)
+        st = ST_ENOFACE;
+    if (st == ST_OK)
+        choose(w, out);
+    mem_free(w);
+    return st;
 }

@@ -14,6 +14,7 @@
 /* cos and sin of 360 / FIND_ROLLS degrees */
 #define ROLL_COS 0.93969262078590838405
 #define ROLL_SIN 0.34202014332566873304
+#define SIN_60   0.86602540378443864676
 
 /* Axes at right angles, of which the third is given. */
 static void axes_about(const double z[3], double out[9])
@@ -164,8 +165,8 @@ static float cost_of(const struct find_face_samples *s, const struct map *map, f
     return sum / (float)s->n;
 }
 
-uint32_t find_place_turn(const struct find_face_samples *s, const struct find_near *near,
-                         const float axis[3], struct find_place out[FIND_ROLLS])
+void find_place_turn(const struct find_face_samples *s, const struct find_near *near,
+                     const float axis[3], struct find_place out[FIND_ROLLS])
 {
     const double z[3] = {(double)axis[0], (double)axis[1], (double)axis[2]};
     double axes[9], c = 1, d = 0;
@@ -189,22 +190,17 @@ uint32_t find_place_turn(const struct find_face_samples *s, const struct find_ne
         d = c * ROLL_SIN + d * ROLL_COS;
         c = next;
     }
-    return FIND_ROLLS;
 }
 
-void find_place_as_is(const struct find_face_samples *s, const struct find_near *near,
-                      const double r[9], struct find_place *out)
+void find_place_tilt(const float axis[3], int k, float out[3])
 {
-    double axes[9];
-    struct map map;
+    static const double by[FIND_TILTS][2] = {{1, 0},  {0.5, SIN_60},   {-0.5, SIN_60},
+                                             {-1, 0}, {-0.5, -SIN_60}, {0.5, -SIN_60}};
+    const double z[3] = {(double)axis[0], (double)axis[1], (double)axis[2]};
+    double a[9];
 
-    /* axes = s->axes r */
+    axes_about(z, a);
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            axes[3 * i + k] = s->axes[3 * i] * r[k] + s->axes[3 * i + 1] * r[3 + k] +
-                              s->axes[3 * i + 2] * r[6 + k];
-    map_make(near, axes, &map);
-    for (int i = 0; i < 9; i++)
-        out->r[i] = (float)r[i];
-    out->cost = cost_of(s, &map, 1, 0);
+        out[i] = (float)(FIND_TILT_COS * z[i] +
+                         FIND_TILT_SIN * (by[k][0] * a[i] + by[k][1] * a[3 + i]));
 }

@@ -2,7 +2,6 @@
  * about the direction in which it sticks out.  Internal to find.h. */
 #ifndef SCAN_FIND_PLACE_H
 #define SCAN_FIND_PLACE_H
-#include <stdbool.h>
 #include <stdint.h>
 
 struct find_near;  /* find_near.h */
@@ -30,11 +29,12 @@ struct find_place {
     float r[9]; /* rotation to the canonical frame */
 };
 
-/* find_place_turn(s, near, axis, out): the best FIND_PLACE_KEEP of the rolls about axis.
- * find_place_as_is(s, near, r, out): the cost of the one rotation r. */
-uint32_t find_place_turn(const struct find_face_samples *s, const struct find_near *near,
-                         const float axis[3], struct find_place out[FIND_ROLLS]);
-void find_place_as_is(const struct find_face_samples *s, const struct find_near *near,
-                      const double r[9], struct find_place *out);
+/* find_place_turn(s, near, axis, out): the rolls about axis, from some roll on. */
+void find_place_turn(const struct find_face_samples *s, const struct find_near *near,
+                     const float axis[3], struct find_place out[FIND_ROLLS]);
+
+/* find_place_tilt(axis, k, out): axis, tilted to side k of FIND_TILTS. */
+#define FIND_TILTS 6
+void find_place_tilt(const float axis[3], int k, float out[3]);
 
 #endif

@@ -9,66 +9,99 @@
 #include "frame.h"
 #include "tuning.h"
 
-/* The foremost voxel over each cell of the mean face. */
-struct front {
-    float at[GRID_N][3]; /* canonical frame */
-    float gap[GRID_N];   /* at right angles to the mean face, mm; NONE: none */
-    uint32_t under[GRID_N];
-};
-
 #define NONE (-1e9f)
 
-/* At most FIND_FRONT_MM in front of the mean face. */
-static void front_make(const struct frame_mean *mean, const struct find_near *near,
-                       const struct align_pose *pose, struct front *out)
+/* The middle of the first cell. */
+#define LEFT   ((float)(GRID_LEFT + GRID_MM / 2))
+#define BOTTOM ((float)(GRID_BOTTOM + GRID_MM / 2))
+
+static void move(const struct align_pose *pose, const float *const at[3], uint32_t n,
+                 float *const out[3])
 {
-    const struct align_grid *g = &mean->grid;
-    float r[9], t[3];
+    for (int i = 0; i < 3; i++) {
+        const float a = (float)pose->r[3 * i], b = (float)pose->r[3 * i + 1],
+                    c = (float)pose->r[3 * i + 2], t = (float)pose->t[i];
 
-    for (int i = 0; i < 9; i++)
-        r[i] = (float)pose->r[i];
-    for (int i = 0; i < 3; i++)
-        t[i] = (float)pose->t[i];
-    for (uint32_t i = 0; i < GRID_N; i++)
-        out->gap[i] = NONE;
+        for (uint32_t v = 0; v < n; v++)
+            out[i][v] = a * at[0][v] + b * at[1][v] + c * at[2][v] + t;
+    }
+}
+
+/* Those that may come to lie over the mean face from a pose. */
+static void take_near(const struct find_near *near, const struct align_pose *pose,
+                      struct find_front *f)
+{
+    const float *const all[3] = {near->x, near->y, near->z};
+    float *const moved[3] = {f->moved[0], f->moved[1], f->moved[2]};
+
+    f->n = 0;
+    move(pose, all, near->n, moved);
     for (uint32_t v = 0; v < near->n; v++) {
-        const float px = near->x[v], py = near->y[v], pz = near->z[v];
-        const float x = r[0] * px + r[1] * py + r[2] * pz + t[0];
-        const float y = r[3] * px + r[4] * py + r[5] * pz + t[1];
-        const float z = r[6] * px + r[7] * py + r[8] * pz + t[2];
-        const float i = (x - (float)(GRID_LEFT + GRID_MM / 2)) * (float)(1 / GRID_MM);
-        const float j = (y - (float)(GRID_BOTTOM + GRID_MM / 2)) * (float)(1 / GRID_MM);
-        uint32_t cell;
-        float u, w, gap;
-        const struct align_patch *p;
+        const float x = moved[0][v], y = moved[1][v], z = moved[2][v];
 
-        if (!((i >= 0) & (i < GRID_NX - 1) & (j >= 0) & (j < GRID_NY - 1)))
-            continue;
-        cell = (uint32_t)j * GRID_NX + (uint32_t)i;
-        if (!(g->flat[cell] > 0))
-            continue;
-        u = i - (float)(uint32_t)i;
-        w = j - (float)(uint32_t)j;
-        p = &g->patch[cell];
-        gap = (z - (p->z + p->zx * u + (p->zy + p->zxy * u) * w)) * g->flat[cell];
-        if (gap > (float)FIND_FRONT_MM || gap < -(float)FIND_BEHIND_MM)
+        f->at[0][f->n] = near->x[v];
+        f->at[1][f->n] = near->y[v];
+        f->at[2][f->n] = near->z[v];
+        f->points[f->n] = near->points[v];
+        f->n += (fabsf(x) < (float)FIND_BOX_X_MM) &
+                (fabsf(y + 12) < (float)FIND_BOX_Y_MM) & (z > -(float)FIND_BOX_Z_MM);
+    }
+}
+
+/* The patch under a place of the canonical frame; GRID_N: none. */
+static inline uint32_t patch_at(float u, float w)
+{
+    if (!((u >= 0) & (u < GRID_NX - 1) & (w >= 0) & (w < GRID_NY - 1)))
+        return GRID_N;
+    return (uint32_t)w * GRID_NX + (uint32_t)u;
+}
+
+/* How far voxel v is in front of the mean face, and the patch under it; NAN: none is. */
+static inline float gap_of(const struct align_grid *g, const struct find_front *f,
+                           uint32_t v, uint32_t *patch)
+{
+    const float u = (f->moved[0][v] - LEFT) * (float)(1 / GRID_MM);
+    const float w = (f->moved[1][v] - BOTTOM) * (float)(1 / GRID_MM);
+    const uint32_t c = patch_at(u, w);
+    const float i = u - (float)(int32_t)u, j = w - (float)(int32_t)w;
+    const struct align_patch *p = &g->patch[c];
+
+    *patch = c;
+    if (!(g->flat[c] > 0))
+        return NAN;
+    return (f->moved[2][v] - (p->z + p->zx * i + (p->zy + p->zxy * i) * j)) * g->flat[c];
+}
+
+/* At most FIND_FRONT_MM in front of the mean face and FIND_BEHIND_MM behind it. */
+static void front_make(const struct align_grid *g, const struct align_pose *pose,
+                       struct find_front *f)
+{
+    const float *const at[3] = {f->at[0], f->at[1], f->at[2]};
+    float *const moved[3] = {f->moved[0], f->moved[1], f->moved[2]};
+
+    move(pose, at, f->n, moved);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        f->gap[i] = NONE;
+    for (uint32_t v = 0; v < f->n; v++) {
+        uint32_t patch;
+        const float gap = gap_of(g, f, v, &patch);
+
+        if (!(gap <= (float)FIND_FRONT_MM) || gap < -(float)FIND_BEHIND_MM)
             continue;
         for (int k = 0; k < 4; k++) {
             static const uint32_t by[4] = {0, 1, GRID_NX, GRID_NX + 1};
-            const uint32_t c = cell + by[k];
+            const uint32_t c = patch + by[k];
+            const bool more = gap > f->gap[c];
 
-            if (gap > out->gap[c]) {
-                out->gap[c] = gap;
-                out->under[c] = cell;
-                memcpy(out->at[c], (const float[3]){x, y, z}, sizeof out->at[c]);
-            }
+            f->gap[c] = more ? gap : f->gap[c];
+            f->voxel[c] = more ? v : f->voxel[c];
         }
     }
 }
 
 /* One step of a stage; the length of the motion, mm. */
-static double step(const struct frame_mean *mean, const struct front *f, double tukey,
-                   struct align_pose *pose)
+static double step(const struct frame_mean *mean, const struct find_front *f,
+                   double tukey, struct align_pose *pose)
 {
     static const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
     const struct align_grid *g = &mean->grid;
@@ -76,28 +109,29 @@ static double step(const struct frame_mean *mean, const struct front *f, double 
     double x[6], turn = 0, shift = 0;
 
     for (uint32_t c = 0; c < GRID_N; c++) {
+        const double gap = (double)f->gap[c];
+        const double limit = gap > 0 ? tukey * FIND_TUKEY_FRONT : tukey;
         const struct align_patch *p;
         double n[3], q[3], w;
-        uint32_t under;
+        uint32_t patch;
 
-        const double limit = f->gap[c] > 0 ? tukey * FIND_TUKEY_FRONT : tukey;
-        if (isnan(mean->height[c]) || !(fabsf(f->gap[c]) < (float)limit))
+        if (isnan(mean->height[c]) || !(fabs(gap) < limit))
             continue;
-        under = f->under[c];
-        p = &g->patch[under];
-        n[2] = (double)g->flat[under];
+        (void)gap_of(g, f, f->voxel[c], &patch);
+        p = &g->patch[patch];
+        n[2] = (double)g->flat[patch];
         n[0] = -(double)(p->zx + 0.5f * p->zxy) / GRID_MM * n[2];
         n[1] = -(double)(p->zy + 0.5f * p->zxy) / GRID_MM * n[2];
-        q[0] = (double)f->at[c][0] - centre.x;
-        q[1] = (double)f->at[c][1] - centre.y;
-        q[2] = (double)f->at[c][2] - centre.z;
-        w = (double)f->gap[c] / limit;
+        q[0] = (double)f->moved[0][f->voxel[c]] - centre.x;
+        q[1] = (double)f->moved[1][f->voxel[c]] - centre.y;
+        q[2] = (double)f->moved[2][f->voxel[c]] - centre.z;
+        w = gap / limit;
         w = (1 - w * w) * (1 - w * w);
         align_solve_add(&a,
                         (const double[6]){q[1] * n[2] - q[2] * n[1],
                                           q[2] * n[0] - q[0] * n[2],
                                           q[0] * n[1] - q[1] * n[0], n[0], n[1], n[2]},
-                        (double)f->gap[c], w);
+                        gap, w);
     }
     if (!align_solve(&a, FIND_DAMPING, x))
         return 0;
@@ -122,7 +156,7 @@ static double flat_of(const struct frame_mean *mean, uint32_t cell)
 
 /* What stands farther in front than FIND_COVER_MM covers the face: it tells nothing of the
  * face's shape.  What is behind by as much tells against it. */
-static void judge(const struct frame_mean *mean, const struct front *f,
+static void judge(const struct frame_mean *mean, const struct find_front *f,
                   struct find_fit *fit)
 {
     double z[GRID_N] = {0}, n[GRID_N] = {0}, sum = 0;
@@ -144,6 +178,13 @@ static void judge(const struct frame_mean *mean, const struct front *f,
         n[c] = 1;
         z[c] = (double)mean->height[c] + gap / flat_of(mean, c);
     }
+    fit->points = 0;
+    for (uint32_t v = 0; v < f->n; v++) {
+        uint32_t patch;
+
+        if (fabsf(gap_of(&mean->grid, f, v, &patch)) < (float)FIND_COVER_MM)
+            fit->points += f->points[v];
+    }
     fit->covered = (double)covered / all;
     fit->likeness = frame_likeness_heights(mean, z, n);
     if (isnan(fit->likeness))
@@ -152,19 +193,19 @@ static void judge(const struct frame_mean *mean, const struct front *f,
 }
 
 void find_refine(const struct frame_mean *mean, const struct find_near *near,
-                 struct find_fit *fit)
+                 struct find_front *f, struct find_fit *fit)
 {
     static const double tukey[] = FIND_TUKEY_MM;
-    struct front f;
 
+    take_near(near, &fit->pose, f);
     for (size_t stage = 0; stage < sizeof tukey / sizeof *tukey; stage++) {
         double moved = INFINITY;
 
         for (int k = 0; k < FIND_STEPS && moved > FIND_SHORT_MM; k++) {
-            front_make(mean, near, &fit->pose, &f);
-            moved = step(mean, &f, tukey[stage], &fit->pose);
+            front_make(&mean->grid, &fit->pose, f);
+            moved = step(mean, f, tukey[stage], &fit->pose);
         }
     }
-    front_make(mean, near, &fit->pose, &f);
-    judge(mean, &f, fit);
+    front_make(&mean->grid, &fit->pose, f);
+    judge(mean, f, fit);
 }
