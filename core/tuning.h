@@ -420,7 +420,10 @@
 #define FIND_NOSES 40
 #define FIND_PLACES 12
 #define FIND_BEHIND_MM 40.0
-#define FIND_TUKEY_MM {25, 15, 8, 5}
+#define FIND_TUKEY_COARSE_MM {25, 15}
+#define FIND_TUKEY_FINE_MM {8, 5}
+#define FIND_HOPEFUL 0.8
+#define FIND_FINE 8
 #define FIND_STEPS 4
 #define FIND_SHORT_MM 0.5
 #define FIND_DAMPING 1e-3

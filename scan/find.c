@@ -66,6 +66,12 @@ struct found {
     uint64_t points;   /* on the face */
 };
 
+/* By falling key, no two the same. */
+struct list {
+    struct found found[FOUND];
+    uint32_t n;
+};
+
 struct work {
     const struct frame_mean *mean;
     struct find_face_samples samples;
@@ -75,8 +81,7 @@ struct work {
     uint32_t noses;
     struct start start[FIND_STARTS];
     uint32_t starts;
-    struct found found[FOUND]; /* by falling key, no two the same */
-    uint32_t n;
+    struct list best;
 };
 
 /* ---- starting poses */
@@ -136,81 +141,103 @@ static bool same(const struct found *a, const struct found *b)
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
 }
 
-static void take(struct work *w, const struct found *f)
+static void take(struct list *l, const struct found *f)
 {
     uint32_t i = 0;
 
-    while (i < w->n && !same(&w->found[i], f))
+    while (i < l->n && !same(&l->found[i], f))
         i++;
-    if (i < w->n ? f->pose.key <= w->found[i].pose.key
-                 : w->n == FOUND && f->pose.key <= w->found[FOUND - 1].pose.key)
+    if (i < l->n ? f->pose.key <= l->found[i].pose.key
+                 : l->n == FOUND && f->pose.key <= l->found[FOUND - 1].pose.key)
         return;
-    if (i == w->n)
-        i = w->n < FOUND ? w->n++ : FOUND - 1;
-    for (; i > 0 && f->pose.key > w->found[i - 1].pose.key; i--)
-        w->found[i] = w->found[i - 1];
-    w->found[i] = *f;
+    if (i == l->n)
+        i = l->n < FOUND ? l->n++ : FOUND - 1;
+    for (; i > 0 && f->pose.key > l->found[i - 1].pose.key; i--)
+        l->found[i] = l->found[i - 1];
+    l->found[i] = *f;
 }
 
 static bool plain(const struct work *w)
 {
-    return w->n > 0 && w->found[0].pose.key >= FIND_PLAIN;
+    return w->best.n > 0 && w->best.found[0].pose.key >= FIND_PLAIN;
 }
 
 /* Is a plain pose's face at a place already? */
 static bool taken(const struct work *w, double unit_mm, struct dvec3 at)
 {
-    for (uint32_t i = 0; i < w->n && w->found[i].pose.key >= FIND_PLAIN; i++) {
-        const struct dvec3 way = vec_sub(at, w->found[i].nose);
+    for (uint32_t i = 0; i < w->best.n && w->best.found[i].pose.key >= FIND_PLAIN; i++) {
+        const struct dvec3 way = vec_sub(at, w->best.found[i].nose);
 
-        if (w->found[i].pose.unit_mm != unit_mm ||
+        if (w->best.found[i].pose.unit_mm != unit_mm ||
             vec_dot(way, way) < FIND_OTHER_MM * FIND_OTHER_MM)
             return true;
     }
     return false;
 }
 
-static struct found refine_one(const struct find_grid *g, struct work *w,
-                               const struct start *s, struct dvec3 place)
+/* The pose that a start stands for. */
+static struct found found_at(const struct find_grid *g, const struct work *w,
+                             const struct start *s)
 {
+    const float *r = s->place.r, *at = w->nose[s->nose].at;
+    const double *tip = w->samples.tip;
     struct found f = {.pose.unit_mm = g->unit_mm};
-    struct align_pose *p = &f.pose.pose;
-    struct find_fit fit;
+    double p[3] = {g->corner.x + (double)at[0], g->corner.y + (double)at[1],
+                   g->corner.z + (double)at[2]};
 
-    find_near_get(g, w->nose[s->nose].at, &w->near);
     for (int i = 0; i < 9; i++)
-        fit.pose.r[i] = (double)s->place.r[i];
-    memcpy(fit.pose.t, w->samples.tip, sizeof fit.pose.t);
-    find_refine(w->mean, &w->near, &w->front, &fit);
+        f.pose.pose.r[i] = (double)r[i];
+    for (int i = 0; i < 3; i++)
+        p[i] -= f.pose.pose.r[i] * tip[0] + f.pose.pose.r[3 + i] * tip[1] +
+                f.pose.pose.r[6 + i] * tip[2];
+    f.nose = (struct dvec3){p[0], p[1], p[2]};
+    return f;
+}
+
+/* Refine f from its rotation and nose; the rest of it is filled. */
+static void settle(const struct find_grid *g, struct work *w, bool fine, struct found *f)
+{
+    const struct dvec3 at = vec_sub(f->nose, g->corner);
+    struct find_fit fit = {.pose = f->pose.pose};
+    struct align_pose *p = &f->pose.pose;
+    const struct dvec3 from = f->nose;
+
+    memset(fit.pose.t, 0, sizeof fit.pose.t);
+    find_near_get(g, (const float[3]){(float)at.x, (float)at.y, (float)at.z}, &w->near);
+    find_refine(w->mean, &w->near, fine, &w->front, &fit);
     *p = fit.pose;
     for (int i = 0; i < 3; i++)
         p->t[i] -=
-            p->r[3 * i] * place.x + p->r[3 * i + 1] * place.y + p->r[3 * i + 2] * place.z;
-    f.nose = align_pose_origin(p);
-    f.points = fit.points;
-    f.pose.key = fit.key;
-    f.pose.likeness = fit.likeness;
-    f.pose.covered = fit.covered;
-    return f;
+            p->r[3 * i] * from.x + p->r[3 * i + 1] * from.y + p->r[3 * i + 2] * from.z;
+    f->nose = align_pose_origin(p);
+    f->points = fit.points;
+    f->pose.key = fit.key;
+    f->pose.likeness = fit.likeness;
+    f->pose.covered = fit.covered;
 }
 
 /* The best starts, until a face is plain; then those elsewhere that may well be another. */
 static void refine(const struct find_grid *g, struct work *w, uint32_t most)
 {
-    for (uint32_t k = 0; k < w->starts && most > 0; k++) {
-        const struct start *s = &w->start[k];
-        const float *at = w->nose[s->nose].at;
-        const struct dvec3 place = {g->corner.x + (double)at[0],
-                                    g->corner.y + (double)at[1],
-                                    g->corner.z + (double)at[2]};
-        struct found f;
+    struct list coarse = {.n = 0};
 
-        if (taken(w, g->unit_mm, place) ||
-            (plain(w) && s->place.cost > FIND_OTHER_COST_MM))
+    for (uint32_t k = 0; k < w->starts && most > 0; k++) {
+        struct found f = found_at(g, w, &w->start[k]);
+
+        if (taken(w, g->unit_mm, f.nose) ||
+            (plain(w) && w->start[k].place.cost > FIND_OTHER_COST_MM))
             continue;
-        f = refine_one(g, w, s, place);
-        take(w, &f);
+        settle(g, w, false, &f);
         most--;
+        if (f.pose.key >= FIND_HOPEFUL) {
+            settle(g, w, true, &f);
+            take(&w->best, &f);
+        } else
+            take(&coarse, &f);
+    }
+    for (uint32_t k = 0; k < coarse.n && k < FIND_FINE && !plain(w); k++) {
+        settle(g, w, true, &coarse.found[k]);
+        take(&w->best, &coarse.found[k]);
     }
 }
 
@@ -288,12 +315,12 @@ static void choose(const struct work *w, struct find *out)
     uint32_t first = 0;
 
     out->faces = 1;
-    for (uint32_t i = 1; i < w->n && w->found[i].pose.key >= FIND_PLAIN; i++) {
+    for (uint32_t i = 1; i < w->best.n && w->best.found[i].pose.key >= FIND_PLAIN; i++) {
         out->faces++;
-        first = w->found[i].points > w->found[first].points ? i : first;
+        first = w->best.found[i].points > w->best.found[first].points ? i : first;
     }
-    while (out->n < FIND_POSES && out->n < (plain(w) ? 1 : w->n)) {
-        out->pose[out->n] = w->found[first + out->n].pose;
+    while (out->n < FIND_POSES && out->n < (plain(w) ? 1 : w->best.n)) {
+        out->pose[out->n] = w->best.found[first + out->n].pose;
         out->n++;
     }
 }
@@ -310,10 +337,10 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     if ((w = mem_array(1, sizeof *w)) == NULL)
         return ST_ENOMEM;
     w->mean = face_work_mean(fw);
-    w->n = 0;
+    w->best.n = 0;
     find_place_samples(w->mean, &w->samples);
     st = search_units(pts, n, unit_mm, w);
-    if (st == ST_OK && w->n == 0)
+    if (st == ST_OK && w->best.n == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
         choose(w, out);

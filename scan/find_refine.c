@@ -29,14 +29,14 @@ static void move(const struct align_pose *pose, const float *const at[3], uint32
 
 /* Those that may come to lie over the mean face from a pose. */
 static void take_near(const struct find_near *near, const struct align_pose *pose,
-                      struct find_front *f)
+                      uint32_t stride, struct find_front *f)
 {
     const float *const all[3] = {near->x, near->y, near->z};
     float *const moved[3] = {f->moved[0], f->moved[1], f->moved[2]};
 
     f->n = 0;
     move(pose, all, near->n, moved);
-    for (uint32_t v = 0; v < near->n; v++) {
+    for (uint32_t v = 0; v < near->n; v += stride) {
         const float x = moved[0][v], y = moved[1][v], z = moved[2][v];
 
         f->at[0][f->n] = near->x[v];
@@ -101,14 +101,14 @@ static void front_make(const struct align_grid *g, const struct align_pose *pose
 
 /* One step of a stage; the length of the motion, mm. */
 static double step(const struct frame_mean *mean, const struct find_front *f,
-                   double tukey, struct align_pose *pose)
+                   double tukey, uint32_t stride, struct align_pose *pose)
 {
     static const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
     const struct align_grid *g = &mean->grid;
     struct align_normal a = {{0}, {0}};
     double x[6], turn = 0, shift = 0;
 
-    for (uint32_t c = 0; c < GRID_N; c++) {
+    for (uint32_t c = 0; c < GRID_N; c += stride) {
         const double gap = (double)f->gap[c];
         const double limit = gap > 0 ? tukey * FIND_TUKEY_FRONT : tukey;
         const struct align_patch *p;
@@ -192,18 +192,18 @@ static void judge(const struct frame_mean *mean, const struct find_front *f,
     fit->key = sum / all + FIND_KEY_LIKENESS * fit->likeness;
 }
 
-void find_refine(const struct frame_mean *mean, const struct find_near *near,
+void find_refine(const struct frame_mean *mean, const struct find_near *near, bool fine,
                  struct find_front *f, struct find_fit *fit)
 {
-    static const double tukey[] = FIND_TUKEY_MM;
+    static const double tukey[2][2] = {FIND_TUKEY_COARSE_MM, FIND_TUKEY_FINE_MM};
 
-    take_near(near, &fit->pose, f);
-    for (size_t stage = 0; stage < sizeof tukey / sizeof *tukey; stage++) {
+    take_near(near, &fit->pose, fine ? 1 : 2, f);
+    for (int stage = 0; stage < 2; stage++) {
         double moved = INFINITY;
 
         for (int k = 0; k < FIND_STEPS && moved > FIND_SHORT_MM; k++) {
             front_make(&mean->grid, &fit->pose, f);
-            moved = step(mean, f, tukey[stage], &fit->pose);
+            moved = step(mean, f, tukey[fine][stage], fine ? 1 : 2, &fit->pose);
         }
     }
     front_make(&mean->grid, &fit->pose, f);

@@ -2,6 +2,7 @@
  * find.h. */
 #ifndef SCAN_FIND_REFINE_H
 #define SCAN_FIND_REFINE_H
+#include <stdbool.h>
 #include <stdint.h>
 #include "align_pose.h"
 #include "find_near.h"
@@ -25,11 +26,12 @@ struct find_fit {
     uint64_t points;               /* on the face */
 };
 
-/* find_refine(mean, near, f, fit): from fit->pose; point-to-plane steps of the foremost voxels
- * to the mean face, each cell once, with Tukey's weights from coarse to fine: what is in
- * front counts less far than what is behind, since it may cover the face.  Then the rest of
- * fit at the pose found.  f: room to work in. */
-void find_refine(const struct frame_mean *mean, const struct find_near *near,
+/* find_refine(mean, near, fine, f, fit): from fit->pose; point-to-plane steps of the foremost
+ * voxels to the mean face, each cell once, with Tukey's weights: what is in front counts less
+ * far than what is behind, since it may cover the face.  Coarse: within FIND_TUKEY_COARSE_MM,
+ * with half of the voxels and cells; fine: within FIND_TUKEY_FINE_MM.  Then the rest of fit at
+ * the pose found.  f: room to work in. */
+void find_refine(const struct frame_mean *mean, const struct find_near *near, bool fine,
                  struct find_front *f, struct find_fit *fit);
 
 #endif
