@@ -139,33 +139,47 @@ static struct align_pose follow(const struct align_pose *a, const struct align_p
     return out;
 }
 
-/* Fit in passes; a limit for each.  The first PART_PASSES see the part alone. */
+/* How far the points are in front of the surface once it has been bent from `before` at the
+ * same pose. */
+static void shift(const float *before, const float *height, float *over)
+{
+    for (uint32_t i = 0; i < GRID_N; i++)
+        over[i] += before[i] - height[i];
+}
+
+/* Fit in passes from *out, whose pose maps the points p; the first SHAPE_PART_PASSES see the
+ * part alone.  tie SHAPE_FIXED: the pose stays. */
 static enum status fit_from(struct shape_work *w, struct shape_points *p, enum part part,
                             const struct shape_pass *pass, uint32_t passes, double tie,
                             struct shape_fit *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
-    float over[GRID_N];
+    float over[GRID_N], before[GRID_N];
     struct cells cells;
     struct fit fit;
 
     memset(out->a, 0, sizeof out->a);
+    memcpy(out->height, w->mean, sizeof out->height);
     out->pose = still;
-    bend(w, out->a, out->height);
     shape_map_make(p, &out->pose, out->height, over);
     for (uint32_t k = 0; k < passes; k++) {
         enum status st;
 
-        weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE, pass[k].limit_mm,
-              &cells);
+        weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE,
+              pass[k].limit_mm, &cells);
         w->fit.prior = pass[k].prior;
         if ((st = fit_solve(&w->fit, &cells, tie, 0, &w->solve, &fit)) != ST_OK)
             return st;
         memcpy(out->a, fit.a, sizeof out->a);
-        align_pose_move(&out->pose, centre, fit.x);
+        memcpy(before, out->height, sizeof before);
         bend(w, out->a, out->height);
-        shape_map_make(p, &out->pose, out->height, over);
+        if (tie >= SHAPE_FIXED) {
+            shift(before, out->height, over);
+        } else {
+            align_pose_move(&out->pose, centre, fit.x);
+            shape_map_make(p, &out->pose, out->height, over);
+        }
     }
     shape_cells_rate(w, over, out);
     return ST_OK;

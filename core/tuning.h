@@ -343,7 +343,7 @@
 
 /* The same at a pose that is known. */
 /* clang-format off */
-#define SHAPE_JUDGE { {8, 10}, {4, 10} }
+#define SHAPE_JUDGE { {12, 10} }
 /* clang-format on */
 
 /* The prior on the motion, 1 / mm^2 (fit.h): next to none, and so strong that nothing moves.
