@@ -132,6 +132,71 @@
 #define QUALITY_TURNED_YAW_DEG   30
 #define QUALITY_TURNED_OTHER_DEG 20 /* pitch, roll */
 
+/* ---- the crop of a raw scan (scan/crop.h) */
+
+/* Cells (12 mm) round the outline of the mean face that belong to a scan of it. */
+#define CROP_RIM 3
+
+/* mm before and behind the fitted face within which points are the face's; on the rim, where
+ * the sides of a face fall off, of the height at its edge.  From 4 to 10 fare alike. */
+#define CROP_BEFORE_MM     8.0
+#define CROP_BEHIND_MM     8.0
+#define CROP_RIM_BEFORE_MM 20.0
+#define CROP_RIM_BEHIND_MM 40.0
+
+/* A point is hidden from the front where another one in its cell lies farther before the
+ * fitted face than it, by more than STEP mm and SLOPE times the distance between the two; by
+ * NOISE times the median difference between such points of two cells, where that is more.  Of
+ * points all over a head the mated score becomes 0.063 (2 mm and a slope of 1: 0.080; 5 mm:
+ * 0.114); where nothing is hidden it grows by 0.001. */
+#define CROP_SEEN_STEP_MM 1.5
+#define CROP_SEEN_SLOPE   0.5
+#define CROP_SEEN_NOISE   4.5
+
+/* ---- a mirror image (scan/mirror.h) */
+
+/* So many normals must be known, or pixels, and so great a share of the normals must agree:
+ * those of a mesh, or of a scanner, nearly all do.  By hand. */
+#define MIRROR_LEAST 100
+#define MIRROR_SHARE 0.9
+
+/* How well rows and columns must explain where the points lie in the view.  By hand. */
+#define MIRROR_IMAGE 0.7
+
+/* ---- from a raw scan to a face (scan/scan.h) */
+
+/* The most points that a face is built from.  Scores hardly move with density: docs/accuracy.md. */
+#define SCAN_FULL 10000
+
+/* Of more points so many are looked at, to see whether they are a face as they are. */
+#define SCAN_LOOK 3000
+
+/* What is plainly an uncovered face seen from the front, and need not be searched for: the
+ * least support of its shape, the most cells that are covered, the most spikes.  The shape is
+ * fitted where a look at it does not make it sure.  Of 1,400 scans of faces one in twenty needs
+ * the fit, the least has a support of 0.30 and the most 81 cells; of 80 with a mask or glasses
+ * the fewest have 193.  Points of the back of a head, seen through, become spikes. */
+#define SCAN_SURE         0.4
+#define SCAN_PLAIN        0.28
+#define SCAN_PLAIN_COVER  120
+#define SCAN_PLAIN_SPIKES 0.03
+
+/* The gate: the support that an enrolment needs, and a probe, which may have less if it has
+ * this likeness (shape.h). */
+#define SCAN_SUPPORT        0.33
+#define SCAN_SUPPORT_PROBE  0.19
+#define SCAN_LIKENESS_PROBE 1.15
+
+/* Share of the face that may be covered at enrolment; and from which it is told, as is the
+ * share of points elsewhere. */
+#define SCAN_OCCLUDED_MOST  0.1
+#define SCAN_OCCLUDED_SOME  0.02
+#define SCAN_ELSEWHERE_SOME 0.05
+
+/* A view is told against a scanner's axes that it is within 75 degrees of: the trace of the
+ * rotation, 1 + 2 cos 75. */
+#define SCAN_AXES_TRACE 1.5176
+
 /* ---- poses */
 
 /* Turns are taken about a point this far behind the surface, mm: a face is roughly a ball of

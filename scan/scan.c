@@ -1,10 +1,33 @@
 #include "scan.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "cloudpoints.h"
+#include "crop.h"
 #include "face.h"
+#include "find.h"
+#include "mem.h"
+#include "mirror.h"
+#include "shape.h"
+#include "tuning.h"
 #include "vec.h"
+
+static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+/* One call. */
+struct scan {
+    struct cloudpoints *c;
+    const struct scan_options *o;
+    struct face_work *w;
+    struct face *out;
+    size_t *bad;
+    struct scan_found *found;
+    struct shape_fit fit; /* the latest */
+};
+
+/* ---- what is found */
 
 static void measure_extent(const struct cloudpoints *c, double extent[3])
 {
@@ -22,36 +45,269 @@ static void measure_extent(const struct cloudpoints *c, double extent[3])
     extent[2] = c->n > 0 ? hi.z - lo.z : 0;
 }
 
-static void to_mm(struct cloudpoints *c, double mm)
+static void begin(struct scan *s)
 {
-    for (size_t i = 0; mm != 1 && i < c->n; i++)
-        c->at[i] = (struct dvec3){c->at[i].x * mm, c->at[i].y * mm, c->at[i].z * mm};
+    *s->found = (struct scan_found){.format = s->c->format,
+                                    .points_read = s->c->read,
+                                    .points_dropped = s->c->read - s->c->n,
+                                    .unit_found = s->c->unit_mm == 0,
+                                    .yaw_deg = (double)NAN,
+                                    .pitch_deg = (double)NAN,
+                                    .roll_deg = (double)NAN};
+    measure_extent(s->c, s->found->extent);
+    s->out->quality = (struct quality){0};
+    s->out->surface.mesh.nv = s->out->surface.mesh.nt = 0;
+}
+
+static void warn(struct scan *s, enum scan_warning k, bool when)
+{
+    s->found->warnings |= when ? 1U << k : 0;
+}
+
+/* From the file's unit to mm by the pose. */
+static void tell_view(struct scan_found *f, const struct align_pose *pose)
+{
+    align_pose_to_matrix(pose, f->view);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            f->view[4 * i + k] *= f->unit_mm;
+}
+
+/* The turn of the face against a scanner with these axes: x as in the image, y and z by the
+ * sign of `side`; how far, as the trace of the rotation. */
+static double turn_of(const double r[9], double side, struct scan_found *f)
+{
+    const double x = r[6], y = side * r[7], z = side * r[8];
+
+    f->yaw_deg = atan2(x, z) * VEC_DEGREES;
+    f->pitch_deg = atan2(y, sqrt(x * x + z * z)) * VEC_DEGREES;
+    f->roll_deg = atan2(-r[3], side * r[4]) * VEC_DEGREES;
+    return r[0] + side * (r[4] + r[8]);
+}
+
+/* Against the agreed axes, or a camera's: y down and z away. */
+static void tell_turn(struct scan_found *f, const struct align_pose *pose)
+{
+    const double camera = turn_of(pose->r, -1, f);
+    struct scan_found seen = *f;
+    const double agreed = turn_of(pose->r, 1, &seen);
+
+    if (agreed > camera)
+        *f = seen;
+    if (fmax(agreed, camera) < SCAN_AXES_TRACE)
+        f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
+}
+
+/* What the fit tells, where the points are seen by view. */
+static void tell_fit(struct scan *s, const struct align_pose *view)
+{
+    struct scan_found *f = s->found;
+
+    tell_view(f, view);
+    tell_turn(f, &s->fit.pose);
+    f->occluded = (double)s->fit.cover / face_work_shape(s->w)->cells;
+    f->support = s->fit.support;
+    f->faces = f->faces > 0 ? f->faces : 1;
+    warn(s, SCAN_SEVERAL, f->faces > 1);
+    warn(s, SCAN_OCCLUDED, f->occluded > SCAN_OCCLUDED_SOME);
+    warn(s, SCAN_TURNED,
+         fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG ||
+             fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG ||
+             fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG);
+}
+
+/* ---- the gate */
+
+/* Is it a face, and for an enrolment one that may be compared with for years?  The points are
+ * those of the face, in the frontal view. */
+static enum status gate(struct scan *s)
+{
+    struct scan_found *f = s->found;
+    const bool strict = s->o->enrolment;
+
+    warn(s, SCAN_MIRRORED, mirror_told(s->c));
+    f->support_wanted = strict ? SCAN_SUPPORT : SCAN_SUPPORT_PROBE;
+    if (!(f->support >= f->support_wanted) ||
+        (f->support < SCAN_SUPPORT && !(s->fit.likeness >= SCAN_LIKENESS_PROBE)))
+        return ST_ENOTFACE;
+    if (!strict)
+        return ST_OK;
+    if (f->faces > 1)
+        return ST_ESEVERAL;
+    if ((f->warnings >> SCAN_MIRRORED & 1) != 0)
+        return ST_EMIRRORED;
+    return f->occluded > SCAN_OCCLUDED_MOST ? ST_EQUALITY : ST_OK;
+}
+
+/* ---- points that are frontal already */
+
+/* c in this many times as large units. */
+static void scale(struct cloudpoints *c, double by)
+{
+    for (size_t i = 0; by != 1 && i < c->n; i++)
+        c->at[i] = (struct dvec3){c->at[i].x * by, c->at[i].y * by, c->at[i].z * by};
+}
+
+/* The unit by which the points are as large as a face alone; 0: none.  Strays may be as far
+ * off as they like. */
+static double likely_unit(const struct cloudpoints *c, const double extent[3])
+{
+    static const double mm[] = {1, 1000, 10, 25.4};
+    const double side = fmax(extent[0], fmax(extent[1], extent[2]));
+
+    if (c->unit_mm != 0)
+        return c->unit_mm;
+    for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
+        if (side * mm[i] >= QUALITY_EXTENT_MIN_MM &&
+            side * mm[i] <= QUALITY_EXTENT_MAX_MM)
+            return mm[i];
+    return side > QUALITY_EXTENT_MAX_MM ? 1 : 0;
+}
+
+/* The model of points that are frontal, and what the shape of a face explains of them. */
+static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
+{
+    struct shape_work *shape = face_work_shape(s->w);
+    const struct align_pose *pose = &s->out->frame.pose;
+    enum status st = face_build(pts, n, s->w, s->out, s->bad);
+
+    if (st == ST_OK)
+        st = shape_judge(shape, pts, n, pose, &s->fit);
+    if (st == ST_OK && (s->fit.support < SCAN_SURE || s->fit.cover > 0))
+        st = shape_fit(shape, pts, n, pose, 1, false, &s->fit);
+    return st;
+}
+
+/* Is it plainly one uncovered face seen from the front, without much else? */
+static bool plain(const struct scan *s)
+{
+    const struct surface *f = &s->out->surface;
+
+    return s->fit.support >= SCAN_PLAIN && s->fit.cover <= SCAN_PLAIN_COVER &&
+           f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv;
+}
+
+/* The model of the points that s->fit explains. */
+static enum status build_crop(struct scan *s)
+{
+    const struct crop_view view = {s->fit.pose, s->fit.height, s->fit.cell};
+    const size_t n = s->c->n;
+    struct crop_count count;
+    enum status st = crop_face(s->c, &view, SCAN_FULL, &count);
+
+    if (st != ST_OK)
+        return st;
+    tell_fit(s, &s->fit.pose);
+    s->found->elsewhere = 1 - (double)count.face / (double)n;
+    warn(s, SCAN_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
+    warn(s, SCAN_THINNED, count.kept < count.face - count.other);
+    if ((st = gate(s)) != ST_OK)
+        return st;
+    return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
+}
+
+/* The points stay as they are, and their model. */
+static enum status keep(struct scan *s)
+{
+    tell_fit(s, &still);
+    return gate(s);
+}
+
+/* ---- the ways from points to a model */
+
+/* The unit and the axes are as agreed, or given. */
+static enum status build_agreed(struct scan *s)
+{
+    const size_t n = s->c->n;
+    enum status st = ST_OK;
+
+    s->found->unit_mm = s->c->unit_mm != 0 ? s->c->unit_mm : 1;
+    scale(s->c, s->found->unit_mm);
+    if (n > SCAN_FULL)
+        st = crop_thin(s->c, SCAN_FULL);
+    warn(s, SCAN_THINNED, s->c->n < n);
+    if (st == ST_OK && (st = build(s, s->c->at, s->c->n)) == ST_OK)
+        st = keep(s);
+    return st;
+}
+
+/* Are the points in mm plainly a face as they are?  Of many, few are looked at. */
+static enum status look(struct scan *s, bool *is)
+{
+    struct cloudpoints few = {.n = s->c->n, .read = s->c->n};
+    enum status st = ST_ENOMEM;
+
+    if (s->c->n <= SCAN_FULL) {
+        st = build(s, s->c->at, s->c->n);
+    } else if ((few.at = mem_array(few.n, sizeof *few.at)) != NULL) {
+        memcpy(few.at, s->c->at, few.n * sizeof *few.at);
+        if ((st = crop_thin(&few, SCAN_LOOK)) == ST_OK)
+            st = build(s, few.at, few.n);
+    }
+    cloudpoints_free(&few);
+    *is = st == ST_OK && plain(s);
+    return st;
+}
+
+/* Nothing is known of unit and axes; c is as it was read. */
+static enum status search(struct scan *s)
+{
+    struct align_pose start[FIND_POSES];
+    struct find find;
+    uint32_t n = 0;
+    enum status st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, &find);
+
+    if (st != ST_OK)
+        return st;
+    s->found->found = true;
+    s->found->faces = find.faces;
+    s->found->unit_mm = find.pose[0].unit_mm;
+    for (uint32_t i = 0; i < find.n; i++)
+        if (find.pose[i].unit_mm == s->found->unit_mm)
+            start[n++] = find.pose[i].pose;
+    scale(s->c, s->found->unit_mm);
+    st = shape_fit(face_work_shape(s->w), s->c->at, s->c->n, start, n, true, &s->fit);
+    return st == ST_OK ? build_crop(s) : st;
+}
+
+static enum status build_found(struct scan *s)
+{
+    const double unit = likely_unit(s->c, s->found->extent);
+    enum status st = ST_EUNITS, searched;
+    bool is = false;
+
+    if (unit != 0) {
+        s->found->unit_mm = unit;
+        scale(s->c, unit);
+        st = look(s, &is);
+        if (is)
+            return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
+        if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_ENOTFINITE)
+            return st;
+        scale(s->c, 1 / unit);
+    }
+    searched = search(s);
+    /* A unit that was given, and cannot be right, is the nearer reason. */
+    return searched == ST_ENOFACE && s->c->unit_mm != 0 && st == ST_EUNITS ? st
+                                                                           : searched;
 }
 
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
                        struct face_work *w, struct face *out, size_t *bad,
                        struct scan_found *found)
 {
+    struct scan s = {.c = c, .o = o, .w = w, .out = out, .bad = bad, .found = found};
     enum status st;
 
-    (void)o;
-    *found = (struct scan_found){.format = c->format,
-                                 .points_read = c->read,
-                                 .points_dropped = c->read - c->n,
-                                 .unit_mm = c->unit_mm != 0 ? c->unit_mm : 1,
-                                 .unit_found = c->unit_mm == 0,
-                                 .yaw_deg = (double)NAN,
-                                 .pitch_deg = (double)NAN,
-                                 .roll_deg = (double)NAN};
-    measure_extent(c, found->extent);
-    for (int i = 0; i < 4; i++)
-        found->view[5 * i] = i < 3 ? found->unit_mm : 1;
-    to_mm(c, found->unit_mm);
-    if ((st = face_build(c->at, c->n, w, out, bad)) != ST_OK)
-        return st;
-    found->faces = 1;
-    found->points_used = c->n;
-    return ST_OK;
+    begin(&s);
+    st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
+    mem_free(c->normal); /* they have told what they could */
+    c->normal = NULL;
+    if (st == ST_OK)
+        found->points_used = c->n;
+    else
+        out->surface.mesh.nv = out->surface.mesh.nt = 0;
+    return st;
 }
 
 const char *scan_warning_name(enum scan_warning k)

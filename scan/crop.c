@@ -1,0 +1,262 @@
+#include "crop.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "cloudpoints.h"
+#include "grid.h"
+#include "mem.h"
+#include "select.h"
+#include "shape.h"
+#include "shape_map.h"
+#include "thin.h"
+#include "tuning.h"
+
+/* ---- the face with a rim */
+
+#define RIM    CROP_RIM
+#define NX     (GRID_NX + 2 * RIM)
+#define NY     (GRID_NY + 2 * RIM)
+#define ROOM   (NX * NY)
+#define LEFT   (GRID_LEFT - RIM * GRID_MM)
+#define BOTTOM (GRID_BOTTOM - RIM * GRID_MM)
+
+/* Per cell of the face and its rim a plane, and how far before and behind it, along z, there
+ * are points of the face; the last one stands for all other places, where there are none. */
+struct room {
+    float z[ROOM + 1], zx[ROOM + 1], zy[ROOM + 1]; /* z: at x = 0, y = 0 */
+    float before[ROOM + 1], behind[ROOM + 1];
+    bool skin[ROOM + 1]; /* of the face alone */
+    bool other[ROOM + 1];
+};
+
+/* The cell of the grid nearest to (i, j) where the face has a height, within the rim;
+ * GRID_NONE: there is none. */
+static uint32_t nearest(const float height[GRID_N], int i, int j)
+{
+    uint32_t best = GRID_NONE;
+    int least = RIM * RIM + 1;
+
+    for (int b = -RIM; b <= RIM && least > 0; b++) {
+        for (int a = -RIM; a <= RIM; a++) {
+            const int x = i + a, y = j + b, d = a * a + b * b;
+
+            if (d >= least || x < 0 || x >= GRID_NX || y < 0 || y >= GRID_NY ||
+                isnan(height[y * GRID_NX + x]))
+                continue;
+            least = d;
+            best = (uint32_t)(y * GRID_NX + x);
+        }
+    }
+    return best;
+}
+
+/* The plane in cell k of the room: that of the face, or level where the face ends. */
+static void measure_cell(const struct crop_view *v, uint32_t cell, bool rim, int k,
+                         struct room *r)
+{
+    const float z = v->height[cell];
+    float steep = 1;
+
+    r->z[k] = z;
+    if (!rim) {
+        shape_map_slope(v->height, cell, &r->zx[k], &r->zy[k]);
+        r->z[k] -= r->zx[k] * (float)grid_x(cell) + r->zy[k] * (float)grid_y(cell);
+        steep = sqrtf(1 + r->zx[k] * r->zx[k] + r->zy[k] * r->zy[k]);
+    }
+    r->before[k] = steep * (float)(rim ? CROP_RIM_BEFORE_MM : CROP_BEFORE_MM);
+    r->behind[k] = steep * (float)(rim ? CROP_RIM_BEHIND_MM : CROP_BEHIND_MM);
+    r->skin[k] = !rim && v->cell[cell] == SHAPE_SKIN;
+    r->other[k] = v->cell[cell] == SHAPE_COVER || v->cell[cell] == SHAPE_APART;
+}
+
+static void measure_room(const struct crop_view *v, struct room *r)
+{
+    *r = (struct room){0};
+    for (int k = 0; k < ROOM; k++) {
+        const int i = k % NX - RIM, j = k / NX - RIM;
+        const uint32_t cell = nearest(v->height, i, j);
+
+        if (cell != GRID_NONE)
+            measure_cell(v, cell, cell != (uint32_t)(j * GRID_NX + i), k, r);
+    }
+}
+
+/* The cell of the room that (x, y) is in, or ROOM. */
+static uint32_t cell_of(double x, double y)
+{
+    const double i = (x - LEFT) * (1 / GRID_MM), j = (y - BOTTOM) * (1 / GRID_MM);
+
+    if (!((i >= 0) & (i < NX) & (j >= 0) & (j < NY)))
+        return ROOM;
+    return (uint32_t)j * NX + (uint32_t)i;
+}
+
+/* ---- what is seen from the front */
+
+/* Does a lie before b?  Whatever the order, also where both are as far in front. */
+static bool before(const struct thin_point *a, const struct thin_point *b)
+{
+    if (a->z != b->z)
+        return a->z > b->z;
+    return a->x != b->x ? a->x < b->x : a->y < b->y;
+}
+
+/* How far behind the foremost point of a cell others may lie by noise alone: a multiple of
+ * the typical difference of the foremost ones of two cells, side by side, of skin.  What is
+ * hidden has no part in it. */
+static double least_step(const struct room *r, const struct thin_point front[ROOM])
+{
+    double d[ROOM], typical = 0;
+    size_t n = 0;
+
+    for (int k = 1; k < ROOM; k++)
+        if (r->skin[k - 1] && r->skin[k] && front[k - 1].z > -INFINITY &&
+            front[k].z > -INFINITY)
+            d[n++] = fabs((double)front[k].z - (double)front[k - 1].z);
+    if (n > 0)
+        typical = select_kth(d, n, n / 2);
+    return fmax(CROP_SEEN_NOISE * typical, CROP_SEEN_STEP_MM);
+}
+
+static bool hidden(const struct thin_point *p, const struct thin_point *front, float step)
+{
+    const float x = p->x - front->x, y = p->y - front->y;
+
+    return front->z - p->z > step + (float)CROP_SEEN_SLOPE * sqrtf(x * x + y * y);
+}
+
+/* Keeps those of the n points, their z that over the face, that no other hides; returns how
+ * many they are. */
+static size_t remove_hidden(const struct room *r, struct thin_point *p, size_t n)
+{
+    struct thin_point front[ROOM]; /* the foremost one of each cell */
+    size_t kept = 0;
+    float step;
+
+    for (size_t i = 0; i < ROOM; i++)
+        front[i].z = -INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        struct thin_point *f = &front[cell_of(p[i].x, p[i].y)];
+
+        if (before(&p[i], f))
+            *f = p[i];
+    }
+    step = (float)least_step(r, front);
+    for (size_t i = 0; i < n; i++)
+        if (!hidden(&p[i], &front[cell_of(p[i].x, p[i].y)], step))
+            p[kept++] = p[i];
+    return kept;
+}
+
+/* ---- the crop */
+
+/* Room for a point each, and c->index, which may not have been needed so far; NULL: out of
+ * memory. */
+static struct thin_point *prepare(struct cloudpoints *c)
+{
+    struct thin_point *p = mem_array(c->n, sizeof *p);
+
+    if (p != NULL && c->index == NULL) {
+        if ((c->index = mem_array(c->n, sizeof *c->index)) == NULL) {
+            mem_free(p);
+            return NULL;
+        }
+        for (size_t i = 0; i < c->n; i++)
+            c->index[i] = (uint32_t)i;
+    }
+    return p;
+}
+
+static struct thin_point seen_from(const struct align_pose *view, struct dvec3 p,
+                                   size_t i)
+{
+    const struct dvec3 q = align_pose_apply(view, p);
+
+    return (struct thin_point){(float)q.x, (float)q.y, (float)q.z, (uint32_t)i};
+}
+
+/* c becomes these of its points, moved by view. */
+static void take(struct cloudpoints *c, const struct align_pose *view,
+                 const struct thin_point *p, size_t n)
+{
+    struct align_pose turn = *view;
+
+    memset(turn.t, 0, sizeof turn.t);
+    for (size_t k = 0; k < n; k++) { /* p[k].index >= k */
+        const uint32_t i = p[k].index;
+
+        c->at[k] = align_pose_apply(view, c->at[i]);
+        if (c->normal != NULL)
+            c->normal[k] = align_pose_apply(&turn, c->normal[i]);
+        c->index[k] = c->index[i];
+    }
+    c->n = n;
+}
+
+/* The points of the face and its rim, their z that over the face. */
+static size_t take_face(const struct cloudpoints *c, const struct align_pose *view,
+                        const struct room *r, struct thin_point *p)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < c->n; i++) {
+        const struct thin_point q = seen_from(view, c->at[i], i);
+        const uint32_t cell = cell_of(q.x, q.y);
+
+        p[n] = q;
+        p[n].z = q.z - (r->z[cell] + r->zx[cell] * q.x + r->zy[cell] * q.y);
+        n += (p[n].z < r->before[cell]) & (p[n].z > -r->behind[cell]);
+    }
+    return n;
+}
+
+/* Returns how many are left of n. */
+static size_t remove_other(const struct room *r, struct thin_point *p, size_t n)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (!r->other[cell_of(p[i].x, p[i].y)])
+            p[kept++] = p[i];
+    return kept;
+}
+
+enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t most,
+                      struct crop_count *out)
+{
+    struct thin_point *p = prepare(c);
+    struct room room;
+    enum status st;
+    size_t n;
+
+    if (p == NULL)
+        return ST_ENOMEM;
+    measure_room(v, &room);
+    n = take_face(c, &v->pose, &room, p);
+    out->face = n = remove_hidden(&room, p, n);
+    n = remove_other(&room, p, n);
+    out->other = out->face - n;
+    if ((st = thin_points(p, &n, most)) == ST_OK)
+        take(c, &v->pose, p, out->kept = n);
+    mem_free(p);
+    return st;
+}
+
+enum status crop_thin(struct cloudpoints *c, size_t most)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct thin_point *p = prepare(c);
+    size_t n = c->n;
+    enum status st;
+
+    if (p == NULL)
+        return ST_ENOMEM;
+    for (size_t i = 0; i < n; i++)
+        p[i] = seen_from(&still, c->at[i], i);
+    if ((st = thin_points(p, &n, most)) == ST_OK)
+        take(c, &still, p, n);
+    mem_free(p);
+    return st;
+}

@@ -1,0 +1,42 @@
+/* crop.h -- of the points of a scan those of the face that a scanner in front of it would
+ * see, where nothing covers it. */
+#ifndef SCAN_CROP_H
+#define SCAN_CROP_H
+#include <stddef.h>
+#include <stdint.h>
+#include "align_pose.h"
+#include "status.h"
+
+struct cloudpoints; /* cloudpoints.h */
+struct shape_fit;   /* shape.h */
+
+/* Where the face is. */
+struct crop_view {
+    struct align_pose pose; /* points -> canonical frame, mm */
+    const float *height;    /* [GRID_N] of the face there, mm; NAN off it */
+    const uint8_t *cell;    /* [GRID_N] enum shape_cell */
+};
+
+/* What became of the points. */
+struct crop_count {
+    size_t face;  /* seen from the front, on the face and the rim round it */
+    size_t other; /* of them, on what is no skin: left out */
+    size_t kept;  /* of the rest, after thinning */
+};
+
+/* crop_face(c, v, most, out): c, in mm, becomes the points of the face, at most so many.
+ * c  c->at and c->normal are then in the canonical frame, the order as before; c->index tells
+ *    each point's place among those read.  On failure c is unchanged
+ * Left out are, in this order: what is farther from the face's outline than CROP_RIM cells, or
+ * before or behind the face there; what points before it hide from the front; what is
+ * not skin, but covers the face or is not explained; and what is more than enough, thinned evenly (thin.h).  Which points are kept does
+ * not depend on their order.  O(n); memory 16 bytes a point, freed at the end.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t most,
+                      struct crop_count *out);
+
+/* crop_thin(c, most): at most so many of c's points, spread evenly over the view from the
+ * front, where they are; else as crop_face(). */
+enum status crop_thin(struct cloudpoints *c, size_t most);
+
+#endif

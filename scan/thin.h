@@ -1,0 +1,22 @@
+/* thin.h -- fewer points, spread evenly over the view from the front. */
+#ifndef SCAN_THIN_H
+#define SCAN_THIN_H
+#include <stddef.h>
+#include <stdint.h>
+#include "status.h"
+
+/* A point in the view, mm, and which one it is. */
+struct thin_point {
+    float x, y, z;
+    uint32_t index;
+};
+
+/* thin_points(p, n, most): keeps at most so many of the n points, one of each square of the
+ * view: the one nearest the middle.  The squares are the smallest of some thirty sizes with
+ * which that holds, so that of scans of one density nearly all that may be kept are.  Their
+ * order stays.  With most points or fewer all are kept.  Which ones are kept does not depend
+ * on their order.  Nothing is averaged.  Returns ST_OK, with the number kept in *n; ST_ENOMEM:
+ * nothing was changed.  Cost: O(n), about 10 looks at every point; 1.3 MB. */
+enum status thin_points(struct thin_point *p, size_t *n, size_t most);
+
+#endif
