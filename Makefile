@@ -36,7 +36,7 @@ SEES_db     := db/sql scan base core
 SEES_verify := db scan base core
 SEES_server := verify db scan base core
 SEES_ctl    := verify db learn scan base core
-SEES_tools  := base core
+SEES_tools  := scan base core
 # What a room is linked with besides, for those that see the room and not this.
 LINKS_db    := db/sql
 

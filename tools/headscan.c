@@ -1,0 +1,326 @@
+#include "headscan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "draw.h"
+#include "headcamera.h"
+#include "headview.h"
+
+#define PIVOT    (-90.0) /* z of the centre that a head turns about */
+#define RADIAN   (1 / VEC_DEGREES)
+#define PURPOSES 16
+
+enum purpose { P_KIND, P_RAYS, P_NOISE, P_AXES, P_BEHIND, P_SECOND, P_WARP };
+
+static struct draw stream(const struct headscan_options *o, enum purpose purpose)
+{
+    return draw_stream(o->seed, PURPOSES, purpose);
+}
+
+/* ---- kinds */
+
+static const struct {
+    const char *name;
+    enum headscan_view view;
+    enum headcover cover;
+    size_t points;
+} kinds[HEADSCAN_KINDS] = {
+    {"head", HEADSCAN_VIEW, HEADCOVER_NONE, 20000},
+    {"bust", HEADSCAN_VIEW, HEADCOVER_NONE, 30000},
+    {"round", HEADSCAN_ROUND, HEADCOVER_NONE, 60000},
+    {"half", HEADSCAN_VIEW, HEADCOVER_NONE, 15000},
+    {"depth", HEADSCAN_CAMERA, HEADCOVER_NONE, 0},
+    {"grid", HEADSCAN_GRID, HEADCOVER_NONE, 0},
+    {"behind", HEADSCAN_VIEW, HEADCOVER_NONE, 20000},
+    {"two", HEADSCAN_VIEW, HEADCOVER_NONE, 30000},
+    {"glasses", HEADSCAN_VIEW, HEADCOVER_GLASSES, 20000},
+    {"mask", HEADSCAN_VIEW, HEADCOVER_MASK, 20000},
+    {"scarf", HEADSCAN_VIEW, HEADCOVER_SCARF, 20000},
+    {"hand", HEADSCAN_VIEW, HEADCOVER_HAND, 20000},
+    {"fringe", HEADSCAN_VIEW, HEADCOVER_FRINGE, 20000},
+    {"beard", HEADSCAN_VIEW, HEADCOVER_BEARD, 20000},
+    {"cap", HEADSCAN_VIEW, HEADCOVER_CAP, 20000},
+};
+
+const char *headscan_name(unsigned kind)
+{
+    return kinds[kind].name;
+}
+
+void headscan_kind(unsigned kind, uint64_t seed, bool crop, struct headscan_options *o)
+{
+    const char *name = kinds[kind].name;
+    struct draw r;
+
+    *o = (struct headscan_options){.seed = seed,
+                                   .view = kinds[kind].view,
+                                   .cover = kinds[kind].cover,
+                                   .crop = crop,
+                                   .points = kinds[kind].points,
+                                   .step = 2,
+                                   .noise = 0.15,
+                                   .unit_mm = 1};
+    r = stream(o, P_KIND);
+    /* A crop is turned already. */
+    o->yaw = crop ? 0 : draw_uniform(&r, -15, 15);
+    o->pitch = crop ? 0 : draw_uniform(&r, -15, 15);
+    o->roll = crop ? 0 : draw_uniform(&r, -8, 8);
+    if (strcmp(name, "half") == 0) {
+        o->yaw = draw_uniform(&r, 35, 55) * (o->yaw < 0 ? -1 : 1);
+    } else if (strcmp(name, "bust") == 0) {
+        o->shoulders = true;
+        o->axes = HEADSCAN_DOWN;
+        o->unit_mm = 1000;
+        o->distance = draw_uniform(&r, 500, 1200);
+    } else if (strcmp(name, "round") == 0) {
+        o->axes = HEADSCAN_ANY;
+        o->noise = 0;
+    } else if (strcmp(name, "depth") == 0) {
+        o->shoulders = true;
+        o->axes = HEADSCAN_DOWN;
+        o->unit_mm = draw_uniform(&r, 0, 1) < 0.5 ? 1 : 1000;
+        o->distance = draw_uniform(&r, 450, 800);
+    } else if (strcmp(name, "grid") == 0) {
+        o->noise = draw_uniform(&r, 0.5, 0.8);
+        o->round = 0.1;
+        o->spikes = 0.005;
+    } else if (strcmp(name, "behind") == 0) {
+        o->behind = 0.1;
+    } else if (strcmp(name, "two") == 0) {
+        o->two = true;
+    }
+}
+
+/* ---- where the head is */
+
+/* Rz Rx Ry about (0, 0, PIVOT), then by shift. */
+static void pose(double yaw, double pitch, double roll, struct dvec3 shift, double t[16])
+{
+    const double cy = cos(yaw * RADIAN), sy = sin(yaw * RADIAN);
+    const double cx = cos(pitch * RADIAN), sx = sin(pitch * RADIAN);
+    const double cz = cos(roll * RADIAN), sz = sin(roll * RADIAN);
+    const double yx[3][3] = {
+        {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
+    const double at[3] = {shift.x, shift.y, shift.z + PIVOT};
+
+    for (int j = 0; j < 3; j++) {
+        t[j] = cz * yx[0][j] - sz * yx[1][j];
+        t[4 + j] = sz * yx[0][j] + cz * yx[1][j];
+        t[8 + j] = yx[2][j];
+    }
+    for (int i = 0; i < 3; i++)
+        t[4 * i + 3] = at[i] - PIVOT * t[4 * i + 2];
+    t[12] = t[13] = t[14] = 0;
+    t[15] = 1;
+}
+
+static void add_second(struct head *h, const struct head *other,
+                       const struct headscan_options *o)
+{
+    struct draw r = stream(o, P_SECOND);
+    struct head second = head_copy(other);
+    const double side = draw_uniform(&r, 0, 1) < 0.5 ? -1 : 1;
+    const struct dvec3 shift = {side * draw_uniform(&r, 230, 320),
+                                draw_uniform(&r, -60, 60), draw_uniform(&r, -250, -40)};
+    double t[16];
+
+    pose(draw_uniform(&r, -15, 15), draw_uniform(&r, -15, 15), draw_uniform(&r, -8, 8),
+         shift, t);
+    head_move(&second, t);
+    for (size_t i = 0; i < second.n; i++)
+        head_add(h, second.at[i], second.part[i]);
+    head_free(&second);
+}
+
+/* What stands before the scanner, seen along -z. */
+static struct head scene(const struct head *h, const struct head *other,
+                         const struct headscan_options *o)
+{
+    struct head s = head_copy(h);
+    double t[16];
+
+    headcover_add(&s, o->cover, o->seed, o->crop);
+    if (o->shoulders)
+        head_add_shoulders(&s);
+    pose(o->yaw, o->pitch, o->roll, (struct dvec3){0, 0, 0}, t);
+    head_move(&s, t);
+    if (o->two)
+        add_second(&s, other, o);
+    return s;
+}
+
+/* ---- what the scanner sees of it */
+
+static void add(struct headscan *s, struct dvec3 p)
+{
+    if (s->n == s->cap) {
+        const size_t cap = s->cap > 0 ? 2 * s->cap : 4096;
+        struct dvec3 *more = head_alloc(cap, sizeof *more);
+
+        if (s->n > 0)
+            memcpy(more, s->at, s->n * sizeof *more);
+        free(s->at);
+        s->at = more;
+        s->cap = cap;
+    }
+    s->at[s->n++] = p;
+}
+
+static void see_rays(const struct headview *v, const struct headscan_options *o,
+                     struct headscan *out)
+{
+    struct draw r = stream(o, P_RAYS);
+    double z;
+
+    for (size_t k = 0; k < 50 * o->points && out->n < o->points; k++) {
+        const double x = draw_uniform(&r, v->x0, v->x1);
+        const double y = draw_uniform(&r, v->y0, v->y1);
+
+        if (headview_at(v, x, y, &z) != HEAD_VOID)
+            add(out, (struct dvec3){x, y, z});
+    }
+}
+
+static void see_grid(const struct headview *v, const struct headscan_options *o,
+                     struct headscan *out)
+{
+    double z;
+
+    for (double y = floor(v->y0); y < v->y1; y += o->step)
+        for (double x = floor(v->x0); x < v->x1; x += o->step)
+            if (headview_at(v, x, y, &z) != HEAD_VOID)
+                add(out, (struct dvec3){x, y, z});
+}
+
+/* The crop's own points, and of the cover as many as of the skin. */
+static void see_crop(const struct headview *v, const struct headscan_options *o,
+                     struct headscan *out)
+{
+    struct draw r = stream(o, P_RAYS);
+    const double share = pow(HEAD_COVER_MM / v->head->spacing, 2);
+
+    for (size_t i = 0; i < v->head->n; i++)
+        if (v->seen[i] && v->head->part[i] != HEAD_VOID &&
+            (v->head->part[i] == HEAD_SKIN || draw_uniform(&r, 0, 1) < share))
+            add(out, v->head->at[i]);
+}
+
+/* Everything but the skin that something covers from the front. */
+static void see_round(const struct head *s, struct headscan *out)
+{
+    struct headview v;
+
+    headview_make(s, true, &v);
+    for (size_t i = 0; i < s->n; i++)
+        if (s->part[i] == HEAD_COVER || (s->part[i] == HEAD_SKIN && v.seen[i]))
+            add(out, s->at[i]);
+    headview_free(&v);
+}
+
+static void add_behind(const struct headview *v, const struct headscan_options *o,
+                       struct headscan *out)
+{
+    struct draw r = stream(o, P_BEHIND);
+    /* Of a crop nothing is hidden. */
+    const size_t all = o->crop ? 0 : (size_t)((double)out->n / (1 - o->behind) + 0.5);
+
+    while (out->n < all) {
+        const size_t i = draw_next(&r) % v->head->n;
+
+        if (!v->seen[i] && v->head->part[i] == HEAD_SKIN)
+            add(out, v->head->at[i]);
+    }
+}
+
+static void add_errors(const struct headscan_options *o, struct headscan *s)
+{
+    struct draw r = stream(o, P_NOISE);
+
+    for (size_t i = 0; i < s->n; i++) {
+        struct dvec3 *p = &s->at[i];
+
+        p->z += o->noise * draw_normal(&r);
+        if (draw_uniform(&r, 0, 1) < o->spikes)
+            p->z += draw_uniform(&r, 4, 40) * (draw_next(&r) & 1 ? 1 : -1);
+        if (o->round > 0)
+            *p = (struct dvec3){o->round * nearbyint(p->x / o->round),
+                                o->round * nearbyint(p->y / o->round),
+                                o->round * nearbyint(p->z / o->round)};
+    }
+}
+
+/* ---- the file's axes and unit */
+
+/* A rotation drawn evenly (Shoemake). */
+static void any_rotation(struct draw *r, double m[9])
+{
+    const double u = draw_uniform(r, 0, 1), a = draw_uniform(r, 0, 6.283185307);
+    const double b = draw_uniform(r, 0, 6.283185307);
+    const double x = sqrt(1 - u) * sin(a), y = sqrt(1 - u) * cos(a);
+    const double z = sqrt(u) * sin(b), w = sqrt(u) * cos(b);
+    const double q[9] = {
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+        2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+
+    memcpy(m, q, sizeof q);
+}
+
+static void deliver(const struct headscan_options *o, struct headscan *s)
+{
+    static const double of_axes[HEADSCAN_AXES][9] = {
+        [HEADSCAN_AGREED] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+        [HEADSCAN_DOWN] = {1, 0, 0, 0, -1, 0, 0, 0, -1},
+        [HEADSCAN_Z_UP] = {1, 0, 0, 0, 0, -1, 0, 1, 0}};
+    struct draw r = stream(o, P_AXES);
+    double m[9];
+
+    memcpy(m, of_axes[o->axes], sizeof m);
+    if (o->axes == HEADSCAN_ANY)
+        any_rotation(&r, m);
+    for (size_t i = 0; i < s->n; i++) {
+        struct dvec3 p = s->at[i];
+
+        p.x = o->mirrored ? -p.x : p.x;
+        p.z -= o->view == HEADSCAN_CAMERA ? 0 : o->distance; /* there already */
+        s->at[i] = (struct dvec3){(m[0] * p.x + m[1] * p.y + m[2] * p.z) / o->unit_mm,
+                                  (m[3] * p.x + m[4] * p.y + m[5] * p.z) / o->unit_mm,
+                                  (m[6] * p.x + m[7] * p.y + m[8] * p.z) / o->unit_mm};
+    }
+}
+
+void headscan_render(const struct head *h, const struct head *other,
+                     const struct headscan_options *o, struct headscan *out)
+{
+    struct head s = scene(h, other, o);
+    struct headview v;
+
+    *out = (struct headscan){0};
+    if (o->view == HEADSCAN_CAMERA) {
+        headcamera_see(&s, o, out);
+    } else if (o->view == HEADSCAN_ROUND) {
+        see_round(&s, out);
+        add_errors(o, out);
+    } else {
+        headview_make(&s, o->crop, &v);
+        if (o->view == HEADSCAN_GRID)
+            see_grid(&v, o, out);
+        else if (o->crop)
+            see_crop(&v, o, out);
+        else
+            see_rays(&v, o, out);
+        add_behind(&v, o, out);
+        add_errors(o, out);
+        headview_free(&v);
+    }
+    deliver(o, out);
+    head_free(&s);
+}
+
+void headscan_free(struct headscan *s)
+{
+    free(s->at);
+    *s = (struct headscan){0};
+}

@@ -1,0 +1,26 @@
+/* headview.h -- what is seen of a head from +z, in parallel projection: a z-buffer over its
+ * points, and the height of the surface between those that are seen. */
+#ifndef TOOLS_HEADVIEW_H
+#define TOOLS_HEADVIEW_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "head.h"
+
+struct headview {
+    const struct head *head;        /* borrowed */
+    uint8_t *seen;                  /* [head->n] */
+    double x0, y0, x1, y1;          /* the box of all points */
+    uint32_t nx, ny, *first, *item; /* squares of the view, and the points seen in each */
+};
+
+/* headview_make(h, one_layer, v): one_layer: the skin has no surface behind another, as that of
+ * a frontal crop, so that only what covers it hides it.  headview_free(v). */
+void headview_make(const struct head *h, bool one_layer, struct headview *v);
+void headview_free(struct headview *v);
+
+/* headview_at(v, x, y, z): the front-most surface at (x, y): its height, from a plane through
+ * the points near by.  Returns HEAD_SKIN or HEAD_COVER, or HEAD_VOID where nothing is seen. */
+enum head_part headview_at(const struct headview *v, double x, double y, double *z);
+
+#endif
