@@ -25,7 +25,7 @@ struct sink {
     const char *why; /* static: what is wrong with what was sent */
 };
 
-/* Room for at least one more byte.  Returns ST_OK, ST_ELIMIT, ST_ENOMEM. */
+/* Room for at least one more byte.  Returns ST_OK, ST_ESIZE, ST_ENOMEM. */
 static enum status grow(struct sink *s)
 {
     size_t size = s->size == 0 ? FIRST_ROOM : 2 * s->size;
@@ -34,7 +34,7 @@ static enum status grow(struct sink *s)
     if (s->len < s->size)
         return ST_OK;
     if (s->size > s->limit)
-        return ST_ELIMIT;
+        return ST_ESIZE;
     if (size > s->limit)
         size = s->limit + 1;
     data = realloc(s->data, size);
@@ -172,10 +172,10 @@ enum status inflate_body(enum inflate_coding coding, const unsigned char *in, si
     *out = NULL;
     *outlen = 0;
     if (st == ST_OK)
-        st = s.len > limit ? ST_ELIMIT : grow(&s); /* for the final 0 */
+        st = s.len > limit ? ST_ESIZE : grow(&s); /* for the final 0 */
     if (st != ST_OK) {
         free(s.data);
-        if (st == ST_ELIMIT)
+        if (st == ST_ESIZE)
             return errinfo_set(e, st, "the limit is %zu bytes when unpacked", limit);
         if (st == ST_EINVAL)
             return errinfo_set(e, st, "%s, after %zu bytes unpacked: %s", name, s.len,

@@ -25,7 +25,7 @@ enum inflate_coding inflate_coding(const char *value);
  * limit  bytes; the memory taken is never more than that, one byte and the decoder's own:
  *        a window of 32 KB for gzip, of at most 8 MB for zstd (RFC 9659).
  * Cost   linear in what was read and written; at most limit bytes are written.
- * Returns ST_OK; ST_EINVAL damaged, truncated, or something else behind it; ST_ELIMIT more
+ * Returns ST_OK; ST_EINVAL damaged, truncated, or something else behind it; ST_ESIZE more
  * than limit bytes; ST_ENOMEM. */
 enum status inflate_body(enum inflate_coding coding, const unsigned char *in, size_t len,
                          size_t limit, unsigned char **out, size_t *outlen,

@@ -24,7 +24,7 @@ static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
     if (!S_ISREG(about.st_mode))
         return errinfo_set(e, ST_EINVAL, "%.160s: not a regular file", path);
     if (about.st_size < 0 || (uintmax_t)about.st_size > MODELFILE_MAX)
-        return errinfo_set(e, ST_ELIMIT, "%.160s: larger than a model, %zu MB", path,
+        return errinfo_set(e, ST_ESIZE, "%.160s: larger than a model, %zu MB", path,
                            MODELFILE_MAX >> 20);
     *len = (size_t)about.st_size;
     if ((*text = malloc(*len + 1)) == NULL)

@@ -11,7 +11,7 @@ struct model; /* model.h */
 
 /* modelfile_read(path, out, e): *out is a new model, released by free(); NULL on failure.
  * Only a regular file is read.  e names the file, and the line where that is known.
- * Returns ST_OK; ST_ENOTFOUND, ST_EIO; ST_EINVAL no regular file; ST_ELIMIT too large;
+ * Returns ST_OK; ST_ENOTFOUND, ST_EIO; ST_EINVAL no regular file; ST_ESIZE too large;
  * ST_ECORRUPT damaged; ST_EVERSION of another version; ST_ENOMEM. */
 enum status modelfile_read(const char *path, struct model **out, struct errinfo *e);
 

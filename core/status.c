@@ -6,6 +6,7 @@ const char *status_message(enum status st)
         [ST_OK] = "ok",
         [ST_EINVAL] = "malformed input",
         [ST_ENOMEM] = "out of memory",
+        [ST_ESIZE] = "more bytes than the limit",
         [ST_ELIMIT] = "over the limit",
         [ST_ETOOFEW] = "too few points",
         [ST_ENOTFINITE] = "a coordinate is not finite",

@@ -6,9 +6,11 @@
 
 enum status {
     ST_OK = 0,
-    ST_EINVAL,      /* an argument or a field is malformed */
-    ST_ENOMEM,      /* memory ran out; nothing was changed */
-    ST_ELIMIT,      /* more than the stated limit (points, bytes, depth) */
+    ST_EINVAL, /* an argument or a field is malformed */
+    ST_ENOMEM, /* memory ran out; nothing was changed */
+    ST_ESIZE,  /* more bytes than the stated limit */
+    /* From here to ST_EQUALITY: what can be wrong with the points of a scan. */
+    ST_ELIMIT,      /* more than the stated limit of something else (points, depth) */
     ST_ETOOFEW,     /* fewer than the points needed */
     ST_ENOTFINITE,  /* a coordinate is NaN or infinite */
     ST_ERANGE,      /* a coordinate lies off the lattice */

@@ -36,7 +36,7 @@ enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes
         *len += n = fread(*bytes + *len, 1, room - 1 - *len, in);
         (*bytes)[*len] = '\0';
         if (*len > most)
-            st = errinfo_set(e, ST_ELIMIT, "%s: larger than %zu MB", path, most >> 20);
+            st = errinfo_set(e, ST_ESIZE, "%s: larger than %zu MB", path, most >> 20);
     } while (n != 0 && st == ST_OK);
     if (st == ST_OK && ferror(in))
         st = errinfo_set(e, ST_EIO, "%s: %s", path, strerror(errno));

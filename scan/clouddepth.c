@@ -35,7 +35,7 @@ static enum status check_image(const struct spng_ihdr *h, size_t max_bytes,
             "a PNG picture of %u bits%s: a depth image has 16 bits, grey", h->bit_depth,
             h->color_type == SPNG_COLOR_TYPE_GRAYSCALE ? "" : ", in colour");
     if ((uint64_t)h->width * h->height > max_bytes / 2)
-        return errinfo_set(list->e, ST_ELIMIT,
+        return errinfo_set(list->e, ST_ESIZE,
                            "%lu x %lu pixels: the limit is %zu bytes when unpacked",
                            (unsigned long)h->width, (unsigned long)h->height, max_bytes);
     if (!(c->fx > 0) || !(c->fy > 0) || isnan(c->cx) || isnan(c->cy))

@@ -41,15 +41,15 @@ struct cloudfile_options {
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
  *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one
  *       before each part.
- * JSON  {"points": [[x,y,z], ...], "units": "mm"}
+ * JSON  {"points": [[x,y,z], ...], "units": "mm", "axes": "auto"}
  * Numbers do not depend on the locale and are correctly rounded.  Points without a value are
  * dropped (cloudpoints.h).
  * Cost O(n log n) for n bytes, unpacked.  Memory, whatever a header claims: 52 bytes a point
  * that is kept and has a normal, and twice that while it grows; what is unpacked, up to
  * max_bytes; of STL 8 bytes a vertex; and what cloudjson.h and cloudglb.h say.
  * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE no point has a value, or a
- * number of JSON is too large; ST_ELIMIT more than max_points or max_bytes; ST_EVERSION a
- * format, or a variant of one, that is not read; ST_ENOMEM. */
+ * number of JSON is too large; ST_ELIMIT more than max_points; ST_ESIZE more than max_bytes;
+ * ST_EVERSION a format, or a variant of one, that is not read; ST_ENOMEM. */
 enum status cloudfile_read(const void *bytes, size_t len,
                            const struct cloudfile_options *o, struct cloudpoints *out,
                            struct errinfo *e);

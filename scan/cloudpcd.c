@@ -306,7 +306,7 @@ static enum status read_compressed(const struct header *h, const struct layout *
         return cloudtext_fail(h->t, ST_EINVAL,
                               "the compressed data is not of the points' size");
     if (size > max_bytes)
-        return cloudtext_fail(h->t, ST_ELIMIT, "the limit is %zu bytes when unpacked",
+        return cloudtext_fail(h->t, ST_ESIZE, "the limit is %zu bytes when unpacked",
                               max_bytes);
     if ((data = mem_array((size_t)size, 1)) == NULL)
         return cloudtext_fail(h->t, ST_ENOMEM, "no memory to unpack the points");

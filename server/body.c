@@ -1,6 +1,7 @@
 #include "body.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "app.h"
 #include "errinfo.h"
@@ -14,7 +15,8 @@ static const char *wants(const struct request *r)
 {
     switch (r->route->body) {
     case ROUTE_CLOUD:
-        return r->media == REQUEST_JSON || r->media == REQUEST_SCAN
+        return r->media == REQUEST_JSON || r->media == REQUEST_SCAN ||
+                       r->media == REQUEST_FORM
                    ? NULL
                    : cloudformat_media_list();
     case ROUTE_JSON:
@@ -38,7 +40,7 @@ static void refuse_coding(struct request *r)
 
 void body_refuse_size(struct request *r)
 {
-    request_problem(r, ERRMAP_BODY_SIZE, "the limit is %zu bytes", r->app->max_body);
+    request_problem(r, ST_ESIZE, "the limit is %zu bytes", r->app->max_body);
 }
 
 void body_check(struct request *r, bool has_length, uint64_t length)
@@ -55,12 +57,19 @@ void body_check(struct request *r, bool has_length, uint64_t length)
     else if (r->coding == INFLATE_OTHER)
         refuse_coding(r);
     else if (types != NULL)
-        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s", types);
+        request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s%s", types,
+                        r->route->body == ROUTE_CLOUD
+                            ? ", or multipart/form-data with one file"
+                            : "");
+    else if (r->media == REQUEST_FORM && r->boundary[0] == '\0')
+        request_problem(r, ST_EINVAL,
+                        "multipart/form-data needs a boundary of 1 to %d characters",
+                        MULTIPART_BOUNDARY_MAX);
     else if (length == 0)
         request_problem(r, ST_EINVAL, "the body is empty");
 }
 
-bool body_unpack(struct request *r)
+static bool decompress(struct request *r)
 {
     struct errinfo e = {0};
     unsigned char *body;
@@ -79,10 +88,37 @@ bool body_unpack(struct request *r)
     if (st == ST_OK)
         request_problem(r, ST_EINVAL, "the body is empty");
     else
-        request_problem(r,
-                        st == ST_EINVAL   ? (unsigned)ERRMAP_PACKED
-                        : st == ST_ELIMIT ? (unsigned)ERRMAP_BODY_SIZE
-                                          : (unsigned)st,
-                        "%s", e.msg);
+        request_problem(r, st == ST_EINVAL ? (unsigned)ERRMAP_PACKED : (unsigned)st, "%s",
+                        e.msg);
     return false;
+}
+
+/* The file of a form, as if it alone were the body.  Its media type is whatever the system of a
+ * browser has for the ending of the name: one that is none of a scan says nothing. */
+static bool take_file(struct request *r)
+{
+    struct multipart_file f;
+    struct errinfo e = {0};
+
+    if (multipart_file(r->body, r->len, r->boundary, &f, &e) != ST_OK) {
+        request_fail(r, &e);
+        return false;
+    }
+    r->coding = inflate_coding(f.coding[0] != '\0' ? f.coding : NULL);
+    r->media = request_media(f.type, &r->format);
+    if (r->media != REQUEST_JSON)
+        r->media = REQUEST_SCAN;
+    memmove(r->body, f.data, f.len);
+    r->body[f.len] = 0;
+    r->len = f.len;
+    if (r->coding == INFLATE_OTHER)
+        refuse_coding(r);
+    else if (f.len == 0)
+        request_problem(r, ST_EINVAL, "the file is empty");
+    return r->response.http == 0;
+}
+
+bool body_unpack(struct request *r)
+{
+    return decompress(r) && (r->media != REQUEST_FORM || (take_file(r) && decompress(r)));
 }

@@ -1,4 +1,5 @@
-/* body.h -- checks whether a route accepts a body, and decompresses it. */
+/* body.h -- checks whether a route accepts a body, decompresses it, and takes the file out of a
+ * form. */
 #ifndef SERVER_BODY_H
 #define SERVER_BODY_H
 #include <stdbool.h>
@@ -16,7 +17,8 @@ void body_check(struct request *r, bool has_length, uint64_t length);
 /* body_refuse_size(r): the response to a body over the limit. */
 void body_refuse_size(struct request *r);
 
-/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies.  On a
+/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
+ * form (multipart.h) its one file becomes the body, with its media type and coding.  On a
  * worker: it computes.  False: r->response is set: damaged, too large, empty. */
 bool body_unpack(struct request *r);
 

@@ -5,6 +5,7 @@
 static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EINVAL] = {400, "malformed", "The request is malformed"},
     [ST_ENOMEM] = {503, "out_of_memory", "Out of memory for now"},
+    [ST_ESIZE] = {413, "body_too_large", "The body is over the limit"},
     [ST_ELIMIT] = {422, "too_many_points", "Too many points"},
     [ST_ETOOFEW] = {422, "too_few_points", "Too few points"},
     [ST_ENOTFINITE] = {422, "not_finite", "A coordinate is not a finite number"},
@@ -34,7 +35,6 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_HEADERS] = {431, "headers_too_large", "The headers are too large"},
     [ERRMAP_VERSION] = {505, "http_version", "The version of HTTP is not served"},
     [ERRMAP_NO_LENGTH] = {411, "length_required", "Length required"},
-    [ERRMAP_BODY_SIZE] = {413, "body_too_large", "The body is over the limit"},
     [ERRMAP_MEDIA_TYPE] = {415, "unsupported_media_type", "Unsupported media type"},
     [ERRMAP_CODING] = {415, "unsupported_content_encoding",
                        "Unsupported Content-Encoding"},

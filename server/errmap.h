@@ -12,7 +12,6 @@ enum errmap_kind {
     ERRMAP_HEADERS,          /* the headers are too large */
     ERRMAP_VERSION,          /* not HTTP/1.0 or 1.1 */
     ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
-    ERRMAP_BODY_SIZE,  /* the body is over the limit */
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
     ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
     ERRMAP_PACKED,     /* the body cannot be unpacked */

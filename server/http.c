@@ -243,6 +243,8 @@ static void look_at_body(struct exchange *x)
         x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
     x->body_sent = x->length > 0;
     x->r.media = request_media(header(x, "Content-Type"), &x->r.format);
+    if (x->r.media == REQUEST_FORM)
+        (void)multipart_boundary(header(x, "Content-Type"), x->r.boundary);
 }
 
 /* Room for n more bytes and a final 0 in r.body. */

@@ -11,6 +11,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "render.h"
+#include "utf8.h"
 
 enum request_method request_method(const char *name)
 {
@@ -28,6 +29,7 @@ enum request_method request_method(const char *name)
 enum request_media request_media(const char *type, enum cloudformat *format)
 {
     static const char merge[] = "application/merge-patch+json";
+    static const char form[] = "multipart/form-data";
     size_t len;
 
     *format = CLOUDFORMAT_ANY;
@@ -37,6 +39,8 @@ enum request_media request_media(const char *type, enum cloudformat *format)
     len = strcspn(type, "; \t,");
     if (len == strlen(merge) && strncasecmp(type, merge, len) == 0)
         return REQUEST_MERGE;
+    if (len == strlen(form) && strncasecmp(type, form, len) == 0)
+        return REQUEST_FORM;
     if (!cloudformat_media(type, len, format))
         return REQUEST_OTHER_MEDIA;
     return *format == CLOUDFORMAT_JSON ? REQUEST_JSON : REQUEST_SCAN;
@@ -132,6 +136,7 @@ static void set_body(struct request *r, int http, const char *type, char *body)
 {
     free(r->response.body);
     r->response.http = http;
+    r->response.problem = 0;
     r->response.type = type;
     r->response.body = body;
     r->response.len = body == NULL ? 0 : strlen(body);
@@ -164,6 +169,20 @@ void request_written(struct request *r, int http, char *json)
     r->response.minimal = true;
 }
 
+/* Names that the client gave are quoted, and may be anything, or cut in a character. */
+static void make_plain(char *text)
+{
+    size_t n;
+
+    for (char *p = text; *p != '\0'; p += n) {
+        n = utf8_character(p, strlen(p));
+        if (n == 0 || utf8_is_control(p)) {
+            *p = '?';
+            n = 1;
+        }
+    }
+}
+
 void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
 {
     const struct errmap *m = errmap_get(kind);
@@ -180,10 +199,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
             told = m->http == 500 ? "The log has an entry with this request_id."
                                   : "Please try again later.";
     }
-    /* Names that the client gave are quoted, and may be anything, or cut in a character. */
-    for (char *p = detail; *p != '\0'; p++)
-        if (*p < ' ' || *p > '~')
-            *p = '?';
+    make_plain(detail);
     if (m->http == 503)
         r->response.retry_after = 1;
     if (m->http == 401)
@@ -192,6 +208,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
     /* Without memory for the document its status code has to do. */
     set_body(r, m->http, "application/problem+json",
              render_problem(m, told, r->id, NULL));
+    r->response.problem = kind;
 }
 
 void request_fail(struct request *r, const struct errinfo *e)

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include "cloudformat.h"
 #include "inflate.h"
+#include "multipart.h"
 #include "status.h"
 #include "store.h"
 #include "throttle.h"
@@ -32,6 +33,7 @@ enum request_media { /* of the body, by its Content-Type */
                      REQUEST_NO_MEDIA,
                      REQUEST_JSON,
                      REQUEST_MERGE, /* a JSON merge patch (RFC 7396) */
+                     REQUEST_FORM,  /* multipart/form-data */
                      REQUEST_SCAN,  /* a scanner's file, or bytes that may be one */
                      REQUEST_OTHER_MEDIA
 };
@@ -47,8 +49,9 @@ enum request_stage {                  /* what the time of a request is spent on 
 };
 
 struct response {
-    int http;   /* 0: none yet */
-    char *body; /* heap, or NULL with len 0 */
+    int http;         /* 0: none yet */
+    unsigned problem; /* errmap.h; 0: it is none */
+    char *body;       /* heap, or NULL with len 0 */
     size_t len;
     const char *type;     /* static */
     char location[192];   /* "" for none */
@@ -79,9 +82,10 @@ struct request {
     bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
     enum request_media media;
-    enum cloudformat format;    /* of REQUEST_JSON and REQUEST_SCAN */
-    enum inflate_coding coding; /* of the body as it is now */
-    unsigned char *body;        /* heap; body[len] is 0 */
+    enum cloudformat format;                   /* of REQUEST_JSON and REQUEST_SCAN */
+    char boundary[MULTIPART_BOUNDARY_MAX + 1]; /* of REQUEST_FORM; "": it has none */
+    enum inflate_coding coding;                /* of the body as it is now */
+    unsigned char *body;                       /* heap; body[len] is 0 */
     size_t len;
     double start_ms; /* log_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];

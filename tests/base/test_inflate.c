@@ -109,9 +109,9 @@ static void test_lengths(void **state)
             check(both[c], packed, len, 1 << 20, ST_OK, text, n);
             check(both[c], packed, len, n, ST_OK, text, n);
             if (n > 0)
-                check(both[c], packed, len, n - 1, ST_ELIMIT, NULL, 0);
+                check(both[c], packed, len, n - 1, ST_ESIZE, NULL, 0);
             if (n > 1)
-                check(both[c], packed, len, 1, ST_ELIMIT, NULL, 0);
+                check(both[c], packed, len, 1, ST_ESIZE, NULL, 0);
         }
     }
     free(text);
@@ -129,7 +129,7 @@ static void test_several(void **state)
         len += pack(both[c], text, 0, packed + len, 3000); /* an empty one between */
         len += pack(both[c], text + 1000, 2000, packed + len, 3000);
         check(both[c], packed, len, 3000, ST_OK, text, 3000);
-        check(both[c], packed, len, 2999, ST_ELIMIT, NULL, 0);
+        check(both[c], packed, len, 2999, ST_ESIZE, NULL, 0);
         packed[len] = 'x';
         check(both[c], packed, len + 1, 3000 + 1, ST_EINVAL, NULL, 0);
         memset(packed + len, 0, 512);
@@ -212,9 +212,9 @@ static void test_bomb(void **state)
         size_t len = pack(both[c], zeros, size, packed, 1 << 20);
 
         most = 0;
-        check(both[c], packed, len, limit, ST_ELIMIT, NULL, 0);
+        check(both[c], packed, len, limit, ST_ESIZE, NULL, 0);
         assert_true(most <= limit + 1);
-        check(both[c], packed, len, 1, ST_ELIMIT, NULL, 0);
+        check(both[c], packed, len, 1, ST_ESIZE, NULL, 0);
     }
     free(zeros);
     free(packed);

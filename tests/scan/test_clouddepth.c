@@ -131,7 +131,7 @@ static void test_refused(void **state)
     expect(&f, camera, ST_EVERSION, "of 16 bits, in colour");
     make(&f, 7, 1, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros,
          14); /* 12 bytes may be unpacked */
-    expect(&f, camera, ST_ELIMIT, "7 x 1 pixels");
+    expect(&f, camera, ST_ESIZE, "7 x 1 pixels");
     make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros, 12);
     expect(&f, camera, ST_ENOTFINITE, "none of the 6 points");
     make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);

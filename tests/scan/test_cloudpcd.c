@@ -189,7 +189,7 @@ static void test_compressed(void **state)
     scanfile_whole(&f, 4, 4, false);
     scanfile_whole(&f, 2000000ULL * 33, 4, false);
     scanfile_text(&f, "    ");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ELIMIT, "1048576 bytes when unpacked");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ESIZE, "1048576 bytes when unpacked");
 }
 
 static void test_lzf(void **state)

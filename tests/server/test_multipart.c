@@ -1,0 +1,189 @@
+/* The file of a form is found as browsers and curl send it, wherever line ends and dashes stand
+ * in it; what is malformed, or not one part, is refused with a reason. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "errinfo.h"
+#include "multipart.h"
+
+#define HEAD     "Content-Disposition: form-data; name=\"file\"; filename=\"a.ply\"\r\n"
+#define PART(x)  "--b\r\n" HEAD "\r\n" x "\r\n"
+#define FIELD(x) "--b\r\nContent-Disposition: form-data; name=\"" x "\"\r\n\r\n1\r\n"
+#define BODY(x)  PART(x) "--b--\r\n"
+
+static struct multipart_file f;
+static struct errinfo e;
+
+static enum status take(const char *body, size_t len, const char *boundary)
+{
+    unsigned char *exact = malloc(len > 0 ? len : 1); /* a byte beyond it is an error */
+    enum status st;
+
+    assert_non_null(exact);
+    memcpy(exact, body, len);
+    e = (struct errinfo){0};
+    st = multipart_file(exact, len, boundary, &f, &e);
+    if (st == ST_OK) { /* the same place, in memory that stays */
+        assert_true(f.data >= exact && f.data + f.len <= exact + len);
+        f.data = (const unsigned char *)body + (f.data - exact);
+    }
+    free(exact);
+    return st;
+}
+
+static void assert_taken(const char *body, size_t len, const char *data, size_t datalen)
+{
+    if (take(body, len, "b") != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_int_equal(f.len, datalen);
+    assert_memory_equal(f.data, data, datalen);
+}
+
+static void assert_refused(const char *body, const char *why)
+{
+    assert_int_equal(take(body, strlen(body), "b"), ST_EINVAL);
+    if (strstr(e.msg, why) == NULL)
+        fail_msg("'%s' lacks '%s'", e.msg, why);
+}
+
+static void test_boundary(void **state)
+{
+    static const struct {
+        const char *type, *boundary;
+    } known[] = {
+        {"multipart/form-data; boundary=----WebKitFormBoundaryAb1",
+         "----WebKitFormBoundaryAb1"},
+        {"multipart/form-data;boundary=x", "x"},
+        {"multipart/form-data; charset=utf-8; Boundary=\"a b:c\" ; x=y", "a b:c"},
+        {"multipart/form-data; boundary=\"a\\?c\"", "a?c"},
+        {"multipart/form-data; boundary=0123456789012345678901234567890123456789"
+         "012345678901234567890123456789",
+         "0123456789012345678901234567890123456789012345678901234567890123456789"},
+        {"multipart/form-data; boundary=01234567890123456789012345678901234567890"
+         "123456789012345678901234567890",
+         ""},
+        {"multipart/form-data", ""},
+        {"multipart/form-data; boundary", ""},
+        {"multipart/form-data; boundary=", ""},
+        {"multipart/form-data; boundary=\"a", ""},
+        {"multipart/form-data; boundary=\"a \"", ""},
+        {"multipart/form-data; boundary=a;b", "a"},
+        {"multipart/form-data; b;boundary=a", ""},
+        {"multipart/form-data; xboundary=a", ""},
+        {"multipart/form-data; boundary=\"a\x01\"", ""},
+    };
+    char out[MULTIPART_BOUNDARY_MAX + 1];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        assert_int_equal(multipart_boundary(known[i].type, out),
+                         known[i].boundary[0] != '\0');
+        assert_string_equal(out, known[i].boundary);
+    }
+}
+
+static void test_file(void **state)
+{
+    static const char *const data[] = {"ply",     "",         "\r\n",       "\r\n\r\n",
+                                       "\r",      "--b",      "--b--",      "\r\n--",
+                                       "\r\n--c", "\r\n--bx", "\r\n--b-x",  "\r\n--b x",
+                                       "\n--b\n", "\r\r\n",   "ends with\r"};
+    char body[400];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof data / sizeof *data; i++) {
+        (void)snprintf(body, sizeof body, "%s%s%s", "--b\r\n" HEAD "\r\n", data[i],
+                       "\r\n--b--\r\n");
+        assert_taken(body, strlen(body), data[i], strlen(data[i]));
+    }
+    assert_taken(PART("x\0y") "--b--", sizeof(PART("x\0y") "--b--") - 1, "x\0y", 3);
+    assert_taken(PART("x") "--b-- \t\r\n\r\n ", strlen(PART("x") "--b-- \t\r\n\r\n "),
+                 "x", 1);
+    assert_string_equal(f.type, "");
+    assert_string_equal(f.coding, "");
+    assert_taken(
+        "--b \r\ncontent-type: model/ply; x=1\r\n"
+        "content-encoding:gzip\r\nContent-Transfer-Encoding: binary\r\nX-A: b\r\n"
+        "content-disposition:form-data;filename=\"a;\\\"name=b\";name=file\r\n\r\nx"
+        "\r\n--b--",
+        strlen(
+            "--b \r\ncontent-type: model/ply; x=1\r\n"
+            "content-encoding:gzip\r\nContent-Transfer-Encoding: binary\r\nX-A: b\r\n"
+            "content-disposition:form-data;filename=\"a;\\\"name=b\";name=file\r\n\r\nx"
+            "\r\n--b--"),
+        "x", 1);
+    assert_string_equal(f.type, "model/ply; x=1");
+    assert_string_equal(f.coding, "gzip");
+}
+
+static void test_refused(void **state)
+{
+    const char whole[] = BODY("x");
+
+    (void)state;
+    assert_refused("", "does not begin with the boundary");
+    assert_refused("\r\n" BODY("x"), "byte 0: the body does not begin");
+    assert_refused("--c\r\n" HEAD "\r\nx\r\n--c--", "does not begin");
+    assert_refused("--b--\r\n", "no parts");
+    assert_refused(BODY("x") "y", "more behind");
+    assert_refused("--b\r\n\r\nx\r\n--b--", "without Content-Disposition");
+    assert_refused("--b\r\nContent-Type: model/ply\r\n\r\nx\r\n--b--",
+                   "without Content-Disposition");
+    assert_refused("--b\r\nContent-Disposition: attachment; name=\"x\"\r\n\r\nx\r\n--b--",
+                   "not form-data with a name");
+    assert_refused(
+        "--b\r\nContent-Disposition: form-data; filename=\"x\"\r\n\r\nx\r\n--b--",
+        "not form-data with a name");
+    assert_refused("--b\r\nContent-Transfer-Encoding: base64\r\n" HEAD "\r\nx\r\n--b--",
+                   "not binary");
+    assert_refused("--b\r\nnothing\r\n" HEAD "\r\nx\r\n--b--", "is none");
+    assert_refused("--b\r\n: x\r\n" HEAD "\r\nx\r\n--b--", "is none");
+    assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "does not begin");
+    assert_refused("--b\r\nContent-Disposition: form-data; name=\"x\"\n\nx\r\n--b--", "");
+    for (size_t len = 0; len < sizeof whole - 3; len++) /* but for the last end of line */
+        assert_int_equal(take(whole, len, "b"), ST_EINVAL);
+}
+
+static void test_parts(void **state)
+{
+    char many[9000] = "", part[1200];
+
+    (void)state;
+    assert_refused(PART("x") PART("y") "--b--",
+                   "the form has the parts file, file: send one");
+    assert_refused(FIELD("units") PART("x") "--b--",
+                   "the parts units, file: send one file");
+    for (int i = 0; i < 20; i++)
+        strcat(many, FIELD("n"));
+    strcat(many, "--b--");
+    assert_refused(many, "the parts n, n, n, n, n, n, n, n, ...: send one");
+    memset(part, 'x', sizeof part);
+    memcpy(part, "--b\r\nX: ", 8);
+    part[sizeof part - 1] = '\0';
+    strcpy(many, part);
+    strcat(many, "\r\n" HEAD "\r\nx\r\n--b--");
+    assert_refused(many, "too long");
+    strcpy(many, "--b\r\n");
+    for (int i = 0; i < 1000; i++)
+        strcat(many, "X: y\r\n");
+    strcat(many, HEAD "\r\nx\r\n--b--");
+    assert_refused(many, "more than 4 KB");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_boundary),
+        cmocka_unit_test(test_file),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_parts),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
