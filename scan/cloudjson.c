@@ -15,8 +15,23 @@ static enum status take_units(const struct json_value *units, const char *prefix
 
     if (units == NULL)
         return ST_OK;
-    if (name == NULL || !cloudunit_mm(name, strlen(name), &list->out.unit_mm))
-        return errinfo_set(list->e, ST_EINVAL, "%sunits is not " CLOUDUNIT_NAMES, prefix);
+    if (name == NULL || !cloudunit_or_auto(name, &list->out.unit_mm))
+        return errinfo_set(list->e, ST_EINVAL, "%sunits is not auto, " CLOUDUNIT_NAMES,
+                           prefix);
+    return ST_OK;
+}
+
+static enum status take_axes(const struct json_value *axes, const char *prefix,
+                             struct cloudlist *list)
+{
+    const char *name = json_get_text(axes);
+
+    if (axes == NULL)
+        return ST_OK;
+    list->out.as_scanned = name != NULL && strcmp(name, "scanner") == 0;
+    if (name == NULL || (!list->out.as_scanned && strcmp(name, "auto") != 0))
+        return errinfo_set(list->e, ST_EINVAL, "%saxes is neither auto nor scanner",
+                           prefix);
     return ST_OK;
 }
 
@@ -48,12 +63,14 @@ static enum status take_points(const struct json_value *points, const char *pref
 enum status cloudjson_take(const struct json_value *object, const char *name,
                            const char *prefix, struct cloudlist *list)
 {
-    static const char *const known[] = {"points", "units", NULL};
+    static const char *const known[] = {"points", "units", "axes", NULL};
     const struct json_value *points = json_member(object, "points");
     enum status st = json_expect(object, name, known, list->e);
 
     if (st == ST_OK)
         st = take_units(json_member(object, "units"), prefix, list);
+    if (st == ST_OK)
+        st = take_axes(json_member(object, "axes"), prefix, list);
     if (st != ST_OK)
         return st;
     if (points == NULL)

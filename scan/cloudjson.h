@@ -1,4 +1,4 @@
-/* cloudjson.h -- a cloud as JSON: {"points": [[x,y,z], ...], "units": "mm"}. */
+/* cloudjson.h -- a cloud as JSON: {"points": [[x,y,z], ...], "units": "mm", "axes": "auto"}. */
 #ifndef SCAN_CLOUDJSON_H
 #define SCAN_CLOUDJSON_H
 #include <stddef.h>
@@ -17,8 +17,8 @@ struct json_value; /* json.h */
 enum status cloudjson_document(const char *text, size_t len, size_t max_points,
                                size_t clouds, struct json_value **out, struct errinfo *e);
 
-/* cloudjson_take(object, name, prefix, list): its points and its unit: three finite numbers
- * each, and no other members than points and units.  name: what to call the object, "the
+/* cloudjson_take(object, name, prefix, list): its points, its unit and its axes: three finite
+ * numbers each, and no other members than points, units and axes.  name: what to call the object, "the
  * body"; prefix: "" or "a.", before the names of its members.
  * Returns ST_OK; ST_EINVAL; ST_ENOTFINITE a number too large for a double; ST_ELIMIT; ST_ENOMEM; the
  * message is in list->e. */

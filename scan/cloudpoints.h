@@ -1,9 +1,11 @@
 /* cloudpoints.h -- what a scanner's file says. */
 #ifndef SCAN_CLOUDPOINTS_H
 #define SCAN_CLOUDPOINTS_H
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "cloudformat.h"
+#include "status.h"
 #include "vec.h"
 
 /* The points that have a value, in the order of the file.  Dropped are those with a
@@ -23,9 +25,14 @@ struct cloudpoints {
     size_t n; /* of at, normal and index */
     size_t read;
     double unit_mm; /* millimetres per unit; 0: neither the caller nor the file says */
+    bool
+        as_scanned; /* either says: x to the image's right, y up, z towards the scanner */
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
 };
 
 void cloudpoints_free(struct cloudpoints *c); /* it is empty again */
+
+/* cloudpoints_copy(c, out): with memory of its own.  Returns ST_OK, ST_ENOMEM (out is empty). */
+enum status cloudpoints_copy(const struct cloudpoints *c, struct cloudpoints *out);
 
 #endif

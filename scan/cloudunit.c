@@ -26,6 +26,14 @@ bool cloudunit_mm(const char *name, size_t len, double *mm)
     return false;
 }
 
+bool cloudunit_or_auto(const char *name, double *mm)
+{
+    if (strcmp(name, "auto") != 0)
+        return cloudunit_mm(name, strlen(name), mm);
+    *mm = 0;
+    return true;
+}
+
 const char *cloudunit_name(double mm)
 {
     for (size_t i = 0; i < UNITS; i++)

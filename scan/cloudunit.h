@@ -6,8 +6,10 @@
 
 #define CLOUDUNIT_NAMES "mm, cm, m or in" /* for messages */
 
-/* cloudunit_mm(name, len, mm): millimetres per unit; false: it is none of the names. */
+/* cloudunit_mm(name, len, mm): millimetres per unit; false: it is none of the names.
+ * cloudunit_or_auto(): likewise, or 0 for "auto". */
 bool cloudunit_mm(const char *name, size_t len, double *mm);
+bool cloudunit_or_auto(const char *name, double *mm);
 
 /* cloudunit_name(mm): the name of such a unit, or "um", which is only ever found; "": of none.
  * cloudunit_plural(mm): "metres"; likewise. */

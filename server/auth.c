@@ -88,6 +88,8 @@ void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX])
     char scope[STORE_SCOPES_MAX];
 
     store_scopes_write(a->lacks, scope);
+    for (char *comma = scope; (comma = strchr(comma, ',')) != NULL;) /* RFC 6750's list */
+        *comma = ' ';
     if (a->lacks != 0)
         (void)snprintf(
             out, AUTH_CHALLENGE_MAX,

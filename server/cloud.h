@@ -5,24 +5,31 @@
 #include "cloudpoints.h"
 #include "status.h"
 
+struct errinfo;
 struct face;
 struct face_work;
 struct request;
+struct scan_found; /* scan.h */
 
 /* cloud_read(r, out): the body as JSON or as a scanner's file; a unit of the file's own wins
- * over ?units=.  The body is released.
+ * over ?units=, and axes over ?axes=auto.  The body is released.
  * out: by cloudpoints_free().  Returns ST_OK, or another status with r->response set. */
 enum status cloud_read(struct request *r, struct cloudpoints *out);
+
+/* cloud_take(r, out, e): the same, but r->response is set for a parameter alone; *e tells
+ * everything else. */
+enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e);
 
 /* cloud_read_two(r, a, b): the body {"a": cloud, "b": cloud}, the same. */
 enum status cloud_read_two(struct request *r, struct cloudpoints *a,
                            struct cloudpoints *b);
 
-/* cloud_build(r, c, name, enrolment, w, out): the model; c then has the points used, in mm
+/* cloud_build(r, c, name, enrolment, w, out, found): the model; c then has the points used, in mm
  * (scan.h).  name is "points", "a.points" or "b.points".
  * Returns ST_OK, or another status with r->response set. */
 enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
-                        bool enrolment, struct face_work *w, struct face *out);
+                        bool enrolment, struct face_work *w, struct face *out,
+                        struct scan_found *found);
 
 /* cloud_spread(c, value): value, with room for c->read, has one for each point of c; after
  * it one for each point that was sent, NaN for those that were dropped. */

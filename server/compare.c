@@ -14,6 +14,7 @@
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
+#include "scan.h"
 #include "store.h"
 #include "verdict.h"
 #include "verify.h"
@@ -36,6 +37,7 @@ struct comparison {
     struct worker *w;
     enum params_detail detail;
     struct cloudpoints a, b;
+    struct scan_found found_a, found_b;
     double parse_ms, prepare_ms;
     struct face_result result;
     struct minimal least; /* not for PARAMS_DECISION */
@@ -54,8 +56,10 @@ static bool build(struct comparison *c)
         return false;
     parsed = log_clock_ms();
     request_stage(c->r, REQUEST_PARSE, c->parse_ms = parsed - start);
-    if (cloud_build(c->r, &c->a, "a.points", false, work, &c->w->other) != ST_OK ||
-        cloud_build(c->r, &c->b, "b.points", false, work, &c->w->probe) != ST_OK)
+    if (cloud_build(c->r, &c->a, "a.points", false, work, &c->w->other, &c->found_a) !=
+            ST_OK ||
+        cloud_build(c->r, &c->b, "b.points", false, work, &c->w->probe, &c->found_b) !=
+            ST_OK)
         return false;
     if (admission_calibrate(&c->w->compare, &e) != ST_OK) {
         request_fail(c->r, &e);
@@ -115,6 +119,8 @@ static void respond(struct comparison *c)
                              .result = &c->result,
                              .minimal = c->detail == PARAMS_DECISION ? NULL : &c->least,
                              .probe = &c->w->probe,
+                             .scan = &c->found_b,
+                             .other = &c->found_a,
                              .engine = store_made_by(c->r->app->store),
                              .templates_compared = 1,
                              .times = &times,

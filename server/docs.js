@@ -160,7 +160,8 @@ function operation(method, path, item) {
     const body = deref(op.requestBody);
     const section = el('section.op', el('h3', op.summary),
         el('p.path', el('span.method.' + method, method.toUpperCase()), path),
-        ...op.security.map((s) => el('p.dim', 'Scope of the token: ', el('code', ...s.token))),
+        op.security.length ? el('p.dim', 'Scope of the token: ',
+            el('code', op.security.map((s) => s.token).join(' or '))) : null,
         ...paragraphs(op.description), curl(method, path, all, op),
         el('h4', 'Parameters'), parameters(all),
         ...(body ? [el('h4', 'Body'), ...paragraphs(body.description), ...content(body.content)]

@@ -14,12 +14,14 @@
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
+#include "scan.h"
 #include "verify.h"
 #include "worker.h"
 
 #define LOCATION "/v1/templates/" /* and the template's id */
 
-static void enroll(struct request *r, struct worker *w, const char *label, bool force)
+static void enroll(struct request *r, struct worker *w, const char *label, bool force,
+                   const struct scan_found *found)
 {
     const struct enrolment x = {.actor = r->actor,
                                 .subject = r->subject,
@@ -47,7 +49,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
     }
     metrics_enrollment(r->app->metrics, out.created ? METRICS_ENROLLED : METRICS_KNOWN);
     request_written(r, out.created ? 201 : 200,
-                    render_template(&out.tmpl, &w->probe.frame));
+                    render_enrolled(&out.tmpl, &w->probe.frame, found));
     if (r->response.http < 300)
         (void)snprintf(r->response.location, sizeof r->response.location, LOCATION "%s",
                        out.tmpl.id);
@@ -56,6 +58,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
 static void read_and_enroll(struct request *r, struct worker *w)
 {
     char label[STORE_LABEL_MAX + 1];
+    struct scan_found found;
     struct cloudpoints c;
     bool force = false;
     double start = log_clock_ms(), parsed;
@@ -70,11 +73,11 @@ static void read_and_enroll(struct request *r, struct worker *w)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe);
+    st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloudpoints_free(&c);
     if (st == ST_OK)
-        enroll(r, w, label, force);
+        enroll(r, w, label, force, &found);
 }
 
 /* A response that is sent again must still be true: a template that was deleted since is not

@@ -8,6 +8,7 @@
 
 #include "app.h"
 #include "cache.h"
+#include "errmap.h"
 #include "guard.h"
 #include "process.h"
 #include "queue.h"
@@ -28,6 +29,9 @@ struct histogram {
     counter ns;
 };
 
+/* What can be wrong with a scan: ST_ELIMIT to ST_EQUALITY. */
+#define NREFUSALS (ST_EQUALITY - ST_ELIMIT + 1)
+
 enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 
 struct metrics {
@@ -35,6 +39,8 @@ struct metrics {
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
     counter decision[FACE_INCONCLUSIVE + 1];
     counter enrollment[METRICS_MISMATCH + 1];
+    counter check[METRICS_UNUSABLE + 1];
+    counter refused[NREFUSALS];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens;
     const struct route *routes;
@@ -93,6 +99,8 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         observe(&m->stage[REQUEST_STAGES], ms);
     if (r->response.bad_token)
         count(&m->wrong_tokens, 1);
+    if (r->response.problem >= ST_ELIMIT && r->response.problem <= ST_EQUALITY)
+        count(&m->refused[r->response.problem - ST_ELIMIT], 1);
     metrics_database_error(m, r->failed);
 }
 
@@ -104,6 +112,11 @@ void metrics_decision(struct metrics *m, enum face_decision d)
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
 {
     count(&m->enrollment[outcome], 1);
+}
+
+void metrics_check(struct metrics *m, enum metrics_check outcome)
+{
+    count(&m->check[outcome], 1);
 }
 
 void metrics_database_error(struct metrics *m, enum status st)
@@ -214,12 +227,20 @@ static void print_outcomes(FILE *f, const struct metrics *m)
 {
     static const char *const decision[] = {"match", "no_match", "inconclusive"};
     static const char *const enrollment[] = {"created", "known", "mismatch"};
+    static const char *const check[] = {"enrollable", "usable", "unusable"};
+    const char *refused[NREFUSALS];
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
     print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
              "Enrolments; known: the subject had this very scan; mismatch: refused.");
+    for (unsigned i = 0; i < NREFUSALS; i++)
+        refused[i] = errmap_get(ST_ELIMIT + i)->code;
+    print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
+             "Scans that could not be used, by the code of the response.");
+    print_by(f, "surfaced_checks_total", "outcome", check, m->check, 3,
+             "Scans that were only checked; usable: for verification alone.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),

@@ -16,7 +16,7 @@ struct metrics *metrics_new(const struct route *routes, size_t nroutes);
 void metrics_free(struct metrics *m);
 
 /* metrics_request(m, r, http, ms): r came to its end after ms; http: the status that was
- * sent, 0 when the client was gone.  Its route and stages count, a token
+ * sent, 0 when the client was gone.  Its route and stages count, a token or a scan
  * that was refused, and a failure of the store. */
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms);
 
@@ -30,6 +30,14 @@ enum metrics_enrollment {
 };
 
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome);
+
+enum metrics_check {
+    METRICS_ENROLLABLE, /* and so usable for verification too */
+    METRICS_USABLE,
+    METRICS_UNUSABLE
+};
+
+void metrics_check(struct metrics *m, enum metrics_check outcome);
 
 /* metrics_database_error(m, st): counts st if it is a failure of the store (and not, say,
  * ST_ENOTFOUND). */

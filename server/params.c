@@ -46,9 +46,25 @@ bool params_units(struct request *r, double *mm)
     bool there;
 
     if (get(r, "units", buf, sizeof buf, &there) &&
-        (!there || cloudunit_mm(buf, strlen(buf), mm)))
+        (!there || cloudunit_or_auto(buf, mm)))
         return true;
-    request_problem(r, ERRMAP_PARAMETER, "units is not " CLOUDUNIT_NAMES);
+    request_problem(r, ERRMAP_PARAMETER, "units is not auto, " CLOUDUNIT_NAMES);
+    return false;
+}
+
+bool params_axes(struct request *r, bool *as_scanned)
+{
+    char buf[8];
+    bool there;
+
+    if (get(r, "axes", buf, sizeof buf, &there)) {
+        if (!there)
+            return true;
+        *as_scanned = strcmp(buf, "scanner") == 0;
+        if (*as_scanned || strcmp(buf, "auto") == 0)
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "axes is neither auto nor scanner");
     return false;
 }
 

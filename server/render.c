@@ -18,11 +18,22 @@ char *render_comparison(const struct describe_comparison *c)
 }
 
 char *render_asymmetry(const struct asymmetry *a, const struct face *f,
-                       const char *engine, const struct describe_times *times)
+                       const struct scan_found *scan, const char *engine,
+                       const struct describe_times *times)
 {
     struct json *j = json_new();
 
+    describe_scan(j, "scan", scan);
     describe_asymmetry(j, a, f, engine, times);
+    return json_compact(j);
+}
+
+char *render_trial(const struct trial *t, const struct face *f, const char *code,
+                   const struct describe_times *times)
+{
+    struct json *j = json_new();
+
+    describe_trial(j, t, f, code, times);
     return json_compact(j);
 }
 
@@ -47,11 +58,21 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
     return json_compact(j);
 }
 
-char *render_template(const struct store_template *t, const struct frame *frame)
+char *render_enrolled(const struct store_template *t, const struct frame *frame,
+                      const struct scan_found *scan)
 {
     struct json *j = json_new();
 
     describe_template(j, t, frame);
+    describe_scan(j, "scan", scan);
+    return json_compact(j);
+}
+
+char *render_template(const struct store_template *t)
+{
+    struct json *j = json_new();
+
+    describe_template(j, t, NULL);
     return json_compact(j);
 }
 

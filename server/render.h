@@ -14,6 +14,8 @@ struct errmap;
 struct face;
 struct face_result;
 struct frame;
+struct scan_found;
+struct trial;
 
 /* render_problem(m, detail, request_id, mismatch): RFC 9457; mismatch: the comparison behind
  * it, or NULL. */
@@ -23,11 +25,17 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
 /* As describe.h. */
 char *render_comparison(const struct describe_comparison *c);
 char *render_asymmetry(const struct asymmetry *a, const struct face *f,
-                       const char *engine, const struct describe_times *times);
+                       const struct scan_found *scan, const char *engine,
+                       const struct describe_times *times);
 
-/* render_template(t, frame): frame: of the scan, for the reasons of its quality; NULL: it
- * is not at hand. */
-char *render_template(const struct store_template *t, const struct frame *frame);
+char *render_trial(const struct trial *t, const struct face *f, const char *code,
+                   const struct describe_times *times);
+
+/* render_enrolled(t, frame, scan): a template with what was found in the scan that it was sent
+ * as, and its frame, for the reasons of its quality. */
+char *render_enrolled(const struct store_template *t, const struct frame *frame,
+                      const struct scan_found *scan);
+char *render_template(const struct store_template *t);
 char *render_subject(const struct store_subject *s, const struct store_template *t,
                      size_t n);
 

@@ -1,5 +1,6 @@
 #include "routes.h"
 
+#include "check.h"
 #include "compare.h"
 #include "docs.h"
 #include "enroll.h"
@@ -16,13 +17,14 @@
 #define SUBJECT  "/v1/subjects/{subject}"
 
 /* The query parameters of a cloud, and of a comparison with one. */
-#define CLOUD     "units, fx, fy, cx, cy, depth_scale"
+#define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale"
 #define COMPARING CLOUD ", detail"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
        ENROLL = STORE_SCOPE_ENROLL,
        VERIFY = STORE_SCOPE_VERIFY,
+       CHECK = ENROLL | VERIFY | STORE_SCOPE_IDENTIFY, /* any of them */
        READ = STORE_SCOPE_READ,
        DELETE = STORE_SCOPE_DELETE,
        MANAGE = STORE_SCOPE_MANAGE
@@ -43,8 +45,9 @@ static const struct route table[] = {
      false},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_template,
      false},
-    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, detail", compare_handle,
-     false},
+    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, axes, detail",
+     compare_handle, false},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, check_handle, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
      false},

@@ -135,7 +135,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_respond(r, 200, render_template(&t, NULL));
+        request_respond(r, 200, render_template(&t));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)

@@ -7,6 +7,7 @@
 #include "render.h"
 #include "log.h"
 #include "request.h"
+#include "scan.h"
 #include "store.h"
 #include "worker.h"
 
@@ -16,13 +17,14 @@ void symmetry_handle(struct request *r, struct worker *w)
     double parsed, prepared, measured;
     struct asymmetry result;
     struct cloudpoints c = {0};
+    struct scan_found found;
     enum status st;
 
     if (cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", false, w->compare.work, &w->probe) != ST_OK)
+    if (cloud_build(r, &c, "points", false, w->compare.work, &w->probe, &found) != ST_OK)
         goto out;
     prepared = log_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
@@ -34,7 +36,7 @@ void symmetry_handle(struct request *r, struct worker *w)
     request_stage(r, REQUEST_MEASURE, measured - prepared);
     request_respond(
         r, 200,
-        render_asymmetry(&result, &w->probe, store_made_by(r->app->store),
+        render_asymmetry(&result, &w->probe, &found, store_made_by(r->app->store),
                          &(struct describe_times){.parse = parsed - start,
                                                   .prepare = prepared - parsed,
                                                   .measure = measured - prepared,

@@ -16,6 +16,7 @@
 #include "params.h"
 #include "render.h"
 #include "request.h"
+#include "scan.h"
 #include "store.h"
 #include "verdict.h"
 #include "worker.h"
@@ -33,6 +34,7 @@ struct verification {
     /* The probe; the builder's until builder_wait(). */
     bool begun; /* with the builder */
     struct cloudpoints cloud;
+    struct scan_found found;
     double parse_ms, prepare_ms;
     enum status built;
 };
@@ -87,7 +89,8 @@ static void build(void *arg, struct face_work *work)
     if ((v->built = cloud_read(v->r, &v->cloud)) != ST_OK)
         return;
     parsed = log_clock_ms();
-    v->built = cloud_build(v->r, &v->cloud, "points", false, work, &v->w->probe);
+    v->built =
+        cloud_build(v->r, &v->cloud, "points", false, work, &v->w->probe, &v->found);
     v->parse_ms = parsed - start;
     v->prepare_ms = log_clock_ms() - parsed;
 }
@@ -238,6 +241,7 @@ static void respond(struct verification *v)
                              .result = &v->best.result,
                              .minimal = v->detail == PARAMS_DECISION ? NULL : &v->least,
                              .probe = &v->w->probe,
+                             .scan = &v->found,
                              .engine = store_made_by(v->r->app->store),
                              .subject = v->admission.of.subject.id,
                              .template_id = v->admission.of.t[v->best.index].id,

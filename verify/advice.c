@@ -56,6 +56,10 @@ static void unit(const struct scan_found *f, struct advice *a)
 static void reason(enum status st, const struct scan_found *f, struct advice *a)
 {
     switch (st) {
+    case ST_ELIMIT:
+        add(a, "let the scanner measure fewer points: %d are read at most",
+            FACE_MAX_POINTS);
+        break;
     case ST_ETOOFEW:
         add(a,
             "move nearer to the scanner, or let it measure more points: a good scan has "

@@ -11,6 +11,7 @@
 #include "scan.h"
 #include "store.h"
 #include "minimal.h"
+#include "trial.h"
 #include "verdict.h"
 
 /* null for "" */
@@ -155,6 +156,18 @@ static void ids(struct json *j, const struct describe_comparison *c)
     json_text(j, "template_id", c->template_id);
 }
 
+static void scans(struct json *j, const struct describe_comparison *c)
+{
+    if (c->other != NULL) {
+        json_object(j, "scan");
+        describe_scan(j, "a", c->other);
+        describe_scan(j, "b", c->scan);
+        json_close(j);
+    } else if (c->scan != NULL) {
+        describe_scan(j, "scan", c->scan);
+    }
+}
+
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
@@ -171,6 +184,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     json_number(j, "overlap", r->overlap);
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
+    scans(j, c);
     describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
     json_text(j, "engine", c->engine);
     if (c->measure)
@@ -207,4 +221,32 @@ void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct 
     describe_quality(j, "quality", &f->quality, &f->frame);
     json_text(j, "engine", engine);
     times(j, t, false);
+}
+
+void describe_trial(struct json *j, const struct trial *t, const struct face *face,
+                    const char *code, const struct describe_times *times)
+{
+    const bool usable = t->verification == ST_OK, read = t->found.points_read > 0;
+
+    json_flag(j, "usable", usable);
+    json_flag(j, "enrollable", t->enrolment == ST_OK);
+    json_text(j, "code", code);
+    text_or_null(j, "detail", t->why.msg);
+    json_array(j, "advice");
+    for (size_t i = 0; i < t->advice.n; i++)
+        json_text(j, NULL, t->advice.line[i]);
+    json_close(j);
+    if (read)
+        describe_scan(j, "scan", &t->found);
+    else
+        json_text(j, "scan", NULL);
+    if (read && face->quality.density_mm > 0)
+        describe_quality(j, "quality", &face->quality, usable ? &face->frame : NULL);
+    else
+        json_text(j, "quality", NULL);
+    json_object(j, "timing_ms");
+    json_number(j, "parse", times->parse);
+    json_number(j, "prepare", times->prepare);
+    json_number(j, "total", times->total);
+    json_close(j);
 }

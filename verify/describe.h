@@ -17,6 +17,7 @@ struct quality;        /* quality.h */
 struct scan_found;     /* scan.h */
 struct store_subject;  /* store.h */
 struct store_template; /* store.h */
+struct trial;          /* trial.h */
 
 /* describe_quality(j, key, q, frame): an object; frame: of the scan, for the reasons; NULL: it
  * is not at hand. */
@@ -44,7 +45,10 @@ struct describe_comparison {
         *minimal; /* NULL: the decision and the ids alone; of the rest only
                                       subject and template_id are used */
     const struct face *probe;
-    const char *engine;                /* face_engine() */
+    const struct scan_found *scan;  /* the probe's; NULL: left out */
+    const struct scan_found *other; /* of what is compared with it in a template's place;
+                                         NULL: that is a template */
+    const char *engine;             /* face_engine() */
     const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
     bool measure;         /* with what minimal is made of, for which it has been weighed
@@ -59,5 +63,10 @@ void describe_comparison(struct json *j, const struct describe_comparison *c);
 /* describe_asymmetry(j, a, f, engine, times): of face f; of times align is not used. */
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
                         const char *engine, const struct describe_times *times);
+
+/* describe_trial(j, t, face, code, times): of a scan, after trial_run().  code: the word for the
+ * refusal; NULL: null.  Of times only parse, prepare and total are used. */
+void describe_trial(struct json *j, const struct trial *t, const struct face *face,
+                    const char *code, const struct describe_times *times);
 
 #endif

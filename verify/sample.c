@@ -107,13 +107,15 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                          const struct scan_options *o, struct face_work *w,
                          struct face *out, struct scan_found *found, struct errinfo *e)
 {
+    const struct scan_options by = {.axes = c->as_scanned ? SCAN_AXES_SCANNER : o->axes,
+                                    .enrolment = o->enrolment};
     const size_t n = c->n;
     struct advice advice;
     size_t bad = 0;
     enum status st;
 
     out->quality = (struct quality){0}; /* not known, until it is rated */
-    if ((st = scan_build(c, o, w, out, &bad, found)) == ST_OK)
+    if ((st = scan_build(c, &by, w, out, &bad, found)) == ST_OK)
         return st;
     advice_give(st, found, out, &advice);
     (void)errinfo_set(e, st, "%.80s: ", name);

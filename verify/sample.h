@@ -7,8 +7,10 @@
 
 struct errinfo; /* errinfo.h */
 
-/* sample_build(name, c, o, w, out, found, e): scan_build().  name: a file's, or "points" of a
- * request: the text begins with it.  Returns as it does; *e is set on failure. */
+/* sample_build(name, c, o, w, out, found, e): scan_build(), with the axes of o or of the file
+ * itself.  name: a file's, or "points" of a request: the text begins with it, and ends with the
+ * advice (advice.h).  out->quality.density_mm is 0 where the quality was not rated.
+ * Returns as it does; *e is set on failure. */
 enum status sample_build(const char *name, struct cloudpoints *c,
                          const struct scan_options *o, struct face_work *w,
                          struct face *out, struct scan_found *found, struct errinfo *e);

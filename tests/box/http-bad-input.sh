@@ -37,7 +37,7 @@ bad "an object for a point" 400 malformed 'points\[0\]' '{"points": [{"x":1,"y":
 bad "points twice" 400 malformed 'earlier' '{"points": [], "points": []}'
 bad "another key twice" 400 malformed 'earlier' '{"x": 1, "points": [], "x": 2}'
 bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
-bad "a misspelt member" 400 malformed 'the body has points and units, not pts' '{"pts": []}'
+bad "a misspelt member" 400 malformed 'the body has points, units and axes, not pts' '{"pts": []}'
 bad "another member" 400 malformed 'not threshold_mm' '{"points": [], "threshold_mm": 1e9}'
 bad "a long one, truncated between characters" 400 malformed 'not xü*' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
 bad "points an object" 400 malformed 'points is not an array' '{"points": {}}'

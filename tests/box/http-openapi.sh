@@ -219,8 +219,17 @@ put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST /v1/compare 200 "$JSON" "$T/ab.json" -H "$MIN"
 put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
+# what would be done: all, nothing but reading it, and what stops before that
+put POST /v1/check 200 "$PLY" "$T/a.ply"
+put POST '/v1/check?units=cm&axes=scanner' 200 "$PLY" "$T/a.ply"
+is "not usable" "$(get .code)" units_suspicious
+select_operations '.body and .path == "/v1/check"'
+cut -f 3 "$T/each" >"$T/sent"
+put POST /v1/check 200 "$JSON" "$T/sent"
+is "too few" "$(get .code)" too_few_points
+put POST '/v1/check?units=inch' 400 "$PLY" "$T/a.ply"
 # The examples of clouds are parsed, and have too few points.
-select_operations '.body and (.path | test("subjects(/{subject})?$") | not)'
+select_operations '.body and (.path | test("check$|subjects(/{subject})?$") | not)'
 while IFS="$(printf '\t')" read -r e_method e_path e_body; do
     printf '%s' "$e_body" >"$T/sent"
     put "$e_method" "$(echo "$e_path" | sed "s/[0-9a-f]\{32\}/$id/")" 422 "$JSON" "$T/sent"

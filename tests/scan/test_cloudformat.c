@@ -105,13 +105,30 @@ static void test_json(void **state)
     f.len = 0;
     scanfile_text(&f, "{\"asset\": {\"version\": \"2.0\"}}");
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "the body has points and units, not asset");
+                 "the body has points, units and axes, not asset");
     f.len = 0;
     scanfile_text(&f, "{\"points\": [[1,2,1e999]]}");
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
     f.len = 0;
     scanfile_text(&f, "{\"points\": [[1,2,3]], \"units\": \"ell\"}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "units is not mm, cm, m or in");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "units is not auto, mm, cm, m or in");
+    f.len = 0;
+    scanfile_text(&f,
+                  "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}");
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.unit_mm == 0 && p.as_scanned);
+    cloudpoints_free(&p);
+    f.len = 0;
+    scanfile_text(&f, "{\"points\": [[1,2,3]], \"axes\": \"auto\"}");
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.unit_mm == 0 && !p.as_scanned);
+    cloudpoints_free(&p);
+    for (int i = 0; i < 2; i++) {
+        f.len = 0;
+        scanfile_text(&f, i == 0 ? "{\"points\": [[1,2,3]], \"axes\": \"camera\"}"
+                                 : "{\"points\": [[1,2,3]], \"axes\": null}");
+        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "axes is neither auto nor scanner");
+    }
 }
 
 /* Declared as something else than it is. */

@@ -1,0 +1,53 @@
+#include "check.h"
+
+#include "app.h"
+#include "cloud.h"
+#include "describe.h"
+#include "errmap.h"
+#include "log.h"
+#include "metrics.h"
+#include "render.h"
+#include "request.h"
+#include "trial.h"
+#include "worker.h"
+
+static void respond(struct request *r, const struct worker *w, const struct trial *t,
+                    const struct describe_times *times)
+{
+    const char *code = t->why.msg[0] != '\0' ? errmap_get(t->why.code)->code : NULL;
+
+    metrics_check(r->app->metrics, t->enrolment == ST_OK      ? METRICS_ENROLLABLE
+                                   : t->verification == ST_OK ? METRICS_USABLE
+                                                              : METRICS_UNUSABLE);
+    request_respond(r, 200, render_trial(t, &w->probe, code, times));
+}
+
+void check_handle(struct request *r, struct worker *w)
+{
+    struct describe_times times = {0};
+    struct cloudpoints c;
+    struct trial t = {0};
+    const double start = log_clock_ms();
+    double parsed;
+    enum status st = cloud_take(r, &c, &t.why);
+
+    if (r->response.http != 0) /* a parameter */
+        return;
+    parsed = log_clock_ms();
+    request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
+    if (st == ST_OK) {
+        st = trial_run("points", &c, SCAN_AXES_AUTO, w->compare.work, &w->probe, &t);
+        request_stage(r, REQUEST_PREPARE, times.prepare = log_clock_ms() - parsed);
+    } else if (trial_is_refusal(st)) {
+        const struct errinfo e = t.why;
+
+        trial_unread(st, &e, &t);
+        st = ST_OK;
+    }
+    times.total = log_clock_ms() - r->start_ms;
+    if (st == ST_OK)
+        respond(r, w, &t, &times);
+    else
+        request_fail(r, &t.why);
+    cloudpoints_free(&c);
+}

@@ -1,0 +1,220 @@
+#!/bin/sh
+# Goal: a response says what was found in the scan; /v1/check says what would be done with one and
+# what to change, and stores nothing; a form with one file is the same as the file; refusals are
+# counted by their code.
+# shellcheck disable=SC2016 # the variables are jq's
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/a.ply"
+scan 1 0 "$T/a.xyz"
+scan 1 1 "$T/b.json"
+scan 1 1 "$T/noisy.ply" --noise 6
+awk '{ print $1, $2, 0 }' "$T/a.xyz" >"$T/flat.xyz"
+awk '{ print $1 / 1000, $2 / 1000, $3 / 1000 }' "$T/a.xyz" >"$T/metres.xyz"
+start_daemon --attempts 0 --max-body 2000000
+AUTH=$(new_token one)
+
+# ---- what was found: the same object wherever a scan is taken
+FRONTAL='{"points_dropped":0,"points_read":3000,"points_used":3000,"units":"mm"}'
+# found TITLE [FILTER]: the last response has it as .scan, or where FILTER says.
+found() {
+    is "$1: status" "$STATUS" "${3:-200}"
+    is "$1: what was found" "$(get "${2:-.scan} | {points_dropped, points_read, points_used, units}" |
+        jq -cS .)" "$FRONTAL"
+    ok "$1: the view is a rigid one" jq_true "${2:-.scan} | .view | length == 16 and .[12:] == [0, 0, 0, 1]
+        and ([.[0:3], .[4:7], .[8:11]] | map(map(. * .) | add) | all(. > 0.99999 and . < 1.00001))" \
+        "$T/body"
+    is "$1: nothing is covered, and no warning" "$(get "${2:-.scan} | [.occluded < 0.2, .warnings] | tojson")" \
+        '[true,[]]'
+}
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+found "enrolment" .scan 201
+is "its format" "$(get .scan.format)" ply
+id=$(get .template_id)
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+found "enrolled before"
+for route in subjects/alice "templates/$id"; do
+    send POST "/v1/$route/verify" "$JSON" "$T/b.json"
+    found "verify at $route"
+    is "its format" "$(get .scan.format)" json
+    send POST "/v1/$route/verify" "$JSON" "$T/b.json" -H 'Prefer: return=minimal'
+    is "the decision alone" "$(get 'keys | tojson')" '["decision","subject","template_id"]'
+done
+jq -c '{a: ., b: .}' "$T/b.json" >"$T/ab.json"
+send POST /v1/compare "$JSON" "$T/ab.json"
+found "compare, a" .scan.a
+found "compare, b" .scan.b
+fits "compare" Verdict
+send POST /v1/asymmetry "$PLY" "$T/a.ply"
+found "asymmetry"
+fits "asymmetry" Asymmetry
+req GET "/v1/templates/$id"
+is "what is stored does not say" "$(get 'has("scan")')" false
+
+# ---- the unit and the axes
+for query in units=auto units=mm axes=auto axes=scanner 'units=auto&axes=scanner' 'axes=auto&units=mm'; do
+    send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a.ply"
+    found "$query"
+    is "$query" "$(get .decision)" match
+done
+for member in '.units = "auto"' '.units = "mm"' '.axes = "auto"' '.axes = "scanner"' \
+    '.units = "auto" | .axes = "scanner"'; do
+    jq -c "$member" "$T/b.json" >"$T/x"
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+    found "$member"
+    is "$member" "$(get .decision)" match
+done
+for query in units=inch units= units=MM units=um 'units=mm%00' axes=camera axes= axes=Scanner; do
+    send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a.ply"
+    problem "$query" 400 invalid_parameter "^${query%%=*} is n"
+done
+for member in '.units = "um"' '.units = 1' '.axes = "camera"' '.axes = null' '.axes = true'; do
+    jq -c "$member" "$T/b.json" >"$T/x"
+    send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+    m=${member#.}
+    problem "$member" 400 malformed "^${m%% *} is n"
+    jq -c "{a: ., b: $member}" "$T/b.json" >"$T/x" 2>/dev/null ||
+        jq -c "{a: ., b: ($member)}" "$T/b.json" >"$T/x"
+    send POST /v1/compare "$JSON" "$T/x"
+    problem "b: $member" 400 malformed "^b\.${m%% *} is n"
+done
+send POST '/v1/subjects/alice/verify?units=mm' "$BYTES" "$T/metres.xyz"
+problem "metres said to be mm" 422 units_suspicious \
+    '^points: the extent is 0\.12[0-9]* x 0\.15[0-9]* x 0\.06[0-9]* in the units given; a face is 60 to 500 mm: is it metres\?'
+send POST '/v1/subjects/alice/verify?units=m' "$BYTES" "$T/metres.xyz"
+is "metres" "$STATUS $(get '[.decision, .scan.units, (.scan.view | .[0] | round)] | tojson')" \
+    '200 ["match","m",1000]'
+jq -c '{points: [.points[] | map(. / 10)], units: "cm"}' "$T/b.json" >"$T/x"
+send POST '/v1/subjects/alice/verify?units=m' "$JSON" "$T/x"
+is "the file's own unit wins" "$STATUS $(get '[.decision, .scan.units] | tojson')" '200 ["match","cm"]'
+
+# ---- check
+logged() {
+    sqlite3 "$DB" 'SELECT count(*) FROM events; SELECT count(*) FROM templates' | paste -sd ' '
+}
+before=$(logged)
+send POST /v1/check "$PLY" "$T/a.ply"
+found "check"
+fits "check" Check
+is "usable" "$(get '[.usable, .enrollable, .code, .detail] | tojson')" '[true,true,null,null]'
+is "no advice" "$(get '.advice | tojson')" '[]'
+is "its quality" "$(get '.quality | .score > 0.9 and .reasons == []')" true
+send POST /v1/check "$BYTES" "$T/flat.xyz"
+fits "a plane" Check
+is "a plane" "$STATUS $(get '[.usable, .enrollable] | tojson')" '200 [false,false]'
+ok "a plane: not a face: $(get .code)" matches "$(get .code)" '^(not_a_face|no_face)$'
+ok "the detail ends with the advice" jq_true '. as $c | .advice | length > 0
+    and all(. as $line | $c.detail | contains($line))' "$T/body"
+code=$(get .code)
+detail=$(get .detail)
+send POST /v1/subjects/alice/verify "$BYTES" "$T/flat.xyz"
+problem "as a verification says it" 422 "$code"
+is "in the same words" "$(get .detail)" "$detail"
+send POST /v1/check "$PLY" "$T/noisy.ply"
+is "noise" "$STATUS $(get '[.usable, .enrollable, .code] | tojson')" '200 [false,false,"low_quality"]'
+is "its reasons" "$(get '.quality.reasons | tojson')" '["noisy"]'
+ok "hold still" jq_true '.advice[0] | test("^hold still and scan again: the noise is [0-9.]+ mm")' \
+    "$T/body"
+send POST '/v1/check?units=mm' "$BYTES" "$T/metres.xyz"
+is "metres said to be mm" "$STATUS $(get '[.usable, .code, .scan.units] | tojson')" \
+    '200 [false,"units_suspicious","mm"]'
+contains "is it metres?" "$T/body" '"is it metres\?'
+echo '{"points": [[1, 2, 3]]}' >"$T/x"
+send POST /v1/check "$JSON" "$T/x"
+is "a point" "$STATUS $(get '[.usable, .code, .quality] | tojson')" '200 [false,"too_few_points",null]'
+printf '1 2 nan\n3 nan 1\n' >"$T/x"
+send POST /v1/check "$BYTES" "$T/x"
+is "points without a value alone" "$STATUS $(get '[.usable, .code, .scan, .quality] | tojson')" \
+    '200 [false,"not_finite",null,null]'
+awk 'BEGIN { for (i = 0; i <= 300000; i++) print "v 1 2 3" }' | gzip >"$T/many.gz"
+send POST /v1/check "$BYTES" "$T/many.gz"
+problem "too many bytes when unpacked" 413 body_too_large 'limit is 2000000 bytes when unpacked'
+send POST /v1/check "$JSON" "$T/a.ply"
+problem "malformed" 400 malformed 'this is PLY, not JSON'
+send POST '/v1/check?detail=measure' "$PLY" "$T/a.ply"
+problem "a parameter of others" 400 invalid_parameter 'no query parameter detail'
+req GET /v1/check
+is "no GET" "$STATUS $(field Allow)" '405 POST'
+is "nothing was stored or logged" "$(logged)" "$before"
+
+# ---- its scopes: any of these three
+for scope in verify enroll identify; do
+    AUTH=$(new_token "$scope" --scope "$scope")
+    send POST /v1/check "$PLY" "$T/a.ply"
+    is "check with the scope $scope" "$STATUS" 200
+done
+AUTH=$(new_token others --scope read,delete,manage,detail)
+send POST /v1/check "$PLY" "$T/a.ply"
+problem "check without them" 403 insufficient_scope 'enroll,verify,identify'
+is "the challenge names them" "$(field WWW-Authenticate)" \
+    'Bearer realm="surfaced", error="insufficient_scope", scope="enroll verify identify"'
+AUTH=$(new_token two)
+
+# ---- counted
+is "checked, good" "$(metric 'surfaced_checks_total{outcome="enrollable"}')" 4
+is "checked, bad" "$(metric 'surfaced_checks_total{outcome="unusable"}')" 5
+is "refused" "$(metric "surfaced_scans_refused_total{code=\"$code\"}")" 1
+is "refused" "$(metric 'surfaced_scans_refused_total{code="units_suspicious"}')" 1
+is "a check is no refusal" "$(metric 'surfaced_scans_refused_total{code="too_few_points"}')" 0
+
+# ---- a form with one file is the file
+is_match() {
+    is "$1" "$STATUS $(get .decision)" '200 match'
+    is "$1: the same digits" "$(get .disparity_mm)" "$mm"
+}
+send POST /v1/subjects/alice/verify "$JSON" "$T/b.json"
+mm=$(get .disparity_mm)
+for type in '' ';type=application/json' ';type=application/octet-stream' ';type=image/jpeg' \
+    ';filename=../../x y";.json'; do
+    req POST /v1/subjects/alice/verify -F "file=@$T/b.json$type"
+    is_match "curl -F, $type"
+done
+req POST /v1/subjects/alice/verify -F "anything=<$T/b.json"
+is_match "a part without a file name"
+req POST /v1/subjects/alice/verify -F "file=@-" <"$T/b.json" -H 'Transfer-Encoding: chunked'
+is_match "in chunks"
+gzip -k "$T/b.json"
+req POST /v1/subjects/alice/verify -F "file=@$T/b.json.gz"
+is_match "a .gz file"
+req POST /v1/subjects/alice/verify \
+    -F "file=@$T/b.json.gz;type=application/json;headers=Content-Encoding: gzip"
+is_match "a coding of its own"
+req POST /v1/subjects/bob/templates -F "file=@$T/a.ply;type=model/ply"
+is "enrolled by a form" "$STATUS $(get .scan.format)" '201 ply'
+req POST '/v1/check?units=mm' -F "file=@$T/a.ply"
+is "checked by a form" "$STATUS $(get .usable)" '200 true'
+KEY='Idempotency-Key: "8e03978e-40d5-43e8-bc93-6894a57f9324"'
+req POST /v1/subjects/carol/templates -F "file=@$T/a.ply" -H "$KEY"
+req POST /v1/subjects/carol/templates -F "file=@$T/a.ply" -H "$KEY"
+is "another boundary is no other request" "$STATUS $(field Idempotent-Replayed)" '201 true'
+
+req POST /v1/subjects/alice/verify -F "file=@$T/b.json" -F units=mm
+problem "another part" 400 malformed 'the parts file, units: send one file alone'
+req POST /v1/subjects/alice/verify -F "file=@$T/b.json" -F "more=@$T/a.ply"
+problem "two files" 400 malformed 'the parts file, more'
+req POST /v1/subjects/alice/verify -F 'file=@/dev/null'
+problem "an empty file" 400 malformed 'the file is empty'
+FORM='Content-Type: multipart/form-data'
+send POST /v1/subjects/alice/verify "$FORM" "$T/b.json"
+problem "no boundary" 400 malformed 'boundary of 1 to 70'
+send POST /v1/subjects/alice/verify "$FORM; boundary=b" "$T/b.json"
+problem "no form" 400 malformed 'byte 0: the body does not begin with the boundary'
+printf -- '--b\r\nContent-Disposition: form-data; name="file"\r\n\r\n{"points": []}\r\n--b' >"$T/x"
+send POST /v1/subjects/alice/verify "$FORM; boundary=b" "$T/x"
+problem "cut off" 400 malformed 'ends before the last boundary'
+req POST /v1/subjects/alice/verify -F "file=@$T/b.json;headers=Content-Encoding: br"
+problem "a coding that is not read" 415 unsupported_content_encoding
+head -c 2100000 /dev/zero >"$T/zero"
+gzip -c "$T/zero" >"$T/zero.gz"
+req POST /v1/subjects/alice/verify -F "file=@$T/zero"
+problem "a large file" 413 body_too_large
+for part in '' ';headers=Content-Encoding: gzip'; do
+    req POST /v1/subjects/alice/verify -F "file=@$T/zero.gz$part"
+    problem "a file that is large when unpacked$part" 413 body_too_large
+done
+req POST /v1/compare -F "file=@$T/ab.json"
+problem "of JSON alone" 415 unsupported_media_type
+req POST /v1/subjects -F "file=@$T/ab.json"
+problem "of JSON alone" 415 unsupported_media_type
+finish

@@ -1,0 +1,151 @@
+/* link: -Wl,--wrap=scan_build */
+/* A trial says what an enrolment and a verification would do: a scan that only a verification
+ * takes keeps the enrolment's reason and advice, and the second run has the points as they
+ * were. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "cloudpoints.h"
+#include "face.h"
+#include "mem.h"
+#include "trial.h"
+
+/* What each run is to return, by whether it is an enrolment's. */
+static enum status outcome[2];
+static int runs;
+
+enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
+                              struct face_work *w, struct face *out, size_t *bad,
+                              struct scan_found *found);
+
+enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
+                              struct face_work *w, struct face *out, size_t *bad,
+                              struct scan_found *found)
+{
+    (void)w;
+    (void)bad;
+    runs++;
+    assert_int_equal(o->axes, SCAN_AXES_SCANNER);
+    assert_int_equal(c->n, 3);
+    assert_true(c->at[1].y == 2.5 && c->index[2] == 4 && c->normal == NULL);
+    *found = (struct scan_found){
+        .points_read = c->read, .unit_mm = 1, .faces = 2, .warnings = 1U << SCAN_SEVERAL};
+    memset(c->at, 0, c->n * sizeof *c->at); /* used up */
+    c->n = 1;
+    if (outcome[o->enrolment] == ST_OK)
+        out->quality = (struct quality){.coverage = 1, .density_mm = 2};
+    return outcome[o->enrolment];
+}
+
+static struct trial t;
+
+static enum status run(enum status enrolment, enum status verification)
+{
+    struct cloudpoints c = {.at = mem_array(3, sizeof *c.at),
+                            .index = mem_array(3, sizeof *c.index),
+                            .n = 3,
+                            .read = 5,
+                            .as_scanned = true};
+    struct face face = {.quality = {.density_mm = 9}};
+    enum status st;
+
+    assert_true(c.at != NULL && c.index != NULL);
+    memset(c.at, 0, 3 * sizeof *c.at);
+    c.at[1].y = 2.5;
+    for (uint32_t i = 0; i < 3; i++)
+        c.index[i] = 2 * i;
+    outcome[true] = enrolment;
+    outcome[false] = verification;
+    runs = 0;
+    st = trial_run("points", &c, SCAN_AXES_AUTO, NULL, &face, &t);
+    cloudpoints_free(&c);
+    return st;
+}
+
+static void test_both(void **state)
+{
+    (void)state;
+    assert_int_equal(run(ST_OK, ST_EINTERNAL), ST_OK);
+    assert_int_equal(runs, 1);
+    assert_int_equal(t.enrolment, ST_OK);
+    assert_int_equal(t.verification, ST_OK);
+    assert_string_equal(t.why.msg, "");
+    assert_int_equal(t.found.points_read, 5);
+    assert_string_equal(t.advice.line[0], "let one person alone be in view: 2 faces are "
+                                          "there, the nearest was taken");
+}
+
+static void test_verification_alone(void **state)
+{
+    (void)state;
+    assert_int_equal(run(ST_ESEVERAL, ST_OK), ST_OK);
+    assert_int_equal(runs, 2);
+    assert_int_equal(t.enrolment, ST_ESEVERAL);
+    assert_int_equal(t.verification, ST_OK);
+    assert_int_equal(t.why.code, ST_ESEVERAL);
+    assert_string_equal(t.why.msg,
+                        "points: 2 faces were found; an enrolment takes one: let one "
+                        "person alone be in view: 2 faces are there");
+    assert_string_equal(t.advice.line[0],
+                        "let one person alone be in view: 2 faces are there");
+    assert_int_equal(t.found.points_read, 5);
+}
+
+static void test_neither(void **state)
+{
+    (void)state;
+    assert_int_equal(run(ST_ESEVERAL, ST_ENOTFACE), ST_OK);
+    assert_int_equal(runs, 2);
+    assert_int_equal(t.enrolment, ST_ESEVERAL);
+    assert_int_equal(t.verification, ST_ENOTFACE);
+    assert_int_equal(t.why.code, ST_ENOTFACE);
+    assert_non_null(strstr(t.advice.line[0], "send one face"));
+}
+
+static void test_failure(void **state)
+{
+    (void)state;
+    assert_int_equal(run(ST_ENOMEM, ST_OK), ST_ENOMEM);
+    assert_int_equal(runs, 1);
+    assert_int_equal(t.why.code, ST_ENOMEM);
+    assert_int_equal(run(ST_ENOTFACE, ST_ENOMEM), ST_ENOMEM);
+    assert_int_equal(t.why.code, ST_ENOMEM);
+}
+
+static void test_unread(void **state)
+{
+    static const enum status refusal[] = {
+        ST_ELIMIT,  ST_ETOOFEW,  ST_ENOTFINITE, ST_ERANGE,   ST_EDEGENERATE, ST_EUNITS,
+        ST_ENOFACE, ST_ESEVERAL, ST_EMIRRORED,  ST_ENOTFACE, ST_EQUALITY};
+    const struct errinfo e = {.code = ST_ELIMIT, .msg = "more points than the limit"};
+
+    (void)state;
+    trial_unread(ST_ELIMIT, &e, &t);
+    assert_int_equal(t.enrolment, ST_ELIMIT);
+    assert_int_equal(t.verification, ST_ELIMIT);
+    assert_string_equal(t.why.msg, e.msg);
+    assert_int_equal(t.found.points_read, 0);
+    assert_int_equal(t.advice.n, 1);
+    for (int st = 0; st < ST_COUNT; st++) {
+        bool is = false;
+
+        for (size_t i = 0; i < sizeof refusal / sizeof *refusal; i++)
+            is = is || (int)refusal[i] == st;
+        assert_int_equal(trial_is_refusal((enum status)st), is);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_both),    cmocka_unit_test(test_verification_alone),
+        cmocka_unit_test(test_neither), cmocka_unit_test(test_failure),
+        cmocka_unit_test(test_unread),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
