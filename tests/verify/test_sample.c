@@ -88,7 +88,7 @@ static void test_units(void **state)
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         take(known[i].real_mm);
         if (known[i].real_mm > 50000) { /* else too small for a triangulation */
-            pts[0].x += 2; /* and too large for micrometres */
+            pts[0].x += 2;              /* and too large for micrometres */
             pts[1].y += 2;
         }
         assert_refused(ST_EUNITS, known[i].given_mm, known[i].guess);
