@@ -47,7 +47,8 @@ static void unit(const struct scan_found *f, struct advice *a)
     const char *likely = likely_unit(f);
 
     if (likely[0] != '\0')
-        add(a, "is it %s? Tell the unit, or let it be found (auto)", likely);
+        add(a, "is it %s? Tell the unit%s", likely,
+            f->unit_found ? "" : ", or let it be found (auto)");
     else
         add(a, "is it one face, and the unit right?");
 }
@@ -102,6 +103,11 @@ static void turned(const struct scan_found *f, struct advice *a)
         add(a, "%s the chin: the face looks %.0f° %s now, up to %d° for enrolment",
             f->pitch_deg > 0 ? "lower" : "raise", fabs(f->pitch_deg),
             f->pitch_deg > 0 ? "up" : "down", QUALITY_TURNED_OTHER_DEG);
+    if (fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG)
+        add(a,
+            "hold the head upright: tilted by %.0f° to the %s now, up to %d° for enrolment",
+            fabs(f->roll_deg), f->roll_deg > 0 ? "right" : "left",
+            QUALITY_TURNED_OTHER_DEG);
 }
 
 static void found(enum status st, const struct scan_found *f, struct advice *a)

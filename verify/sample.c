@@ -30,16 +30,16 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
     const char *comma = "";
 
     if ((f->warnings >> SCAN_OCCLUDED & 1) != 0) {
-        append(e, "%.0f %% of the face is covered", 100 * f->occluded);
+        append(e, "too much of the face is covered");
         comma = ", ";
     }
     if ((f->warnings >> SCAN_TURNED & 1) != 0) {
         append(e, "%sthe face is turned away from the scanner", comma);
         comma = ", ";
     }
-    if (q->density_mm > 0)
+    if (q->density_mm > 0 && (comma[0] == '\0' || quality_reasons(q, NULL) != 0))
         append(e,
-               "%snoise %.1f mm, %.0f %% of the outline covered, a point every %.1f mm",
+               "%snoise %.1f mm, %.0f %% of the outline measured, a point every %.1f mm",
                comma, q->noise_mm, 100 * q->coverage, q->density_mm);
     else if (comma[0] == '\0')
         append(e, "too little of a face was measured");
@@ -66,17 +66,17 @@ static void tell(enum status st, size_t n, size_t bad, const struct scan_found *
         append(e, "the %zu points lie on one line or at one place", n);
         break;
     case ST_EUNITS:
-        append(
-            e,
-            "the extent is %.4g x %.4g x %.4g in the units given; a face is %d to %d mm",
-            x[0], x[1], x[2], QUALITY_EXTENT_MIN_MM, QUALITY_EXTENT_MAX_MM);
+        append(e,
+               "the extent is %.4g x %.4g x %.4g in the units %s; a face is %d to %d mm",
+               x[0], x[1], x[2], f->unit_found ? "taken, mm" : "given",
+               QUALITY_EXTENT_MIN_MM, QUALITY_EXTENT_MAX_MM);
         break;
     case ST_ENOFACE:
         append(e, "no face was found among %zu points, %.4g x %.4g x %.4g in extent", n,
                x[0], x[1], x[2]);
         break;
     case ST_ESEVERAL:
-        append(e, "%u faces were found; an enrolment takes one", (unsigned)f->faces);
+        append(e, "an enrolment takes one face alone");
         break;
     case ST_EMIRRORED:
         append(e, "its normals or the order of its points are a mirror image's");

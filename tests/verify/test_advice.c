@@ -77,7 +77,14 @@ static void test_turned(void **state)
                 "turn the head towards the scanner: 47° to the right now, up to 30° for "
                 "enrolment");
     assert_line(1, "lower the chin: the face looks 26° up now, up to 20° for enrolment");
-    f.yaw_deg = f.pitch_deg = (double)NAN; /* where the scanner was cannot be told */
+    f.yaw_deg = f.pitch_deg = 0;
+    f.roll_deg = 24.6;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "hold the head upright: tilted by 25° to the right now, up to 20° for "
+                   "enrolment");
+    f.yaw_deg = f.pitch_deg = f.roll_deg =
+        (double)NAN; /* where the scanner was cannot be told */
     give(ST_OK, f);
     assert_int_equal(a.n, 0);
 }
@@ -160,7 +167,7 @@ static void test_refusals(void **state)
     }
     face.quality = (struct quality){.coverage = 0.1, .density_mm = 9, .noise_mm = 9};
     f.warnings = (1U << SCAN_WARNINGS) - 1;
-    f.yaw_deg = f.pitch_deg = 90;
+    f.yaw_deg = f.pitch_deg = f.roll_deg = 90;
     give(ST_EQUALITY, f);
     assert_int_equal(a.n, ADVICE_LINES);
 }

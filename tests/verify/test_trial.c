@@ -17,6 +17,7 @@
 /* What each run is to return, by whether it is an enrolment's. */
 static enum status outcome[2];
 static int runs;
+static struct scan_found told; /* but for the points */
 
 enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
                               struct face_work *w, struct face *out, size_t *bad,
@@ -32,8 +33,8 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
     assert_int_equal(o->axes, SCAN_AXES_SCANNER);
     assert_int_equal(c->n, 3);
     assert_true(c->at[1].y == 2.5 && c->index[2] == 4 && c->normal == NULL);
-    *found = (struct scan_found){
-        .points_read = c->read, .unit_mm = 1, .faces = 2, .warnings = 1U << SCAN_SEVERAL};
+    *found = told;
+    found->points_read = c->read;
     memset(c->at, 0, c->n * sizeof *c->at); /* used up */
     c->n = 1;
     if (outcome[o->enrolment] == ST_OK)
@@ -42,6 +43,16 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
 }
 
 static struct trial t;
+
+static int set_up(void **state)
+{
+    (void)state;
+    told = (struct scan_found){.unit_mm = 1,
+                               .extent = {410, 440, 120.5},
+                               .faces = 2,
+                               .warnings = 1U << SCAN_SEVERAL};
+    return 0;
+}
 
 static enum status run(enum status enrolment, enum status verification)
 {
@@ -87,9 +98,8 @@ static void test_verification_alone(void **state)
     assert_int_equal(t.enrolment, ST_ESEVERAL);
     assert_int_equal(t.verification, ST_OK);
     assert_int_equal(t.why.code, ST_ESEVERAL);
-    assert_string_equal(t.why.msg,
-                        "points: 2 faces were found; an enrolment takes one: let one "
-                        "person alone be in view: 2 faces are there");
+    assert_string_equal(t.why.msg, "points: an enrolment takes one face alone: let one "
+                                   "person alone be in view: 2 faces are there");
     assert_string_equal(t.advice.line[0],
                         "let one person alone be in view: 2 faces are there");
     assert_int_equal(t.found.points_read, 5);
@@ -114,6 +124,42 @@ static void test_failure(void **state)
     assert_int_equal(t.why.code, ST_ENOMEM);
     assert_int_equal(run(ST_ENOTFACE, ST_ENOMEM), ST_ENOMEM);
     assert_int_equal(t.why.code, ST_ENOMEM);
+}
+
+/* Each refusal says what was measured, and ends with the advice. */
+static void test_texts(void **state)
+{
+    static const struct {
+        enum status st;
+        const char *text;
+    } known[] = {
+        {ST_ENOFACE,
+         "points: no face was found among 3 points, 410 x 440 x 120.5 in extent: "
+         "let the scanner see the whole face, from the front or turned by up to "
+         "55°"},
+        {ST_EMIRRORED,
+         "points: its normals or the order of its points are a mirror image's: "
+         "the scan seems to be a mirror image: switch mirroring off where it "
+         "was made"},
+        {ST_ENOTFACE,
+         "points: the surface does not have the shape of a face (support 0.21, "
+         "at least 0.33 wanted): send one face seen from the front, with "
+         "forehead, nose and chin"},
+        {ST_EQUALITY,
+         "points: too much of the face is covered: take off glasses or mask, keep "
+         "hair and hands away: 31 % of the face is covered"},
+    };
+
+    (void)state;
+    told.support = 0.21;
+    told.support_wanted = 0.33;
+    told.faces = 1;
+    told.occluded = 0.31;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        told.warnings = known[i].st == ST_EQUALITY ? 1U << SCAN_OCCLUDED : 0;
+        assert_int_equal(run(known[i].st, ST_OK), ST_OK);
+        assert_string_equal(t.why.msg, known[i].text);
+    }
 }
 
 static void test_unread(void **state)
@@ -142,8 +188,11 @@ static void test_unread(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_both),    cmocka_unit_test(test_verification_alone),
-        cmocka_unit_test(test_neither), cmocka_unit_test(test_failure),
+        cmocka_unit_test_setup(test_both, set_up),
+        cmocka_unit_test_setup(test_verification_alone, set_up),
+        cmocka_unit_test_setup(test_neither, set_up),
+        cmocka_unit_test_setup(test_failure, set_up),
+        cmocka_unit_test_setup(test_texts, set_up),
         cmocka_unit_test(test_unread),
     };
 
