@@ -57,6 +57,14 @@ corpus() {
     record obj POST "/v1/templates/$id/verify" 'Content-Type: model/obj' \
         'Transfer-Encoding: chunked' <"$T/s.obj"
     record xyz POST /v1/subjects/alice/verify 'Content-Type: text/plain' <"$T/s.xyz"
+    record check POST '/v1/check?axes=scanner&units=auto' "$PLY" <"$T/s.ply"
+    {
+        printf -- '--b-1\r\nContent-Disposition: form-data; name="file"; filename="s.ply"\r\n'
+        printf 'Content-Type: model/ply\r\n\r\n'
+        cat "$T/s.ply"
+        printf -- '\r\n--b-1--\r\n'
+    } >"$T/form"
+    record form POST /v1/check 'Content-Type: multipart/form-data; boundary="b-1"' <"$T/form"
     record bytes POST /v1/subjects/alice/verify "$BYTES" 'Transfer-Encoding: chunked' <"$T/s.xyz"
     gzip -c "$T/s.json" | record gzip POST /v1/subjects/alice/verify "$JSON" \
         'Content-Encoding: gzip'
