@@ -10,7 +10,8 @@
 #include "scan.h"
 #include "tuning.h"
 
-#define HALF_PROFILE_DEG 55 /* beyond it less than half of a face is seen */
+#define NEARLY_A_FACE    0.5 /* of the support that is wanted */
+#define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */
 
 __attribute__((format(printf, 2, 3))) static void add(struct advice *a, const char *fmt,
                                                       ...)
@@ -125,7 +126,7 @@ static void found(enum status st, const struct scan_found *f, struct advice *a)
             100 * f->occluded);
     if (warns(f, SCAN_TURNED))
         turned(f, a);
-    if (warns(f, SCAN_BEHIND))
+    if (st == ST_OK && warns(f, SCAN_BEHIND))
         add(a,
             "%.0f %% of the points are behind the head or beside it: they are left out",
             100 * f->elsewhere);
@@ -161,8 +162,9 @@ void advice_give(enum status st, const struct scan_found *f, const struct face *
                  struct advice *out)
 {
     out->n = 0;
+    if (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted)
+        found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
-    found(st, f, out);
     if (face->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))
         quality(st, f, face, out);
     if (st == ST_EQUALITY && out->n == 0)

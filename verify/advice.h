@@ -17,8 +17,8 @@ struct advice {
              [ADVICE_MAX]; /* "hold still and scan again: ...", no full stop */
 };
 
-/* advice_give(st, found, face, out): what scan_build() left, and what to change; first the
- * reason of st, where that is a refusal.  face: its quality counts where density_mm is not 0,
+/* advice_give(st, found, face, out): what scan_build() left, and what to change; first what
+ * st is about, where that is a refusal.  face: its quality counts where density_mm is not 0,
  * and its frame where st is ST_OK.
  * Left and right are those of the person in front of the scanner. */
 void advice_give(enum status st, const struct scan_found *found, const struct face *face,

@@ -154,6 +154,28 @@ static void test_quality(void **state)
     assert_int_equal(a.n, 1);
 }
 
+/* What is nearly a face may be one that is covered; of what is none nothing is known. */
+static void test_support(void **state)
+{
+    struct scan_found f = plain;
+
+    (void)state;
+    good();
+    f.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_BEHIND;
+    f.occluded = 0.56;
+    f.support_wanted = 0.33;
+    f.support = 0.31;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 2);
+    assert_line(0,
+                "take off glasses or mask, keep hair and hands away: 56 % of the face is "
+                "covered");
+    f.support = -0.12;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "send one face seen from the front, with forehead, nose and chin");
+}
+
 /* Each refusal of a scan has its advice, and so does everything at once. */
 static void test_refusals(void **state)
 {
@@ -213,7 +235,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_none),     cmocka_unit_test(test_turned),
         cmocka_unit_test(test_found),    cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_describe),
+        cmocka_unit_test(test_support),  cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_describe),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
