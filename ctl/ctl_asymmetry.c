@@ -8,7 +8,8 @@
 #include "ctl_face.h"
 #include "ctl_sample.h"
 
-static void print_asymmetry(const struct asymmetry *a, const struct face *f)
+static void print_asymmetry(const struct asymmetry *a, const struct face *f,
+                            const struct scan_found *found)
 {
     (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
                  a->final.volume_mm3, a->final.area_mm2,
@@ -25,6 +26,7 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
     ctl_face_known(stdout, a->turn_deg, a->shift_mm);
     (void)printf("\n");
     ctl_face_scan(stdout, f);
+    ctl_sample_warnings(stdout, "warnings", found);
 }
 
 static enum status measure(struct ctl *c)
@@ -41,13 +43,14 @@ static enum status measure(struct ctl *c)
     if (st == ST_OK) {
         const double end = ctl_clock_ms();
 
+        describe_scan(c->out, "scan", &found);
         describe_asymmetry(c->out, &a, &f, c->engine,
                            &(struct describe_times){.parse = NAN,
                                                     .prepare = NAN,
                                                     .measure = end - prepared,
                                                     .total = end - start});
         if (!c->json)
-            print_asymmetry(&a, &f);
+            print_asymmetry(&a, &f, &found);
         c->code = asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
     }
     face_free(&f);

@@ -28,9 +28,7 @@ const char *ctl_option_text(const char *text, void *value)
 
 static const char *read_units(const char *text, void *value)
 {
-    if (strcmp(text, "auto") == 0 || cloudunit_mm(text, strlen(text), value))
-        return NULL;
-    return "auto, " CLOUDUNIT_NAMES;
+    return cloudunit_or_auto(text, value) ? NULL : "auto, " CLOUDUNIT_NAMES;
 }
 
 static const char *read_axes(const char *text, void *value)

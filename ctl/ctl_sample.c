@@ -84,3 +84,18 @@ enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
     cloudpoints_free(&p);
     return st;
 }
+
+void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f)
+{
+    const char *comma = "";
+
+    if (f->warnings != 0)
+        (void)fprintf(to, "%-12s ", label);
+    for (int i = 0; i < SCAN_WARNINGS; i++)
+        if ((f->warnings >> i & 1) != 0) {
+            (void)fprintf(to, "%s%s", comma, scan_warning_name((enum scan_warning)i));
+            comma = ", ";
+        }
+    if (f->warnings != 0)
+        (void)fprintf(to, "\n");
+}

@@ -3,6 +3,7 @@
 #define CTL_SAMPLE_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 #include "scan.h"
 #include "status.h"
 
@@ -23,6 +24,10 @@ enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints
 enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints *p,
                              bool enrolment, struct face_work *w, struct face *out,
                              struct scan_found *found);
+
+/* ctl_sample_warnings(to, label, f): a line "warnings     occluded, turned", where "warnings" is
+ * the label; nothing without any. */
+void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f);
 
 /* ctl_sample_file(path, most, bytes, len, e): all of a file of up to that many bytes ("-":
  * standard input), with a zero byte behind it; *bytes is released by free(), also on

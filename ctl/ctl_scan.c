@@ -2,11 +2,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "advice.h"
 #include "cloudpoints.h"
 #include "cloudunit.h"
 #include "describe.h"
 #include "mem.h"
+#include "trial.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_face.h"
@@ -16,80 +16,13 @@
 static const char *picture; /* --picture */
 
 struct checked {
-    struct cloudpoints raw, points; /* as read; of the face, where one was found */
-    struct scan_found found;
+    struct cloudpoints raw,
+        points; /* as read (for a picture); afterwards those of the face */
     struct face face;
-    struct advice advice;
-    enum status enrol, verify; /* ST_OK: usable */
-    struct errinfo why;        /* where not for enrolment */
+    struct trial trial;
 };
 
-static void *copy_array(const void *from, size_t n, size_t size)
-{
-    void *to = from != NULL ? mem_array(n, size) : NULL;
-
-    if (to != NULL)
-        memcpy(to, from, n * size);
-    return to;
-}
-
-/* to = from; what it had before is released. */
-static enum status copy_points(const struct cloudpoints *from, struct cloudpoints *to)
-{
-    cloudpoints_free(to);
-    *to = *from;
-    to->at = copy_array(from->at, from->n, sizeof *to->at);
-    to->normal = copy_array(from->normal, from->n, sizeof *to->normal);
-    to->index = copy_array(from->index, from->n, sizeof *to->index);
-    return (to->at == NULL) == (from->at == NULL) &&
-                   (to->normal == NULL) == (from->normal == NULL) &&
-                   (to->index == NULL) == (from->index == NULL)
-               ? ST_OK
-               : ST_ENOMEM;
-}
-
-static enum status build(struct ctl *c, struct checked *k, bool enrolment)
-{
-    const enum status st = copy_points(&k->raw, &k->points);
-
-    return st == ST_OK ? ctl_sample_build(c, "refused", &k->points, enrolment, c->work,
-                                          &k->face, &k->found)
-                       : errinfo_set(&c->e, st, "%s", status_message(st));
-}
-
-/* By the strict gate, and where that refuses by the other; the advice is the strict one's. */
-static enum status check(struct ctl *c, struct checked *k)
-{
-    if ((k->enrol = k->verify = build(c, k, true)) == ST_ENOMEM)
-        return ST_ENOMEM;
-    advice_give(k->enrol, &k->found, &k->face, &k->advice);
-    if (k->enrol != ST_OK) {
-        k->why = c->e;
-        k->verify = build(c, k, false);
-    }
-    return k->verify == ST_ENOMEM ? ST_ENOMEM : ST_OK;
-}
-
-/* ---- as JSON and text */
-
-static void tell_json(struct json *j, const struct checked *k)
-{
-    json_object(j, "usable");
-    json_flag(j, "enroll", k->enrol == ST_OK);
-    json_flag(j, "verify", k->verify == ST_OK);
-    json_close(j);
-    describe_scan(j, "scan", &k->found);
-    if (k->verify == ST_OK)
-        describe_quality(j, "quality", &k->face.quality, &k->face.frame);
-    else
-        json_text(j, "quality", NULL);
-    json_text(j, "reason", k->enrol != ST_OK ? status_message(k->enrol) : NULL);
-    json_text(j, "detail", k->enrol != ST_OK ? k->why.msg : NULL);
-    json_array(j, "advice");
-    for (size_t i = 0; i < k->advice.n; i++)
-        json_text(j, NULL, k->advice.line[i]);
-    json_close(j);
-}
+/* ---- as text */
 
 static void print_found(const struct scan_found *f)
 {
@@ -105,22 +38,23 @@ static void print_found(const struct scan_found *f)
     (void)printf(
         "covered      %.0f %% of the face; %.0f %% of the points are elsewhere\n",
         100 * f->occluded, 100 * f->elsewhere);
-    for (int i = 0; i < SCAN_WARNINGS; i++)
-        if ((f->warnings >> i & 1) != 0)
-            (void)printf("warning      %s\n", scan_warning_name((enum scan_warning)i));
+    ctl_sample_warnings(stdout, "warnings", f);
 }
 
 static void print_text(const struct checked *k)
 {
-    print_found(&k->found);
-    if (k->verify == ST_OK) {
+    const struct trial *t = &k->trial;
+
+    if (t->found.points_read > 0)
+        print_found(&t->found);
+    if (t->verification == ST_OK) {
         (void)printf("quality      %.2f", k->face.quality.score);
         ctl_face_reasons(stdout, &k->face);
     }
-    (void)printf("enrolment    %s\n", k->enrol == ST_OK ? "usable" : k->why.msg);
-    (void)printf("verification %s\n", k->verify == ST_OK ? "usable" : "refused");
-    for (size_t i = 0; i < k->advice.n; i++)
-        (void)printf("advice       %s\n", k->advice.line[i]);
+    (void)printf("enrolment    %s\n", t->enrolment == ST_OK ? "usable" : t->why.msg);
+    (void)printf("verification %s\n", t->verification == ST_OK ? "usable" : "refused");
+    for (size_t i = 0; t->enrolment == ST_OK && i < t->advice.n; i++)
+        (void)printf("advice       %s\n", t->advice.line[i]);
 }
 
 /* ---- as a picture */
@@ -142,21 +76,22 @@ static void mark_used(const struct checked *k, uint8_t *used)
 
 static enum status draw(struct ctl *c, const struct checked *k)
 {
+    const struct trial *t = &k->trial;
+    const bool usable = t->verification == ST_OK;
     uint8_t *used = mem_array(k->raw.n, 1);
-    const bool usable = k->verify == ST_OK;
     const struct scan_picture p = {
         .drawn = {.at = k->raw.at,
                   .used = used,
                   .n = k->raw.n,
-                  .found = &k->found,
+                  .found = &t->found,
                   .face = usable ? &k->face : NULL,
                   .mean = face_work_mean(c->work)},
-        .verdict = k->enrol == ST_OK ? "Usable for enrolment and verification"
-                   : usable          ? "Usable for verification only"
-                                     : "Refused",
-        .reason = k->enrol == ST_OK ? "" : status_message(k->enrol),
+        .verdict = t->enrolment == ST_OK ? "Usable for enrolment and verification"
+                   : usable              ? "Usable for verification only"
+                                         : "Refused",
+        .reason = t->enrolment == ST_OK ? "" : status_message(t->enrolment),
         .quality = usable ? k->face.quality.score : (double)NAN,
-        .advice = &k->advice};
+        .advice = &t->advice};
     enum status st;
 
     if (used == NULL)
@@ -172,41 +107,51 @@ static enum status draw(struct ctl *c, const struct checked *k)
 
 /* ---- the command */
 
-/* *usable: for enrolment. */
+/* A file whose points cannot be read is refused as well; other failures are not the scan's. */
+static enum status check(struct ctl *c, const char *path, struct checked *k)
+{
+    enum status st = ctl_sample_parse(c, path, &k->points);
+
+    if (st == ST_EINVAL || st == ST_EVERSION || trial_is_refusal(st)) {
+        trial_unread(st, &c->e, &k->trial);
+        return ST_OK;
+    }
+    if (st == ST_OK && picture != NULL && cloudpoints_copy(&k->points, &k->raw) != ST_OK)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK && (st = trial_run("refused", &k->points, c->scans.axes, c->work,
+                                       &k->face, &k->trial)) != ST_OK)
+        c->e = k->trial.why;
+    return st;
+}
+
 static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 {
+    const double start = ctl_clock_ms();
     struct checked k = {.raw = {.n = 0}};
-    enum status st = ctl_sample_parse(c, path, &k.raw);
+    enum status st = check(c, path, &k);
 
-    *usable = false;
-    ctl_say(c, "scan         %s\n", path);
-    json_object(c->out, NULL);
-    json_text(c->out, "file", path);
-    if (st == ST_OK && (st = check(c, &k)) == ST_OK) {
-        *usable = k.enrol == ST_OK;
-        tell_json(c->out, &k);
+    *usable = st == ST_OK && k.trial.enrolment == ST_OK;
+    if (st == ST_OK) {
+        ctl_say(c, "scan         %s\n", path);
+        json_object(c->out, NULL);
+        json_text(c->out, "file", path);
+        describe_trial(c->out, &k.trial, &k.face, trial_code(k.trial.why.code),
+                       &(struct describe_times){.parse = NAN,
+                                                .prepare = NAN,
+                                                .total = ctl_clock_ms() - start});
+        json_close(c->out);
         if (!c->json)
             print_text(&k);
-        if (picture != NULL)
-            st = draw(c, &k);
-    } else {
-        json_text(c->out, "error", c->e.msg);
-        ctl_say(c, "refused      %s\n", c->e.msg);
     }
-    json_close(c->out);
+    if (st == ST_OK && picture != NULL && k.raw.n > 0)
+        st = draw(c, &k);
     face_free(&k.face);
     cloudpoints_free(&k.raw);
     cloudpoints_free(&k.points);
     return st;
 }
 
-/* Those that end the command: not the scan's fault. */
-static bool is_fault(enum status st)
-{
-    return st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND || st == ST_EDENIED ||
-           st == ST_EINTERNAL;
-}
-
+/* A fault that is no scan's does not stop the others either. */
 static enum status run(struct ctl *c)
 {
     struct errinfo fault = {.code = ST_OK};
@@ -220,7 +165,7 @@ static enum status run(struct ctl *c)
 
         if (!usable)
             c->code = EXIT_NO;
-        if (is_fault(st) && fault.code == ST_OK) {
+        if (st != ST_OK && fault.code == ST_OK) {
             fault = c->e;
             fault.code = st;
         }

@@ -25,6 +25,9 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     ctl_face_regions(stdout, r);
     ctl_face_minimal(stdout, x->minimal);
     ctl_face_scan(stdout, x->probe);
+    ctl_sample_warnings(stdout, "warnings", x->scan);
+    if (x->other != NULL)
+        ctl_sample_warnings(stdout, "warnings of A", x->other);
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
@@ -66,6 +69,7 @@ static enum status verify(struct ctl *c)
                             .result = &best.nearest.result,
                             .minimal = &best.minimal,
                             .probe = &probe,
+                            .scan = &found,
                             .engine = c->engine,
                             .subject = subject,
                             .template_id = best.tmpl.id,
@@ -84,14 +88,14 @@ static enum status verify(struct ctl *c)
 static enum status compare(struct ctl *c)
 {
     const double start = ctl_clock_ms();
-    struct scan_found found;
+    struct scan_found found[2];
     struct face a = {0}, b = {0};
     struct face_result r = {0};
     struct minimal least = {0};
     enum status st;
 
-    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a, &found)) == ST_OK &&
-        (st = ctl_sample_read(c, c->args[1], false, c->work, &b, &found)) == ST_OK &&
+    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a, &found[0])) == ST_OK &&
+        (st = ctl_sample_read(c, c->args[1], false, c->work, &b, &found[1])) == ST_OK &&
         ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
          (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
              ST_OK ||
@@ -103,6 +107,8 @@ static enum status compare(struct ctl *c)
                    .result = &r,
                    .minimal = &least,
                    .probe = &b,
+                   .scan = &found[1],
+                   .other = &found[0],
                    .engine = c->engine,
                    .templates_compared = 1,
                    .measure = true,

@@ -22,6 +22,10 @@ struct trial {
 /* trial_is_refusal(st): the scan is the reason, and can be changed at the scanner. */
 bool trial_is_refusal(enum status st);
 
+/* trial_code(st): the word for a refusal, as in the API ("not_a_face"); "malformed" for what
+ * cannot be read at all; NULL for ST_OK. */
+const char *trial_code(enum status st);
+
 /* trial_run(name, c, axes, w, face, out): build the face as for an enrolment and, where that is
  * refused, as for a verification.
  * name, axes, w  as in sample_build()

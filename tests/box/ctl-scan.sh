@@ -1,0 +1,105 @@
+#!/bin/sh
+# Goal: surfacectl scan says of any file what is found in it and what would be done, and what to
+# do better; nothing is stored; its picture shows it; it says what the daemon says.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+in_folder
+
+# one FILTER: of the first scan of the last expect's JSON
+one() { jq -r ".scans[0] | $1" out; }
+
+scan 1 0 a.ply --pose 4 --shift 5
+scan 1 0 a.xyz --pose 4 --shift 5
+awk 'BEGIN { for (x = -80; x <= 80; x += 3) for (y = -80; y <= 80; y += 3)
+    print x, y, 60 - sqrt(x * x + y * y) }' >cone.xyz
+head -n 60 a.xyz >few.xyz
+printf 'OFF\n3 1 0\n' >a.off
+printf 'v 1 2 x\n' >bad.obj
+: >empty.ply
+
+# ---- a frontal scan in mm
+expect 0 "a good scan" "$ctl" scan a.ply
+has out '^scan  *a.ply$'
+has out '^format  *PLY, 3000 points, 0 without a value, 3000 used$'
+has out '^unit  *mm'
+has out '^quality  *0\.9'
+has out '^enrolment  *usable$'
+has out '^verification  *usable$'
+expect 0 "as JSON" "$ctl" scan --json a.ply
+ok "its members" jq_true '.scans | length == 1 and (.[0] |
+    .file == "a.ply" and .usable and .enrollable and .code == null and .detail == null and
+    .advice == [] and .scan.format == "ply" and .scan.points_read == 3000 and
+    .scan.points_used == 3000 and .scan.units == "mm" and (.scan.view | length) == 16 and
+    .scan.occluded == 0 and .scan.warnings == [] and .quality.score > 0.9)' out
+
+# ---- what cannot be used, and why
+expect 1 "a cone" "$ctl" scan --json cone.xyz
+is "it is refused" "$(one '[.usable, .enrollable, .code] | join(" ")')" 'false false not_a_face'
+ok "and why" [ "$(one '.detail | length')" -gt 20 ]
+ok "and what to do" [ "$(one '.advice | length')" -gt 0 ]
+expect 1 "few points" "$ctl" scan few.xyz
+has out '^enrolment  *refused: 60 points, fewer than 100'
+has out 'move nearer to the scanner, or let'
+expect 1 "a format that is not read" "$ctl" scan --json a.off
+is "it is told" "$(one .code)" malformed
+ok "by its name" jq_true '.scans[0].detail | test("an OFF file, which is not read: send PLY")' out
+
+# ---- several, one after the other
+expect 1 "several" "$ctl" scan a.ply cone.xyz a.off bad.obj empty.ply a.xyz --json
+is "each of them" "$(jq -r '[.scans[] | .usable] | join(" ")' out)" \
+    'true false false false false true'
+expect 66 "one that is not there" "$ctl" scan a.ply none.ply a.xyz
+has err 'none.ply: No such file'
+is "the others were looked at" "$(grep -c '^verification  *usable' out)" 2
+expect 0 "from a pipe" sh -c "'$ctl' scan - <a.ply"
+
+# ---- units, axes, and how a depth image is read are options here as well
+awk '{ print $1 / 25.4, -$2 / 25.4, -$3 / 25.4 }' a.xyz >camera.xyz
+expect 1 "inches taken for mm" "$ctl" scan --units mm camera.xyz --json
+is "the extent tells" "$(one .code)" units_suspicious
+expect 1 "axes of a camera" "$ctl" scan --units in --axes scanner camera.xyz
+expect 64 "an option it does not take" "$ctl" scan a.ply --label x
+
+# ---- the picture
+if command -v gnuplot >/dev/null 2>&1; then
+    png() { head -c 8 "$1" | od -An -tx1 | tr -d ' '; }
+    expect 0 "a picture" "$ctl" scan a.ply --picture a.png
+    is "it is a PNG" "$(png a.png)" 89504e470d0a1a0a
+    is "its owner's alone" "$(stat -c %a a.png)" 600
+    expect 1 "a picture of what is refused" "$ctl" scan cone.xyz --picture cone.png
+    is "it is one too" "$(png cone.png)" 89504e470d0a1a0a
+    mkdir script
+    printf '#!/bin/sh\ntee "%s/script/in" | exec %s --default-settings\n' "$T" \
+        "$(command -v gnuplot)" >script/gnuplot
+    chmod +x script/gnuplot
+    what='a name with quotes'
+    cp a.ply "a\"'; system('touch pwned')
+.ply"
+    expect 0 "$what" env PATH="$T/script:$PATH" "$ctl" scan "a\"'; system('touch pwned')
+.ply" --picture a.png
+    ok "no name gets into the script" sh -c "! grep -aq 'system(' script/in"
+    has script/in 'Usable for enrolment and verification'
+    has script/in '3000 points, 0 without a value'
+    expect 1 "refused" env PATH="$T/script:$PATH" "$ctl" scan few.xyz --picture few.png
+    has script/in 'Refused'
+    has script/in 'move nearer to the scanner'
+else
+    echo "SKIP pictures: gnuplot is not installed"
+fi
+expect 64 "one picture of several scans" "$ctl" scan a.ply a.xyz --picture a.png
+mkdir bin
+expect 66 "no gnuplot" env PATH="$T/bin" "$ctl" scan a.ply --picture none.png
+has err 'gnuplot is not installed'
+ok "no half a picture" [ ! -e none.png ]
+
+# ---- as the daemon says
+cd "$OLDPWD" || exit 1
+start_daemon --no-auth
+for name in a.ply cone.xyz few.xyz camera.xyz; do
+    send POST /v1/check "$BYTES" "$T/$name"
+    "$ctl" scan --json "$T/$name" >"$T/ctl" 2>"$T/ctl.err"
+    is "$name: as POST /v1/check" \
+        "$(jq -cS '.scans[0] | del(.file, .detail, .timing_ms)' "$T/ctl")" \
+        "$(jq -cS 'del(.detail, .timing_ms)' "$T/body")"
+done
+finish
