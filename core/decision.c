@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "tuning.h"
+
 bool decision_valid(const struct decision *d)
 {
     if (!(d->n >= 2 && d->n <= DECISION_KNOTS) ||
@@ -39,4 +41,12 @@ double decision_fmr(const struct decision *d, double score_mm)
         i++;
     return k[i - 1].rate +
            (k[i].rate - k[i - 1].rate) * (mm - k[i - 1].mm) / (k[i].mm - k[i - 1].mm);
+}
+
+double decision_rise(const struct decision_pair *p)
+{
+    const double noise = fmin(p->noise_mm, DECISION_NOISE_MOST_MM) - DECISION_NOISE_MM;
+    const double rough = p->rough_mm - DECISION_ROUGH_MM;
+
+    return fmax(0, fmin(DECISION_NOISE_RISE * noise, DECISION_ROUGH_RISE * rough));
 }

@@ -1,4 +1,5 @@
-/* decision.h -- the calibration: a threshold for the score, and false match rates. */
+/* decision.h -- the calibration: a threshold for the score, and false match rates; and how far
+ * the threshold depends on what is compared. */
 #ifndef CORE_DECISION_H
 #define CORE_DECISION_H
 #include <stdbool.h>
@@ -24,5 +25,18 @@ bool decision_valid(const struct decision *d);
 /* decision_fmr(d, score_mm): the false match rate at a threshold of score_mm, 0..1: linear
  * between the knots, extrapolated below the first; monotone.  NaN gives 1. */
 double decision_fmr(const struct decision *d, double score_mm);
+
+/* What a comparison's threshold depends on. */
+struct decision_pair {
+    double noise_mm; /* white noise of both scans: the root of the sum of their squares */
+    double rough_mm; /* the pair's roughness (score.h) */
+};
+
+/* decision_rise(p): by how much, mm, the threshold rises for the pair: what noise beyond that
+ * of an ordinary scanner adds to everybody's score, strangers' too, so that the rate of false
+ * matches stays.  0 for ordinary scans.  It rises with the noise that the scans are said to
+ * have, as far as the pair is rough as such noise makes it: so noise that cells average out
+ * gains nothing.  docs/decision.md, "Noise". */
+double decision_rise(const struct decision_pair *p);
 
 #endif

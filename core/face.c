@@ -211,6 +211,13 @@ static enum face_decision decide(const struct face_result *r)
     return r->score_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
 }
 
+/* The deviation of the sum of two errors.  (sqrt() has the same digits everywhere, hypot()
+ * has not.) */
+static double together(double a, double b)
+{
+    return sqrt(a * a + b * b);
+}
+
 /* The pose of the probe over the template. */
 static enum status search(const struct face *tmpl, const struct face *probe,
                           struct face_work *w, struct align_result *out)
@@ -263,7 +270,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     struct cells cells;
     struct score score;
     struct fit fit;
-    double aligned;
+    double aligned, rise;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -278,10 +285,16 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
+    rise = decision_rise(&(struct decision_pair){
+        .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
+        .rough_mm = score.rough_mm});
     out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
+    out->threshold_mm += rise;
     out->score_mm = score.mm;
+    out->calibrated_mm = fmax(0, score.mm - rise);
     out->weight_overlap = score.weight;
-    out->fmr_at_score = score.weight > 0 ? decision_fmr(&w->decision, out->score_mm) : 1;
+    out->fmr_at_score =
+        score.weight > 0 ? decision_fmr(&w->decision, out->calibrated_mm) : 1;
     out->change_mm = score.change_mm;
     memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
     memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);

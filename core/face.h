@@ -90,10 +90,14 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double score_mm; /* what the decision was taken on (score.h) */
-    double threshold_mm;
-    double fmr_at_score;   /* false match rate at a threshold of score_mm (decision.h) */
-    double overlap;        /* share of the template's measured area covered, 0..1 */
+    double score_mm;      /* what the decision was taken on (score.h) */
+    double threshold_mm;  /* what it had to be at most: the calibration's, changed by what
+                             was compared (decision.h) */
+    double calibrated_mm; /* the score less that change: to compare with scores of other
+                              pairs and with the calibration's threshold */
+    double
+        fmr_at_score; /* false match rate at a threshold of calibrated_mm (decision.h) */
+    double overlap;   /* share of the template's measured area covered, 0..1 */
     double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
     double change_mm;      /* root mean square of the change taken out (score.h) */
     double region_mm[GRID_REGIONS];     /* score of each region alone; NAN: not covered */
@@ -104,7 +108,7 @@ struct face_result {
 
 /* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
  * template, compute the score at that pose, decide.
- * threshold_mm  0 or less: that of w's calibration
+ * threshold_mm  in place of that of w's calibration; 0 or less: that
  * clock_ms      may be NULL; used only for align_ms and measure_ms
  * The result depends only on the two faces, w's model, the calibration and the threshold.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */

@@ -119,6 +119,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
     out->weight = all.whole > 0 ? all.covered / all.whole : 0;
     out->mm = mean(&all) * thin(out->weight);
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
+    out->rough_mm = all.covered > 0 ? all.rough / all.covered : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
         const bool seen = part[r].covered > SCORE_REGION_MIN * part[r].whole;
 

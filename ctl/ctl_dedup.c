@@ -190,7 +190,7 @@ static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_
     if (x.decision != FACE_MATCH)
         return ST_OK;
     (void)pthread_mutex_lock(&d->lock);
-    st = keep(d, a, b, x.score_mm);
+    st = keep(d, a, b, x.calibrated_mm);
     (void)pthread_mutex_unlock(&d->lock);
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "out of memory");
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model.h"
 #include "pool.h"
 #include "ctl_corpus.h"
 
@@ -198,6 +199,7 @@ static enum status compare(const struct run *r, const struct sample *sample,
     x->decision = f.decision;
     x->score_mm = f.score_mm;
     x->threshold_mm = f.threshold_mm;
+    x->calibrated_mm = f.calibrated_mm;
     x->fmr_at_score = f.fmr_at_score;
     x->overlap = f.overlap;
     x->weight_overlap = f.weight_overlap;
@@ -270,6 +272,9 @@ enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
     *out = NULL;
     if (t != NULL) {
         t->corpus = corpus;
+        t->threshold_mm = c->threshold_mm > 0 ? c->threshold_mm
+                          : decision != NULL  ? decision->threshold_mm
+                                              : c->model->decision.threshold_mm;
         t->seed = SEED;
         t->nthread = pool_threads(c->threads);
         t->non_mated = non_mated > 0 ? non_mated : share(corpus);

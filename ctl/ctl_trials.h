@@ -17,7 +17,7 @@ struct ctl_trial {
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum face_decision decision;
-    double score_mm, threshold_mm, fmr_at_score;
+    double score_mm, threshold_mm, calibrated_mm, fmr_at_score; /* as in face_result */
     double overlap, weight_overlap;
     double rotation_deg; /* between the rotation found and the true one; NAN: not known */
     double align_ms, measure_ms;
@@ -27,9 +27,10 @@ struct ctl_trials {
     const struct corpus *corpus;
     struct ctl_trial *trial; /* by probe, its own template first */
     size_t n;
-    char **refused;     /* [corpus->nscan] why no model could be made of it, or NULL */
-    uint64_t seed;      /* of the sampling */
-    uint32_t non_mated; /* of each probe, at most; UINT32_MAX: all */
+    char **refused;      /* [corpus->nscan] why no model could be made of it, or NULL */
+    double threshold_mm; /* the calibration's, or the one given: of calibrated_mm */
+    uint64_t seed;       /* of the sampling */
+    uint32_t non_mated;  /* of each probe, at most; UINT32_MAX: all */
     uint32_t nthread;
     double build_s,
         compare_s; /* by the clock on the wall: enrolment; all of the probes */

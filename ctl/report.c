@@ -59,9 +59,9 @@ static void count_ranks(struct report *r, struct report_group *g)
             if (x->decision == FACE_INCONCLUSIVE)
                 continue;
             if (x->type == CORPUS_GENUINE)
-                own = x->score_mm;
+                own = x->calibrated_mm;
             else
-                others = fmin(others, x->score_mm);
+                others = fmin(others, x->calibrated_mm);
         }
         if (within(r, g, &t->trial[i]) && t->trial[i].done && n > 0) {
             g->ranked++;
@@ -118,7 +118,7 @@ static double trial_score(const struct ctl_trial *x)
 {
     if (x->type == CORPUS_RELATIVE)
         return -1;
-    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->score_mm;
+    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->calibrated_mm;
 }
 
 /* The decision itself as a score: 0 is a match at threshold 0. */
@@ -238,9 +238,8 @@ enum status report_measure(struct report *r, const struct ctl_trials *t)
         if (t->trial[i].done && t->trial[i].type != CORPUS_GENUINE)
             count(t->trial[i].type == CORPUS_IMPOSTOR ? &r->non_mated : &r->relative,
                   t->trial[i].decision);
-        if (t->trial[i].done)
-            r->threshold_mm = t->trial[i].threshold_mm;
     }
+    r->threshold_mm = t->threshold_mm;
     r->group[r->ngroup++] = (struct report_group){.name = "all", .kind = CORPUS_NONE};
     for (uint32_t k = 0; k < c->nkind; k++)
         if (probed[k])
@@ -276,7 +275,7 @@ double report_step(const struct report *r, size_t most, size_t *n)
 
     for (size_t i = 0; i < r->t->n; i++)
         if (r->t->trial[i].done && r->t->trial[i].decision != FACE_INCONCLUSIVE)
-            largest = fmax(largest, r->t->trial[i].score_mm);
+            largest = fmax(largest, r->t->trial[i].calibrated_mm);
     for (int i = 0; largest / step + 1 > (double)most; i++)
         step *= factor[i % 3];
     *n = (size_t)ceil(largest / step);

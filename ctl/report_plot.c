@@ -220,7 +220,7 @@ static double bins(FILE *to, const struct report *r, enum corpus_pair type,
 
         if (!x->done || x->type != type || x->decision == FACE_INCONCLUSIVE)
             continue;
-        count[(size_t)within(x->score_mm / width, 0, (double)n)]++;
+        count[(size_t)within(x->calibrated_mm / width, 0, (double)n)]++;
         all++;
     }
     (void)fprintf(to, "$%s << EOD\n", name);
@@ -244,7 +244,7 @@ static size_t most_bins(const struct report *r, double width, size_t n)
         for (size_t i = 0; i < r->t->n; i++)
             beyond += r->t->trial[i].done &&
                       r->t->trial[i].decision != FACE_INCONCLUSIVE &&
-                      r->t->trial[i].score_mm > (double)n * width;
+                      r->t->trial[i].calibrated_mm > (double)n * width;
         if (beyond > left)
             break;
         n--;

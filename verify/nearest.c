@@ -11,7 +11,7 @@ static bool better(const struct face_result *a, const struct face_result *b)
         return a->decision != FACE_INCONCLUSIVE;
     if (a->decision == FACE_INCONCLUSIVE)
         return a->overlap > b->overlap;
-    return a->score_mm < b->score_mm;
+    return a->calibrated_mm < b->calibrated_mm;
 }
 
 static enum status compare(struct admission_context *c, const struct admission *a,

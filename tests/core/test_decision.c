@@ -36,6 +36,26 @@ static void test_threshold(void **state)
     assert_true(DECISION_MIN_OVERLAP > 0 && DECISION_MIN_OVERLAP < 0.5);
 }
 
+/* Noise raises the threshold: not that of ordinary scans, no further than it was measured, and
+ * not where the pair is as smooth as ordinary scans are. */
+static void test_noise(void **state)
+{
+    double last = 0;
+
+    (void)state;
+    for (int i = 0; i <= 150; i++) {
+        const double noise = i * 0.02;
+        const double rise = decision_rise(&(struct decision_pair){noise, 0.3});
+
+        assert_true(noise > 0.55 ? rise > 0 : rise == 0);
+        assert_true(rise >= last && rise < 0.041);
+        assert_true(decision_rise(&(struct decision_pair){noise, 0.125}) == 0);
+        assert_true(decision_rise(&(struct decision_pair){noise, 0.14}) < 0.008);
+        last = rise;
+    }
+    assert_true(last > 0.039);
+}
+
 static void test_odd_values(void **state)
 {
     (void)state;
@@ -70,10 +90,9 @@ static void test_valid(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_monotone),
-        cmocka_unit_test(test_valid),
-        cmocka_unit_test(test_threshold),
-        cmocka_unit_test(test_odd_values),
+        cmocka_unit_test(test_monotone),  cmocka_unit_test(test_valid),
+        cmocka_unit_test(test_threshold), cmocka_unit_test(test_odd_values),
+        cmocka_unit_test(test_noise),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,7 @@
 
 #include "clouds.h"
 #include "decision.h"
+#include "draw.h"
 #include "face.h"
 #include "fail_alloc.h"
 #include "heatmap.h"
@@ -267,6 +268,53 @@ static void test_threshold(void **state)
     face_free(&b);
 }
 
+static void add_noise(double mm)
+{
+    struct draw r = draw_stream(1, 2, 3);
+
+    for (size_t i = 0; i < cloud.n; i++)
+        cloud.pts[i].z += mm * draw_normal(&r);
+}
+
+/* The noise of both scans raises the threshold as far as their comparison is rough, and the
+ * false match rate is told of the score less that.  A scan that only claims to be noisy gains
+ * nothing. */
+static void test_noise(void **state)
+{
+    const struct decision *d = &model_default.decision;
+    struct face a = {0}, b = {0};
+    struct face_result plain, claimed, noisy, back;
+
+    (void)state;
+    make(14, 0, &a);
+    make(14, 1, &b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &plain), ST_OK);
+    assert_true(plain.calibrated_mm == plain.score_mm);
+    b.quality.noise_mm = 1;
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &claimed), ST_OK);
+    assert_true(claimed.threshold_mm < d->threshold_mm + 0.003);
+
+    scan(14, 1, POINTS);
+    add_noise(0.9);
+    build(&b);
+    assert_true(b.quality.noise_mm > 0.6);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &noisy), ST_OK);
+    assert_true(noisy.threshold_mm > d->threshold_mm + 0.01);
+    assert_true(fabs(noisy.score_mm - noisy.calibrated_mm -
+                     (noisy.threshold_mm - d->threshold_mm)) < 1e-12);
+    assert_true(noisy.fmr_at_score == decision_fmr(d, noisy.calibrated_mm));
+    assert_int_equal(face_compare(&b, &a, 0, NULL, work, &back), ST_OK);
+    assert_true(back.threshold_mm >
+                d->threshold_mm + 0.01); /* the template's counts too */
+    assert_int_equal(face_compare(&a, &b, noisy.calibrated_mm, NULL, work, &back), ST_OK);
+    assert_int_equal(back.decision, FACE_MATCH);
+    assert_int_equal(face_compare(&a, &b, 0.99 * noisy.calibrated_mm, NULL, work, &back),
+                     ST_OK);
+    assert_int_equal(back.decision, FACE_NO_MATCH);
+    face_free(&a);
+    face_free(&b);
+}
+
 /* A probe of a small part of the face is inconclusive. */
 static void test_inconclusive(void **state)
 {
@@ -455,7 +503,7 @@ int main(void)
         cmocka_unit_test(test_threshold),     cmocka_unit_test(test_inconclusive),
         cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
         cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_noise),         cmocka_unit_test(test_no_memory),
     };
     int failed;
 
