@@ -34,19 +34,21 @@ static double coordinate(struct dvec3 p, int axis)
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
-static void measure_extent(const struct dvec3 *pts, size_t n, struct extent *out)
+/* Of a sample, leaving out every share-th point at either end of each axis. */
+static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
+                           struct extent *out)
 {
+    const size_t m = n < SAMPLE ? n : SAMPLE;
     double v[SAMPLE], middle[3];
 
     out->size = 0;
     for (int axis = 0; axis < 3; axis++) {
-        const size_t m = n < SAMPLE ? n : SAMPLE;
         double size;
 
         for (size_t i = 0; i < m; i++)
             v[i] = coordinate(pts[i * n / m], axis);
         qsort(v, m, sizeof *v, by_value);
-        size = v[m - 1 - m / 100] - v[m / 100];
+        size = v[m - 1 - m / share] - v[m / share];
         out->size = size > out->size ? size : out->size;
         middle[axis] = v[m / 2];
     }
@@ -77,7 +79,7 @@ struct work {
     struct find_face_samples samples;
     struct find_near near;
     struct find_front front;
-    struct find_nose nose[FIND_NOSES_TILTED];
+    struct find_nose nose[FIND_NOSES_ROOM];
     uint32_t noses;
     struct start start[FIND_STARTS];
     uint32_t starts;
@@ -243,42 +245,52 @@ static void refine(const struct find_grid *g, struct work *w, uint32_t most)
 
 /* ---- grids, parts and units */
 
-static enum status search_grid(const struct find_grid *g, struct work *w, bool tilted)
+struct effort {
+    uint32_t noses, places;
+    bool tilted;
+};
+
+static enum status search_grid(const struct find_grid *g, const struct effort *e,
+                               struct work *w)
 {
-    const enum status st =
-        find_nose_all(g, tilted ? FIND_NOSES_TILTED : FIND_NOSES, w->nose, &w->noses);
+    const enum status st = find_nose_all(g, e->noses, w->nose, &w->noses);
 
     if (st == ST_OK) {
-        collect(g, w, tilted);
-        refine(g, w, tilted ? FIND_PLACES_TILTED : FIND_PLACES);
+        collect(g, w, e->tilted);
+        refine(g, w, e->places);
     }
     return st;
 }
 
-/* A cloud of a head's size is searched as a whole first, and by its parts where no face was
- * plain; a larger one by its parts alone. */
+/* Until a face is plain: a cloud of a head's size as a whole, then by its parts; a larger one
+ * by its parts, then as a whole. */
 static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
-                          const struct extent *e, struct work *w, bool tilted)
+                          const struct extent *extent, bool tilted, struct work *w)
 {
-    const struct dvec3 middle = {e->middle.x * unit_mm, e->middle.y * unit_mm,
-                                 e->middle.z * unit_mm};
-    const bool whole = e->size * unit_mm < FIND_ROOM_MIN_MM;
+    static const struct effort efforts[2] = {
+        {FIND_NOSES, FIND_PLACES, false}, {FIND_NOSES_TILTED, FIND_PLACES_TILTED, true}};
+    static const struct effort room = {FIND_NOSES_ROOM, FIND_PLACES_ROOM, false};
+    const struct effort *e = &efforts[tilted];
+    const struct dvec3 middle = {extent->middle.x * unit_mm, extent->middle.y * unit_mm,
+                                 extent->middle.z * unit_mm};
+    const bool head = extent->size * unit_mm < FIND_ROOM_MIN_MM;
     struct find_grid g, parts[FIND_PARTS];
-    uint32_t nparts;
+    uint32_t nparts = 0;
     enum status st;
 
     if ((st = find_grid_make(pts, n, unit_mm, middle, &g)) != ST_OK)
         return st;
-    if (whole)
-        st = search_grid(&g, w, tilted);
-    if (st == ST_OK && !(whole && plain(w)) &&
-        (st = find_part_all(&g, parts, &nparts)) == ST_OK) {
-        for (uint32_t k = 0; k < nparts; k++) {
-            if (st == ST_OK && !(whole && nparts == 1))
-                st = search_grid(&parts[k], w, tilted);
-            find_grid_free(&parts[k]);
-        }
+    if (head)
+        st = search_grid(&g, e, w);
+    if (st == ST_OK && !(head && plain(w)))
+        st = find_part_all(&g, parts, &nparts);
+    for (uint32_t k = 0; k < nparts; k++) {
+        if (st == ST_OK && !(head && nparts == 1))
+            st = search_grid(&parts[k], e, w);
+        find_grid_free(&parts[k]);
     }
+    if (st == ST_OK && !head && !tilted && !plain(w))
+        st = search_grid(&g, &room, w);
     find_grid_free(&g);
     return st;
 }
@@ -286,13 +298,11 @@ static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
 /* The units by which the cloud is as large as a head; where no face is plain, as large as a
  * room; then both again with tilted axes. */
 static enum status search_units(const struct dvec3 *pts, size_t n, double unit_mm,
-                                struct work *w)
+                                const struct extent *e, struct work *w)
 {
     static const double units[] = FIND_UNITS_MM;
-    struct extent e;
     enum status st = ST_OK;
 
-    measure_extent(pts, n, &e);
     for (int pass = 0; pass < 3 && st == ST_OK && !plain(w); pass++) {
         const double lo = pass == 1 ? FIND_ROOM_MIN_MM : FIND_HEAD_MIN_MM;
         const double hi = pass == 0 ? FIND_ROOM_MIN_MM : FIND_ROOM_MAX_MM;
@@ -300,10 +310,10 @@ static enum status search_units(const struct dvec3 *pts, size_t n, double unit_m
         for (size_t i = 0; i < sizeof units / sizeof *units && st == ST_OK; i++) {
             const double mm = unit_mm > 0 ? unit_mm : units[i];
 
-            if ((unit_mm > 0 && i > 0) || e.size * mm < lo || e.size * mm >= hi ||
+            if ((unit_mm > 0 && i > 0) || e->size * mm < lo || e->size * mm >= hi ||
                 plain(w))
                 continue;
-            st = search(pts, n, mm, &e, w, pass == 2);
+            st = search(pts, n, mm, e, pass == 2, w);
         }
     }
     return st;
@@ -329,6 +339,7 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       const struct face_work *fw, struct find *out)
 {
     struct work *w;
+    struct extent e, core;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -339,7 +350,11 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     w->mean = face_work_mean(fw);
     w->best.n = 0;
     find_place_samples(w->mean, &w->samples);
-    st = search_units(pts, n, unit_mm, w);
+    measure_extent(pts, n, FIND_STRAY_IN, &e);
+    st = search_units(pts, n, unit_mm, &e, w);
+    measure_extent(pts, n, FIND_STRAYS_IN, &core);
+    if (st == ST_OK && !plain(w) && core.size < e.size / 2) /* many strays */
+        st = search_units(pts, n, unit_mm, &core, w);
     if (st == ST_OK && w->best.n == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
