@@ -84,6 +84,7 @@ struct work {
     struct start start[FIND_STARTS];
     uint32_t starts;
     struct list best;
+    int64_t left; /* points and voxels that may still be looked at */
 };
 
 /* ---- starting poses */
@@ -116,10 +117,11 @@ static void roll(struct work *w, uint32_t nose, const float axis[3])
 static void collect(const struct find_grid *g, struct work *w, bool tilted)
 {
     w->starts = 0;
-    for (uint32_t k = 0; k < w->noses; k++) {
+    for (uint32_t k = 0; k < w->noses && w->left > 0; k++) {
         const float *axis = w->nose[k].axis;
 
         find_near_get(g, w->nose[k].at, &w->near);
+        w->left -= FIND_ROLLS * FIND_SAMPLES + w->near.n * (tilted ? 1 + FIND_TILTS : 1);
         roll(w, k, axis);
         for (int t = 0; tilted && t < FIND_TILTS; t++) {
             float other[3];
@@ -207,6 +209,7 @@ static void settle(const struct find_grid *g, struct work *w, bool fine, struct 
     memset(fit.pose.t, 0, sizeof fit.pose.t);
     find_near_get(g, (const float[3]){(float)at.x, (float)at.y, (float)at.z}, &w->near);
     find_refine(w->mean, &w->near, fine, &w->front, &fit);
+    w->left -= GRID_N + w->front.n * 8;
     *p = fit.pose;
     for (int i = 0; i < 3; i++)
         p->t[i] -=
@@ -223,7 +226,7 @@ static void refine(const struct find_grid *g, struct work *w, uint32_t most)
 {
     struct list coarse = {.n = 0};
 
-    for (uint32_t k = 0; k < w->starts && most > 0; k++) {
+    for (uint32_t k = 0; k < w->starts && most > 0 && w->left > 0; k++) {
         struct found f = found_at(g, w, &w->start[k]);
 
         if (taken(w, g->unit_mm, f.nose) ||
@@ -253,8 +256,11 @@ struct effort {
 static enum status search_grid(const struct find_grid *g, const struct effort *e,
                                struct work *w)
 {
-    const enum status st = find_nose_all(g, e->noses, w->nose, &w->noses);
+    enum status st;
 
+    if ((w->left -= 8 * g->nvoxels) < 0)
+        return ST_OK;
+    st = find_nose_all(g, e->noses, w->nose, &w->noses);
     if (st == ST_OK) {
         collect(g, w, e->tilted);
         refine(g, w, e->places);
@@ -278,6 +284,8 @@ static enum status search(const struct dvec3 *pts, size_t n, double unit_mm,
     uint32_t nparts = 0;
     enum status st;
 
+    if ((w->left -= 2 * (int64_t)n) < 0)
+        return ST_OK;
     if ((st = find_grid_make(pts, n, unit_mm, middle, &g)) != ST_OK)
         return st;
     if (head)
@@ -349,6 +357,7 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
         return ST_ENOMEM;
     w->mean = face_work_mean(fw);
     w->best.n = 0;
+    w->left = FIND_WORK;
     find_place_samples(w->mean, &w->samples);
     measure_extent(pts, n, FIND_STRAY_IN, &e);
     st = search_units(pts, n, unit_mm, &e, w);

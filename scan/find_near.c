@@ -8,13 +8,13 @@
 
 static void add_run(const struct find_grid *g, struct find_run run, struct find_near *to)
 {
-    for (uint32_t v = g->first[run.first]; v < g->first[run.end]; v++) {
+    for (uint32_t v = g->first[run.first]; v < g->first[run.end] && to->n < FIND_NEAR_MAX;
+         v++) {
         const struct find_voxel *p = &g->voxel[v];
         const float x = p->at[0] - to->from[0], y = p->at[1] - to->from[1],
                     z = p->at[2] - to->from[2];
 
-        if (x * x + y * y + z * z > (float)(FIND_NEAR_MM * FIND_NEAR_MM) ||
-            to->n >= FIND_NEAR_MAX)
+        if (x * x + y * y + z * z > (float)(FIND_NEAR_MM * FIND_NEAR_MM))
             continue;
         to->x[to->n] = x;
         to->y[to->n] = y;

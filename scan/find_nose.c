@@ -11,6 +11,7 @@
 #define REACH  2 /* cells on either side */
 #define AROUND ((2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1))
 #define BINS   128
+#define DENSE  4095
 
 /* Sums over the voxels of a cell or of several, of their places p: n, p, p p^T (xx, xy, xz,
  * yy, yz, zz). */
@@ -58,7 +59,7 @@ static void sum_cell(const struct find_grid *g, uint32_t cell, struct sums *out)
 
 /* The cells around one, their sums and means as seen from its middle. */
 struct around {
-    uint32_t n;
+    uint32_t n, voxels;
     float mean[3][AROUND];
     struct sums sums[AROUND];
 };
@@ -69,7 +70,7 @@ static void look_around(const struct find_grid *g, const struct sums *sums, uint
     int32_t at[3], there[3];
 
     middle_of(g, cell, at, middle);
-    out->n = 0;
+    out->n = out->voxels = 0;
     for (int32_t z = at[2] - REACH; z <= at[2] + REACH; z++)
         for (int32_t y = at[1] - REACH; y <= at[1] + REACH; y++) {
             const struct find_run run =
@@ -81,6 +82,7 @@ static void look_around(const struct find_grid *g, const struct sums *sums, uint
 
                 middle_of(g, c, there, d);
                 *to = sums[c];
+                out->voxels += g->first[c + 1] - g->first[c];
                 for (int i = 0; i < 3; i++)
                     d[i] -= middle[i];
                 to->s[XX] += 2 * d[0] * to->s[X] + to->s[N] * d[0] * d[0];
@@ -263,14 +265,48 @@ static uint32_t cell_of(const struct find_grid *g, uint32_t v)
     return a;
 }
 
+static uint32_t points_in(const struct find_grid *g, uint32_t c)
+{
+    uint32_t n = 0;
+
+    for (uint32_t v = g->first[c]; v < g->first[c + 1]; v++)
+        n += g->voxel[v].n;
+    return n;
+}
+
+/* The points that a cell must have to be one of the FIND_CELLS densest, and FIND_CELL_POINTS
+ * at least. */
+static uint32_t dense_from(const struct find_grid *g)
+{
+    uint32_t count[DENSE + 1] = {0}, n = 0, from = DENSE;
+
+    for (uint32_t c = 0; c < g->ncells; c++) {
+        const uint32_t k = points_in(g, c);
+
+        count[k < DENSE ? k : DENSE]++;
+    }
+    for (; from > FIND_CELL_POINTS && n + count[from] <= FIND_CELLS; from--)
+        n += count[from];
+    return from;
+}
+
 static void measure(const struct find_grid *g, struct work *w)
 {
+    const uint32_t from = dense_from(g);
+    uint32_t left = FIND_CELLS;
+
+    memset(w->out, 0, g->nvoxels * sizeof *w->out);
     for (uint32_t c = 0; c < g->ncells; c++)
         sum_cell(g, c, &w->sums[c]);
-    for (uint32_t c = 0; c < g->ncells; c++) {
+    for (uint32_t c = 0; c < g->ncells && left > 0; c++) {
         float middle[3], axis[3];
 
+        if (points_in(g, c) < from)
+            continue;
+        left--;
         look_around(g, w->sums, c, middle, &w->around);
+        if (w->around.voxels < FIND_BALL_VOXELS || w->around.voxels > FIND_SOLID_VOXELS)
+            continue;
         for (uint32_t v = g->first[c]; v < g->first[c + 1]; v++) {
             const float *p = g->voxel[v].at;
 
