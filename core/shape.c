@@ -36,6 +36,22 @@ static bool in_part(enum part p, uint32_t cell)
     }
 }
 
+/* How much each cell's rest is, against the others'. */
+static void compare_rests(struct shape_work *w)
+{
+    const float least = (float)(SHAPE_REST_LEAST_MM * SHAPE_REST_LEAST_MM);
+    float mean = 0.0f;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        mean += isnan(w->mean[i]) ? 0.0f : w->modes->rest[i] / (float)w->cells;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float rest = w->modes->rest[i];
+
+        w->scale[i] = isnan(w->mean[i]) ? 0.0f : rest / mean;
+        w->over_rest[i] = (float)SHAPE_REST_TYPICAL_MM / sqrtf(rest * rest + least);
+    }
+}
+
 void shape_prepare(const struct model *m, struct shape_work *out)
 {
     memset(out, 0, sizeof *out);
@@ -47,6 +63,7 @@ void shape_prepare(const struct model *m, struct shape_work *out)
         out->mean[i] = used ? m->mean[i] : (float)NAN;
         out->cells += used;
     }
+    compare_rests(out);
     for (uint32_t i = 0; i < GRID_N; i++) {
         float x, y, flat;
 
@@ -210,11 +227,13 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       struct shape_fit *out)
 {
     enum status st = ST_OK;
+    double seen;
 
     out->support = -INFINITY;
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
         st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
-    if (hard && out->support < SHAPE_GOOD)
+    seen = out->skin + out->cover + out->apart;
+    if (hard && out->skin < SHAPE_GOOD * seen)
         for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
             st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
     return st;
@@ -228,8 +247,7 @@ enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
     enum status st = shape_map_points(pts, n, pose, &w->points, &p);
 
     if (st == ST_OK)
-        st =
-            fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, SHAPE_FIXED, out);
+        st = fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, SHAPE_FIXED, out);
     out->pose = *pose;
     return st;
 }

@@ -61,15 +61,15 @@ static void grow(const float *height, bool holes, uint8_t *cell)
     }
 }
 
-static void cover(const float gap[GRID_N], const float *limit, const float *height,
+static void cover(const float *gap, const float *scale, const float *height,
                   uint8_t *cell)
 {
     uint8_t mark[GRID_N];
     uint32_t list[GRID_N], n, any = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++)
-        mark[i] = gap[i] > (float)SHAPE_STRONG_MM * limit[i] ? STRONG
-                  : gap[i] > (float)SHAPE_WEAK_MM * limit[i] ? WEAK
+        mark[i] = gap[i] > (float)SHAPE_STRONG_MM * scale[i] ? STRONG
+                  : gap[i] > (float)SHAPE_WEAK_MM * scale[i] ? WEAK
                                                              : 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (mark[i] != STRONG || collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
@@ -105,44 +105,81 @@ static double relief(const float *z, const uint32_t *cell, uint32_t n)
     return zz > 0 ? zz / n : 0;
 }
 
+/* What is not explained of the face that no cover hides, mm^2: the gap, up to SHAPE_REST_MM, as
+ * the mean of each cell and those around it, so that noise counts little; squared, in terms of
+ * the cell's rest, and averaged. */
+static double unexplained(const struct shape_work *w, const float *gap,
+                          const uint8_t *cell)
+{
+    enum { WIDE = GRID_NX + 2 }; /* with a rim of no cells */
+    const float most = (float)SHAPE_REST_MM;
+    float in[(GRID_NY + 2) * WIDE] = {0.0f}, seen[(GRID_NY + 2) * WIDE] = {0.0f};
+    float all = 0.0f;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const uint32_t at = (i / GRID_NX + 1) * WIDE + i % GRID_NX + 1;
+
+        if (cell[i] != SHAPE_SKIN && cell[i] != SHAPE_APART)
+            continue;
+        in[at] = gap[i] > most ? most : gap[i] < -most ? -most : gap[i];
+        seen[at] = 1.0f;
+    }
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const uint32_t at = i / GRID_NX * WIDE + i % GRID_NX;
+        float sum = 0.0f, count = 0.0f;
+
+        if (cell[i] != SHAPE_SKIN && cell[i] != SHAPE_APART)
+            continue;
+        for (uint32_t k = 0; k < 9; k++) {
+            sum += in[at + k / 3 * WIDE + k % 3];
+            count += seen[at + k / 3 * WIDE + k % 3];
+        }
+        sum *= w->over_rest[i] / count;
+        all += sum * sum;
+        n++;
+    }
+    return n > 0 ? (double)all / n : 0.0;
+}
+
+/* Skin, or what is not explained; how many cells are near the face, and behind it. */
+static void classify(const struct shape_work *w, const float *gap, uint8_t *cell,
+                     uint32_t *near, uint32_t *behind)
+{
+    *near = *behind = 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float far = fabsf(gap[i]);
+
+        cell[i] = SHAPE_EMPTY;
+        if (isnan(far))
+            continue;
+        *near += far < (float)SHAPE_NEAR_MM;
+        *behind += gap[i] < (float)-SHAPE_STRONG_MM;
+        cell[i] = far < (float)SHAPE_STRONG_MM * w->scale[i] ? SHAPE_SKIN : SHAPE_APART;
+    }
+}
+
 void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
                       struct shape_fit *fit)
 {
-    float gap[GRID_N], limit[GRID_N], mean = 0.0f;
-    uint32_t skin[GRID_N], seen = 0, near = 0, behind = 0;
-    double a = 0, rest = 0;
+    float gap[GRID_N];
+    uint32_t skin[GRID_N], near, behind;
+    double a = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++)
-        mean += isnan(w->mean[i]) ? 0.0f : w->modes->rest[i] / (float)w->cells;
-    for (uint32_t i = 0; i < GRID_N; i++) {
         gap[i] = over[i] * w->normal[i][2];
-        limit[i] = w->modes->rest[i] / mean;
-        fit->cell[i] = SHAPE_EMPTY;
-        if (isnan(gap[i]))
-            continue;
-        near += fabsf(gap[i]) < (float)SHAPE_NEAR_MM;
-        behind += gap[i] < (float)-SHAPE_STRONG_MM;
-        fit->cell[i] =
-            fabsf(gap[i]) < (float)SHAPE_STRONG_MM * limit[i] ? SHAPE_SKIN : SHAPE_APART;
-    }
-    cover(gap, limit, fit->height, fit->cell);
+    classify(w, gap, fit->cell, &near, &behind);
+    cover(gap, w->scale, fit->height, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const double r = fmin(fabs((double)gap[i]), SHAPE_REST_MAX_MM);
-
         fit->cover += fit->cell[i] == SHAPE_COVER;
         fit->apart += fit->cell[i] == SHAPE_APART;
         if (fit->cell[i] == SHAPE_SKIN)
             skin[fit->skin++] = i;
-        if (fit->cell[i] == SHAPE_SKIN || fit->cell[i] == SHAPE_APART) {
-            rest += r * r;
-            seen++;
-        }
     }
     for (uint32_t k = 0; k < w->modes->n; k++)
         a += fit->a[k] * fit->a[k];
     fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
-    rest = seen > 0 ? rest / seen : 0;
-    fit->likeness =
-        0.5 * log((relief(fit->height, skin, fit->skin) + 0.5) / (rest + 0.5));
+    fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
+                              (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
 }

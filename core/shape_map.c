@@ -9,6 +9,19 @@
 typedef float lanes __attribute__((vector_size(16)));
 typedef int32_t masks __attribute__((vector_size(16)));
 
+/* Keep every so manieth. */
+static void thin(struct shape_points *p)
+{
+    const uint32_t step = p->n / SHAPE_POINTS + 1, n = p->n / step;
+
+    for (uint32_t i = 0; step > 1 && i < n; i++) {
+        p->x[i] = p->x[i * step];
+        p->y[i] = p->y[i * step];
+        p->z[i] = p->z[i * step];
+    }
+    p->n = n;
+}
+
 enum status shape_map_points(const struct dvec3 *pts, size_t n,
                              const struct align_pose *pose, struct scratch *s,
                              struct shape_points *out)
@@ -36,6 +49,7 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n,
         out->n += (uint32_t)((q.x > left) & (q.x < -left) & (q.y > low) & (q.y < -low) &
                              (q.z > -SHAPE_DEEP_MM) & (q.z < SHAPE_AROUND_MM));
     }
+    thin(out);
     for (uint32_t i = out->n; i % LANES != 0; i++)
         out->x[i] = out->y[i] = out->z[i] = 1e6f;
     return ST_OK;

@@ -18,7 +18,8 @@ struct shape_points {
 };
 
 /* shape_map_points(pts, n, pose, s, out): those of the points, moved by pose, that lie within
- * SHAPE_AROUND_MM of the grid.  In s until its next use.  Returns ST_OK, ST_ENOMEM. */
+ * SHAPE_AROUND_MM of the grid; of more than SHAPE_POINTS every so manieth.  In s until its
+ * next use.  Returns ST_OK, ST_ENOMEM. */
 enum status shape_map_points(const struct dvec3 *pts, size_t n,
                              const struct align_pose *pose, struct scratch *s,
                              struct shape_points *out);
