@@ -51,7 +51,7 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n,
     }
     thin(out);
     for (uint32_t i = out->n; i % LANES != 0; i++)
-        out->x[i] = out->y[i] = out->z[i] = 1e6f;
+        out->x[i] = out->y[i] = out->z[i] = 0.0f;
     return ST_OK;
 }
 

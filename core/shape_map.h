@@ -11,7 +11,7 @@
 
 /* Points near the face, in the canonical frame of some pose. */
 struct shape_points {
-    float *x, *y, *z; /* [n], mm; padded to whole lanes with points off the grid */
+    float *x, *y, *z; /* [n], mm; padded to whole lanes */
     float *over;      /* [n] room: in front of the surface, mm */
     uint32_t *cell;   /* [n] room: of each, GRID_N: none */
     uint32_t n;

@@ -11,35 +11,39 @@
 #include <cmocka.h>
 
 #include "brute.h"
-#include "clouds.h"
 #include "fail_alloc.h"
 #include "shape.h"
+#include "shape_map.h"
 #include "toy.h"
+#include "tuning.h"
 
 #define POINTS 4000
+#define ROOM   40000
 
 static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct model model;
 static struct shape_work work;
-static struct dvec3 pts[POINTS];
-static float face[GRID_N]; /* heights of a face made of modes */
+static struct dvec3 pts[ROOM];
+static size_t n;
+static float face[GRID_N];          /* heights of a face made of modes */
+static double made_of[MODEL_MODES]; /* its coefficients */
 
 /* Bilinear between the middles of the cells; NAN off the face. */
 static double height_at(const float *h, double x, double y)
 {
     const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
                  j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
-    const uint32_t c = (uint32_t)i, r = (uint32_t)j, at = r * GRID_NX + c;
-    const double u = i - c, v = j - r;
+    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
+    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
 
     return (1 - v) * ((1 - u) * (double)h[at] + u * (double)h[at + 1]) +
            v * ((1 - u) * (double)h[at + GRID_NX] + u * (double)h[at + GRID_NX + 1]);
 }
 
-/* Points of the surface h, by chance. */
-static void scan(const float *h, struct brute_rng *rng)
+/* So many points of the surface h, anywhere on it. */
+static void scan(const float *h, size_t count, struct brute_rng *rng)
 {
-    for (size_t n = 0; n < POINTS;) {
+    for (n = 0; n < count;) {
         const double x = -58 + 116 * brute_real(rng), y = -76 + 138 * brute_real(rng);
         const double z = height_at(h, x, y);
 
@@ -48,33 +52,57 @@ static void scan(const float *h, struct brute_rng *rng)
     }
 }
 
-/* A new face, as points. */
+/* A new face, as points in its frame. */
 static void make_face(struct brute_rng *rng)
 {
     memcpy(face, model.mean, sizeof face);
     for (uint32_t k = 0; k < model.shape.n; k++) {
-        const double a = 2 * brute_real(rng) - 1;
-
+        made_of[k] = 2 * brute_real(rng) - 1;
         for (uint32_t i = 0; i < GRID_N; i++)
-            face[i] += (float)a * model.shape.mode[i][k];
+            face[i] += (float)made_of[k] * model.shape.mode[i][k];
     }
-    scan(face, rng);
+    scan(face, POINTS, rng);
 }
 
 static void move(const struct align_pose *p)
 {
-    for (size_t i = 0; i < POINTS; i++)
+    for (size_t i = 0; i < n; i++)
         pts[i] = align_pose_apply(p, pts[i]);
+}
+
+static void check(const struct shape_fit *f)
+{
+    uint32_t of[4] = {0, 0, 0, 0};
+
+    assert_true(isfinite(f->support) && f->support <= 1 && isfinite(f->likeness));
+    assert_true(align_pose_rigid(&f->pose));
+    for (uint32_t k = 0; k < MODEL_MODES; k++)
+        assert_true(isfinite(f->a[k]) && (k < model.shape.n || f->a[k] == 0.0));
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        assert_true(isnan(f->height[i]) == isnan(model.mean[i]));
+        assert_true(f->cell[i] <= SHAPE_APART);
+        assert_true(!isnan(model.mean[i]) || f->cell[i] == SHAPE_EMPTY);
+        of[f->cell[i]]++;
+    }
+    assert_int_equal(f->skin, of[SHAPE_SKIN]);
+    assert_int_equal(f->cover, of[SHAPE_COVER]);
+    assert_int_equal(f->apart, of[SHAPE_APART]);
 }
 
 static void fit(const struct align_pose *start, bool hard, struct shape_fit *out)
 {
-    assert_int_equal(shape_fit(&work, pts, POINTS, start, 1, hard, out), ST_OK);
-    assert_int_equal(out->pose.t[0] == out->pose.t[0], 1);
-    assert_true(isfinite(out->support) && isfinite(out->likeness));
+    assert_int_equal(shape_fit(&work, pts, n, start, 1, hard, out), ST_OK);
+    check(out);
 }
 
-/* The farthest that the fitted heights are from the face's, mm. */
+static void judge(const struct align_pose *pose, struct shape_fit *out)
+{
+    assert_int_equal(shape_judge(&work, pts, n, pose, out), ST_OK);
+    check(out);
+    assert_memory_equal(&out->pose, pose, sizeof *pose);
+}
+
+/* The farthest that the fitted skin is from the face, mm. */
 static double off(const struct shape_fit *f)
 {
     double most = 0;
@@ -85,35 +113,393 @@ static double off(const struct shape_fit *f)
     return most;
 }
 
+static struct align_pose any_pose(double deg, double mm, struct brute_rng *rng)
+{
+    struct align_pose pose;
+
+    toy_pose(
+        2 * deg * brute_real(rng) - deg, 2 * deg * brute_real(rng) - deg,
+        2 * deg * brute_real(rng) - deg,
+        (struct dvec3){mm * brute_real(rng), -mm * brute_real(rng), mm * brute_real(rng)},
+        &pose);
+    return pose;
+}
+
+/* The points lie on the face, where f's pose takes them. */
+static void check_pose(const struct shape_fit *f)
+{
+    for (size_t i = 0; i < n; i += 97) {
+        const struct dvec3 q = align_pose_apply(&f->pose, pts[i]);
+        double miss = INFINITY;
+
+        if (grid_cell(q.x, q.y) != GRID_NONE && fabs(q.x) < 61)
+            miss = q.z - height_at(face, q.x, q.y);
+        assert_true(isnan(miss) || fabs(miss) < 1.0);
+    }
+}
+
 static void test_recovered(void **state)
 {
     struct brute_rng rng = {brute_seed("shape")};
-    struct shape_fit f;
+    struct shape_fit f, g;
 
     (void)state;
     for (int round = 0; round < 20; round++) {
-        struct align_pose pose;
+        const struct align_pose pose = any_pose(8, 8, &rng),
+                                turn = any_pose(90, 90, &rng);
+        const struct align_pose start = align_pose_after(&turn, &still);
 
         make_face(&rng);
-        toy_pose(16 * brute_real(&rng) - 8, 16 * brute_real(&rng) - 8,
-                 16 * brute_real(&rng) - 8,
-                 (struct dvec3){6 * brute_real(&rng), 6 * brute_real(&rng) - 6,
-                                6 * brute_real(&rng)},
-                 &pose);
+        judge(&still, &g);
         move(&pose);
-        fit(&still, false, &f);
-        print_message("S %.3f likeness %.2f off %.3f skin %u cover %u apart %u\n",
-                      f.support, f.likeness, off(&f), f.skin, f.cover, f.apart);
-        for (size_t i = 0; i < POINTS; i += 97) {
-            const struct dvec3 q = align_pose_apply(&f.pose, pts[i]);
-            const double miss = q.z - height_at(face, q.x, q.y);
+        move(&turn);
+        fit(&start, false, &f);
+        check_pose(&f);
+        assert_true(f.support > 0.88 && g.support > 0.88);
+        assert_true(f.likeness > 2.3 && g.likeness > 2.3);
+        assert_true(f.cover == 0 && g.cover == 0 && f.apart == 0 && g.apart == 0);
+        assert_true(off(&f) < 0.5 && off(&g) < 0.5);
+        for (uint32_t k = 0; k < model.shape.n; k++)
+            assert_true(fabs(g.a[k] - made_of[k]) < 0.3);
+    }
+}
 
-            assert_true(isnan(miss) || fabs(miss) < 1.5);
-        }
-        assert_true(f.support > 0.85);
-        assert_int_equal(f.cover, 0);
+/* The points in the columns and rows of a rectangle become what cover() says: how far before
+ * the face they are (mm), or NAN: there are none. */
+static void cover(double x0, double x1, double y0, double y1, double mm)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const bool in = pts[i].x > x0 && pts[i].x < x1 && pts[i].y > y0 && pts[i].y < y1;
+
+        pts[kept] = pts[i];
+        pts[kept].z += in && !isnan(mm) ? mm : 0;
+        kept += !(in && isnan(mm));
+    }
+    n = kept;
+}
+
+/* The cells within a rectangle, shrunk on all sides by a margin, are told as this; beyond it
+ * they are no cover.  But for a few, at the foot of the nose. */
+static void check_rectangle(const struct shape_fit *f, const double r[4], double margin,
+                            enum shape_cell want)
+{
+    uint32_t wrong = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double x = grid_x(i), y = grid_y(i);
+
+        if (x > r[0] + margin && x < r[1] - margin && y > r[2] + margin &&
+            y < r[3] - margin && !isnan(model.mean[i]))
+            wrong += f->cell[i] != want;
+    }
+    assert_in_range(wrong, 0, 2);
+}
+
+static void check_outside(const struct shape_fit *f, const double r[4], double margin)
+{
+    uint32_t wrong = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double x = grid_x(i), y = grid_y(i);
+
+        if (x < r[0] - margin || x > r[1] + margin || y < r[2] - margin ||
+            y > r[3] + margin)
+            wrong += f->cell[i] == SHAPE_COVER || f->cell[i] == SHAPE_APART;
+    }
+    assert_in_range(wrong, 0, 4);
+}
+
+/* A slab before the mouth is cover, with a rim of one cell, and nothing else is: the face
+ * beneath is found as without it. */
+static void test_slab(void **state)
+{
+    static const double mouth[4] = {-28, 28, -52, -14};
+    struct brute_rng rng = {brute_seed("slab")};
+    struct shape_fit f;
+
+    (void)state;
+    for (int round = 0; round < 10; round++) {
+        const struct align_pose pose = any_pose(5, 5, &rng);
+
+        make_face(&rng);
+        cover(mouth[0], mouth[1], mouth[2], mouth[3], 12);
+        move(&pose);
+        fit(&still, true, &f);
+        check_rectangle(&f, mouth, 0, SHAPE_COVER); /* and the rim: */
+        check_rectangle(&f, (const double[4]){-28, 28, -57, -9}, 1, SHAPE_COVER);
+        check_outside(&f, mouth, 9);
         assert_true(off(&f) < 1.5);
     }
+}
+
+/* A few cells in front are no cover: a nose ring, or strays. */
+static void test_small(void **state)
+{
+    struct brute_rng rng = {brute_seed("small")};
+    struct shape_fit f;
+
+    (void)state;
+    make_face(&rng);
+    cover(-28, -20, -34, -26, 8); /* four cells */
+    fit(&still, true, &f);
+    assert_int_equal(f.cover, 0);
+    assert_in_range(f.apart, 1, 9);
+}
+
+/* What hides more than a simple fit can leave out is found from the parts that it leaves. */
+static void test_hard(void **state)
+{
+    static const double hidden[][4] = {
+        {-70, 70, 12, 44}, {-70, 70, -94, 0}, {-70, 0, -94, 94}, {0, 70, -94, 94}};
+    struct brute_rng rng = {brute_seed("hard")};
+    struct shape_fit f, g;
+
+    (void)state;
+    for (size_t k = 0; k < sizeof hidden / sizeof *hidden; k++) {
+        const double *h = hidden[k];
+
+        make_face(&rng);
+        cover(h[0], h[1], h[2], h[3], 9);
+        fit(&still, false, &f);
+        fit(&still, true, &g);
+        assert_true(g.support >= f.support && (k > 0 || g.support > f.support + 0.2));
+        assert_true(off(&g) < (k > 0 ? 7 : 1));
+    }
+}
+
+/* Rims of glasses 7 mm before the face, and no points behind the lenses: these are cover
+ * too.  Holes alone are not. */
+static void test_glasses(void **state)
+{
+    struct brute_rng rng = {brute_seed("glasses")};
+    struct shape_fit f;
+
+    (void)state;
+    for (int round = 0; round < 10; round++) {
+        const bool rims = round % 2 == 0;
+        double lens[2][4] = {{-46, -14, 20, 44}, {14, 46, 20, 44}};
+
+        make_face(&rng);
+        if (rims)
+            cover(-50, 50, 16, 48, 7);
+        for (int k = 0; k < 2; k++)
+            cover(lens[k][0], lens[k][1], lens[k][2], lens[k][3], (double)NAN);
+        fit(&still, true, &f);
+        for (int k = 0; k < 2; k++)
+            check_rectangle(&f, lens[k], 2, rims ? SHAPE_COVER : SHAPE_EMPTY);
+        check_outside(&f, (const double[4]){-50, 50, 16, 48}, rims ? 9 : 0);
+        assert_true(rims || f.cover == 0);
+        assert_true(off(&f) < 1.5);
+    }
+}
+
+/* Planes, cylinders and eggs are no faces. */
+static void test_flat(void **state)
+{
+    struct brute_rng rng = {brute_seed("flat")};
+    struct shape_fit f;
+
+    (void)state;
+    for (int what = 0; what < 3; what++) {
+        for (n = 0; n < POINTS; n++) {
+            const double x = -60 + 120 * brute_real(&rng),
+                         y = -80 + 150 * brute_real(&rng);
+
+            pts[n] = (struct dvec3){
+                x, y, -25 - (what > 0 ? x * x / 130 : 0) - (what > 1 ? y * y / 220 : 0)};
+        }
+        fit(&still, true, &f);
+        print_message("support %.3f likeness %.2f\n", f.support, f.likeness);
+        assert_true(f.support < 0.5 && f.likeness < 1.6);
+        judge(&still, &f);
+        assert_true(f.support < 0.5 && f.likeness < 1.6);
+    }
+}
+
+/* Few points, or none near the face. */
+static void test_nothing(void **state)
+{
+    struct shape_fit f;
+
+    (void)state;
+    for (size_t few = 0; few < 40; few += 13) {
+        n = few;
+        for (size_t i = 0; i < n; i++)
+            pts[i] = (struct dvec3){3.0 * (double)i - 60, 2.0 * (double)i - 50, -20};
+        fit(&still, true, &f);
+        assert_true(f.support < 0.1);
+        judge(&still, &f);
+        move(&(struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {4000, 0, 0}});
+        fit(&still, true, &f);
+        assert_int_equal(f.skin + f.cover + f.apart, 0);
+        assert_true(f.support == 0.0);
+    }
+}
+
+static void check_same(const struct shape_fit *f, const struct shape_fit *g)
+{
+    assert_memory_equal(&f->pose, &g->pose, sizeof f->pose);
+    assert_memory_equal(f->a, g->a, sizeof f->a);
+    assert_memory_equal(f->height, g->height, sizeof f->height);
+    assert_memory_equal(f->cell, g->cell, sizeof f->cell);
+    assert_true(f->support == g->support && f->likeness == g->likeness);
+}
+
+static double most_apart(const struct shape_fit *f, const struct shape_fit *g)
+{
+    double most = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (!isnan(model.mean[i]))
+            most = fmax(most, fabs((double)f->height[i] - (double)g->height[i]));
+    return most;
+}
+
+/* Neither the points' order nor where the scanner stands matters, nor what is far behind; the
+ * same call gives the same digits. */
+static void test_invariant(void **state)
+{
+    struct brute_rng rng = {brute_seed("invariant")};
+    static struct shape_fit f, g;
+    struct align_pose pose, start;
+
+    (void)state;
+    make_face(&rng);
+    cover(-28, 28, -52, -14, 12);
+    fit(&still, true, &f);
+    fit(&still, true, &g);
+    check_same(&f, &g);
+
+    for (size_t i = n - 1; i > 0; i--) {
+        const size_t k = brute_rand(&rng) % (i + 1);
+        const struct dvec3 p = pts[i];
+
+        pts[i] = pts[k];
+        pts[k] = p;
+    }
+    fit(&still, true, &g);
+    assert_true(most_apart(&f, &g) < 0.01);
+    assert_int_equal(f.cover, g.cover);
+
+    for (size_t i = 0; i < 1000; i++)
+        pts[n + i] = (struct dvec3){pts[i].x, pts[i].y, pts[i].z - 90};
+    n += 1000;
+    fit(&still, true, &f);
+    check_same(&f, &g);
+    n -= 1000;
+
+    toy_pose(70, -30, 130, (struct dvec3){400, -900, 1200}, &pose);
+    move(&pose);
+    start = align_pose_after(&pose, &still);
+    fit(&start, true, &g);
+    assert_true(most_apart(&f, &g) < 0.01);
+    assert_true(fabs(f.support - g.support) < 0.01);
+}
+
+/* Of several starts that which leads to a face; and many points are as good as few. */
+static void test_starts(void **state)
+{
+    struct brute_rng rng = {brute_seed("starts")};
+    struct align_pose start[3];
+    struct shape_fit f, g;
+
+    (void)state;
+    make_face(&rng);
+    fit(&still, false, &f);
+    toy_pose(0, 0, 180, (struct dvec3){0, 0, 0}, &start[0]);
+    start[1] = still;
+    toy_pose(60, 0, 0, (struct dvec3){0, 0, 0}, &start[2]);
+    assert_int_equal(shape_fit(&work, pts, n, start, 3, false, &g), ST_OK);
+    check_same(&f, &g);
+    scan(face, ROOM, &rng);
+    fit(&still, false, &g);
+    assert_true(most_apart(&f, &g) < 0.5 && g.support > 0.9 && g.cover == 0);
+}
+
+/* shape_map_make() by definition. */
+static void test_map(void **state)
+{
+    struct brute_rng rng = {brute_seed("map")};
+    struct scratch s = {0};
+    struct shape_points p;
+    float got[GRID_N];
+
+    (void)state;
+    make_face(&rng);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z += i % 5 == 0 ? -20 : i % 7 == 0 ? -60 : i % 11 == 0 ? 9 : 0;
+    n -= 3; /* no whole number of lanes */
+    assert_int_equal(shape_map_points(pts, n, &still, &s, &p), ST_OK);
+    assert_int_equal(p.n, n);
+    shape_map_make(&p, &still, model.mean, got);
+    for (uint32_t c = 0; c < GRID_N; c++) {
+        double first = -SHAPE_BEHIND_MM, sum = 0, count = 0, over[POINTS];
+        float zx, zy;
+
+        shape_map_slope(model.mean, c, &zx, &zy);
+        for (size_t i = 0; i < n; i++) {
+            over[i] = -INFINITY;
+            if (grid_cell(pts[i].x, pts[i].y) == c && !isnan(model.mean[c]))
+                over[i] = pts[i].z - (double)model.mean[c] -
+                          (double)zx * (pts[i].x - grid_x(c)) -
+                          (double)zy * (pts[i].y - grid_y(c));
+            first = fmax(first, over[i]);
+        }
+        for (size_t i = 0; i < n; i++)
+            if (over[i] > first - SHAPE_LAYER_MM && over[i] > -SHAPE_BEHIND_MM) {
+                sum += over[i];
+                count++;
+            }
+        assert_true(isnan(got[c]) == (count == 0));
+        assert_true(count == 0 || fabs((double)got[c] - sum / count) < 1e-3);
+    }
+    scan(face, ROOM, &rng);
+    assert_int_equal(shape_map_points(pts, n, &still, &s, &p), ST_OK);
+    assert_in_range(p.n, SHAPE_POINTS / 2, SHAPE_POINTS);
+    scratch_free(&s);
+}
+
+/* shape_judge() in one pass is the weighted least squares of all covered cells. */
+static void test_squares(void **state)
+{
+    static const struct {
+        double limit, prior;
+    } pass[] = SHAPE_JUDGE;
+    struct brute_rng rng = {brute_seed("squares")};
+    struct scratch s = {0};
+    struct shape_points p;
+    struct shape_fit f;
+    float over[GRID_N];
+    double g[6] = {0, 0, 0, 0, 0, 0}; /* the gradient at the solution */
+
+    (void)state;
+    assert_int_equal(sizeof pass / sizeof *pass, 1);
+    make_face(&rng);
+    cover(-20, 20, -52, -14, 8);
+    judge(&still, &f);
+    assert_int_equal(shape_map_points(pts, n, &still, &s, &p), ST_OK);
+    shape_map_make(&p, &still, model.mean, over);
+    for (uint32_t k = 0; k < 6; k++)
+        g[k] = pass[0].prior * f.a[k];
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double flat = (double)work.normal[i][2], rest = (double)model.shape.rest[i];
+        const double r = (double)over[i] * flat;
+        const double far = r > 0 ? r / (SHAPE_FRONT * pass[0].limit) : -r / pass[0].limit;
+        double left = (double)over[i];
+
+        if (isnan(over[i]) || far >= 1)
+            continue;
+        for (uint32_t k = 0; k < 6; k++)
+            left -= f.a[k] * (double)model.shape.mode[i][k];
+        for (uint32_t k = 0; k < 6; k++)
+            g[k] -= (far < 0.5 ? 1 : 2 - 2 * far) * left *
+                    (double)model.shape.mode[i][k] / (rest * rest);
+    }
+    for (uint32_t k = 0; k < 6; k++)
+        assert_true(fabs(g[k]) < 2); /* of a curvature of some 10,000 */
+    scratch_free(&s);
 }
 
 /* Wherever an allocation fails. */
@@ -127,13 +513,13 @@ static void test_no_memory(void **state)
     (void)state;
     make_face(&rng);
     for (int judged = 0; judged < 2; judged++)
-        for (unsigned long n = 1;; n++) {
+        for (unsigned long at = 1;; at++) {
             enum status st;
 
             shape_prepare(&model, &w);
-            fail_alloc_at(n);
-            st = judged ? shape_judge(&w, pts, POINTS, &still, &f)
-                        : shape_fit(&w, pts, POINTS, &still, 1, true, &f);
+            fail_alloc_at(at);
+            st = judged ? shape_judge(&w, pts, n, &still, &f)
+                        : shape_fit(&w, pts, n, &still, 1, true, &f);
             fail_alloc_at(0);
             shape_free(&w);
             if (st == ST_OK)
@@ -141,14 +527,18 @@ static void test_no_memory(void **state)
             assert_int_equal(st, ST_ENOMEM);
             failed++;
         }
-    assert_true(failed >= 4);
+    assert_int_equal(failed, 4); /* the points, and fit_solve()'s */
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recovered),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_recovered), cmocka_unit_test(test_slab),
+        cmocka_unit_test(test_small),     cmocka_unit_test(test_hard),
+        cmocka_unit_test(test_glasses),   cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_nothing),   cmocka_unit_test(test_invariant),
+        cmocka_unit_test(test_starts),    cmocka_unit_test(test_map),
+        cmocka_unit_test(test_squares),   cmocka_unit_test(test_no_memory),
     };
     int failed;
 
