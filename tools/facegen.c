@@ -44,30 +44,31 @@ static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
                          double smile)
 {
     const double eye_x = 31 + 2.2 * p[9], eye_y = 33 + 2.2 * p[10];
-    const double mouth_y = -30 + 2.2 * p[11], mouth = 17 + 1.6 * p[12] + 3.5 * smile;
-    const double lips = 5 + 1.2 * p[13] - 1.8 * smile, chin_y = -62 + 2.5 * p[14];
+    const double mouth_y = -26 + 2.2 * p[11], mouth = 17 + 1.6 * p[12] + 3.5 * smile;
+    const double lips = 3 + 1.2 * p[13] - 1.8 * smile, chin_y = -69 + 2.5 * p[14];
 
-    add_pair(f, f->side, -3, 6 + 0.5 * p[8], 6, 7 + p[8]);     /* wings of the nose */
-    add_pair(f, eye_x - 3, eye_y, 13, 9.5, -10 - 2.4 * p[15]); /* orbits */
-    add_pair(f, eye_x, eye_y - 1, 9, 7, 6 + 0.8 * p[16]);      /* eyeballs, lids */
-    add_pair(f, 22, eye_y + 14, 17, 6.5, 4 + 1.5 * p[17]);     /* brow */
-    add(f, 0, eye_y + 12, 9, 8, 2 + 1.2 * p[17]);              /* between the brows */
-    add_pair(f, 43 + 1.5 * p[18], 14 + 2 * p[18], 16, 13,
-             1 + 1.6 * p[19] + 1.2 * smile);     /* cheekbones */
-    add_pair(f, 37, -18, 17, 20, 1 + 2 * p[20]); /* cheeks */
-    add_pair(f, 33, -8, 11, 9, 3.2 * smile);     /* and their apples */
-    add_pair(f, mouth + 9, -16, 5, 12, -1.2 - 0.4 * p[20] - 2 * smile); /* folds */
-    add(f, 0, mouth_y + 6, mouth * 0.75, 4.5, lips + 2);                /* lips */
-    add(f, 0, mouth_y - 5.5, mouth * 0.65, 4.5, lips + 1 + 0.6 * p[21]);
-    add(f, 0, mouth_y, mouth, 2.4, -3.2);
-    add_pair(f, mouth + 4, mouth_y + 3 * smile, 4, 4, -1.5 - 2.2 * smile); /* corners */
-    add(f, 0, mouth_y + 13, 4, 5, -1.2);                                   /* philtrum */
-    add(f, 0, chin_y + 14, 13, 5, -4 - p[22]);          /* below the lips */
-    add(f, 0, chin_y, 13 + p[22], 10, 9 + 1.8 * p[23]); /* chin */
-    add(f, 0, 75, 32, 20, f->forehead);
-    add_pair(f, 24, 14, 10, 16, -4); /* beside the nose */
-    add(f, 0, -24, 22, 15, 4);       /* the jaws stand forward */
-    add(f, 0, -48, 22, 12, 6);
+    add_pair(f, f->side, -2.2, 3.9 + 0.4 * p[8], 5.8, 3.6 + p[8]); /* wings of the nose */
+    add_pair(f, eye_x - 8, eye_y + 6, 14.7, 12, -15.2 - 2.4 * p[15]); /* orbits */
+    add_pair(f, eye_x + 1, eye_y - 2.3, 9.4, 9.1, 11 + 0.8 * p[16]);  /* eyeballs, lids */
+    add_pair(f, 29, eye_y + 14, 27.2, 9.3, 10 + 1.5 * p[17]);         /* brow */
+    add(f, 0, eye_y + 17, 8.6, 11, -4 + 1.2 * p[17]); /* between the brows */
+    add_pair(f, 50 + 1.5 * p[18], 7 + 2 * p[18], 25.6, 12.5,
+             7 + 1.6 * p[19] + 1.2 * smile);            /* cheekbones */
+    add_pair(f, 44, -25, 13.5, 27.9, -1.3 + 2 * p[20]); /* cheeks */
+    add_pair(f, 33, -8, 11, 9, 3.2 * smile);            /* and their apples */
+    add_pair(f, mouth + 7, -23, 6.8, 19.2, -4.2 - 0.4 * p[20] - 2 * smile); /* folds */
+    add(f, 0, mouth_y + 5, mouth * 0.8, 3.6, lips + 1.3);                   /* lips */
+    add(f, 0, mouth_y - 5, mouth * 1.04, 4.2, lips + 1.5 + 0.6 * p[21]);
+    add(f, 0, mouth_y, mouth - 1, 2.4, 2.8);
+    add_pair(f, mouth + 8, mouth_y - 1 + 3 * smile, 6.4, 6.4,
+             2.7 - 2.2 * smile);                                   /* corners */
+    add(f, 0, mouth_y + 14.4, 4.2, 4, 4.8);                        /* philtrum */
+    add(f, 0, chin_y + 14, 18.5, 8, -2.4 - p[22]);                 /* below the lips */
+    add(f, 0, chin_y, 20.8 + 1.5 * p[22], 16, 12.7 + 1.8 * p[23]); /* chin */
+    add(f, 0, 68, 51, 17, f->forehead);
+    add_pair(f, 31, 19.5, 16, 16.5, -10); /* beside the nose */
+    add(f, 0, -17, 35, 9, 5);             /* the jaws stand forward */
+    add(f, 0, -42, 21, 10, 9.7);
 }
 
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
@@ -81,14 +82,14 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
         p[i] = draw_normal(&shape);
     out->width = 69 + 2.5 * p[0];
     out->depth = 45 + 3 * p[1];
-    out->jaw = 0.16 + 0.03 * p[2];
-    out->forehead = 4 + 1.6 * p[3];
-    out->nose = 21 + 2.4 * p[4];
-    out->bridge = 1.5 + 1.8 * p[5];
-    out->hump = 1.2 + 1.4 * p[6];
-    out->length = 42 + 3 * p[7];
+    out->jaw = 0.12 + 0.03 * p[2];
+    out->forehead = 8.2 + 1.6 * p[3];
+    out->nose = 23.2 + 2.4 * p[4];
+    out->bridge = 0.2 + 1.8 * p[5];
+    out->hump = 1.5 + 1.4 * p[6];
+    out->length = 46 + 3 * p[7];
     out->nose_width = 7 + 0.9 * p[8];
-    out->side = 14.5 + 1.2 * p[8];
+    out->side = 12.5 + 1.2 * p[8];
     add_features(out, p, smile);
     while (out->nbumps < FACEGEN_BUMPS - 20) {
         const double x = draw_uniform(&own, -60, 60), y = draw_uniform(&own, -75, 80);
@@ -108,9 +109,9 @@ static double skull(const struct facegen_face *f, double x, double y)
 {
     const double below = y < -20 ? -20 - y : 0; /* the jaw is narrower */
     const double w = f->width - f->jaw * square(below) / 20;
-    const double u = fabs(x) / (w > 30 ? w : 30), v = fabs(y - 8) / 92;
+    const double u = fabs(x) / (w > 30 ? w : 30), v = fabs(y - 8.4) / 93.4;
 
-    return -22 - f->depth * pow(u, 2.5) - 20 * pow(v, 2.6);
+    return -22.5 - f->depth * pow(u, 2.76) - 16.4 * pow(v, 2.2);
 }
 
 static double nose(const struct facegen_face *f, double x, double y)
@@ -121,7 +122,7 @@ static double nose(const struct facegen_face *f, double x, double y)
     double h;
 
     if (y <= 0)
-        h = f->nose * exp(-square(y / 6.5) / 2);
+        h = f->nose * exp(-square(y / 7) / 2);
     else if (u < 1)
         h = f->nose + (f->bridge - f->nose) * u +
             f->hump * exp(-square((u - 0.55) / 0.2));
