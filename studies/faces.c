@@ -106,9 +106,9 @@ static void both_faces(const struct lab *lab, const char *name, const struct mes
     FILE *f = lab_open(lab, name);
 
     render_begin(&r);
-    render_mesh(&r, a, LATTICE_PER_MM, 1, 0, 0x70a8e8);
+    render_mesh(&r, a, NULL, LATTICE_PER_MM, 1, 0, 0x70a8e8);
     if (b != NULL)
-        render_mesh(&r, b, LATTICE_PER_MM, 1, 0, 0xf0a840);
+        render_mesh(&r, b, NULL, LATTICE_PER_MM, 1, 0, 0xf0a840);
     render_end(&r, f);
     lab_close(f);
 }

@@ -18,6 +18,7 @@ struct lab {
     const char *dir; /* where the study's files go */
     uint64_t seed;
     const char *faces; /* a folder of scans, or NULL */
+    const char *raw;   /* a folder of the same people's scans as delivered, or NULL */
     bool reduced;      /* few draws, small sizes: for tests */
 };
 

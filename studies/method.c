@@ -251,8 +251,8 @@ static void picture(const struct lab *lab, const char *name, const struct mesh *
     FILE *f = lab_open(lab, name);
 
     render_begin(&r);
-    render_mesh(&r, bottom, LAB_UNIT, up, 0, 0xf0a030);
-    render_mesh(&r, top, LAB_UNIT, up, 0.6, 0x60a0e0);
+    render_mesh(&r, bottom, NULL, LAB_UNIT, up, 0, 0xf0a030);
+    render_mesh(&r, top, NULL, LAB_UNIT, up, 0.6, 0x60a0e0);
     render_end(&r, f);
     lab_close(f);
 }

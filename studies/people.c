@@ -102,3 +102,31 @@ void people_free(struct person *p, size_t n)
         free(p[i].probe);
     }
 }
+
+size_t people_relatives(const char *dir, const struct person *p, size_t n,
+                        size_t *relative)
+{
+    char path[4096], line[512];
+    size_t pairs = 0;
+    FILE *f;
+
+    for (size_t i = 0; i < n; i++)
+        relative[i] = i;
+    (void)snprintf(path, sizeof path, "%s/subjects.csv", dir);
+    f = fopen(path, "r");
+    while (f != NULL && fgets(line, sizeof line, f) != NULL) {
+        char *other = strrchr(line, ',');
+
+        line[strcspn(line, "\r\n")] = '\0';
+        line[strcspn(line, ",")] = '\0';
+        for (size_t i = 0; i < n && other != NULL; i++)
+            for (size_t j = 0; j < n; j++)
+                if (strcmp(p[i].name, line) == 0 && strcmp(p[j].name, other + 1) == 0) {
+                    relative[i] = j;
+                    pairs++;
+                }
+    }
+    if (f != NULL)
+        (void)fclose(f);
+    return pairs;
+}

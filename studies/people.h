@@ -28,6 +28,12 @@ size_t people_scanned(const char *dir, const char *kind, size_t most, struct fac
  * cannot be read. */
 struct dvec3 *people_points(const char *dir, const char *name, size_t *n);
 
+/* people_relatives(dir, p, n, relative): relative[i]: the number of p[i]'s close relative, or i,
+ * by the folder's subjects.csv, if there is one: its first column a subject, its last one
+ * whose relative that is.  Returns how many pairs there are. */
+size_t people_relatives(const char *dir, const struct person *p, size_t n,
+                        size_t *relative);
+
 void people_free(struct person *p, size_t n); /* not p itself */
 
 #endif

@@ -61,13 +61,13 @@ static void fill(struct render *r, const struct dvec3 p[3], unsigned colour)
         }
 }
 
-void render_mesh(struct render *r, const struct mesh *m, double unit, double up,
-                 double lift, unsigned colour)
+void render_mesh(struct render *r, const struct mesh *m, const uint8_t *bridge,
+                 double unit, double up, double lift, unsigned colour)
 {
     for (uint32_t t = 0; t < m->nt; t++) {
         struct dvec3 p[3];
 
-        if (mesh_is_ghost(m, t))
+        if (mesh_is_ghost(m, t) || (bridge != NULL && bridge[t] != 0))
             continue;
         for (int i = 0; i < 3; i++) {
             const uint32_t v = m->org[3 * t + (uint32_t)i];
@@ -77,6 +77,24 @@ void render_mesh(struct render *r, const struct mesh *m, double unit, double up,
         }
         fill(r, p, colour);
     }
+}
+
+void render_point(struct render *r, struct dvec3 p, int size, unsigned colour)
+{
+    const struct dvec3 q = seen(r, p.x, p.y, p.z);
+
+    for (int y = (int)floor(q.y) - size / 2, j = 0; j < size; j++)
+        for (int x = (int)floor(q.x) - size / 2, i = 0; i < size; i++) {
+            const size_t at = (size_t)(y + j) * (size_t)r->wide + (size_t)(x + i);
+
+            if (x + i < 0 || y + j < 0 || x + i >= r->wide || y + j >= r->high ||
+                q.z <= r->depth[at])
+                continue;
+            r->depth[at] = (float)q.z;
+            for (int k = 0; k < 3; k++)
+                r->rgb[3 * at + (size_t)k] =
+                    (unsigned char)(colour >> (16 - 8 * k) & 255);
+        }
 }
 
 void render_end(struct render *r, FILE *f)

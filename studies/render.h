@@ -3,6 +3,7 @@
 #ifndef STUDIES_RENDER_H
 #define STUDIES_RENDER_H
 #include <stdio.h>
+#include "vec.h"
 
 struct mesh; /* mesh.h */
 
@@ -18,10 +19,14 @@ struct render {
 /* render_begin(r): an empty picture; the members above rgb are set. */
 void render_begin(struct render *r);
 
-/* render_mesh(r, m, unit, up, lift, colour): draw m; unit: lattice units to the unit of
- * length; heights are multiplied by up, then lifted; colour 0xrrggbb in full light. */
-void render_mesh(struct render *r, const struct mesh *m, double unit, double up,
-                 double lift, unsigned colour);
+/* render_mesh(r, m, bridge, unit, up, lift, colour): draw m, without the triangles whose bridge
+ * is not 0 (NULL: with all); unit: lattice units to the unit of length; heights are multiplied
+ * by up, then lifted; colour 0xrrggbb in full light. */
+void render_mesh(struct render *r, const struct mesh *m, const uint8_t *bridge,
+                 double unit, double up, double lift, unsigned colour);
+
+/* render_point(r, p, size, colour): a square of so many pixels, facing the eye. */
+void render_point(struct render *r, struct dvec3 p, int size, unsigned colour);
 
 /* render_end(r, f): lines "across up r g b", in units of length from the middle. */
 void render_end(struct render *r, FILE *f);

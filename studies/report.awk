@@ -5,6 +5,7 @@
 #   @table FILE | CAPTION    a CSV file as a table
 #   @maybe FILE | CAPTION    the same where the file is there
 #   @figure NAME | CAPTION   a picture, in the page: the SVG, or the PNG of a large one
+#   @maybe-figure NAME | CAPTION   the same where it is there
 function text(s) {
     gsub(/&/, "\\&amp;", s); gsub(/</, "\\&lt;", s); gsub(/>/, "\\&gt;", s)
     return s
@@ -51,6 +52,9 @@ function directive(line, study,    at) {
     else if (line ~ /^@maybe /) {
         if (there(out "/" study "/" substr(line, 8, at - 8)))
             table(out "/" study "/" substr(line, 8, at - 8), substr(line, at + 3))
+    } else if (line ~ /^@maybe-figure /) {
+        if (there(out "/" study "/" substr(line, 15, at - 15) ".svg"))
+            figure(out "/" study "/" substr(line, 15, at - 15), substr(line, at + 3))
     } else if (line ~ /^@figure /)
         figure(out "/" study "/" substr(line, 9, at - 9), substr(line, at + 3))
     else

@@ -26,6 +26,8 @@ static const struct {
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
     {"gate", "what is no face, and faces: what is enrolled", gate_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
+    {"scans", "scans as scanners deliver them: heads, half profiles, covered faces",
+     scans_run},
     {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
     {"bound", "disparity: a sound lower bound of the minimum", bound_run},
     {"fewer", "disparity: simplified surfaces and templates", fewer_run},
@@ -36,7 +38,7 @@ static const struct {
 
 static int usage(FILE *to)
 {
-    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--faces DIR] [--out DIR]\n"
+    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--faces DIR] [--raw DIR] [--out DIR]\n"
                 "Run one study and write its numbers as CSV into DIR (the folder where "
                 "one is).\n");
     for (size_t i = 0; i < STUDIES; i++)
@@ -46,7 +48,9 @@ static int usage(FILE *to)
         "--seed     of everything random (%d)\n"
         "--reduced  few draws and small sizes: seconds instead of minutes\n"
         "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
-        "which cover, fewer, gate, minimal and bound use\n"
+        "which cover, fewer, gate, minimal, bound and scans use\n"
+        "--raw      with it: a folder of the same people's scans as delivered, "
+        "SUBJECT_head.ply, bust, round, half, glasses, mask, other (scans)\n"
         "With scripts/studies: pictures and a report besides.\n",
         SEED);
     return to == stdout ? 0 : 64;
@@ -73,6 +77,8 @@ int main(int argc, char **argv)
             lab.dir = argv[++i];
         } else if (strcmp(argv[i], "--faces") == 0 && i + 1 < argc) {
             lab.faces = argv[++i];
+        } else if (strcmp(argv[i], "--raw") == 0 && i + 1 < argc) {
+            lab.raw = argv[++i];
         } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
             errno = 0;
             lab.seed = strtoull(argv[++i], &end, 10);

@@ -137,10 +137,10 @@ static void neck_section(double y, double half[2], double *z)
 
 static void shoulder_section(double y, double half[2], double *z)
 {
-    const double down = fmin((-165 - y) / 75, 1);
+    const double down = fmin((-165 - y) / 90, 1), slope = down * down * (3 - 2 * down);
 
-    half[0] = 62 + 150 * sqrt(fmax(down * (2 - down), 0));
-    half[1] = 58 + 50 * fmax(down, 0);
+    half[0] = 62 + 140 * slope;
+    half[1] = 58 + 45 * slope;
     *z = -115;
 }
 

@@ -315,14 +315,14 @@ static void put_scarf(struct maker *m)
 /* ---- a hand */
 
 struct bone {
-    double x, y, dx, dy, length, radius;
+    double x, y, dx, dy, length, radius, flat; /* flat: 1 round, 0 a sheet */
 };
 
 /* A finger or the palm laid on the skin: a capsule whose axis follows the cloth that would
  * lie over it. */
 static void lay_bone(struct maker *m, const struct bone *b)
 {
-    double axis = -INFINITY;
+    double axis = -90; /* where there is no skin */
 
     for (int pass = 0; pass < 2; pass++)
         for (int j = 0; j < NY; j++)
@@ -336,12 +336,13 @@ static void lay_bone(struct maker *m, const struct bone *b)
                     continue;
                 if (pass == 0 && off < 2.5) {
                     z = m->skin.z[j][i];
-                    axis = fmax(axis, isnan(z) ? -INFINITY : z);
+                    axis = fmax(axis, isnan(z) ? -90 : z);
                 } else if (pass == 1) {
                     /* as the skin falls away at the side, so do the fingers, but less */
                     z = fmax(least_height(m, x_of(i), y_of(j), 0), axis - 25);
-                    z = 0.5 * (z + axis) + 0.6 * b->radius +
-                        sqrt(square(b->radius) - square(off));
+                    z = 0.5 * (z + axis) +
+                        b->flat *
+                            (0.5 * b->radius + sqrt(square(b->radius) - square(off)));
                     m->on.z[j][i] = isnan(m->on.z[j][i]) ? z : fmax(m->on.z[j][i], z);
                 }
             }
@@ -359,12 +360,12 @@ static void put_hand(struct maker *m)
     for (int k = 0; k < 4; k++) {
         const double a = turn + fan * (k - 1.5), off = (k - 1.5) * 2.1 * finger;
 
-        lay_bone(m,
-                 &(struct bone){x + 25 * dx + off * dy, y + 25 * dy - off * dx, sin(a),
-                                cos(a), draw_uniform(r, 58, 74) - 5 * (k == 3), finger});
+        lay_bone(m, &(struct bone){x + 25 * dx + off * dy, y + 25 * dy - off * dx, sin(a),
+                                   cos(a), draw_uniform(r, 58, 74) - 5 * (k == 3), finger,
+                                   1});
     }
-    lay_bone(m, &(struct bone){x, y, dx, dy, 30, 36});
-    lay_bone(m, &(struct bone){x - 70 * dx, y - 70 * dy, dx, dy, 60, 27});
+    lay_bone(m, &(struct bone){x, y, dx, dy, 30, 36, 0.45});
+    lay_bone(m, &(struct bone){x - 70 * dx, y - 70 * dy, dx, dy, 60, 27, 0.8});
     put_sheet(m, 0);
 }
 
@@ -382,7 +383,7 @@ static void put_fringe(struct maker *m)
         for (int i = 0; i < NX; i++) {
             const double x = x_of(i), y = y_of(j);
 
-            if (fabs(x) < 80 &&
+            if (on_skin(m, 0.97 * x, y) &&
                 y > low + lean * x - square(x) / 300 + waves(edge, 3, 9, x, 0))
                 m->on.z[j][i] = least_height(m, x, y, deep) +
                                 waves(rough, 1, strand, x + 0.2 * y, 0.1 * y);
@@ -433,8 +434,8 @@ static void put_cap(struct maker *m)
     }
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++)
-            if (y_of(j) > low && fabs(x_of(i)) < 85)
-                m->on.z[j][i] = least_height(m, x_of(i), y_of(j), thick);
+            if (y_of(j) > low)
+                m->on.z[j][i] = m->skin.z[j][i] + thick;
     put_sheet(m, 0);
     for (double t = 0; t < 1; t += HEAD_COVER_MM / out)
         for (double x = -68; x <= 68; x += HEAD_COVER_MM) {

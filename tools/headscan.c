@@ -95,11 +95,11 @@ void headscan_kind(unsigned kind, uint64_t seed, bool crop, struct headscan_opti
 
 /* ---- where the head is */
 
-/* Rz Rx Ry about (0, 0, PIVOT), then by shift. */
+/* Rz Rx Ry about (0, 0, PIVOT), then by shift; a positive pitch turns the face upwards. */
 static void pose(double yaw, double pitch, double roll, struct dvec3 shift, double t[16])
 {
     const double cy = cos(yaw * RADIAN), sy = sin(yaw * RADIAN);
-    const double cx = cos(pitch * RADIAN), sx = sin(pitch * RADIAN);
+    const double cx = cos(pitch * RADIAN), sx = -sin(pitch * RADIAN);
     const double cz = cos(roll * RADIAN), sz = sin(roll * RADIAN);
     const double yx[3][3] = {
         {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};

@@ -30,7 +30,7 @@ struct headscan_options {
     bool crop;     /* the head is a frontal crop: one layer of a face alone */
     size_t points; /* of a view */
     double step;
-    double yaw, pitch, roll; /* degrees; yaw to the image's right, pitch down */
+    double yaw, pitch, roll; /* degrees: to the image's right, up, anticlockwise */
     double distance;         /* from the scanner, which is the origin; 0: the face is */
     double noise;            /* along the view, mm */
     double round;            /* coordinates are multiples of it, mm; 0: no */

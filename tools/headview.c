@@ -3,13 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Squares of the z-buffer.  A point of the skin fills those within SPLAT spacings, so that no
- * gap is left between neighbours; it hides what lies DEEP spacings and more behind it, because
+/* Squares of the z-buffer.  A point of the skin fills those within SPLAT spacings, so that even
+ * points at random leave no gap; it hides what lies DEEP spacings and more behind it, because
  * on steep places neighbours differ in height.  What covers the skin is dense, and hides all
  * behind it. */
 #define SQUARE 1.5
-#define SPLAT  1.2
-#define DEEP   2.2
+#define SPLAT  1.5
+#define DEEP   3.5
 
 struct buffer {
     double x0, y0;
@@ -51,7 +51,7 @@ static void fill(const struct head *h, const struct headview *v, struct buffer *
         b->skin[i] = b->cover[i] = -INFINITY;
     for (size_t i = 0; i < h->n; i++)
         if (h->part[i] == HEAD_SKIN)
-            splat(b, h->at[i], b->skin, SPLAT * h->spacing / 2);
+            splat(b, h->at[i], b->skin, SPLAT * h->spacing);
         else
             splat(b, h->at[i], b->cover, HEAD_COVER_MM * 0.6);
 }
