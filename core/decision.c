@@ -43,10 +43,16 @@ double decision_fmr(const struct decision *d, double score_mm)
            (k[i].rate - k[i - 1].rate) * (mm - k[i - 1].mm) / (k[i].mm - k[i - 1].mm);
 }
 
-double decision_rise(const struct decision_pair *p)
+struct decision_terms decision_terms(const struct decision_pair *p)
 {
     const double noise = fmin(p->noise_mm, DECISION_NOISE_MOST_MM) - DECISION_NOISE_MM;
     const double rough = p->rough_mm - DECISION_ROUGH_MM;
+    const double more = p->hidden - DECISION_HIDDEN_SOME;
+    const double hidden =
+        fmax(0, fmin(1, more / (DECISION_HIDDEN_MUCH - DECISION_HIDDEN_SOME)));
 
-    return fmax(0, fmin(DECISION_NOISE_RISE * noise, DECISION_ROUGH_RISE * rough));
+    return (struct decision_terms){.factor = 1 - DECISION_HIDDEN_LESS * hidden,
+                                   .rise_mm = fmax(0, fmin(DECISION_NOISE_RISE * noise,
+                                                           DECISION_ROUGH_RISE * rough)),
+                                   .doubt = DECISION_HIDDEN_DOUBT * hidden};
 }

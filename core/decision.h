@@ -30,13 +30,24 @@ double decision_fmr(const struct decision *d, double score_mm);
 struct decision_pair {
     double noise_mm; /* white noise of both scans: the root of the sum of their squares */
     double rough_mm; /* the pair's roughness (score.h) */
+    double hidden;   /* share of the probe's face that was not seen (face.h), 0..1 */
 };
 
-/* decision_rise(p): by how much, mm, the threshold rises for the pair: what noise beyond that
- * of an ordinary scanner adds to everybody's score, strangers' too, so that the rate of false
- * matches stays.  0 for ordinary scans.  It rises with the noise that the scans are said to
- * have, as far as the pair is rough as such noise makes it: so noise that cells average out
- * gains nothing.  docs/decision.md, "Noise". */
-double decision_rise(const struct decision_pair *p);
+/* How the calibration's threshold t applies to the pair:
+ *     match     where the score is at most factor t + rise_mm
+ *     no match  where it is above that by more than doubt t; between them it is inconclusive.
+ * factor, doubt  1 and 0 for a probe that shows the face.  The less is seen, the more people
+ *     have what is seen in common: a lower threshold keeps the rate of false matches.  As what
+ *     covers a face may have been taken for a part of it, a score above it need not be a
+ *     non-match.
+ * rise_mm  0 for ordinary scans: what noise beyond theirs adds to everybody's score, strangers'
+ *     too, so that the rate stays.  It rises with the noise that the scans are said to have,
+ *     as far as the pair is rough as such noise makes it: so noise that cells average out
+ *     gains nothing.
+ * docs/decision.md, "Noise", "Hidden faces". */
+struct decision_terms {
+    double factor, rise_mm, doubt;
+};
+struct decision_terms decision_terms(const struct decision_pair *p);
 
 #endif

@@ -134,6 +134,7 @@ enum status face_adopt(struct face *f, struct face_work *w)
 {
     enum status st = mesh_link(&f->surface.mesh, &w->measure.scratch);
 
+    f->hidden = 0;
     if (st == ST_OK)
         st = surface_derive(&f->surface, &w->measure.scratch);
     if (st == ST_OK && f->frame.mean_id != w->mean.mean_id)
@@ -171,6 +172,7 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
 
     clear(out);
     out->frame = (struct frame){0};
+    out->hidden = 0;
     if (n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
     if (n > MESH_MAX_POINTS)
@@ -203,12 +205,20 @@ enum status face_rebuild(struct face *f, struct face_work *w)
     return st;
 }
 
-static enum face_decision decide(const struct face_result *r)
+static bool comparable(const struct face_result *r)
 {
-    if (r->align.stop == ALIGN_APART || r->overlap < DECISION_MIN_OVERLAP ||
-        r->weight_overlap < DECISION_MIN_WEIGHT)
+    return r->align.stop != ALIGN_APART && r->overlap >= DECISION_MIN_OVERLAP &&
+           r->weight_overlap >= DECISION_MIN_WEIGHT;
+}
+
+/* doubt_mm: how far above the threshold nothing can be said. */
+static enum face_decision decide(const struct face_result *r, double doubt_mm)
+{
+    if (!r->comparable)
         return FACE_INCONCLUSIVE;
-    return r->score_mm <= r->threshold_mm ? FACE_MATCH : FACE_NO_MATCH;
+    if (r->score_mm <= r->threshold_mm)
+        return FACE_MATCH;
+    return r->score_mm <= r->threshold_mm + doubt_mm ? FACE_INCONCLUSIVE : FACE_NO_MATCH;
 }
 
 /* The deviation of the sum of two errors.  (sqrt() has the same digits everywhere, hypot()
@@ -270,7 +280,8 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     struct cells cells;
     struct score score;
     struct fit fit;
-    double aligned, rise;
+    struct decision_terms terms;
+    double aligned, threshold;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -285,20 +296,22 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
-    rise = decision_rise(&(struct decision_pair){
+    terms = decision_terms(&(struct decision_pair){
         .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
+        .hidden = probe->hidden,
         .rough_mm = score.rough_mm});
-    out->threshold_mm = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
-    out->threshold_mm += rise;
+    threshold = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
+    out->threshold_mm = terms.factor * threshold + terms.rise_mm;
     out->score_mm = score.mm;
-    out->calibrated_mm = fmax(0, score.mm - rise);
+    out->calibrated_mm = fmax(0, (score.mm - terms.rise_mm) / terms.factor);
     out->weight_overlap = score.weight;
     out->fmr_at_score =
         score.weight > 0 ? decision_fmr(&w->decision, out->calibrated_mm) : 1;
     out->change_mm = score.change_mm;
     memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
     memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);
-    out->decision = decide(out);
+    out->comparable = comparable(out);
+    out->decision = decide(out, terms.doubt * threshold);
     return ST_OK;
 }
 

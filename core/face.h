@@ -24,6 +24,10 @@ struct face {
     struct surface surface;
     struct quality quality;
     struct frame frame; /* its canonical frame */
+    double
+        hidden; /* share of the face that the scan does not show, as something covers it or
+                       it is turned away, 0..1; 0 until whoever looked at more than these points
+                       says so.  It is not stored: it counts for probes */
 };
 
 struct asymmetry;  /* asymmetry.h */
@@ -90,7 +94,8 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double score_mm;      /* what the decision was taken on (score.h) */
+    bool comparable; /* there is enough in common; else the decision is inconclusive */
+    double score_mm; /* what the decision was taken on (score.h) */
     double threshold_mm;  /* what it had to be at most: the calibration's, changed by what
                              was compared (decision.h) */
     double calibrated_mm; /* the score less that change: to compare with scores of other

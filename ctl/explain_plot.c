@@ -37,7 +37,7 @@ static void print_heading(FILE *to, const struct face_result *r)
                   "set label 100 \"{/:Bold*1.8 %s}\" at screen 0.5,0.972 center\n"
                   "set label 101 \"{/*1.15 ",
                   words[r->decision]);
-    if (r->decision == FACE_INCONCLUSIVE)
+    if (!r->comparable)
         (void)fprintf(to, "too little in common to decide");
     else
         (void)fprintf(to, "score %.3f mm %s threshold %.3f mm", r->score_mm,

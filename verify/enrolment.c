@@ -8,7 +8,7 @@ static enum status mismatch(const struct face_result *r, struct errinfo *e)
 {
     return errinfo_set(
         e, ST_EMISMATCH, "%s",
-        r->decision == FACE_INCONCLUSIVE
+        !r->comparable
             ? "the sample has too little in common with any of the subject's "
               "templates to tell whether it fits; only with force is it enrolled"
             : "the sample does not fit: it matches none of the subject's templates; only "

@@ -7,9 +7,9 @@
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {
-    if ((a->decision == FACE_INCONCLUSIVE) != (b->decision == FACE_INCONCLUSIVE))
-        return a->decision != FACE_INCONCLUSIVE;
-    if (a->decision == FACE_INCONCLUSIVE)
+    if (a->comparable != b->comparable)
+        return a->comparable;
+    if (!a->comparable)
         return a->overlap > b->overlap;
     return a->calibrated_mm < b->calibrated_mm;
 }

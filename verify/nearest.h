@@ -1,7 +1,7 @@
 /* nearest.h -- a probe against the templates of one subject: which of them decides.
- * Fusion: of the comparisons that are conclusive the one with the lowest score decides,
- * so that one matching template suffices; where none is conclusive, the inconclusive one with
- * the greatest overlap. */
+ * Fusion: of the comparisons with enough in common the one with the lowest calibrated score
+ * decides, so that one matching template suffices; where none has, that with the greatest
+ * overlap. */
 #ifndef VERIFY_NEAREST_H
 #define VERIFY_NEAREST_H
 #include <stdbool.h>

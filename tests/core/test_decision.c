@@ -45,15 +45,39 @@ static void test_noise(void **state)
     (void)state;
     for (int i = 0; i <= 150; i++) {
         const double noise = i * 0.02;
-        const double rise = decision_rise(&(struct decision_pair){noise, 0.3});
+        const double rise =
+            decision_terms(&(struct decision_pair){noise, 0.3, 0}).rise_mm;
 
         assert_true(noise > 0.55 ? rise > 0 : rise == 0);
         assert_true(rise >= last && rise < 0.041);
-        assert_true(decision_rise(&(struct decision_pair){noise, 0.125}) == 0);
-        assert_true(decision_rise(&(struct decision_pair){noise, 0.14}) < 0.008);
+        assert_true(decision_terms(&(struct decision_pair){noise, 0.125, 0}).rise_mm ==
+                    0);
+        assert_true(decision_terms(&(struct decision_pair){noise, 0.14, 0}).rise_mm <
+                    0.008);
         last = rise;
     }
     assert_true(last > 0.039);
+}
+
+/* The more is hidden, the lower the threshold and the wider the doubt; never is the doubt as
+ * far as where most strangers are. */
+static void test_hidden(void **state)
+{
+    struct decision_terms last = {1, 0, 0};
+
+    (void)state;
+    for (int i = 0; i <= 100; i++) {
+        const struct decision_terms t =
+            decision_terms(&(struct decision_pair){0, 0.3, i * 0.01});
+
+        assert_true(t.rise_mm == 0);
+        assert_true(t.factor <= last.factor && t.factor > 0.75);
+        assert_true(t.doubt >= last.doubt && t.factor + t.doubt < 1.5);
+        assert_true(i <= 5 ? t.factor == 1 && t.doubt == 0 : t.factor < 1 && t.doubt > 0);
+        assert_true(last.factor - t.factor < 0.02 && t.doubt - last.doubt < 0.05);
+        last = t;
+    }
+    assert_true(decision_fmr(d, last.factor * d->threshold_mm) < 1e-4);
 }
 
 static void test_odd_values(void **state)
@@ -92,7 +116,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_monotone),  cmocka_unit_test(test_valid),
         cmocka_unit_test(test_threshold), cmocka_unit_test(test_odd_values),
-        cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_noise),     cmocka_unit_test(test_hidden),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

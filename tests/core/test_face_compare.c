@@ -315,6 +315,48 @@ static void test_noise(void **state)
     face_free(&b);
 }
 
+/* Where a part of the probe's face is hidden the threshold is lower, and what is not far above
+ * it inconclusive; the template's share does not count, it is not stored. */
+static void test_hidden(void **state)
+{
+    const struct decision *d = &model_default.decision;
+    struct face a = {0}, b = {0};
+    struct face_result plain, hidden, r;
+    double t;
+
+    (void)state;
+    make(15, 0, &a);
+    make(15, 1, &b);
+    assert_true(b.hidden == 0);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &plain), ST_OK);
+    a.hidden = 0.4;
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    check_same_result(&plain, &r);
+    b.hidden = 0.4;
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &hidden), ST_OK);
+    assert_true(hidden.score_mm == plain.score_mm);
+    assert_true(hidden.threshold_mm < 0.85 * d->threshold_mm);
+    assert_true(fabs(hidden.calibrated_mm / d->threshold_mm -
+                     hidden.score_mm / hidden.threshold_mm) < 1e-12);
+    assert_true(hidden.fmr_at_score == decision_fmr(d, hidden.calibrated_mm));
+    assert_int_equal(hidden.decision, FACE_MATCH);
+
+    t = hidden.calibrated_mm;
+    assert_int_equal(face_compare(&a, &b, 1.001 * t, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_MATCH);
+    assert_int_equal(face_compare(&a, &b, 0.999 * t, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+    assert_true(r.comparable);
+    assert_int_equal(face_compare(&a, &b, 0.7 * t, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+    assert_int_equal(face_compare(&a, &b, 0.6 * t, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_NO_MATCH);
+    build(&b); /* it is what other points show */
+    assert_true(b.hidden == 0);
+    face_free(&a);
+    face_free(&b);
+}
+
 /* A probe of a small part of the face is inconclusive. */
 static void test_inconclusive(void **state)
 {
@@ -503,7 +545,8 @@ int main(void)
         cmocka_unit_test(test_threshold),     cmocka_unit_test(test_inconclusive),
         cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
         cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
-        cmocka_unit_test(test_noise),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_noise),         cmocka_unit_test(test_hidden),
+        cmocka_unit_test(test_no_memory),
     };
     int failed;
 

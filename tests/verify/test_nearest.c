@@ -15,6 +15,7 @@
 #include "errinfo.h"
 #include "measure.h"
 #include "minimal.h"
+#include "model.h"
 #include "nearest.h"
 #include "tempdb.h"
 
@@ -219,6 +220,27 @@ static void test_conclusive_first(void **state)
     assert_decides("0213", &part, MIDDLE, FACE_MATCH);
 }
 
+/* Of a face that is partly hidden, a score in doubt goes before a non-match: another template
+ * than that of the lowest score does not turn it into one. */
+static void test_doubt_first(void **state)
+{
+    struct decision strict = model_default.decision;
+    struct face hidden = probe; /* borrows its surface */
+    struct nearest out;
+    enum status st;
+
+    (void)state;
+    hidden.hidden = 0.4;
+    assert_int_equal(decide("1", &hidden, &st, &out), SAME);
+    strict.threshold_mm = 0.8 * out.result.calibrated_mm;
+    face_work_decide(tempdb_work, &strict);
+    assert_decides("1", &hidden, SAME, FACE_INCONCLUSIVE);
+    assert_decides("0", &hidden, OTHER, FACE_NO_MATCH);
+    assert_decides("01", &hidden, SAME, FACE_INCONCLUSIVE);
+    assert_decides("10", &hidden, SAME, FACE_INCONCLUSIVE);
+    face_work_decide(tempdb_work, NULL);
+}
+
 static void test_left_out(void **state)
 {
     struct nearest out;
@@ -297,6 +319,7 @@ int main(void)
         cmocka_unit_test_setup(test_lowest, reset),
         cmocka_unit_test_setup(test_inconclusive, reset),
         cmocka_unit_test_setup(test_conclusive_first, reset),
+        cmocka_unit_test_setup(test_doubt_first, reset),
         cmocka_unit_test_setup(test_left_out, reset),
         cmocka_unit_test_setup(test_failure, reset),
         cmocka_unit_test_setup(test_minimal, reset),
