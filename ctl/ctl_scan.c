@@ -135,7 +135,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         ctl_say(c, "scan         %s\n", path);
         json_object(c->out, NULL);
         json_text(c->out, "file", path);
-        describe_trial(c->out, &k.trial, &k.face, trial_code(k.trial.why.code),
+        describe_trial(c->out, &k.trial, &k.face,
                        &(struct describe_times){.parse = NAN,
                                                 .prepare = NAN,
                                                 .total = ctl_clock_ms() - start});

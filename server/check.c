@@ -3,7 +3,6 @@
 #include "app.h"
 #include "cloud.h"
 #include "describe.h"
-#include "errmap.h"
 #include "log.h"
 #include "metrics.h"
 #include "render.h"
@@ -14,12 +13,10 @@
 static void respond(struct request *r, const struct worker *w, const struct trial *t,
                     const struct describe_times *times)
 {
-    const char *code = t->why.msg[0] != '\0' ? errmap_get(t->why.code)->code : NULL;
-
     metrics_check(r->app->metrics, t->enrolment == ST_OK      ? METRICS_ENROLLABLE
                                    : t->verification == ST_OK ? METRICS_USABLE
                                                               : METRICS_UNUSABLE);
-    request_respond(r, 200, render_trial(t, &w->probe, code, times));
+    request_respond(r, 200, render_trial(t, &w->probe, times));
 }
 
 void check_handle(struct request *r, struct worker *w)

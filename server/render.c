@@ -28,12 +28,12 @@ char *render_asymmetry(const struct asymmetry *a, const struct face *f,
     return json_compact(j);
 }
 
-char *render_trial(const struct trial *t, const struct face *f, const char *code,
+char *render_trial(const struct trial *t, const struct face *f,
                    const struct describe_times *times)
 {
     struct json *j = json_new();
 
-    describe_trial(j, t, f, code, times);
+    describe_trial(j, t, f, times);
     return json_compact(j);
 }
 

@@ -28,7 +28,7 @@ char *render_asymmetry(const struct asymmetry *a, const struct face *f,
                        const struct scan_found *scan, const char *engine,
                        const struct describe_times *times);
 
-char *render_trial(const struct trial *t, const struct face *f, const char *code,
+char *render_trial(const struct trial *t, const struct face *f,
                    const struct describe_times *times);
 
 /* render_enrolled(t, frame, scan): a template with what was found in the scan that it was sent

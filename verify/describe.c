@@ -224,13 +224,13 @@ void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct 
 }
 
 void describe_trial(struct json *j, const struct trial *t, const struct face *face,
-                    const char *code, const struct describe_times *times)
+                    const struct describe_times *times)
 {
     const bool usable = t->verification == ST_OK, read = t->found.points_read > 0;
 
     json_flag(j, "usable", usable);
     json_flag(j, "enrollable", t->enrolment == ST_OK);
-    json_text(j, "code", code);
+    json_text(j, "code", trial_code(t->why.code));
     text_or_null(j, "detail", t->why.msg);
     json_array(j, "advice");
     for (size_t i = 0; i < t->advice.n; i++)

@@ -64,9 +64,9 @@ void describe_comparison(struct json *j, const struct describe_comparison *c);
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
                         const char *engine, const struct describe_times *times);
 
-/* describe_trial(j, t, face, code, times): of a scan, after trial_run().  code: the word for the
- * refusal; NULL: null.  Of times only parse, prepare and total are used. */
+/* describe_trial(j, t, face, times): of a scan, after trial_run().  Of times only parse,
+ * prepare and total are used. */
 void describe_trial(struct json *j, const struct trial *t, const struct face *face,
-                    const char *code, const struct describe_times *times);
+                    const struct describe_times *times);
 
 #endif

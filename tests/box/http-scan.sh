@@ -6,10 +6,10 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-scan 1 0 "$T/a.ply"
-scan 1 0 "$T/a.xyz"
-scan 1 1 "$T/b.json"
-scan 1 1 "$T/noisy.ply" --noise 6
+scan 2 0 "$T/a.ply"
+scan 2 0 "$T/a.xyz"
+scan 2 1 "$T/b.json"
+scan 2 1 "$T/noisy.ply" --noise 6
 awk '{ print $1, $2, 0 }' "$T/a.xyz" >"$T/flat.xyz"
 awk '{ print $1 / 1000, $2 / 1000, $3 / 1000 }' "$T/a.xyz" >"$T/metres.xyz"
 start_daemon --attempts 0 --max-body 2000000
