@@ -290,7 +290,7 @@ static void draw_holes(const struct drawing *d, const struct scan_drawn *s)
     const float *height = s->mean->height;
     bool stands[GRID_N] = {false};
 
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; s->found->occluded > 0 && i < s->n; i++) {
         const struct dvec3 p = canonical(s, i);
         const uint32_t cell = grid_cell(p.x, p.y);
 

@@ -32,8 +32,8 @@ struct scan_canvas {
  * face all by their depth.  Points far from all others may lie outside.
  * scan_canvas_face(d, out): the surface of the face in the canonical frame (grid.h), mm, lit
  * from above and coloured by its depth; without a face the points, if one was found.
- * Where the surface has a hole on the mean face: SCAN_CANVAS_COVERED if points stand there
- * that were left out, else SCAN_CANVAS_EMPTY.
+ * Where the surface has a hole on the mean face: SCAN_CANVAS_COVERED if something covers the
+ * face, and points stand there that were left out; else SCAN_CANVAS_EMPTY.
  * out  released by scan_canvas_free(); empty on failure
  * Return ST_OK, ST_ENOMEM. */
 enum status scan_canvas_points(const struct scan_drawn *d, struct scan_canvas *out);

@@ -52,8 +52,7 @@ static void print_key(FILE *to)
     static const struct {
         const char *text;
         int rgb;
-    } key[] = {{"covered, or left out", SCAN_CANVAS_COVERED},
-               {"not measured", SCAN_CANVAS_EMPTY}};
+    } key[] = {{"covered", SCAN_CANVAS_COVERED}, {"not measured", SCAN_CANVAS_EMPTY}};
 
     for (int i = 0; i < 2; i++)
         (void)fprintf(to,
