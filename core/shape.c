@@ -210,7 +210,7 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
     const uint32_t passes = sizeof pass / sizeof *pass;
     struct shape_points p;
     struct shape_fit one;
-    enum status st = shape_map_points(pts, n, start, &w->points, &p);
+    enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
 
     for (enum part part = from; st == ST_OK && part <= to; part++) {
         st = fit_from(w, &p, part, pass, passes, SHAPE_TIE, &one);
@@ -244,7 +244,7 @@ enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
 {
     static const struct shape_pass pass[] = SHAPE_JUDGE;
     struct shape_points p;
-    enum status st = shape_map_points(pts, n, pose, &w->points, &p);
+    enum status st = shape_map_points(pts, n, pose, w->mean, &w->points, &p);
 
     if (st == ST_OK)
         st = fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, SHAPE_FIXED, out);

@@ -1,6 +1,7 @@
 #include "shape_map.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "tuning.h"
@@ -8,6 +9,33 @@
 #define LANES 4
 typedef float lanes __attribute__((vector_size(16)));
 typedef int32_t masks __attribute__((vector_size(16)));
+
+/* How deep points of the face, or beside it, may lie. */
+static void deepest(const float height[GRID_N], float deep[GRID_N])
+{
+    float least = 0.0f;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        least = height[i] < least ? height[i] : least;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        deep[i] = (isnan(height[i]) ? least : height[i]) - (float)SHAPE_DEEP_MM;
+}
+
+/* v within 0..most, also if it is no number. */
+static uint32_t within(double v, int most)
+{
+    return v > 0.0 ? v < most ? (uint32_t)v : (uint32_t)most : 0;
+}
+
+static bool is_near(struct dvec3 q, const float deep[GRID_N])
+{
+    const double rim = SHAPE_AROUND_MM / GRID_MM;
+    const double i = (q.x - GRID_LEFT) / GRID_MM, j = (q.y - GRID_BOTTOM) / GRID_MM;
+    const uint32_t cell = within(j, GRID_NY - 1) * GRID_NX + within(i, GRID_NX - 1);
+
+    return (i > -rim) & (i < GRID_NX + rim) & (j > -rim) & (j < GRID_NY + rim) &
+           (q.z > (double)deep[cell]) & (q.z < SHAPE_AROUND_MM);
+}
 
 /* Keep every so manieth. */
 static void thin(struct shape_points *p)
@@ -23,11 +51,11 @@ static void thin(struct shape_points *p)
 }
 
 enum status shape_map_points(const struct dvec3 *pts, size_t n,
-                             const struct align_pose *pose, struct scratch *s,
-                             struct shape_points *out)
+                             const struct align_pose *pose, const float height[GRID_N],
+                             struct scratch *s, struct shape_points *out)
 {
     const size_t room = mem_round((n + LANES) * sizeof(float));
-    const double left = GRID_LEFT - SHAPE_AROUND_MM, low = GRID_BOTTOM - SHAPE_AROUND_MM;
+    float deep[GRID_N];
     unsigned char *block = scratch_need(s, 5 * room);
     size_t at = 0;
 
@@ -39,6 +67,7 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n,
     out->over = mem_take(block, &at, 1, room);
     out->cell = mem_take(block, &at, 1, room);
     out->n = 0;
+    deepest(height, deep);
     for (size_t i = 0; i < n; i++) {
         const struct dvec3 q = align_pose_apply(pose, pts[i]);
 
@@ -46,8 +75,7 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n,
         out->x[out->n] = (float)q.x;
         out->y[out->n] = (float)q.y;
         out->z[out->n] = (float)q.z;
-        out->n += (uint32_t)((q.x > left) & (q.x < -left) & (q.y > low) & (q.y < -low) &
-                             (q.z > -SHAPE_DEEP_MM) & (q.z < SHAPE_AROUND_MM));
+        out->n += is_near(q, deep);
     }
     thin(out);
     for (uint32_t i = out->n; i % LANES != 0; i++)

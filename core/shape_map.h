@@ -17,12 +17,13 @@ struct shape_points {
     uint32_t n;
 };
 
-/* shape_map_points(pts, n, pose, s, out): those of the points, moved by pose, that lie within
- * SHAPE_AROUND_MM of the grid; of more than SHAPE_POINTS every so manieth.  In s until its
- * next use.  Returns ST_OK, ST_ENOMEM. */
+/* shape_map_points(pts, n, pose, height, s, out): those of the points, moved by pose, that lie
+ * within SHAPE_AROUND_MM of the grid, not more than that before the nose, nor more than
+ * SHAPE_DEEP_MM behind the surface there or beside it; of more than SHAPE_POINTS every so
+ * manieth.  In s until its next use.  Returns ST_OK, ST_ENOMEM. */
 enum status shape_map_points(const struct dvec3 *pts, size_t n,
-                             const struct align_pose *pose, struct scratch *s,
-                             struct shape_points *out);
+                             const struct align_pose *pose, const float height[GRID_N],
+                             struct scratch *s, struct shape_points *out);
 
 /* shape_map_slope(h, i, zx, zy): the slope of h at the middle of cell i, from the cells beside
  * it that have a height. */
