@@ -7,7 +7,7 @@
 struct errinfo;
 struct model; /* model.h */
 
-#define MODELFILE_MAX ((size_t)8 << 20) /* bytes; a full model has about 1 million */
+#define MODELFILE_MAX ((size_t)8 << 20) /* bytes; a full model has about 1.5 million */
 
 /* modelfile_read(path, out, e): *out is a new model, released by free(); NULL on failure.
  * Only a regular file is read.  e names the file, and the line where that is known.

@@ -282,13 +282,42 @@ static void test_mark(void **state)
     assert_int_not_equal(model_mean_id(&model), 0);
 }
 
+/* The digest depends on all that faces and scores follow from, and on nothing else. */
+static void test_digest(void **state)
+{
+    static struct model other;
+    float *const counts[] = {&other.mean[700],
+                             &other.weight[700],
+                             &other.cap_mm,
+                             &other.motion.rest[700],
+                             &other.motion.mode[700][3],
+                             &other.change.rest[700],
+                             &other.change.mode[700][5],
+                             &other.shape.rest[700],
+                             &other.shape.mode[700][5]};
+    const uint64_t digest = model_digest(&model);
+
+    (void)state;
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        other = model;
+        *counts[i] += 0.001f;
+        assert_true(model_digest(&other) != digest);
+    }
+    other = model;
+    other.name[0] = 'A';
+    other.decision.threshold_mm += 1;
+    assert_true(model_digest(&other) == digest);
+    other.shape.n--;
+    assert_true(model_digest(&other) != digest);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_full),
         cmocka_unit_test(test_shipped),        cmocka_unit_test(test_malformed),
         cmocka_unit_test(test_contradictions), cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_mark),
+        cmocka_unit_test(test_mark),           cmocka_unit_test(test_digest),
     };
 
     toy_model(&model);
