@@ -25,6 +25,7 @@ struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct align_work align;
     struct surface upright; /* asymmetry_find()'s */
+    struct face mirrored;   /* face_compare_mirrored()'s probe */
     const struct model *model;
     struct frame_mean mean;          /* the model's */
     struct fit_basis motion, change; /* the model's */
@@ -94,6 +95,7 @@ void face_work_free(struct face_work *w)
     measure_work_free(&w->measure);
     align_work_free(&w->align);
     surface_free(&w->upright);
+    face_free(&w->mirrored);
     shape_free(&w->shape);
     mem_free(w);
 }
@@ -313,6 +315,29 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->comparable = comparable(out);
     out->decision = decide(out, terms.doubt * threshold);
     return ST_OK;
+}
+
+enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
+                                  double (*clock_ms)(void), struct face_work *w,
+                                  struct face_result *out)
+{
+    static const double swap[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct face *m = &w->mirrored;
+    double *r = m->frame.pose.r;
+    enum status st = surface_move(&probe->surface, swap, &w->measure.points,
+                                  &w->measure.scratch, &m->surface);
+
+    if (st != ST_OK)
+        return st;
+    m->quality = probe->quality;
+    m->hidden = probe->hidden;
+    m->frame = probe->frame;
+    r[1] = -r[1]; /* the frame is mirrored with it */
+    r[2] = -r[2];
+    r[3] = -r[3];
+    r[6] = -r[6];
+    m->frame.pose.t[0] = -m->frame.pose.t[0];
+    return face_compare(tmpl, m, 0, clock_ms, w, out);
 }
 
 enum status face_minimal(const struct face *tmpl, const struct face *probe,

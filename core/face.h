@@ -121,6 +121,13 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out);
 
+/* face_compare_mirrored(tmpl, probe, clock_ms, w, out): face_compare() with the mirror image of
+ * the probe (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The
+ * cost of a triangulation more.  Returns ST_OK, ST_ENOMEM. */
+enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
+                                  double (*clock_ms)(void), struct face_work *w,
+                                  struct face_result *out);
+
 /* face_minimal(tmpl, probe, transform, clock_ms, w, out): the minimal disparity, from the pose
  * that face_compare() found (minimal.h).  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
 enum status face_minimal(const struct face *tmpl, const struct face *probe,

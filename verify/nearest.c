@@ -4,6 +4,7 @@
 
 #include "errinfo.h"
 #include "minimal.h"
+#include "tuning.h"
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {
@@ -30,6 +31,30 @@ static enum status compare(struct admission_context *c, const struct admission *
                : errinfo_set(e, st, "template %s: %s", a->of.t[i].id, status_message(st));
 }
 
+/* One comparison more, with the template that decides. */
+static enum status find_mirrored(struct admission_context *c, const struct admission *a,
+                                 const struct face *probe, struct nearest *of,
+                                 struct errinfo *e)
+{
+    const double limit = DECISION_MIRRORED * of->result.calibrated_mm;
+    const struct face *face;
+    struct face_result swapped;
+    enum status st;
+
+    if (of->result.decision != FACE_NO_MATCH)
+        return ST_OK;
+    if ((st = admission_hold(c, a, of->index, &face, e)) != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st; /* deleted since */
+    st = face_compare_mirrored(face, probe, c->clock_ms, c->work, &swapped);
+    admission_release(c, a, of->index, face);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "the mirror image: %s", status_message(st));
+    of->align_ms += swapped.align_ms;
+    of->measure_ms += swapped.measure_ms;
+    of->mirrored = swapped.decision == FACE_MATCH && swapped.calibrated_mm < limit;
+    return ST_OK;
+}
+
 enum status nearest_find(struct admission_context *c, const struct admission *a,
                          const struct face *probe, struct nearest *out, struct errinfo *e)
 {
@@ -53,7 +78,7 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
         out->measure_ms += result.measure_ms;
     }
     if (out->compared > 0)
-        return ST_OK;
+        return find_mirrored(c, a, probe, out, e);
     if (foreign)
         return errinfo_set(e, ST_EVERSION,
                            "no template of the subject is of this engine, or can be "

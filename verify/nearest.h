@@ -1,7 +1,8 @@
 /* nearest.h -- a probe against the templates of one subject: which of them decides.
  * Fusion: of the comparisons with enough in common the one with the lowest calibrated score
  * decides, so that one matching template suffices; where none has, that with the greatest
- * overlap. */
+ * overlap.
+ * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
 #ifndef VERIFY_NEAREST_H
 #define VERIFY_NEAREST_H
 #include <stdbool.h>
@@ -16,8 +17,11 @@ struct minimal; /* minimal.h */
 
 struct nearest {
     struct face_result result;
-    size_t index;                /* which of the admission's templates */
-    uint32_t compared;           /* how many there were */
+    size_t index;      /* which of the admission's templates */
+    uint32_t compared; /* how many there were */
+    bool
+        mirrored; /* it is no match, but its mirror image is: tell the caller ST_EMIRRORED,
+                       and count a failed attempt: it is as good a sign as a match */
     double align_ms, measure_ms; /* over all of them */
 };
 

@@ -357,6 +357,39 @@ static void test_hidden(void **state)
     face_free(&b);
 }
 
+/* A mirrored scan scores as the scan that it is the mirror image of, up to the triangulation
+ * and the pose found; the scan itself stays as it is. */
+static void test_mirrored(void **state)
+{
+    struct face a = {0}, b = {0}, m = {0};
+    struct face_result plain, as_is, mirrored, again;
+
+    (void)state;
+    for (uint64_t k = 20; k < 24; k++) {
+        make(k, 0, &a);
+        make(k, 1, &b);
+        for (size_t i = 0; i < cloud.n; i++)
+            cloud.pts[i].x = -cloud.pts[i].x;
+        build(&m);
+        m.hidden = 0.4;
+        assert_int_equal(face_compare(&a, &b, 0, NULL, work, &plain), ST_OK);
+        assert_int_equal(face_compare(&a, &m, 0, NULL, work, &as_is), ST_OK);
+        assert_int_equal(face_compare_mirrored(&a, &m, NULL, work, &mirrored), ST_OK);
+        print_message("%.4f, mirrored %.4f, back %.4f mm\n", plain.score_mm,
+                      as_is.score_mm, mirrored.score_mm);
+        assert_true(fabs(mirrored.score_mm - plain.score_mm) < 0.02 * plain.score_mm);
+        assert_true(mirrored.score_mm < as_is.score_mm);
+        assert_true(mirrored.threshold_mm < plain.threshold_mm); /* hidden too */
+        assert_int_equal(face_compare_mirrored(&a, &m, NULL, work, &again), ST_OK);
+        check_same_result(&mirrored, &again);
+        assert_int_equal(face_compare(&a, &m, 0, NULL, work, &again), ST_OK);
+        check_same_result(&as_is, &again);
+    }
+    face_free(&a);
+    face_free(&b);
+    face_free(&m);
+}
+
 /* A probe of a small part of the face is inconclusive. */
 static void test_inconclusive(void **state)
 {
@@ -546,7 +579,7 @@ int main(void)
         cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
         cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_mirrored),      cmocka_unit_test(test_no_memory),
     };
     int failed;
 

@@ -30,6 +30,7 @@ enum { /* of another subject; two of the probe's subject; the middle of that fac
 };
 
 static struct face model[MODELS], probe, part; /* part: of the probe's subject */
+static struct face swapped;                    /* the probe, left and right swapped */
 static struct store *store;
 static enum status
     fails[MODELS]; /* what loading it returns, instead of a model in memory */
@@ -86,8 +87,9 @@ static double clock_ms(void)
     return ms += 1;
 }
 
-/* The points of a scan that lie within +-x and +-y of the nose. */
-static void make(uint64_t subject, uint64_t scan, double x, double y, struct face *f)
+/* The points of a scan that lie within +-x and +-y of the nose; x to side x, 1 or -1. */
+static void make(uint64_t subject, uint64_t scan, double x, double y, double side,
+                 struct face *f)
 {
     static struct dvec3 pts[2 * POINTS];
     const size_t all = clouds_scan(subject, scan, 2 * POINTS, pts);
@@ -95,7 +97,7 @@ static void make(uint64_t subject, uint64_t scan, double x, double y, struct fac
 
     for (size_t i = 0; i < all; i++)
         if (fabs(pts[i].x) < x && fabs(pts[i].y) < y)
-            pts[n++] = pts[i];
+            pts[n++] = (struct dvec3){side * pts[i].x, pts[i].y, pts[i].z};
     assert_int_equal(face_build(pts, n, tempdb_work, f, NULL), ST_OK);
 }
 
@@ -103,12 +105,13 @@ static int set_up(void **state)
 {
     assert_int_equal(tempdb_begin_faces(state), 0);
     store = tempdb_fresh();
-    make(1, 0, 200, 200, &probe);
-    make(2, 0, 200, 200, &model[OTHER]);
-    make(1, 1, 200, 200, &model[SAME]);
-    make(1, 2, 200, 200, &model[AGAIN]);
-    make(1, 3, 28, 60, &model[MIDDLE]);
-    make(1, 4, 18, 50, &part);
+    make(1, 0, 200, 200, 1, &probe);
+    make(1, 0, 200, 200, -1, &swapped);
+    make(2, 0, 200, 200, 1, &model[OTHER]);
+    make(1, 1, 200, 200, 1, &model[SAME]);
+    make(1, 2, 200, 200, 1, &model[AGAIN]);
+    make(1, 3, 28, 60, 1, &model[MIDDLE]);
+    make(1, 4, 18, 50, 1, &part);
     return 0;
 }
 
@@ -118,6 +121,7 @@ static int tear_down(void **state)
         face_free(&model[m]);
     face_free(&probe);
     face_free(&part);
+    face_free(&swapped);
     store_close(store);
     return tempdb_end_faces(state);
 }
@@ -241,6 +245,65 @@ static void test_doubt_first(void **state)
     face_work_decide(tempdb_work, NULL);
 }
 
+/* A scan with left and right swapped is told from a stranger's: only where it is no match, by
+ * one comparison more, and only where its mirror image is one. */
+static void test_mirrored(void **state)
+{
+    struct nearest out;
+    enum status st;
+
+    (void)state;
+    assert_int_equal(decide("01", &swapped, &st, &out), SAME);
+    assert_int_equal(out.result.decision, FACE_NO_MATCH);
+    assert_true(out.mirrored);
+    assert_int_equal(out.compared, 2);
+    assert_true(out.align_ms == 3 && out.measure_ms == 3); /* by clock_ms() */
+    assert_int_equal(decide("0", &swapped, &st, &out), OTHER);
+    assert_int_equal(out.result.decision, FACE_NO_MATCH);
+    assert_false(out.mirrored);
+    assert_int_equal(decide("0", &probe, &st, &out), OTHER);
+    assert_false(out.mirrored);
+    assert_int_equal(decide("1", &probe, &st, &out), SAME);
+    assert_false(out.mirrored);
+    assert_true(out.align_ms == 1); /* it was not asked */
+    assert_int_equal(decide("0", &part, &st, &out), OTHER);
+    assert_false(out.mirrored);
+    assert_true(out.align_ms == 1);
+}
+
+/* Of a stranger, who is about as far as his mirror image, no threshold makes it a mirrored
+ * scan: it would be as good a sign as a match. */
+static void test_hardly_mirrored(void **state)
+{
+    struct decision d = model_default.decision;
+    struct face stranger = {0}, image = {0};
+    struct nearest out, back;
+    enum status st;
+    int tried = 0;
+
+    (void)state;
+    for (uint64_t k = 3; k < 12; k++) {
+        make(k, 0, 200, 200, 1, &stranger);
+        make(k, 0, 200, 200, -1, &image);
+        assert_int_equal(decide("1", &stranger, &st, &out), SAME);
+        assert_int_equal(decide("1", &image, &st, &back), SAME);
+        if (fabs(out.result.score_mm - back.result.score_mm) < 0.01)
+            continue;
+        d.threshold_mm = 0.5 * (out.result.score_mm + back.result.score_mm);
+        face_work_decide(tempdb_work, &d);
+        assert_int_equal(decide("1", &stranger, &st, &out), SAME);
+        assert_int_equal(decide("1", &image, &st, &back), SAME);
+        face_work_decide(tempdb_work, NULL);
+        assert_true((out.result.decision == FACE_MATCH) !=
+                    (back.result.decision == FACE_MATCH));
+        assert_false(out.mirrored || back.mirrored);
+        tried++;
+    }
+    assert_true(tried > 0);
+    face_free(&stranger);
+    face_free(&image);
+}
+
 static void test_left_out(void **state)
 {
     struct nearest out;
@@ -320,6 +383,8 @@ int main(void)
         cmocka_unit_test_setup(test_inconclusive, reset),
         cmocka_unit_test_setup(test_conclusive_first, reset),
         cmocka_unit_test_setup(test_doubt_first, reset),
+        cmocka_unit_test_setup(test_mirrored, reset),
+        cmocka_unit_test_setup(test_hardly_mirrored, reset),
         cmocka_unit_test_setup(test_left_out, reset),
         cmocka_unit_test_setup(test_failure, reset),
         cmocka_unit_test_setup(test_minimal, reset),
