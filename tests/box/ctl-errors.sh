@@ -81,7 +81,7 @@ awk 'BEGIN { for (i = 0; i < 500; i++) print i / 5, i / 5, i / 5 }' >line.xyz
 awk 'BEGIN { for (i = 0; i < 500; i++) print 5, 5, 5 }' >point.xyz
 awk 'BEGIN { for (i = 0; i < 500; i++) print i % 20 * 7, int(i / 20) * 7, "nan" }' >nan.xyz
 awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 / 5, int(i / 20) / 5, 0 }' >tiny.xyz
-awk 'BEGIN { for (i = 0; i < 300001; i++) print i % 600 / 4, int(i / 600) / 4, i % 7 }' >many.xyz
+awk 'BEGIN { for (i = 0; i < 1000001; i++) print i % 600 / 4, int(i / 600) / 4, i % 7 }' >many.xyz
 head -c 4000 good.ply >cut.ply
 head -c 3000 /dev/zero >zeros
 refuse 66 'missing.ply: No such file' "$ctl" --db f.db verify alice missing.ply

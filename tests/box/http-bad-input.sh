@@ -135,16 +135,16 @@ shape "a kilometre" units_suspicious \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 200 * i, 200 * j, 5'
 shape "far away" out_of_range \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 1e9 + i, j, 5'
-shape "one million points" too_many_points \
-    'for (i = 0; i < 1000; i++) for (j = 0; j < 1000; j++) print i / 8, j / 8, 5'
+shape "more than a million points" too_many_points \
+    'for (i = 0; i < 1001; i++) for (j = 0; j < 1000; j++) print i / 8, j / 8, 5'
 awk 'BEGIN { printf "{\"points\": [[1,2,3]"
-    for (i = 1; i < 1000000; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
+    for (i = 1; i < 1200000; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-problem "one million points as JSON" 422 too_many_points
+problem "far too many as JSON" 422 too_many_points
 awk 'BEGIN { printf "{\"points\": [[1,2,3]"
-    for (i = 1; i < 300001; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
+    for (i = 1; i < 1000001; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-problem "one point too many" 422 too_many_points 'points has 300001'
+problem "one point too many" 422 too_many_points 'points has 1000001'
 
 # ---- over the limit: rejected before the whole body is read
 head -c 60000000 /dev/zero >"$T/big"
