@@ -266,6 +266,7 @@ static enum status search(struct scan *s)
         if (find.pose[i].unit_mm == s->found->unit_mm)
             start[n++] = find.pose[i].pose;
     scale(s->c, s->found->unit_mm);
+    s->out->quality = (struct quality){0}; /* was that of all points */
     st = shape_fit(face_work_shape(s->w), s->c->at, s->c->n, start, n, true, &s->fit);
     return st == ST_OK ? build_crop(s) : st;
 }
