@@ -39,7 +39,6 @@ static enum status enroll_file(struct ctl *c, const char *subject, const char *p
             (void)printf("%s  %s  %u points, quality %.2f%s", t->id, path, t->points,
                          t->quality.score, out.created ? "" : " (was there already)");
             ctl_face_reasons(stdout, f);
-            ctl_sample_warnings(stdout, "warnings", &found);
         }
     } else {
         json_text(o, "error", c->e.msg);

@@ -8,8 +8,8 @@ in_folder
 # one FILTER: of the first scan of the last expect's JSON
 one() { jq -r ".scans[0] | $1" out; }
 
-scan 1 0 a.ply --pose 4 --shift 5
-scan 1 0 a.xyz --pose 4 --shift 5
+scan 2 0 a.ply --pose 4 --shift 5
+scan 2 0 a.xyz --pose 4 --shift 5
 awk 'BEGIN { for (x = -80; x <= 80; x += 3) for (y = -80; y <= 80; y += 3)
     print x, y, 60 - sqrt(x * x + y * y) }' >cone.xyz
 head -n 60 a.xyz >few.xyz

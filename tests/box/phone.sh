@@ -60,7 +60,7 @@ send POST /v1/subjects/me/verify 'Content-Type: model/gltf-binary' "$T/other.glb
 is "somebody else" "$STATUS $(get .decision)" "200 no_match"
 
 # ---- the command
-ctl_exits 0 scan "$T/me.glb"
+"$BUILD/surfacectl" scan --json "$T/me.glb" >"$T/ctl"
 is "what is found" "$(said '.scans[0] | [.usable, .enrollable, .scan.units] | join(" ")')" \
     "true true m"
 ctl_exits 0 verify me "$T/me-now.glb"
