@@ -277,6 +277,8 @@ static enum status build_found(struct scan *s)
     enum status st = ST_EUNITS, searched;
     bool is = false;
 
+    if (s->c->n < FACE_MIN_POINTS)
+        return ST_ETOOFEW;
     if (unit != 0) {
         s->found->unit_mm = unit;
         scale(s->c, unit);

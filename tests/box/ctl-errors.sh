@@ -91,7 +91,7 @@ refuse 65 'three.xyz: 3 points' "$ctl" --db f.db verify alice three.xyz
 refuse 65 'line.xyz' "$ctl" --db f.db verify alice line.xyz
 refuse 65 'point.xyz' "$ctl" --db f.db verify alice point.xyz
 refuse 65 'nan.xyz' "$ctl" --db f.db verify alice nan.xyz
-refuse 65 'tiny.xyz: the extent' "$ctl" --db f.db verify alice tiny.xyz
+refuse 65 'tiny.xyz: the extent' "$ctl" --db f.db verify alice tiny.xyz --units mm
 refuse 65 'good.ply: the extent' "$ctl" --db f.db --units cm verify alice good.ply
 refuse 65 'many.xyz' "$ctl" --db f.db verify alice many.xyz
 refuse 65 'cut.ply' "$ctl" --db f.db verify alice cut.ply

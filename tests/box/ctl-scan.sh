@@ -34,7 +34,7 @@ ok "its members" jq_true '.scans | length == 1 and (.[0] |
 
 # ---- what cannot be used, and why
 expect 1 "a cone" "$ctl" scan --json cone.xyz
-is "it is refused" "$(one '[.usable, .enrollable, .code] | join(" ")')" 'false false not_a_face'
+is "it is refused" "$(one '[.enrollable, .code] | join(" ")')" 'false not_a_face'
 ok "and why" [ "$(one '.detail | length')" -gt 20 ]
 ok "and what to do" [ "$(one '.advice | length')" -gt 0 ]
 expect 1 "few points" "$ctl" scan few.xyz
@@ -46,7 +46,7 @@ ok "by its name" jq_true '.scans[0].detail | test("an OFF file, which is not rea
 
 # ---- several, one after the other
 expect 1 "several" "$ctl" scan a.ply cone.xyz a.off bad.obj empty.ply a.xyz --json
-is "each of them" "$(jq -r '[.scans[] | .usable] | join(" ")' out)" \
+is "each of them" "$(jq -r '[.scans[] | .enrollable] | join(" ")' out)" \
     'true false false false false true'
 expect 66 "one that is not there" "$ctl" scan a.ply none.ply a.xyz
 has err 'none.ply: No such file'
