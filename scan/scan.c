@@ -148,8 +148,7 @@ static void scale(struct cloudpoints *c, double by)
         c->at[i] = (struct dvec3){c->at[i].x * by, c->at[i].y * by, c->at[i].z * by};
 }
 
-/* The unit by which the points are as large as a face alone; 0: none.  Strays may be as far
- * off as they like. */
+/* The unit by which the points are as large as a face alone, if there is one. */
 static double likely_unit(const struct cloudpoints *c, const double extent[3])
 {
     static const double mm[] = {1, 1000, 10, 25.4};
@@ -161,7 +160,7 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
         if (side * mm[i] >= QUALITY_EXTENT_MIN_MM &&
             side * mm[i] <= QUALITY_EXTENT_MAX_MM)
             return mm[i];
-    return side > QUALITY_EXTENT_MAX_MM ? 1 : 0;
+    return 1;
 }
 
 /* The model of points that are frontal, and what the shape of a face explains of them. */
@@ -243,6 +242,8 @@ static enum status look(struct scan *s, bool *is)
         memcpy(few.at, s->c->at, few.n * sizeof *few.at);
         if ((st = crop_thin(&few, SCAN_LOOK)) == ST_OK)
             st = build(s, few.at, few.n);
+        if (st == ST_ERANGE && s->bad != NULL)
+            *s->bad = few.index[*s->bad];
     }
     cloudpoints_free(&few);
     *is = st == ST_OK && plain(s);
@@ -274,25 +275,31 @@ static enum status search(struct scan *s)
 static enum status build_found(struct scan *s)
 {
     const double unit = likely_unit(s->c, s->found->extent);
-    enum status st = ST_EUNITS, searched;
-    bool is = false;
+    struct quality quality;
+    enum status st, searched;
+    bool is;
 
     if (s->c->n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if (unit != 0) {
-        s->found->unit_mm = unit;
-        scale(s->c, unit);
-        st = look(s, &is);
-        if (is)
-            return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
-        if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_ENOTFINITE)
-            return st;
-        scale(s->c, 1 / unit);
-    }
+    s->found->unit_mm = unit;
+    scale(s->c, unit);
+    st = look(s, &is);
+    if (is)
+        return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
+    if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_ENOTFINITE ||
+        st == ST_EDEGENERATE)
+        return st;
+    scale(s->c, 1 / unit);
+    s->found->unit_mm = s->c->unit_mm;
+    quality = s->out->quality;
     searched = search(s);
-    /* A unit that was given, and cannot be right, is the nearer reason. */
-    return searched == ST_ENOFACE && s->c->unit_mm != 0 && st == ST_EUNITS ? st
-                                                                           : searched;
+    /* What is wrong with the points as they are may be the nearer reason. */
+    if ((searched == ST_ENOFACE && st != ST_OK) ||
+        (searched == ST_ENOTFACE && st == ST_EQUALITY)) {
+        s->out->quality = quality;
+        return st;
+    }
+    return searched;
 }
 
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,

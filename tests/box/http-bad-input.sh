@@ -126,8 +126,10 @@ shape "a cylinder" not_a_face \
     'for (i = -30; i <= 30; i++) for (j = -40; j <= 40; j++) print 2 * i, 2 * j, sqrt(5625 - 4 * i * i)'
 scan 1 1 "$T/a.xyz"
 awk '{ print -$1, -$2, $3 }' "$T/a.xyz" >"$T/x"
+send POST '/v1/subjects/alice/verify?axes=scanner' 'Content-Type: text/plain' "$T/x"
+problem "a face upside down, the axes told" 422 not_a_face
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
-problem "a face upside down" 422 not_a_face
+is "the axes not told" "$STATUS $(get .decision)" "200 match"
 scan 1 1 "$T/noisy.ply" --noise 6
 send POST /v1/subjects/alice/verify "$PLY" "$T/noisy.ply"
 problem "a noisy scan" 422 low_quality
