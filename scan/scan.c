@@ -11,6 +11,7 @@
 #include "mem.h"
 #include "mirror.h"
 #include "shape.h"
+#include "sparse.h"
 #include "tuning.h"
 #include "vec.h"
 
@@ -163,17 +164,31 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
     return 1;
 }
 
-/* The model of points that are frontal, and what the shape of a face explains of them. */
-static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
+/* What the shape of a face explains of n points, at a pose that is nearly right. */
+static enum status judge(struct scan *s, const struct dvec3 *pts, size_t n,
+                         const struct align_pose *pose)
 {
     struct shape_work *shape = face_work_shape(s->w);
+    const enum status st = shape_judge(shape, pts, n, pose, &s->fit);
+
+    if (st != ST_OK || (s->fit.support >= SCAN_SURE && s->fit.cover == 0))
+        return st;
+    return shape_fit(shape, pts, n, pose, 1, false, &s->fit);
+}
+
+/* The model of points that are frontal, and what the shape of a face explains of them.  Few
+ * points leave cells between them, of which their surface tells. */
+static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
+{
     const struct align_pose *pose = &s->out->frame.pose;
     enum status st = face_build(pts, n, s->w, s->out, s->bad);
+    struct dvec3 *more;
 
-    if (st == ST_OK)
-        st = shape_judge(shape, pts, n, pose, &s->fit);
-    if (st == ST_OK && (s->fit.support < SCAN_SURE || s->fit.cover > 0))
-        st = shape_fit(shape, pts, n, pose, 1, false, &s->fit);
+    if (st != ST_OK || s->out->quality.density_mm <= QUALITY_SPARSE_MM)
+        return st == ST_OK ? judge(s, pts, n, pose) : st;
+    if ((st = sparse_points(&s->out->surface, &more, &n)) == ST_OK)
+        st = judge(s, more, n, pose);
+    mem_free(more);
     return st;
 }
 
