@@ -85,6 +85,18 @@ between "mated, at the true pose: mm" \
 is "a constant weight changes no mean" "$(sed -n 3p "$T/faces/weights.csv" | cut -d, -f2-)" \
     "$(sed -n 2p "$T/faces/weights.csv" | cut -d, -f2-)"
 
+# ---- scans as scanners deliver them
+study scans
+is "every kind of every source, both ways" "$(wc -l <"$T/scans/decisions.csv")" $((1 + 2 * (8 + 7 + 7)))
+ok "control: told that unit and axes are as agreed, busts are refused" \
+    awk -F, '$2 == "bust" && $3 == "as agreed" { n = $8 } END { exit n != 2 }' "$T/scans/decisions.csv"
+ok "told nothing: heads, busts, points all round, a depth camera's grid match" awk -F, \
+    '$1 == "heads" && $2 ~ /^(head|bust|round|depth)$/ && $3 == "found" { n += $5; others += $13 }
+    END { exit n != 8 || others != 0 }' "$T/scans/decisions.csv"
+ok "the unit is found" awk -F, '$1 == "heads" && $2 ~ /^(bust|depth)$/ { n += $5 }
+    END { exit n != 4 }' "$T/scans/found.csv"
+ok "two faces are not enrolled" awk -F, '$1 == "two" { n = $7 } END { exit n != 2 }' "$T/scans/enrolment.csv"
+
 # ---- the minimal disparity
 study minimal
 ok "what is reported is the measure at its pose" \
