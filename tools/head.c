@@ -141,7 +141,7 @@ static void shoulder_section(double y, double half[2], double *z)
 
     half[0] = 62 + 140 * slope;
     half[1] = 58 + 45 * slope;
-    *z = -115;
+    *z = -110 - 35 * slope;
 }
 
 void head_make_up(uint64_t subject, struct head *out)

@@ -12,6 +12,8 @@
 #define STEPS   16.0  /* of disparity to a pixel */
 #define NOISE   0.04  /* of disparity, pixels */
 #define LOST    0.005 /* share of the pixels without a value */
+#define STEP_MM 12.0  /* more is an edge */
+#define EDGE    6     /* pixels */
 #define W       HEADCAMERA_WIDTH
 #define H       HEADCAMERA_HEIGHT
 #define FB      (HEADCAMERA_FOCAL * BASE)
@@ -40,33 +42,38 @@ static void look(struct head *s, const struct headscan_options *o, struct draw *
             const double x = TO_X(i), y = TO_Y(j);
             double *d = &depth[j * W + i], z;
 
-            if (headview_at(&v, x * o->distance, y * o->distance, &z) != HEAD_VOID)
-                *d = o->distance - z;
-            else
+            (void)headview_at(&v, x * o->distance, y * o->distance, &z);
+            *d = o->distance - z; /* NAN: nothing comes back */
+            if (isinf(z))
                 *d = wall / (1 + lean_x * x + lean_y * y);
         }
     headview_free(&v);
 }
 
-/* At a step in depth: the far side's pixels beside it lie in the shadow of the second camera,
- * or are mixtures of both sides. */
+/* At a step in depth, EDGE pixels wide at most: the far side's pixels beside it lie in the
+ * shadow of the second camera, or mix both sides. */
 static void smear(struct draw *r, const double *depth, double *out)
 {
     for (int k = 0; k < W * H; k++)
         out[k] = depth[k];
     for (int j = 0; j < H; j++)
-        for (int i = 1; i < W; i++) {
-            const double a = depth[j * W + i - 1], b = depth[j * W + i];
-            const int shadow = (int)fabs(FB / a - FB / b);
+        for (int i = 1, last = 0; i < W; i++) {
+            const double a = depth[j * W + last], b = depth[j * W + i];
+            const int from = last;
 
-            if (fabs(a - b) < 12)
+            if (isnan(b))
                 continue;
-            if (b > a) { /* the near side is on the left: its shadow on the right */
-                for (int k = 0; k < shadow && i + k < W; k++)
-                    out[j * W + i + k] = (double)NAN;
+            last = i;
+            if (!(fabs(a - b) >= STEP_MM) || i - from > EDGE)
+                continue;
+            /* Where the near side is on the left its shadow lies to the right. */
+            for (int k = i; b > a && k < W && k < i + FB / a - FB / b; k++) {
+                if (depth[j * W + k] < b - STEP_MM)
+                    break;
+                out[j * W + k] = (double)NAN;
             }
             if (draw_uniform(r, 0, 1) < 0.5)
-                out[j * W + (b > a ? i : i - 1)] =
+                out[j * W + (b > a ? from + 1 : i - 1)] =
                     a + draw_uniform(r, 0.1, 0.9) * (b - a);
         }
 }

@@ -122,39 +122,52 @@ static void put_sheet(struct maker *m, double lost)
         }
 }
 
+/* The upper hull of the heights along one line of the sheet, and of the skin on which the line
+ * begins and ends: cloth does not sag. */
+static void tighten(struct maker *m, int i, int j, int di, int dj, double gap)
+{
+    double t[NX + NY], z[NX + NY];
+    int hull[NX + NY], n = 0, k = 0;
+
+    for (int s = -1; i + s * di >= 0 && i + s * di < NX && j + s * dj < NY; s++) {
+        const double on = m->on.z[j + s * dj][i + s * di];
+
+        t[n] = s;
+        z[n++] = isnan(on) ? m->skin.z[j + s * dj][i + s * di] + gap : on;
+        if (isnan(on) && s >= 0)
+            break;
+    }
+    for (int p = 0; p < n; p++) {
+        if (isnan(z[p]))
+            continue;
+        while (k > 1 && (z[hull[k - 1]] - z[hull[k - 2]]) * (t[p] - t[hull[k - 2]]) <=
+                            (z[p] - z[hull[k - 2]]) * (t[hull[k - 1]] - t[hull[k - 2]]))
+            k--;
+        hull[k++] = p;
+    }
+    for (int q = 0; q + 1 < k; q++)
+        for (int p = hull[q] + 1; p < hull[q + 1]; p++)
+            if (!isnan(m->on.z[j + (p - 1) * dj][i + (p - 1) * di]))
+                m->on.z[j + (p - 1) * dj][i + (p - 1) * di] =
+                    z[hull[q]] + (z[hull[q + 1]] - z[hull[q]]) * (p - hull[q]) /
+                                     (hull[q + 1] - hull[q]);
+}
+
 /* A cloth over the skin where m->on is not NAN, which must be the least height that it may
- * have there: taut between its edges, which lie `gap` above the skin.  An obstacle problem,
- * by successive over-relaxation. */
+ * have there: taut between its edges, which lie `gap` above the skin, and straight from each
+ * point that holds it up to the next; folds aside, cloth bends in one direction at a time. */
 static void drape(struct maker *m, double gap)
 {
-    struct sheet *least = head_alloc(1, sizeof *least), *on = &m->on;
+    static const int direction[4][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
 
-    *least = *on;
-    for (int k = 0; k < 300; k++)
+    for (int k = 0; k < 8; k++) {
+        const int di = direction[k % 4][0], dj = direction[k % 4][1];
+
         for (int j = 1; j + 1 < NY; j++)
-            for (int i = 1; i + 1 < NX; i++) {
-                const int to[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-                double sum = 0;
-                int n = 0;
-
-                if (isnan(on->z[j][i]))
-                    continue;
-                for (int d = 0; d < 4; d++) {
-                    const int jj = j + to[d][1], ii = i + to[d][0];
-                    const double z =
-                        isnan(on->z[jj][ii]) ? m->skin.z[jj][ii] + gap : on->z[jj][ii];
-
-                    if (!isnan(z)) {
-                        sum += z;
-                        n++;
-                    }
-                }
-                if (n > 0)
-                    on->z[j][i] += (n == 4 ? 1.7 : 0.9) * (sum / n - on->z[j][i]);
-                if (!(on->z[j][i] >= least->z[j][i]))
-                    on->z[j][i] = least->z[j][i];
-            }
-    free(least);
+            for (int i = 1; i + 1 < NX; i++)
+                if (!isnan(m->on.z[j][i]) && isnan(m->on.z[j - dj][i - di]))
+                    tighten(m, i, j, di, dj, gap);
+    }
 }
 
 /* The least height: `gap` above the skin; where there is none, as near as there is some. */

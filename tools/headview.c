@@ -189,6 +189,7 @@ enum head_part headview_at(const struct headview *v, double x, double y, double 
     double most;
 
     near(v, x, y, keep_nearest, &q);
+    *z = isfinite(q.least) ? (double)NAN : -INFINITY;
     if (!isfinite(q.least) || v->head->part[q.nearest] == HEAD_VOID)
         return HEAD_VOID;
     most = v->head->part[q.nearest] == HEAD_SKIN ? 1.4 * v->head->spacing

@@ -20,7 +20,8 @@ void headview_make(const struct head *h, bool one_layer, struct headview *v);
 void headview_free(struct headview *v);
 
 /* headview_at(v, x, y, z): the front-most surface at (x, y): its height, from a plane through
- * the points near by.  Returns HEAD_SKIN or HEAD_COVER, or HEAD_VOID where nothing is seen. */
+ * the points near by.  Returns HEAD_SKIN or HEAD_COVER; or HEAD_VOID where nothing is seen: z is
+ * NAN where there is something near by, else -INFINITY. */
 enum head_part headview_at(const struct headview *v, double x, double y, double *z);
 
 #endif
