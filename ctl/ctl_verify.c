@@ -63,6 +63,8 @@ static enum status verify(struct ctl *c)
         st = ctl_face_nearest(c, subject, &probe, &best);
     if (st == ST_OK)
         st = settle(c, &best);
+    if (st == ST_OK)
+        st = nearest_judge(&best.nearest, &c->e);
     if (st == ST_OK) {
         c->code = ctl_face_exit(best.nearest.result.decision);
         print_result(c, &(struct describe_comparison){

@@ -230,6 +230,7 @@ static bool settle(struct verification *v)
 
 static void respond(struct verification *v)
 {
+    struct errinfo e = {0};
     const struct describe_times times = {.parse = v->parse_ms,
                                          .prepare = v->prepare_ms,
                                          .align = v->best.align_ms,
@@ -237,6 +238,10 @@ static void respond(struct verification *v)
                                          .minimal = v->least.ms,
                                          .total = log_clock_ms() - v->r->start_ms};
 
+    if (nearest_judge(&v->best, &e) != ST_OK) {
+        request_fail(v->r, &e);
+        return;
+    }
     verify_respond(v->r, &(struct describe_comparison){
                              .result = &v->best.result,
                              .minimal = v->detail == PARAMS_DECISION ? NULL : &v->least,

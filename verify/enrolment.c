@@ -4,11 +4,13 @@
 
 #include "errinfo.h"
 
-static enum status mismatch(const struct face_result *r, struct errinfo *e)
+static enum status mismatch(const struct nearest *n, struct errinfo *e)
 {
+    if (nearest_judge(n, e) != ST_OK)
+        return e->code = ST_EMISMATCH;
     return errinfo_set(
         e, ST_EMISMATCH, "%s",
-        !r->comparable
+        !n->result.comparable
             ? "the sample has too little in common with any of the subject's "
               "templates to tell whether it fits; only with force is it enrolled"
             : "the sample does not fit: it matches none of the subject's templates; only "
@@ -32,7 +34,7 @@ static enum status check_fit(struct admission_context *c, const struct enrolment
         memcpy(newest, a.of.t[a.of.n - 1].id, STORE_ID_LEN + 1);
         st = nearest_find(c, &a, x->face, &out->nearest, e);
         if (st == ST_OK && out->nearest.result.decision != FACE_MATCH)
-            st = mismatch(&out->nearest.result, e);
+            st = mismatch(&out->nearest, e);
     }
     admission_free(c, &a);
     return st == ST_ENOTFOUND ? ST_OK

@@ -86,6 +86,16 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
 }
 
+enum status nearest_judge(const struct nearest *n, struct errinfo *e)
+{
+    if (!n->mirrored)
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EMIRRORED,
+        "the scan does not match, but its mirror image does: left and right "
+        "are swapped; switch mirroring off where it was made");
+}
+
 enum status nearest_minimal(struct admission_context *c, const struct admission *a,
                             const struct face *probe, const struct nearest *of,
                             bool weigh, struct minimal *out, struct errinfo *e)

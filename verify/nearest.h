@@ -19,9 +19,7 @@ struct nearest {
     struct face_result result;
     size_t index;      /* which of the admission's templates */
     uint32_t compared; /* how many there were */
-    bool
-        mirrored; /* it is no match, but its mirror image is: tell the caller ST_EMIRRORED,
-                       and count a failed attempt: it is as good a sign as a match */
+    bool mirrored;     /* no match, but its mirror image is one: nearest_judge() */
     double align_ms, measure_ms; /* over all of them */
 };
 
@@ -33,6 +31,11 @@ struct nearest {
 enum status nearest_find(struct admission_context *c, const struct admission *a,
                          const struct face *probe, struct nearest *out,
                          struct errinfo *e);
+
+/* nearest_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
+ * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be told
+ * after a failed attempt was counted, as no match. */
+enum status nearest_judge(const struct nearest *n, struct errinfo *e);
 
 /* nearest_minimal(c, a, probe, of, weigh, out, e): the minimal disparity against the template
  * that decides, from nearest_find()'s `of`; weigh: by the learned weight too (face_weigh()).

@@ -31,6 +31,12 @@ has out '^decision *no_match'
 expect 0 "verify json" "$ctl" verify bob b1.xyz --json
 has out '"decision":.*"match"'
 has out '"templates_compared":.*1'
+awk '{ print -$1, $2, $3 }' b1.xyz >swapped.xyz
+expect 65 "left and right swapped" "$ctl" verify bob swapped.xyz
+has err 'mirror image'
+expect 1 "another person's" "$ctl" verify alice swapped.xyz
+expect 65 "enroll it" "$ctl" enroll bob swapped.xyz
+has err 'mirror image'
 expect 64 "verify by a threshold of one's own" "$ctl" verify --threshold-mm 1000 alice b0.ply
 expect 64 "compare by one" "$ctl" compare --threshold-mm 1000 a0.ply b0.ply
 expect 0 compare "$ctl" compare a0.ply a1.ply

@@ -38,6 +38,8 @@ failures() {
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
+scan 1 1 "$T/a1.xyz"
+awk '{ print -$1, $2, $3 }' "$T/a1.xyz" >"$T/swapped.xyz"
 
 # ---- attempts
 start_daemon --no-auth --attempt-wait 300
@@ -51,6 +53,14 @@ done
 verify alice "$T/a1.ply"
 decides "a match" match
 is "it resets the count" "$(failures alice)" 0
+verify alice "$T/b.ply"
+decides "a failure" no_match
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/swapped.xyz"
+problem "its own, left and right swapped" 422 mirrored
+is "it is an attempt" "$(failures alice)" 2
+is "and an event" "$(sqlite3 "$DB" "SELECT kind, outcome FROM events ORDER BY seq DESC LIMIT 1")" 'verify|no_match'
+verify alice "$T/a1.ply"
+decides "its own" match
 verify alice "$T/b.ply"
 decides "a failure" no_match
 verify alice "$T/b.ply" '?threshold_mm=1000'
