@@ -83,7 +83,7 @@ static void tell(enum status st, size_t n, size_t bad, const struct scan_found *
         break;
     case ST_ENOTFACE:
         append(e, "the surface does not have the shape of a face");
-        if (f->support_wanted > 0)
+        if (f->support < f->support_wanted)
             append(e, " (support %.2f, at least %.2f wanted)", f->support,
                    f->support_wanted);
         break;

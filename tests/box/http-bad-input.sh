@@ -120,7 +120,7 @@ is "its detail" "$(get .code)" degenerate
 awk 'BEGIN { for (i = 0; i < 300; i++) print 1, 2, 3 }' >"$T/x"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
-shape "a plane" not_a_face \
+shape "a plane" no_face \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 2.5 * i, 2.5 * j, 5'
 shape "a cylinder" not_a_face \
     'for (i = -30; i <= 30; i++) for (j = -40; j <= 40; j++) print 2 * i, 2 * j, sqrt(5625 - 4 * i * i)'
@@ -131,10 +131,12 @@ problem "a face upside down, the axes told" 422 not_a_face
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 is "the axes not told" "$STATUS $(get .decision)" "200 match"
 scan 1 1 "$T/noisy.ply" --noise 6
-send POST /v1/subjects/alice/verify "$PLY" "$T/noisy.ply"
+send POST '/v1/subjects/alice/verify?axes=scanner' "$PLY" "$T/noisy.ply"
 problem "a noisy scan" 422 low_quality
 shape "a kilometre" units_suspicious \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 200 * i, 200 * j, 5'
+send POST '/v1/subjects/alice/verify?units=mm' 'Content-Type: text/plain' "$T/x"
+problem "a kilometre, as it is said" 422 units_suspicious
 shape "far away" out_of_range \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 1e9 + i, j, 5'
 shape "more than a million points" too_many_points \

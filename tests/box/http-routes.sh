@@ -63,7 +63,7 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 problem "another subject's sample" 409 sample_mismatch
 ok "with its disparity" jq_true '.decision == "no_match" and .disparity_mm > .threshold_mm' \
     "$T/body"
-awk '$1 > 25' "$T/a2.xyz" >"$T/part.xyz"
+awk '$2 < 0' "$T/a2.xyz" >"$T/part.xyz"
 send POST /v1/subjects/alice/templates 'Content-Type: text/plain' "$T/part.xyz"
 problem "a part of the face, inconclusive" 409 sample_mismatch "too little in common"
 is "with its decision" "$(get '[.decision, (.disparity_mm, .threshold_mm | type)] | @csv')" \
@@ -148,7 +148,7 @@ send POST '/v1/subjects/alice/verify?units=mm' "$JSON" "$T/m.json"
 is "the body's units win" "$STATUS $(get .decision)" "200 match"
 send POST '/v1/subjects/alice/verify?units=cm' "$JSON" "$T/cm.json"
 is "centimetres" "$STATUS $(get .decision)" "200 match"
-send POST /v1/subjects/alice/verify "$JSON" "$T/cm.json"
+send POST '/v1/subjects/alice/verify?units=mm' "$JSON" "$T/cm.json"
 problem "centimetres declared as mm" 422 units_suspicious
 send POST '/v1/subjects/alice/verify?units=inch' "$PLY" "$T/a2.ply"
 problem "units=inch" 400 invalid_parameter

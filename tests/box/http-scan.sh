@@ -111,7 +111,7 @@ detail=$(get .detail)
 send POST /v1/subjects/alice/verify "$BYTES" "$T/flat.xyz"
 problem "as a verification says it" 422 "$code"
 is "in the same words" "$(get .detail)" "$detail"
-send POST /v1/check "$PLY" "$T/noisy.ply"
+send POST '/v1/check?axes=scanner' "$PLY" "$T/noisy.ply"
 is "noise" "$STATUS $(get '[.usable, .enrollable, .code] | tojson')" '200 [false,false,"low_quality"]'
 is "its reasons" "$(get '.quality.reasons | tojson')" '["noisy"]'
 ok "hold still" jq_true '.advice[0] | test("^hold still and scan again: the noise is [0-9.]+ mm")' \
