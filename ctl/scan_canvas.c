@@ -13,6 +13,7 @@
 #define SIDE    520 /* pixels of the longer side */
 #define OUTSIDE 200 /* of so many points one may lie outside, on each side */
 #define MARGIN  0.04
+#define AROUND  1.5 /* a face, in its sizes, is what is drawn of a room */
 #define GREY    0xb8b8b8
 
 /* Of the canonical frame, mm. */
@@ -164,6 +165,13 @@ enum status scan_canvas_points(const struct scan_drawn *d, struct scan_canvas *o
     for (int i = 0; i < 3; i++)
         measure_range(d, i, room, &all[i], &face[i]);
     mem_free(room);
+    if (d->face != NULL) {
+        const double size = fmax(face[0].hi - face[0].lo, face[1].hi - face[1].lo);
+
+        for (int i = 0; i < 2; i++)
+            all[i] = (struct range){fmax(all[i].lo, face[i].lo - AROUND * size),
+                                    fmin(all[i].hi, face[i].hi + AROUND * size)};
+    }
     wide = fmax(1e-9, fmax(all[0].hi - all[0].lo, all[1].hi - all[1].lo));
     st = begin(&to, all[0].lo - MARGIN * wide, all[1].lo - MARGIN * wide,
                all[0].hi - all[0].lo + 2 * MARGIN * wide,

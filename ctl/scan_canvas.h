@@ -29,7 +29,7 @@ struct scan_canvas {
 
 /* scan_canvas_points(d, out): all points, seen along the file's z axis, the larger z before
  * the smaller: those of the face by their depth, the others grey and behind them; without a
- * face all by their depth.  Points far from all others may lie outside.
+ * face all by their depth.  Points far from all others, or from the face, may lie outside.
  * scan_canvas_face(d, out): the surface of the face in the canonical frame (grid.h), mm, lit
  * from above and coloured by its depth; without a face the points, if one was found.
  * Where the surface has a hole on the mean face: SCAN_CANVAS_COVERED if something covers the

@@ -66,16 +66,16 @@ static void print_key(FILE *to)
 static void print_canvas(FILE *to, const struct scan_canvas *c, double left,
                          const char *title, const char *unit)
 {
-    (void)fprintf(to,
-                  "set lmargin at screen %g\nset rmargin at screen %g\n"
-                  "set bmargin at screen 0.255\nset tmargin at screen 0.825\n"
-                  "set title \"%s\" offset 0,-0.4\nset size ratio -1\n"
-                  "set tics out nomirror\nset format '%%g'\nset grid lc rgb '#e4e4e4'\n"
-                  "set xlabel 'x, %s' offset 0,0.6\nset ylabel 'y' offset 1.5\n"
-                  "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
-                  left, left + 0.42, title, unit, c->x - c->step / 2,
-                  c->x + (c->w - 0.5) * c->step, c->y - c->step / 2,
-                  c->y + (c->h - 0.5) * c->step);
+    (void)fprintf(
+        to,
+        "set lmargin at screen %g\nset rmargin at screen %g\n"
+        "set bmargin at screen 0.255\nset tmargin at screen 0.825\n"
+        "set title \"%s\" offset 0,-0.4\nset size ratio -1\n"
+        "set tics out nomirror font 'Sans,11'\nset format '%%g'\nset grid lc rgb '#e4e4e4'\n"
+        "set xlabel 'x, %s' offset 0,0.6\nset ylabel 'y' offset 1.5\n"
+        "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
+        left, left + 0.42, title, unit, c->x - c->step / 2, c->x + (c->w - 0.5) * c->step,
+        c->y - c->step / 2, c->y + (c->h - 0.5) * c->step);
     (void)fprintf(to,
                   "plot '-' binary array=(%u,%u) origin=(%.9g,%.9g) dx=%.9g dy=%.9g "
                   "format='%%uchar' using 1:2:3:4 with rgbalpha notitle\n",
