@@ -17,8 +17,6 @@
 #include "inflate.h"
 #include "json.h"
 
-#define GLB_METRE 1000.0 /* the format's unit, which not every program keeps to */
-
 static void skip_bom(struct cloudtext *t)
 {
     if (t->end - t->p >= 3 && memcmp(t->p, "\xEF\xBB\xBF", 3) == 0)
@@ -166,8 +164,6 @@ static enum status finish(struct cloudlist *list, enum status st,
     } else {
         if (list->out.unit_mm == 0)
             list->out.unit_mm = o->unit_mm;
-        if (list->out.unit_mm == 0 && list->out.format == CLOUDFORMAT_GLB)
-            list->out.unit_mm = GLB_METRE;
         *out = list->out;
     }
     return st;

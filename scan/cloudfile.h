@@ -35,7 +35,8 @@ struct cloudfile_options {
  * PCD   ascii, binary and binary_compressed, x, y, z anywhere among the fields, of type F, I or
  *       U; more bytes than the points take may follow.
  * GLB   glTF 2.0: the vertices of the scene's meshes, moved by their nodes; normals by the
- *       triangles' order; all data in the file, not compressed.  In metres if o says nothing.
+ *       triangles' order; all data in the file, not compressed.  The format's unit is the metre,
+ *       which not every program keeps to: it is not taken for granted.
  * PNG   a depth image: clouddepth.h.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first

@@ -8,9 +8,9 @@ command -v python3 >/dev/null 2>&1 || {
     exit 0
 }
 
-# phone NAME HEAD SEED: NAME.glb, a scan of the made-up head HEAD
+# phone NAME HEAD SEED [UNIT]: NAME.glb, a scan of the made-up head HEAD
 phone() {
-    "$BUILD/headscan" --kind bust --seed "$3" --unit m --axes agreed "made-up:$2" \
+    "$BUILD/headscan" --kind bust --seed "$3" --unit "${4:-m}" --axes agreed "made-up:$2" \
         -o "$T/$1.ply" || exit 1
     python3 - "$T/$1.ply" "$T/$1.glb" <<'EOF'
 import json, struct, sys
@@ -35,6 +35,7 @@ EOF
 phone me 1 1
 phone me-now 1 2
 phone other 2 3
+phone mm 1 4 mm
 ctl_exits 0 init
 TOKEN=$(new_token me)
 start_daemon
@@ -65,4 +66,6 @@ is "what is found" "$(said '.scans[0] | [.usable, .enrollable, .scan.units] | jo
     "true true m"
 ctl_exits 0 verify me "$T/me-now.glb"
 ctl_exits 1 verify me "$T/other.glb"
+ctl_exits 0 verify me "$T/mm.glb"
+is "a program that does not keep to the format's unit" "$(said .scan.units)" mm
 finish

@@ -108,7 +108,7 @@ static void test_indices(void **state)
         make(&f, json[i]);
         scanfile_good(&f, i == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_GLB, &p);
         assert_int_equal(p.format, CLOUDFORMAT_GLB);
-        assert_true(p.n == 4 && p.read == 4 && p.unit_mm == 1000);
+        assert_true(p.n == 4 && p.read == 4 && p.unit_mm == 0);
         check_square(&p, 0, same);
         scanfile_at(p.normal[0], 0, 0, 12);
         scanfile_at(p.normal[1], 0, 0, 6);
