@@ -74,11 +74,21 @@ static void mark_used(const struct checked *k, uint8_t *used)
     }
 }
 
+/* What was measured, of "refused: what was measured: what to do"; "" for none. */
+static void tell_reason(const struct trial *t, char *out, size_t size)
+{
+    const char *colon = strchr(t->why.msg, ':');
+    const char *text = colon != NULL ? colon + 2 : "";
+
+    (void)snprintf(out, size, "%.*s", (int)strcspn(text, ":"), text);
+}
+
 static enum status draw(struct ctl *c, const struct checked *k)
 {
     const struct trial *t = &k->trial;
     const bool usable = t->verification == ST_OK;
     uint8_t *used = mem_array(k->raw.n, 1);
+    char reason[160];
     const struct scan_picture p = {
         .drawn = {.at = k->raw.at,
                   .used = used,
@@ -89,13 +99,14 @@ static enum status draw(struct ctl *c, const struct checked *k)
         .verdict = t->enrolment == ST_OK ? "Usable for enrolment and verification"
                    : usable              ? "Usable for verification only"
                                          : "Refused",
-        .reason = t->enrolment == ST_OK ? "" : status_message(t->enrolment),
+        .reason = reason,
         .quality = usable ? k->face.quality.score : (double)NAN,
         .advice = &t->advice};
     enum status st;
 
     if (used == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    tell_reason(t, reason, sizeof reason);
     memset(used, 0, k->raw.n);
     if (usable)
         mark_used(k, used);
