@@ -177,6 +177,16 @@ is "a quoted field" "$(grep -c '"straight, neutral",mated,match' listed/scores.c
 is "the pose was found" "$(get listed '.mated[] | select(.probes == "straight, neutral")
     | .rotation_error_deg.largest < 1')" true
 
+# A scan before a wall that was turned to the front first: the pose is that of the scan as it was sent.
+scan 1 4 turned.xyz --yaw 20 --pitch 10 --roll 70
+awk -v OFMT=%.9g '{ print $1 / 1000, $2 / 1000, $3 / 1000 }
+    END { for (i = 0; i < 6400; i++) print i % 80 / 100 - 0.4, int(i / 80) / 100 - 0.4, -0.4 }' \
+    turned.xyz >metres.xyz
+printf '%s\n' 'subject,file,yaw,pitch,roll,tx,ty,tz' p1,scans/p1_enroll.ply,0,0,0,0,0,0 \
+    p1,metres.xyz,20,10,70,0,0,0 p3,scans/p3_enroll.ply,0,0,0,0,0,0 >turned.csv
+expect 0 "turned and in metres" "$ctl" evaluate turned.csv --out turned
+is "its pose was found" "$(get turned '.mated[0].rotation_error_deg.largest < 1')" true
+
 printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/nothing.ply,p1\n' >bad.csv
 expect 66 "a scan is missing" "$ctl" evaluate bad.csv --out none
 has err 'bad.csv, line 3, column file'

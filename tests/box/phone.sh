@@ -1,6 +1,7 @@
 #!/bin/sh
 # Goal: a newcomer enrolls and verifies with a GLB file from a phone, in metres and with the
 # shoulders, by the two curl lines of the README and without an option.
+# shellcheck disable=SC2034,SC2317 # the variables and the function of the README's lines
 . tests/box/lib.sh
 
 command -v python3 >/dev/null 2>&1 || {
