@@ -111,5 +111,6 @@ const struct ctl_command ctl_enroll = {
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"
-        "What cannot be enrolled is listed at the end with the reason, and stops nothing else.",
+        "What cannot be enrolled is listed at the end with the reason, and stops nothing else;\n"
+        "surfacectl scan says more of a single scan.",
     .example = "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply"};
