@@ -120,7 +120,7 @@ is "its detail" "$(get .code)" degenerate
 awk 'BEGIN { for (i = 0; i < 300; i++) print 1, 2, 3 }' >"$T/x"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
-shape "a plane" no_face \
+shape "a plane" not_a_face \
     'for (i = 0; i < 60; i++) for (j = 0; j < 60; j++) print 2.5 * i, 2.5 * j, 5'
 shape "a cylinder" not_a_face \
     'for (i = -30; i <= 30; i++) for (j = -40; j <= 40; j++) print 2 * i, 2 * j, sqrt(5625 - 4 * i * i)'
