@@ -164,10 +164,10 @@ static void shift(const float *before, const float *height, float *over)
         over[i] += before[i] - height[i];
 }
 
-/* Fit in passes from *out, whose pose maps the points p; the first SHAPE_PART_PASSES see the
- * part alone.  tie SHAPE_FIXED: the pose stays. */
+/* Fit in passes, from the mean face; the first SHAPE_PART_PASSES see the part alone.  out->pose
+ * then moves the points p; fixed: it does not. */
 static enum status fit_from(struct shape_work *w, struct shape_points *p, enum part part,
-                            const struct shape_pass *pass, uint32_t passes, double tie,
+                            const struct shape_pass *pass, uint32_t passes, bool fixed,
                             struct shape_fit *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -186,12 +186,14 @@ static enum status fit_from(struct shape_work *w, struct shape_points *p, enum p
         weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE,
               pass[k].limit_mm, &cells);
         w->fit.prior = pass[k].prior;
-        if ((st = fit_solve(&w->fit, &cells, tie, 0, &w->solve, &fit)) != ST_OK)
+        st = fit_solve(&w->fit, &cells, fixed ? SHAPE_FIXED : SHAPE_TIE, 0, &w->solve,
+                       &fit);
+        if (st != ST_OK)
             return st;
         memcpy(out->a, fit.a, sizeof out->a);
         memcpy(before, out->height, sizeof before);
         bend(w, out->a, out->height);
-        if (tie >= SHAPE_FIXED) {
+        if (fixed) {
             shift(before, out->height, over);
         } else {
             align_pose_move(&out->pose, centre, fit.x);
@@ -213,7 +215,7 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
     enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
 
     for (enum part part = from; st == ST_OK && part <= to; part++) {
-        st = fit_from(w, &p, part, pass, passes, SHAPE_TIE, &one);
+        st = fit_from(w, &p, part, pass, passes, false, &one);
         if (st != ST_OK || !(one.support > out->support))
             continue;
         *out = one;
@@ -227,13 +229,12 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       struct shape_fit *out)
 {
     enum status st = ST_OK;
-    double seen;
 
     out->support = -INFINITY;
+    out->skin = out->cover = out->apart = 0;
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
         st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
-    seen = out->skin + out->cover + out->apart;
-    if (hard && out->skin < SHAPE_GOOD * seen)
+    if (hard && out->skin < SHAPE_GOOD * (out->skin + out->cover + out->apart))
         for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
             st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
     return st;
@@ -247,7 +248,7 @@ enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
     enum status st = shape_map_points(pts, n, pose, w->mean, &w->points, &p);
 
     if (st == ST_OK)
-        st = fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, SHAPE_FIXED, out);
+        st = fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, true, out);
     out->pose = *pose;
     return st;
 }

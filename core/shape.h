@@ -6,7 +6,7 @@
  * ones alone; then
  *     height - mean = modes a + rigid motion + rest
  * is solved for a and the motion by fit.h with the prior of the modes, again and again, while
- * the limit beyond which a cell counts nothing shrinks (SHAPE_LIMITS).  Points in front of the
+ * the limit beyond which a cell counts nothing shrinks (SHAPE_PASSES).  Points in front of the
  * surface are trusted less than those behind.
  * Morphable models: Blanz and Vetter, "A Morphable Model for the Synthesis of 3D Faces",
  * SIGGRAPH 1999; fitted to what is partly covered: Egger et al., "Occlusion-aware 3D
@@ -68,17 +68,17 @@ void shape_free(struct shape_work *w);
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
  * hard  if less than SHAPE_GOOD of the cells with points are skin, try again from each part
  *       of the face that glasses, a mask or hair do not cover, and from either half
- * The order of the points matters by rounding alone; of more than SHAPE_POINTS near the face,
- * where every so manieth is taken, by a little more.
- * Cost  O(n) for each start, and for each fit, of which there is one for each start, 6 if hard,
- * about 1 ms with 3,000 points, 2 with SHAPE_POINTS.
+ * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
+ * the face: of these every so manieth is taken.
+ * Cost  O(n) for each start, and one fit, or 6 if hard: each about 1 ms with 3,000 points and
+ * 2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out);
 
 /* shape_judge(w, pts, n, pose, out): the same at a pose that is known: cheap, for a face whose
- * frame has been found (frame.h).  out->pose = *pose.  About 0.2 ms for 3,000 points.
+ * frame has been found (frame.h).  out->pose = *pose.  About 0.15 ms for 3,000 points.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
                         const struct align_pose *pose, struct shape_fit *out);
