@@ -18,7 +18,7 @@
 #include "model_digest.h"
 #include "quality.h"
 #include "score.h"
-#include "shape.h"
+#include "shape_work.h"
 #include "tuning.h"
 
 struct face_work {
@@ -60,7 +60,7 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
-    shape_prepare(w->model, &w->shape);
+    shape_work_prepare(w->model, &w->shape);
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -96,7 +96,7 @@ void face_work_free(struct face_work *w)
     align_work_free(&w->align);
     surface_free(&w->upright);
     face_free(&w->mirrored);
-    shape_free(&w->shape);
+    shape_work_free(&w->shape);
     mem_free(w);
 }
 

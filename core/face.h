@@ -34,7 +34,7 @@ struct asymmetry;  /* asymmetry.h */
 struct cells;      /* cells.h */
 struct minimal;    /* minimal.h */
 struct model;      /* model.h */
-struct shape_work; /* shape.h */
+struct shape_work; /* shape_work.h */
 
 /* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
  * with the first 8 hex digits of m's digest (NULL: model_default).  N is counted up with

@@ -36,57 +36,6 @@ static bool in_part(enum part p, uint32_t cell)
     }
 }
 
-/* How much each cell's rest is, against the others'. */
-static void compare_rests(struct shape_work *w)
-{
-    const float least = (float)(SHAPE_REST_LEAST_MM * SHAPE_REST_LEAST_MM);
-    float mean = 0.0f;
-
-    for (uint32_t i = 0; i < GRID_N; i++)
-        mean += isnan(w->mean[i]) ? 0.0f : w->modes->rest[i] / (float)w->cells;
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const float rest = w->modes->rest[i];
-
-        w->scale[i] = isnan(w->mean[i]) ? 0.0f : rest / mean;
-        w->over_rest[i] = (float)SHAPE_REST_TYPICAL_MM / sqrtf(rest * rest + least);
-    }
-}
-
-void shape_prepare(const struct model *m, struct shape_work *out)
-{
-    memset(out, 0, sizeof *out);
-    out->modes = &m->shape;
-    out->basis.n = m->shape.n;
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const bool used = !isnan(m->mean[i]) && m->shape.rest[i] > 0.0f;
-
-        out->mean[i] = used ? m->mean[i] : (float)NAN;
-        out->cells += used;
-    }
-    compare_rests(out);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        float x, y, flat;
-
-        if (isnan(out->mean[i]))
-            continue;
-        shape_map_slope(out->mean, i, &x, &y);
-        flat = 1.0f / sqrtf(1.0f + (x * x + y * y));
-        out->normal[i][0] = -x * flat;
-        out->normal[i][1] = -y * flat;
-        out->normal[i][2] = flat;
-        out->basis.rest[i] = m->shape.rest[i] * flat;
-        for (uint32_t k = 0; k < m->shape.n; k++)
-            out->basis.mode[i][k] = m->shape.mode[i][k] * flat;
-    }
-    fit_prepare(&out->basis, &out->fit);
-}
-
-void shape_free(struct shape_work *w)
-{
-    scratch_free(&w->points);
-    scratch_free(&w->solve);
-}
-
 /* The surface that the coefficients a say. */
 static void bend(const struct shape_work *w, const double *a, float height[GRID_N])
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "align_solve.h"
-#include "shape.h"
+#include "shape_work.h"
 #include "tuning.h"
 
 /* The cells beside a cell, sideways, in four lists with an entry each; GRID_NONE: none. */

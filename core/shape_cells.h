@@ -4,8 +4,8 @@
 #define CORE_SHAPE_CELLS_H
 #include "grid.h"
 
-struct shape_fit;  /* shape.h */
-struct shape_work; /* shape.h */
+struct shape_fit;  /* shape_work.h */
+struct shape_work; /* shape_work.h */
 
 /* shape_cells_rate(w, over, fit): fit's cells and their counts, support and likeness.
  * over  how far the points lie in front of fit->height, mm; NAN: no points

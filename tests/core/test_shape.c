@@ -516,12 +516,12 @@ static void test_no_memory(void **state)
         for (unsigned long at = 1;; at++) {
             enum status st;
 
-            shape_prepare(&model, &w);
+            shape_work_prepare(&model, &w);
             fail_alloc_at(at);
             st = judged ? shape_judge(&w, pts, n, &still, &f)
                         : shape_fit(&w, pts, n, &still, 1, true, &f);
             fail_alloc_at(0);
-            shape_free(&w);
+            shape_work_free(&w);
             if (st == ST_OK)
                 break;
             assert_int_equal(st, ST_ENOMEM);
@@ -543,8 +543,8 @@ int main(void)
     int failed;
 
     toy_model(&model);
-    shape_prepare(&model, &work);
+    shape_work_prepare(&model, &work);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
-    shape_free(&work);
+    shape_work_free(&work);
     return failed;
 }

@@ -1,0 +1,51 @@
+/* shape_work.h -- what fitting the shape of a face (shape.h) works with, and its result. */
+#ifndef CORE_SHAPE_WORK_H
+#define CORE_SHAPE_WORK_H
+#include <stdint.h>
+#include "align_pose.h"
+#include "fit.h"
+#include "grid.h"
+#include "mem.h"
+#include "model.h"
+
+/* What the points in a cell of the mean face are. */
+enum shape_cell {
+    SHAPE_EMPTY, /* no points; or off the mean face */
+    SHAPE_SKIN,  /* explained */
+    SHAPE_COVER, /* what covers the face: connected cells in front of it, the holes beside
+                    them, and one cell around */
+    SHAPE_APART  /* not explained, and no cover: behind the fitted face, or strays */
+};
+
+struct shape_fit {
+    struct align_pose pose;      /* points -> canonical frame, mm */
+    double a[MODEL_MODES];       /* coefficients of the modes */
+    float height[GRID_N];        /* of the fitted face, mm; NAN off it */
+    uint8_t cell[GRID_N];        /* enum shape_cell */
+    uint32_t skin, cover, apart; /* cells of each kind */
+    double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
+                        - 4 |a|^2) / cells of the mean face */
+    double
+        likeness; /* ln of the relief (frame.h) of the skin over what is not explained, both
+                        root mean squares: how much more than a rest there is to the face */
+};
+
+/* Ready to fit, and a worker's reusable memory.  One thread at a time. */
+struct shape_work {
+    uint32_t cells;           /* of the mean face */
+    float mean[GRID_N];       /* mm; NAN: the cell is not used */
+    float normal[GRID_N][3];  /* of the mean face; normal[i][2] scales heights to gaps */
+    float scale[GRID_N];      /* each cell's rest over the mean of all */
+    float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
+    struct model_basis basis; /* the modes and the rest as gaps at right angles to it */
+    struct fit_basis fit;     /* that, prepared */
+    const struct model_basis *modes; /* of height, the model's */
+    struct scratch points, solve;
+};
+
+/* shape_work_prepare(m, out): out for m, borrowed.  *out must stay where it is.
+ * shape_work_free(w): its memory. */
+void shape_work_prepare(const struct model *m, struct shape_work *out);
+void shape_work_free(struct shape_work *w);
+
+#endif
