@@ -187,7 +187,7 @@ is "it is computed" "$(minima)" $((before + 1))
 send POST '/v1/subjects/min/verify?detail=measure' "$JSON" "$T/a2.json" -H "$MIN"
 is "detail is asked for all the same" \
     "$STATUS $(get '.minimal.volume_mm3 > 0') $(field Preference-Applied)" "200 true "
-jq -c '.points |= map(select(.[0] > 25))' "$T/a2.json" >"$T/part.json"
+jq -c '.points |= map(select(.[1] < 0))' "$T/a2.json" >"$T/part.json"
 send POST /v1/subjects/min/verify "$JSON" "$T/part.json" -H "$MIN"
 only "a part of the face" inconclusive '"min"' "\"$id\""
 send POST /v1/subjects/nobody/verify "$JSON" "$T/a2.json" -H "$MIN"
