@@ -15,6 +15,8 @@
 #include "tuning.h"
 #include "vec.h"
 
+#define SCAN_GLB_MM 1000 /* glTF is in metres */
+
 static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* One call. */
@@ -229,13 +231,15 @@ static enum status keep(struct scan *s)
 
 /* ---- the ways from points to a model */
 
-/* The unit and the axes are as agreed, or given. */
+/* The unit and the axes are as agreed, or given; a format may have agreed on its own. */
 static enum status build_agreed(struct scan *s)
 {
     const size_t n = s->c->n;
     enum status st = ST_OK;
 
-    s->found->unit_mm = s->c->unit_mm != 0 ? s->c->unit_mm : 1;
+    s->found->unit_mm = s->c->unit_mm != 0                ? s->c->unit_mm
+                        : s->c->format == CLOUDFORMAT_GLB ? SCAN_GLB_MM
+                                                          : 1;
     scale(s->c, s->found->unit_mm);
     if (n > SCAN_FULL)
         st = crop_thin(s->c, SCAN_FULL);
