@@ -95,28 +95,49 @@ static uint32_t cell_of(double x, double y)
 
 /* ---- what is seen from the front */
 
-/* Does a lie before b?  Whatever the order, also where both are as far in front. */
-static bool before(const struct thin_point *a, const struct thin_point *b)
+/* Of the points of a cell the foremost one, and two others that are chosen by where they lie in
+ * it, whatever their order in the scan. */
+struct seen {
+    struct thin_point front, left, low;
+};
+
+static bool less(float a, float b, float then_a, float then_b, float last_a, float last_b)
 {
-    if (a->z != b->z)
-        return a->z > b->z;
-    return a->x != b->x ? a->x < b->x : a->y < b->y;
+    return a != b ? a < b : then_a != then_b ? then_a < then_b : last_a < last_b;
 }
 
-/* How far behind the foremost point of a cell others may lie by noise alone: a multiple of
- * the typical difference of the foremost ones of two cells, side by side, of skin.  What is
- * hidden has no part in it. */
-static double least_step(const struct room *r, const struct thin_point front[ROOM])
+static void look(const struct thin_point *p, size_t n, struct seen seen[ROOM])
+{
+    static const struct thin_point none = {INFINITY, INFINITY, -INFINITY, 0};
+
+    for (size_t i = 0; i < ROOM; i++)
+        seen[i] = (struct seen){none, none, none};
+    for (size_t i = 0; i < n; i++) {
+        const struct thin_point q = p[i];
+        struct seen *s = &seen[cell_of(q.x, q.y)];
+
+        if (less(-q.z, -s->front.z, q.x, s->front.x, q.y, s->front.y))
+            s->front = q;
+        if (less(q.x, s->left.x, q.y, s->left.y, q.z, s->left.z))
+            s->left = q;
+        if (less(q.y, s->low.y, q.x, s->low.x, q.z, s->low.z))
+            s->low = q;
+    }
+}
+
+/* How far behind the foremost point of a cell others may lie by noise alone: a multiple of what
+ * two points of a cell of skin differ by, less than three in four pairs, as of two layers half
+ * of the pairs are of one. */
+static double least_step(const struct room *r, const struct seen seen[ROOM])
 {
     double d[ROOM], typical = 0;
     size_t n = 0;
 
-    for (int k = 1; k < ROOM; k++)
-        if (r->skin[k - 1] && r->skin[k] && front[k - 1].z > -INFINITY &&
-            front[k].z > -INFINITY)
-            d[n++] = fabs((double)front[k].z - (double)front[k - 1].z);
+    for (int k = 0; k < ROOM; k++)
+        if (r->skin[k] && seen[k].left.index != seen[k].low.index)
+            d[n++] = fabs((double)seen[k].left.z - (double)seen[k].low.z);
     if (n > 0)
-        typical = select_kth(d, n, n / 2);
+        typical = select_kth(d, n, n / 4);
     return fmax(CROP_SEEN_NOISE * typical, CROP_SEEN_STEP_MM);
 }
 
@@ -131,21 +152,14 @@ static bool hidden(const struct thin_point *p, const struct thin_point *front, f
  * many they are. */
 static size_t remove_hidden(const struct room *r, struct thin_point *p, size_t n)
 {
-    struct thin_point front[ROOM]; /* the foremost one of each cell */
+    struct seen seen[ROOM];
     size_t kept = 0;
     float step;
 
-    for (size_t i = 0; i < ROOM; i++)
-        front[i].z = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        struct thin_point *f = &front[cell_of(p[i].x, p[i].y)];
-
-        if (before(&p[i], f))
-            *f = p[i];
-    }
-    step = (float)least_step(r, front);
+    look(p, n, seen);
+    step = (float)least_step(r, seen);
     for (size_t i = 0; i < n; i++)
-        if (!hidden(&p[i], &front[cell_of(p[i].x, p[i].y)], step))
+        if (!hidden(&p[i], &seen[cell_of(p[i].x, p[i].y)].front, step))
             p[kept++] = p[i];
     return kept;
 }

@@ -1,0 +1,380 @@
+/* The crop keeps the face that is seen from the front: of two layers the first, nothing that
+ * covers it or lies elsewhere, and the same points whatever their order. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "cloudpoints.h"
+#include "crop.h"
+#include "fail_alloc.h"
+#include "grid.h"
+#include "mem.h"
+#include "mirror.h"
+#include "model.h"
+#include "shape.h"
+#include "toy.h"
+
+#define POINTS 12000
+#define ROOM   60000
+
+static struct brute_rng rng;
+static uint8_t cell[GRID_N];
+static struct crop_view view;
+static struct align_pose pose; /* of the scan: canonical frame -> points */
+static struct dvec3 pts[ROOM];
+static size_t n;
+
+static int set_up(void **state)
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+    (void)state;
+    rng.state = brute_seed("crop");
+    memset(cell, SHAPE_EMPTY, sizeof cell);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (!isnan(model_default.mean[i]))
+            cell[i] = SHAPE_SKIN;
+    toy_pose(140, 30, 70, (struct dvec3){300, -50, 900}, &pose);
+    view.pose = align_pose_after(&pose, &still);
+    view.height = model_default.mean;
+    view.cell = cell;
+    n = 0;
+    return 0;
+}
+
+/* The mean face at (x, y), bilinear; NAN off it. */
+static double face_at(double x, double y)
+{
+    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
+                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
+    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
+    const float *h = model_default.mean + at;
+    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
+
+    return (1 - v) * ((1 - u) * (double)h[0] + u * (double)h[1]) +
+           v * ((1 - u) * (double)h[GRID_NX] + u * (double)h[GRID_NX + 1]);
+}
+
+/* About normally distributed. */
+static double normal(void)
+{
+    double sum = -6;
+
+    for (int k = 0; k < 12; k++)
+        sum += brute_real(&rng);
+    return sum;
+}
+
+/* So many points of the face, by so much before it, with noise. */
+static void add_face(size_t count, double before, double noise)
+{
+    for (size_t k = 0; k < count;) {
+        const double x = -60 + 120 * brute_real(&rng), y = -88 + 154 * brute_real(&rng);
+        const double z = face_at(x, y);
+
+        if (isnan(z))
+            continue;
+        pts[n++] =
+            align_pose_apply(&pose, (struct dvec3){x, y, z + before + noise * normal()});
+        k++;
+    }
+}
+
+/* In a box of the canonical frame. */
+static void add_box(size_t count, struct dvec3 lo, struct dvec3 hi)
+{
+    for (size_t k = 0; k < count; k++)
+        pts[n++] = align_pose_apply(
+            &pose, (struct dvec3){lo.x + (hi.x - lo.x) * brute_real(&rng),
+                                  lo.y + (hi.y - lo.y) * brute_real(&rng),
+                                  lo.z + (hi.z - lo.z) * brute_real(&rng)});
+}
+
+static void take(struct cloudpoints *c)
+{
+    *c = (struct cloudpoints){.at = mem_array(n, sizeof *c->at), .n = n, .read = n};
+    assert_non_null(c->at);
+    memcpy(c->at, pts, n * sizeof *pts);
+}
+
+/* Of the points kept those with places in [from, to). */
+static size_t kept(const struct cloudpoints *c, size_t from, size_t to)
+{
+    size_t k = 0;
+
+    for (size_t i = 0; i < c->n; i++)
+        k += c->index[i] >= from && c->index[i] < to;
+    return k;
+}
+
+static void crop(struct cloudpoints *c, size_t most, struct crop_count *count)
+{
+    take(c);
+    assert_int_equal(crop_face(c, &view, most, count), ST_OK);
+    assert_int_equal(count->kept, c->n);
+    for (size_t i = 0; i < c->n; i++) { /* in the frame, and ascending */
+        const struct dvec3 q = align_pose_apply(&view.pose, pts[c->index[i]]);
+
+        assert_true(c->at[i].x == q.x && c->at[i].y == q.y && c->at[i].z == q.z);
+        assert_true(i == 0 || c->index[i] > c->index[i - 1]);
+    }
+}
+
+static void test_elsewhere(void **state)
+{
+    struct crop_count count;
+    struct cloudpoints c;
+
+    (void)state;
+    add_face(POINTS, 0, 0.2);
+    add_box(3000, (struct dvec3){-60, -90, -220}, (struct dvec3){60, 70, -150});
+    add_box(3000, (struct dvec3){-250, -300, -150}, (struct dvec3){250, -130, 0});
+    add_box(3000, (struct dvec3){-900, -900, -800}, (struct dvec3){900, 900, -790});
+    add_box(500, (struct dvec3){-60, -90, 30}, (struct dvec3){60, 70, 300});
+    crop(&c, ROOM, &count);
+    assert_true(kept(&c, 0, POINTS) > 0.99 * POINTS);
+    assert_int_equal(kept(&c, POINTS, n), 0);
+    assert_true(count.face == c.n && count.other == 0);
+    cloudpoints_free(&c);
+}
+
+/* The second layer goes where it is 3 mm behind the first; what is noisy has none. */
+static void test_layers(void **state)
+{
+    static const double behind[] = {3, 5, 7.5};
+    struct crop_count count;
+    struct cloudpoints c;
+
+    (void)state;
+    for (size_t k = 0; k < sizeof behind / sizeof *behind; k++) {
+        n = 0;
+        add_face(POINTS, 0, 0.15);
+        add_face(POINTS, -behind[k], 0.15);
+        crop(&c, ROOM, &count);
+        assert_true(kept(&c, 0, POINTS) > 0.98 * POINTS);
+        printf("%g mm: %.3f of the first, %.3f of the second\n", behind[k],
+               (double)kept(&c, 0, POINTS) / POINTS,
+               (double)kept(&c, POINTS, n) / POINTS);
+        assert_true(kept(&c, POINTS, n) < 0.1 * POINTS);
+        cloudpoints_free(&c);
+    }
+    n = 0;
+    add_face(POINTS, 0, 0.9);
+    crop(&c, ROOM, &count);
+    printf("noise: %.3f\n", (double)kept(&c, 0, POINTS) / POINTS);
+    assert_true(kept(&c, 0, POINTS) > 0.97 * POINTS);
+    cloudpoints_free(&c);
+}
+
+static void test_cover(void **state)
+{
+    struct crop_count count;
+    struct cloudpoints c;
+    size_t under = 0;
+
+    (void)state;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (cell[i] == SHAPE_SKIN && grid_y(i) < -18)
+            cell[i] = grid_x(i) < 0 ? SHAPE_COVER : SHAPE_APART;
+    add_face(POINTS, 0, 0.15);
+    for (size_t i = 0; i < n; i++)
+        under += align_pose_apply(&view.pose, pts[i]).y < -18;
+    crop(&c, ROOM, &count);
+    for (size_t i = 0; i < c.n; i++)
+        assert_true(c.at[i].y >= -18);
+    assert_true((double)count.other > 0.98 * (double)under && count.other <= under);
+    assert_true(count.face == count.kept + count.other);
+    cloudpoints_free(&c);
+}
+
+static int by_place(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(struct dvec3));
+}
+
+static void test_order(void **state)
+{
+    struct crop_count count;
+    struct cloudpoints a, b;
+
+    (void)state;
+    add_face(POINTS, 0, 0.2);
+    add_face(POINTS, -4, 0.2);
+    add_box(3000, (struct dvec3){-60, -90, -220}, (struct dvec3){60, 70, 20});
+    crop(&a, 8000, &count);
+    assert_in_range(a.n, 7000, 8000);
+    for (size_t i = n - 1; i > 0; i--) {
+        const size_t with = (size_t)brute_int(&rng, 0, (int32_t)i);
+        const struct dvec3 swap = pts[i];
+
+        pts[i] = pts[with];
+        pts[with] = swap;
+    }
+    crop(&b, 8000, &count);
+    assert_int_equal(a.n, b.n);
+    qsort(a.at, a.n, sizeof *a.at, by_place);
+    qsort(b.at, b.n, sizeof *b.at, by_place);
+    assert_memory_equal(a.at, b.at, a.n * sizeof *a.at);
+    cloudpoints_free(&a);
+    cloudpoints_free(&b);
+}
+
+/* Places and normals go with the points. */
+static void test_members(void **state)
+{
+    struct crop_count count;
+    struct cloudpoints c;
+
+    (void)state;
+    add_face(POINTS, 0, 0.15);
+    take(&c);
+    c.index = mem_array(n, sizeof *c.index);
+    c.normal = mem_array(n, sizeof *c.normal);
+    assert_true(c.index != NULL && c.normal != NULL);
+    for (size_t i = 0; i < n; i++) {
+        c.index[i] = (uint32_t)(3 * i + 1);
+        c.normal[i] = (struct dvec3){pose.r[2], pose.r[5], pose.r[8]}; /* the frame's z */
+    }
+    c.read = 4 * n;
+    assert_int_equal(crop_face(&c, &view, 5000, &count), ST_OK);
+    assert_in_range(c.n, 4500, 5000);
+    for (size_t i = 0; i < c.n; i++) {
+        const struct dvec3 q = align_pose_apply(&view.pose, pts[(c.index[i] - 1) / 3]);
+
+        assert_true(c.at[i].x == q.x && c.at[i].y == q.y && c.at[i].z == q.z);
+        assert_true(fabs(c.normal[i].z - 1) < 1e-9 && fabs(c.normal[i].x) < 1e-9);
+    }
+    cloudpoints_free(&c);
+}
+
+/* No points at all, and none on the face. */
+static void test_none(void **state)
+{
+    struct crop_count count;
+    struct cloudpoints c;
+
+    (void)state;
+    crop(&c, 100, &count);
+    assert_int_equal(c.n, 0);
+    cloudpoints_free(&c);
+    add_box(500, (struct dvec3){200, 0, 0}, (struct dvec3){300, 1, 1});
+    crop(&c, 100, &count);
+    assert_int_equal(c.n, 0);
+    cloudpoints_free(&c);
+}
+
+static void test_memory(void **state)
+{
+    enum status st = ST_ENOMEM;
+    struct crop_count count;
+    struct cloudpoints c;
+
+    (void)state;
+    add_face(POINTS, 0, 0.15);
+    take(&c);
+    for (unsigned long k = 1; st != ST_OK; k++) {
+        fail_alloc_at(k);
+        st = crop_face(&c, &view, 5000, &count);
+        if (st != ST_OK) {
+            assert_int_equal(st, ST_ENOMEM);
+            assert_int_equal(c.n, n);
+            assert_memory_equal(c.at, pts, n * sizeof *pts);
+        }
+    }
+    fail_alloc_at(0);
+    cloudpoints_free(&c);
+}
+
+/* ---- a mirror image */
+
+/* The face as c, seen from the front; side: -1 mirrors it. */
+static void seen(struct cloudpoints *c, double side)
+{
+    take(c);
+    c->normal = mem_array(n, sizeof *c->normal);
+    assert_non_null(c->normal);
+    for (size_t i = 0; i < n; i++) {
+        c->at[i] = align_pose_apply(&view.pose, pts[i]);
+        c->normal[i] = (struct dvec3){0.1, 0.3, side * 0.9};
+    }
+}
+
+static void test_normals(void **state)
+{
+    struct cloudpoints c;
+
+    (void)state;
+    add_face(1000, 0, 0.15);
+    seen(&c, 1);
+    assert_false(mirror_told(&c));
+    for (size_t i = 0; i < n; i++)
+        c.normal[i].z *= -1;
+    assert_true(mirror_told(&c));
+    for (size_t i = 0; i < n; i += 5) /* not all agree */
+        c.normal[i].z *= -1;
+    assert_false(mirror_told(&c));
+    memset(c.normal, 0, n * sizeof *c.normal);
+    assert_false(mirror_told(&c));
+    mem_free(c.normal);
+    c.normal = NULL;
+    assert_false(mirror_told(&c));
+    cloudpoints_free(&c);
+}
+
+/* An image of so many columns, x = ax column + bx row, y = ay column + by row. */
+static bool told(double ax, double bx, double ay, double by, bool shuffled)
+{
+    struct cloudpoints c;
+    bool mirrored;
+
+    n = 0;
+    for (uint32_t i = 0; i < 40 * 50; i++) {
+        const double u = shuffled ? 40 * brute_real(&rng) : i % 40;
+        const double v = shuffled ? 50 * brute_real(&rng) : i / 40;
+
+        pts[n++] = (struct dvec3){ax * u + bx * v, ay * u + by * v, -0.02 * u * u};
+    }
+    take(&c);
+    c.width = 40;
+    c.height = 50;
+    mirrored = mirror_told(&c);
+    cloudpoints_free(&c);
+    return mirrored;
+}
+
+static void test_pixels(void **state)
+{
+    (void)state;
+    assert_false(told(2, 0.2, -0.1, -2, false));
+    assert_false(told(0.1, 2, 2, 0.3, false)); /* the camera on its side */
+    assert_false(told(-2, 0, 0, 2, false));    /* upside down */
+    assert_true(told(-2, 0.2, -0.1, -2, false));
+    assert_true(told(2, 0, 0, 2, false));
+    assert_true(told(0.1, -2, 2, 0.3, false));
+    assert_false(told(-2, 0, 0, -2, true)); /* the order is no image's */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_elsewhere, set_up),
+        cmocka_unit_test_setup(test_layers, set_up),
+        cmocka_unit_test_setup(test_cover, set_up),
+        cmocka_unit_test_setup(test_order, set_up),
+        cmocka_unit_test_setup(test_members, set_up),
+        cmocka_unit_test_setup(test_none, set_up),
+        cmocka_unit_test_setup(test_memory, set_up),
+        cmocka_unit_test_setup(test_normals, set_up),
+        cmocka_unit_test_setup(test_pixels, set_up),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
