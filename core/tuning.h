@@ -171,6 +171,10 @@
 /* Of more points so many are looked at, to see whether they are a face as they are. */
 #define SCAN_LOOK 3000
 
+/* mm, of the longest side of a face alone: no two units do for one scan. */
+#define SCAN_SIDE_MIN_MM 100
+#define SCAN_SIDE_MAX_MM 250
+
 /* What is plainly an uncovered face seen from the front, and need not be searched for: the
  * least support of its shape, the most cells that are covered, the most spikes.  The shape is
  * fitted where a look at it does not make it sure.  Of 1,400 scans of faces one in twenty needs
@@ -189,8 +193,8 @@
 
 /* Share of the face that may be covered at enrolment; and from which it is told, as is the
  * share of points elsewhere. */
-#define SCAN_OCCLUDED_MOST  0.1
-#define SCAN_OCCLUDED_SOME  0.02
+#define SCAN_OCCLUDED_MOST  0.15
+#define SCAN_OCCLUDED_SOME  0.05
 #define SCAN_ELSEWHERE_SOME 0.05
 
 /* A view is told against a scanner's axes that it is within 75 degrees of: the trace of the

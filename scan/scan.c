@@ -151,7 +151,7 @@ static void scale(struct cloudpoints *c, double by)
         c->at[i] = (struct dvec3){c->at[i].x * by, c->at[i].y * by, c->at[i].z * by};
 }
 
-/* The unit by which the points are as large as a face alone, if there is one. */
+/* The unit by which the points are as large as a face alone; mm if there is none. */
 static double likely_unit(const struct cloudpoints *c, const double extent[3])
 {
     static const double mm[] = {1, 1000, 10, 25.4};
@@ -160,8 +160,7 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
     if (c->unit_mm != 0)
         return c->unit_mm;
     for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
-        if (side * mm[i] >= QUALITY_EXTENT_MIN_MM &&
-            side * mm[i] <= QUALITY_EXTENT_MAX_MM)
+        if (side * mm[i] >= SCAN_SIDE_MIN_MM && side * mm[i] <= SCAN_SIDE_MAX_MM)
             return mm[i];
     return 1;
 }
@@ -201,6 +200,15 @@ static bool plain(const struct scan *s)
 
     return s->fit.support >= SCAN_PLAIN && s->fit.cover <= SCAN_PLAIN_COVER &&
            f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv;
+}
+
+/* What little seems covered is the face's own shape. */
+static void uncover(struct shape_fit *f)
+{
+    for (uint32_t i = 0; i < GRID_N; i++)
+        f->cell[i] = f->cell[i] == SHAPE_COVER ? SHAPE_SKIN : f->cell[i];
+    f->skin += f->cover;
+    f->cover = 0;
 }
 
 /* The model of the points that s->fit explains. */
@@ -265,7 +273,8 @@ static enum status look(struct scan *s, bool *is)
             *s->bad = few.index[*s->bad];
     }
     cloudpoints_free(&few);
-    *is = st == ST_OK && plain(s);
+    if ((*is = st == ST_OK && plain(s)))
+        uncover(&s->fit);
     return st;
 }
 

@@ -1,0 +1,380 @@
+/* From points to a model: what is a frontal face is left as it is, everything else is found,
+ * cropped and judged; what was found is told. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "cloudpoints.h"
+#include "clouds.h"
+#include "face.h"
+#include "facegen.h"
+#include "fail_alloc.h"
+#include "mem.h"
+#include "scan.h"
+#include "toy.h"
+#include "tuning.h"
+
+#define ROOM 60000
+
+static struct face_work *work;
+static struct face tmpl, face, plain;
+static struct scan_found found;
+static struct dvec3 pts[ROOM];
+static size_t n;
+static struct cloudpoints c;
+
+static int set_up(void **state)
+{
+    (void)state;
+    return (work = face_work_new(NULL)) == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    face_free(&tmpl);
+    face_free(&face);
+    face_free(&plain);
+    face_work_free(work);
+    return 0;
+}
+
+static void sample(uint64_t subject, uint64_t scan, uint32_t points)
+{
+    struct facegen_scan s;
+
+    facegen_default(&s);
+    s.subject = subject;
+    s.scan = scan;
+    s.points = points;
+    n = facegen_sample(&s, pts);
+    assert_true(n > 0);
+}
+
+/* Turns all points, and then gives them in units of so many mm. */
+static void turn(double yaw, double pitch, double roll, double unit_mm)
+{
+    struct align_pose p;
+
+    toy_pose(yaw, pitch, roll, (struct dvec3){120, -40, 700}, &p);
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 q = align_pose_apply(&p, pts[i]);
+
+        pts[i] = (struct dvec3){q.x / unit_mm, q.y / unit_mm, q.z / unit_mm};
+    }
+}
+
+static void take(void)
+{
+    cloudpoints_free(&c);
+    c = (struct cloudpoints){.at = mem_array(n, sizeof *c.at), .n = n, .read = n};
+    assert_non_null(c.at);
+    memcpy(c.at, pts, n * sizeof *pts);
+}
+
+static enum status build(const struct scan_options *o)
+{
+    take();
+    return scan_build(&c, o, work, &face, NULL, &found);
+}
+
+static const struct scan_options probe, enrolment = {.enrolment = true},
+                                        agreed = {.axes = SCAN_AXES_SCANNER};
+
+static bool warned(enum scan_warning k)
+{
+    return (found.warnings >> k & 1) != 0;
+}
+
+/* Against the template: of one person or not. */
+static void assert_decision(enum face_decision want)
+{
+    struct face_result r;
+
+    assert_int_equal(face_compare(&tmpl, &face, 0, NULL, work, &r), ST_OK);
+    if (r.decision != want)
+        fail_msg("decision %d, wanted %d: %.3f mm", r.decision, want, r.score_mm);
+}
+
+/* ---- frontal */
+
+/* The same model as face_build() gives, to the last digit, and the points stay. */
+static void test_as_it_is(void **state)
+{
+    (void)state;
+    for (uint64_t subject = 1; subject < 9; subject++) {
+        const struct surface *a = &plain.surface, *b = &face.surface;
+
+        sample(subject, 2, subject % 2 ? 3000 : 800);
+        assert_int_equal(face_build(pts, n, work, &plain, NULL), ST_OK);
+        assert_int_equal(build(subject % 3 ? &enrolment : &probe), ST_OK);
+        assert_memory_equal(c.at, pts, n * sizeof *pts);
+        assert_true(c.n == n && c.index == NULL);
+        assert_int_equal(a->mesh.nv, b->mesh.nv);
+        assert_memory_equal(a->mesh.xy, b->mesh.xy, a->mesh.nv * sizeof *a->mesh.xy);
+        assert_memory_equal(a->mesh.z, b->mesh.z, a->mesh.nv * sizeof *a->mesh.z);
+        assert_memory_equal(&plain.frame.pose, &face.frame.pose, sizeof face.frame.pose);
+        assert_true(plain.frame.likeness == face.frame.likeness);
+        assert_false(found.found);
+        assert_true(found.unit_mm == 1 && found.unit_found && found.faces == 1);
+        assert_true(found.points_used == n && found.elsewhere == 0);
+        assert_true(found.view[0] == 1 && found.view[3] == 0 && found.view[15] == 1);
+        assert_true(fabs(found.yaw_deg) < 10 && fabs(found.roll_deg) < 10);
+        assert_true(found.support >= found.support_wanted);
+    }
+}
+
+/* In another unit, given or not. */
+static void test_units(void **state)
+{
+    static const double mm[] = {1000, 10, 25.4};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof mm / sizeof *mm; k++) {
+        sample(1, 0, 3000);
+        for (size_t i = 0; i < n; i++)
+            pts[i] = (struct dvec3){pts[i].x / mm[k], pts[i].y / mm[k], pts[i].z / mm[k]};
+        assert_int_equal(build(&enrolment), ST_OK);
+        assert_true(found.unit_mm == mm[k] && found.unit_found && !found.found);
+        assert_true(fabs(found.view[5] - mm[k]) < 1e-9);
+        take();
+        c.unit_mm = mm[k];
+        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_OK);
+        assert_true(found.unit_mm == mm[k] && !found.unit_found);
+        take();
+        c.unit_mm = 1;
+        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_EUNITS);
+    }
+}
+
+/* Of many points at most SCAN_FULL are used. */
+static void test_dense(void **state)
+{
+    (void)state;
+    sample(3, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(3, 1, 50000);
+    assert_int_equal(build(&enrolment), ST_OK);
+    assert_false(found.found);
+    assert_true(warned(SCAN_THINNED) && !warned(SCAN_BEHIND) && !warned(SCAN_OCCLUDED));
+    assert_in_range(found.points_used, SCAN_FULL * 9 / 10, SCAN_FULL);
+    assert_decision(FACE_MATCH);
+    sample(4, 1, 50000);
+    assert_int_equal(build(&agreed), ST_OK);
+    assert_in_range(c.n, SCAN_FULL * 9 / 10, SCAN_FULL);
+    for (size_t i = 0; i < c.n; i++)
+        assert_memory_equal(&c.at[i], &pts[c.index[i]], sizeof *pts);
+    assert_decision(FACE_NO_MATCH);
+}
+
+/* ---- found */
+
+/* The view leads from the points sent to those used. */
+static void assert_view(void)
+{
+    for (size_t i = 0; i < c.n; i++) {
+        const struct dvec3 from = pts[c.index != NULL ? c.index[i] : i];
+        const struct dvec3 d = vec_sub(vec_transform(found.view, from), c.at[i]);
+
+        assert_true(vec_dot(d, d) < 1e-12);
+    }
+}
+
+static void test_found(void **state)
+{
+    static const double poses[][4] = {/* yaw, pitch, roll, unit */
+                                      {0, 0, 90, 1},
+                                      {40, 0, 0, 1},
+                                      {170, 20, -30, 1000},
+                                      {-50, 60, 120, 10}};
+
+    (void)state;
+    sample(5, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    for (size_t k = 0; k < sizeof poses / sizeof *poses; k++) {
+        sample(5, 1 + k, 3000);
+        turn(poses[k][0], poses[k][1], poses[k][2], poses[k][3]);
+        assert_int_equal(build(&enrolment), ST_OK);
+        assert_true(found.found && found.unit_mm == poses[k][3]);
+        assert_decision(FACE_MATCH);
+        assert_view();
+        sample(6, 1 + k, 3000);
+        turn(poses[k][0], poses[k][1], poses[k][2], poses[k][3]);
+        assert_int_equal(build(&probe), ST_OK);
+        assert_decision(FACE_NO_MATCH);
+        if (k > 1) /* with the axes told, it is where it is */
+            assert_int_not_equal(build(&agreed), ST_OK);
+    }
+}
+
+/* A camera's axes: the turn is told against them. */
+static void test_turn(void **state)
+{
+    (void)state;
+    sample(5, 1, 3000);
+    turn(35, 0, 0, 1);
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct dvec3){pts[i].x, -pts[i].y, -pts[i].z};
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(fabs(found.yaw_deg - 35) < 6 && fabs(found.roll_deg) < 6);
+    assert_true(warned(SCAN_TURNED));
+    sample(5, 1, 3000);
+    turn(0, 0, 100, 1);
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(isnan(found.yaw_deg) && isnan(found.roll_deg));
+}
+
+/* A tenth of the points are of the back of the head. */
+static void test_elsewhere(void **state)
+{
+    struct brute_rng rng = {brute_seed("scan")};
+    size_t front = 0;
+
+    (void)state;
+    sample(7, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(7, 1, 3000);
+    for (size_t i = 0; i < n; i += 10)
+        pts[i] =
+            (struct dvec3){-55 + 110 * brute_real(&rng), -70 + 130 * brute_real(&rng),
+                           -180 + 20 * brute_real(&rng)};
+    assert_int_equal(build(&enrolment), ST_OK);
+    assert_true(warned(SCAN_BEHIND) && found.elsewhere > 0.08 && found.elsewhere < 0.2);
+    for (size_t i = 0; i < c.n; i++)
+        front += c.index[i] % 10 != 0;
+    assert_int_equal(front, c.n);
+    assert_decision(FACE_MATCH);
+}
+
+/* ---- what is told, and what is refused */
+
+/* Everything below the nose is under a cover. */
+static void test_cover(void **state)
+{
+    (void)state;
+    sample(9, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(9, 1, 3000);
+    for (size_t i = 0; i < n; i++)
+        if (pts[i].y < -8 && hypot(pts[i].x / 50, (pts[i].y + 36) / 30) < 1)
+            pts[i].z =
+                12 - pts[i].x * pts[i].x / 70 - (pts[i].y + 36) * (pts[i].y + 36) / 100;
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(warned(SCAN_OCCLUDED) && found.occluded > 0.15);
+    for (size_t i = 0; i < c.n; i++)
+        assert_false(hypot(c.at[i].x / 40, (c.at[i].y + 36) / 22) < 1);
+    assert_int_equal(build(&enrolment), ST_EQUALITY);
+    assert_true(warned(SCAN_OCCLUDED) && face.surface.mesh.nv == 0);
+}
+
+static void test_mirrored(void **state)
+{
+    (void)state;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        sample(10, 1, 3000);
+        turn(0, mirrored ? 60 : 0, 0, 1);
+        take();
+        c.normal = mem_array(n, sizeof *c.normal);
+        assert_non_null(c.normal);
+        for (size_t i = 0; i < n; i++)
+            c.normal[i] = (struct dvec3){0, mirrored ? 0.87 : 0, mirrored ? -0.5 : 1};
+        assert_int_equal(scan_build(&c, &enrolment, work, &face, NULL, &found),
+                         mirrored ? ST_EMIRRORED : ST_OK);
+        assert_int_equal(warned(SCAN_MIRRORED), mirrored);
+        assert_null(c.normal);
+    }
+}
+
+static void test_no_face(void **state)
+{
+    struct brute_rng rng = {brute_seed("ball")};
+
+    (void)state;
+    for (n = 0; n < 4000;) { /* a ball of a head's size */
+        const struct dvec3 q = {brute_real(&rng) - 0.5, brute_real(&rng) - 0.5,
+                                brute_real(&rng) - 0.5};
+        const double r = sqrt(vec_dot(q, q));
+
+        if (r > 0.1 && r < 0.5)
+            pts[n++] = (struct dvec3){90 * q.x / r, 90 * q.y / r, 90 * q.z / r};
+    }
+    assert_int_not_equal(build(&probe), ST_OK);
+    assert_int_not_equal(build(&enrolment), ST_OK);
+    assert_int_equal(face.surface.mesh.nv, 0);
+    n = FACE_MIN_POINTS - 1;
+    assert_int_equal(build(&probe), ST_ETOOFEW);
+    n = 0;
+    assert_int_equal(build(&probe), ST_ETOOFEW);
+    n = 400;
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct dvec3){(double)i, 0, (double)(i * i % 50)};
+    assert_int_equal(build(&probe), ST_EDEGENERATE);
+}
+
+/* A number that no scanner gives is told as such, and where. */
+static void test_range(void **state)
+{
+    size_t bad = 0;
+
+    (void)state;
+    sample(1, 0, 3000);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z = 0;
+    pts[1234].x = 1e300;
+    take();
+    assert_int_equal(scan_build(&c, &probe, work, &face, &bad, &found), ST_ERANGE);
+    assert_int_equal(bad, 1234);
+}
+
+static void fail_each(void)
+{
+    enum status st = ST_ENOMEM;
+    struct face f = {0};
+
+    for (unsigned long k = 1; st != ST_OK; k++) {
+        struct face_work *w = face_work_new(NULL);
+
+        assert_non_null(w);
+        take();
+        fail_alloc_at(k);
+        st = scan_build(&c, &probe, w, &f, NULL, &found);
+        fail_alloc_at(0);
+        if (st != ST_OK)
+            assert_int_equal(st, ST_ENOMEM);
+        face_free(&f);
+        face_work_free(w);
+    }
+}
+
+static void test_memory(void **state)
+{
+    (void)state;
+    sample(2, 1, 800);
+    fail_each();
+    turn(0, 0, 90, 1);
+    fail_each();
+    sample(2, 1, 11000);
+    fail_each();
+    cloudpoints_free(&c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_as_it_is), cmocka_unit_test(test_units),
+        cmocka_unit_test(test_dense),    cmocka_unit_test(test_found),
+        cmocka_unit_test(test_turn),     cmocka_unit_test(test_elsewhere),
+        cmocka_unit_test(test_cover),    cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_no_face),  cmocka_unit_test(test_range),
+        cmocka_unit_test(test_memory),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
