@@ -105,6 +105,56 @@ static double relief(const float *z, const uint32_t *cell, uint32_t n)
     return zz > 0 ? zz / n : 0;
 }
 
+/* How a surface of heights z and one of heights h are alike over n cells: the correlation of
+ * what their best quadrics leave. */
+static double correlation(const float *z, const float *h, const uint32_t *cell,
+                          uint32_t n)
+{
+    struct align_normal a, b;
+    double x[6], y[6], zz = 0, zh = 0, hh = 0;
+
+    memset(&a, 0, sizeof a);
+    memset(&b, 0, sizeof b);
+    for (uint32_t i = 0; i < n; i++) {
+        const double u = grid_x(cell[i]) / 64, v = grid_y(cell[i]) / 82;
+        const double j[6] = {1, u, v, u * u, u * v, v * v};
+        const double p = (double)z[cell[i]], q = (double)h[cell[i]];
+
+        align_solve_add(&a, j, p, 1);
+        align_solve_add(&b, j, q, 1);
+        zz += p * p;
+        zh += p * q;
+        hh += q * q;
+    }
+    if (!align_solve(&a, 0, x) || !align_solve(&b, 0, y))
+        return -1;
+    for (int k = 0; k < 6; k++) {
+        zz += a.g[k] * x[k];
+        zh += a.g[k] * y[k];
+        hh += b.g[k] * y[k];
+    }
+    return zz > FRAME_RELIEF_MIN_MM2 * n && hh > 0 ? zh / sqrt(zz * hh) : 0;
+}
+
+/* The likeness round an eye, to the right or to the left of the nose (side -1). */
+static double eye(const struct shape_work *w, const float *z, const uint8_t *cell,
+                  double side)
+{
+    uint32_t list[GRID_N], n = 0, all = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double x = side * grid_x(i), y = grid_y(i);
+
+        if (isnan(w->mean[i]) || x < SHAPE_EYE_LEFT || x > SHAPE_EYE_RIGHT ||
+            y < SHAPE_EYE_BOTTOM || y > SHAPE_EYE_TOP)
+            continue;
+        all++;
+        if (cell[i] == SHAPE_SKIN)
+            list[n++] = i;
+    }
+    return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, w->mean, list, n);
+}
+
 /* What is not explained of the face that no cover hides, mm^2: the gap, up to SHAPE_REST_MM, as
  * the mean of each cell and those around it, so that noise counts little; squared, in terms of
  * the cell's rest, and averaged. */
@@ -162,12 +212,14 @@ static void classify(const struct shape_work *w, const float *gap, uint8_t *cell
 void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
                       struct shape_fit *fit)
 {
-    float gap[GRID_N];
+    float gap[GRID_N], z[GRID_N];
     uint32_t skin[GRID_N], near, behind;
     double a = 0;
 
-    for (uint32_t i = 0; i < GRID_N; i++)
+    for (uint32_t i = 0; i < GRID_N; i++) {
         gap[i] = over[i] * w->normal[i][2];
+        z[i] = fit->height[i] + over[i];
+    }
     classify(w, gap, fit->cell, &near, &behind);
     cover(gap, w->scale, fit->height, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;
@@ -180,6 +232,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
     for (uint32_t k = 0; k < w->modes->n; k++)
         a += fit->a[k] * fit->a[k];
     fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
+    fit->eyes = fmin(eye(w, z, fit->cell, 1), eye(w, z, fit->cell, -1));
     fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
                               (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
 }

@@ -26,6 +26,9 @@ struct shape_fit {
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     double
+        eyes; /* the lesser of two: the likeness (frame.h) of the place round an eye to the
+                    mean face's; -1: less than SHAPE_EYE_LEAST of it is skin */
+    double
         likeness; /* ln of the relief (frame.h) of the skin over what is not explained, both
                         root mean squares: how much more than a rest there is to the face */
 };

@@ -8,6 +8,7 @@
 #include "crop.h"
 #include "face.h"
 #include "find.h"
+#include "gate.h"
 #include "mem.h"
 #include "mirror.h"
 #include "shape.h"
@@ -54,11 +55,13 @@ static void begin(struct scan *s)
                                     .points_read = s->c->read,
                                     .points_dropped = s->c->read - s->c->n,
                                     .unit_found = s->c->unit_mm == 0,
+                                    .scale = {1, 1, 1},
                                     .yaw_deg = (double)NAN,
                                     .pitch_deg = (double)NAN,
                                     .roll_deg = (double)NAN};
     measure_extent(s->c, s->found->extent);
     s->out->quality = (struct quality){0};
+    s->out->frame = (struct frame){0};
     s->out->surface.mesh.nv = s->out->surface.mesh.nt = 0;
 }
 
@@ -108,8 +111,6 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
 
     tell_view(f, view);
     tell_turn(f, &s->fit.pose);
-    f->occluded = (double)s->fit.cover / face_work_shape(s->w)->cells;
-    f->support = s->fit.support;
     f->faces = f->faces > 0 ? f->faces : 1;
     warn(s, SCAN_SEVERAL, f->faces > 1);
     warn(s, SCAN_OCCLUDED, f->occluded > SCAN_OCCLUDED_SOME);
@@ -121,25 +122,23 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
 
 /* ---- the gate */
 
-/* Is it a face, and for an enrolment one that may be compared with for years?  The points are
- * those of the face, in the frontal view. */
-static enum status gate(struct scan *s)
+/* The points are those that were fitted to. */
+static enum status judge_face(struct scan *s, const struct dvec3 *pts, size_t n)
 {
-    struct scan_found *f = s->found;
-    const bool strict = s->o->enrolment;
+    const struct gate_scan g = {face_work_shape(s->w), &s->fit, pts, n, s->o->enrolment};
 
+    return gate_judge(&g, s->found);
+}
+
+/* Is it one face, and not its mirror image?  The points are in the frontal view. */
+static enum status judge_enrolment(struct scan *s)
+{
     warn(s, SCAN_MIRRORED, mirror_told(s->c));
-    f->support_wanted = strict ? SCAN_SUPPORT : SCAN_SUPPORT_PROBE;
-    if (!(f->support >= f->support_wanted) ||
-        (f->support < SCAN_SUPPORT && !(s->fit.likeness >= SCAN_LIKENESS_PROBE)))
-        return ST_ENOTFACE;
-    if (!strict)
+    if (!s->o->enrolment)
         return ST_OK;
-    if (f->faces > 1)
+    if (s->found->faces > 1)
         return ST_ESEVERAL;
-    if ((f->warnings >> SCAN_MIRRORED & 1) != 0)
-        return ST_EMIRRORED;
-    return f->occluded > SCAN_OCCLUDED_MOST ? ST_EQUALITY : ST_OK;
+    return (s->found->warnings >> SCAN_MIRRORED & 1) != 0 ? ST_EMIRRORED : ST_OK;
 }
 
 /* ---- points that are frontal already */
@@ -166,15 +165,24 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
 }
 
 /* What the shape of a face explains of n points, at a pose that is nearly right. */
-static enum status judge(struct scan *s, const struct dvec3 *pts, size_t n,
-                         const struct align_pose *pose)
+static enum status fit(struct scan *s, const struct dvec3 *pts, size_t n,
+                       const struct align_pose *pose)
 {
     struct shape_work *shape = face_work_shape(s->w);
     const enum status st = shape_judge(shape, pts, n, pose, &s->fit);
 
-    if (st != ST_OK || (s->fit.support >= SCAN_SURE && s->fit.cover == 0))
+    if (st != ST_OK ||
+        (s->fit.support >= SCAN_SURE && s->fit.cover == 0 && !s->o->enrolment))
         return st;
     return shape_fit(shape, pts, n, pose, 1, false, &s->fit);
+}
+
+/* Where no search follows, what was refused only once it had been laid on the mean face has
+ * evidence to tell. */
+static bool placed(const struct scan *s, enum status built)
+{
+    return built == ST_ENOTFACE && s->o->axes == SCAN_AXES_SCANNER &&
+           s->out->frame.mean_id != 0;
 }
 
 /* The model of points that are frontal, and what the shape of a face explains of them.  Few
@@ -182,13 +190,18 @@ static enum status judge(struct scan *s, const struct dvec3 *pts, size_t n,
 static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
 {
     const struct align_pose *pose = &s->out->frame.pose;
-    enum status st = face_build(pts, n, s->w, s->out, s->bad);
+    const enum status built = face_build(pts, n, s->w, s->out, s->bad);
     struct dvec3 *more;
+    enum status st;
 
-    if (st != ST_OK || s->out->quality.density_mm <= QUALITY_SPARSE_MM)
-        return st == ST_OK ? judge(s, pts, n, pose) : st;
+    if (built != ST_OK && !placed(s, built))
+        return built;
+    if (built != ST_OK || s->out->quality.density_mm <= QUALITY_SPARSE_MM) {
+        st = fit(s, pts, n, pose);
+        return st != ST_OK ? st : built;
+    }
     if ((st = sparse_points(&s->out->surface, &more, &n)) == ST_OK)
-        st = judge(s, more, n, pose);
+        st = fit(s, more, n, pose);
     mem_free(more);
     return st;
 }
@@ -217,24 +230,30 @@ static enum status build_crop(struct scan *s)
     const struct crop_view view = {s->fit.pose, s->fit.height, s->fit.cell};
     const size_t n = s->c->n;
     struct crop_count count;
+    const enum status judged = judge_face(s, s->c->at, n);
     enum status st = crop_face(s->c, &view, SCAN_FULL, &count);
 
-    if (st != ST_OK)
-        return st;
+    if (st != ST_OK || judged == ST_ENOMEM)
+        return st != ST_OK ? st : judged;
     tell_fit(s, &s->fit.pose);
     s->found->elsewhere = 1 - (double)count.face / (double)n;
     warn(s, SCAN_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
     warn(s, SCAN_THINNED, count.kept < count.face - count.other);
-    if ((st = gate(s)) != ST_OK)
-        return st;
+    st = judge_enrolment(s);
+    if (judged != ST_OK || st != ST_OK)
+        return judged != ST_OK ? judged : st;
     return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
 }
 
 /* The points stay as they are, and their model. */
 static enum status keep(struct scan *s)
 {
+    const enum status judged = judge_face(s, s->c->at, s->c->n);
+    enum status st;
+
     tell_fit(s, &still);
-    return gate(s);
+    st = judge_enrolment(s);
+    return judged != ST_OK ? judged : st;
 }
 
 /* ---- the ways from points to a model */
@@ -252,8 +271,14 @@ static enum status build_agreed(struct scan *s)
     if (n > SCAN_FULL)
         st = crop_thin(s->c, SCAN_FULL);
     warn(s, SCAN_THINNED, s->c->n < n);
-    if (st == ST_OK && (st = build(s, s->c->at, s->c->n)) == ST_OK)
-        st = keep(s);
+    if (st != ST_OK)
+        return st;
+    st = build(s, s->c->at, s->c->n);
+    if (st == ST_OK || placed(s, st)) {
+        const enum status kept = keep(s);
+
+        st = kept != ST_OK ? kept : st;
+    }
     return st;
 }
 

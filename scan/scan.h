@@ -51,8 +51,14 @@ struct scan_found {
     double occluded;  /* share of the mean face's cells that something covers, 0..1 */
     double elsewhere; /* share of the points that are not of the face, 0..1 */
     uint32_t faces;   /* in the cloud */
-    double support; /* how well a face explains it (shape.h), and the least wanted here */
-    double support_wanted;
+    /* The evidence for a face (gate.h), and the least that is wanted here: */
+    double support;  /* how much of what is seen a face explains, at most 1 */
+    double likeness; /* how little is left (shape.h) */
+    double eyes;     /* how much like eyes the places of both are, -1..1 */
+    double seen;     /* share of the mean face's cells that are skin, 0..1 */
+    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted;
+    double scale[3]; /* the face's width, height and depth times these would fit better;
+                        1: as they are.  Of a refused enrolment alone */
     unsigned warnings; /* 1 << enum scan_warning */
 };
 

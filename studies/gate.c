@@ -16,6 +16,7 @@
 #include "scan.h"
 #include "sought.h"
 #include "study.h"
+#include "tuning.h"
 
 #define POINTS 20000 /* of a thing, at most */
 
@@ -31,16 +32,16 @@ struct count {
     size_t tried[2], enrolled[2];
 };
 
-static enum status enrol(struct gate *g, const struct dvec3 *pts, size_t n)
+static enum status build(struct gate *g, const struct scan_options *o,
+                         const struct dvec3 *pts, size_t n)
 {
-    static const struct scan_options strict = {.enrolment = true};
     struct cloudpoints c = {.n = n, .read = n, .unit_mm = 1};
     enum status st;
 
     if ((c.at = mem_array(n, sizeof *c.at)) == NULL)
         lab_must(ST_ENOMEM);
     memcpy(c.at, pts, n * sizeof *pts);
-    st = scan_build(&c, &strict, g->work, &g->face, NULL, &g->found);
+    st = scan_build(&c, o, g->work, &g->face, NULL, &g->found);
     cloudpoints_free(&c);
     return st;
 }
@@ -48,26 +49,31 @@ static enum status enrol(struct gate *g, const struct dvec3 *pts, size_t n)
 static void count(struct gate *g, const char *set, const char *name, uint64_t seed,
                   const struct dvec3 *pts, size_t n, struct count *to)
 {
-    const enum status st = enrol(g, pts, n);
+    static const struct scan_options strict = {.enrolment = true};
+    const enum status st = build(g, &strict, pts, n);
+    const struct scan_found *f = &g->found;
 
     to->tried[seed % 2]++;
     to->enrolled[seed % 2] += st == ST_OK;
-    fprintf(g->scans, "%s,%s,%d,%d,%s,%.4f,%.4f\n", set, name, (int)seed, (int)n,
-            st == ST_OK ? "enrolled" : status_message(st), g->face.frame.likeness,
-            g->face.frame.cost_mm);
+    fprintf(g->scans, "%s,%s,%d,%d,%s,%.3f,%.3f,%.3f,%.3f,%g,%g,%g\n", set, name,
+            (int)seed, (int)n, st == ST_OK ? "enrolled" : status_message(st), f->support,
+            f->likeness, f->eyes, f->seen, f->scale[0], f->scale[1], f->scale[2]);
 }
 
+/* By how much the surface falls short of an enrolment, where it is worst; as it lies, as a
+ * search for the face costs more. */
 static double evidence(void *of, struct dvec3 *pts, size_t n)
 {
+    static const struct scan_options quick = {.axes = SCAN_AXES_SCANNER};
     struct gate *g = of;
-    double likeness;
+    const struct scan_found *f = &g->found;
+    double most;
 
-    g->face.frame.cost_mm = 0;
-    (void)enrol(g, pts, n);
-    likeness = g->face.frame.likeness;
-    if (g->face.frame.cost_mm == 0)
-        return -9; /* not even aligned */
-    return (isnan(likeness) ? -1 : likeness) - 0.3 * g->face.frame.cost_mm;
+    (void)build(g, &quick, pts, n);
+    if (f->support_wanted == 0)
+        return -5 - g->face.frame.cost_mm; /* not even aligned */
+    most = fmin(2 * (f->support - GATE_SUPPORT), f->likeness - GATE_LIKENESS);
+    return fmin(most, fmin(f->eyes - GATE_EYES, 2 * (f->seen - GATE_SEEN)));
 }
 
 static void sum_up(FILE *f, const char *set, const struct count *c)
@@ -127,7 +133,7 @@ static void sought(const struct lab *lab, struct gate *g, FILE *sum, struct dvec
     for (uint64_t seed = 0; seed < (lab->reduced ? 4 : 100); seed++) {
         /* half of either form is held out */
         const size_t n = sought_find(seed / 2 * 2 + (seed / 2 + seed) % 2,
-                                     lab->reduced ? 5 : 150, evidence, g, pts);
+                                     lab->reduced ? 5 : 250, evidence, g, pts);
 
         count(g, "sought", "sought", seed, pts, n, &c);
     }
@@ -183,7 +189,8 @@ void gate_run(const struct lab *lab)
 
     if (g.work == NULL)
         lab_must(ST_ENOMEM);
-    fprintf(g.scans, "set,what,seed,points,outcome,likeness,cost mm\n");
+    fprintf(g.scans, "set,what,seed,points,outcome,support,likeness,eyes,seen,"
+                     "scale x,y,z\n");
     fprintf(sum, "what,half,number,enrolled,95 %% from,to\n");
     things(lab, &g, sum, pts);
     reliefs(lab, &g, sum, pts);

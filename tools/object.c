@@ -85,8 +85,6 @@ enum spoil {
     BAND_NOSE,
     BAND_MOUTH,
     BAND_UPRIGHT,
-    UPSIDE_DOWN,
-    INVERTED,
     HALF_SIZE,
     SMALLER,
     LARGER,
@@ -129,10 +127,6 @@ static struct dvec3 spoiled(enum spoil how, const double *u, struct dvec3 p)
     const double stretch = 1.5 + 0.3 * u[0];
 
     switch (how) {
-    case UPSIDE_DOWN:
-        return (struct dvec3){-p.x, -p.y, p.z};
-    case INVERTED:
-        return (struct dvec3){p.x, p.y, -p.z};
     case HALF_SIZE:
     case SMALLER:
     case LARGER:
@@ -194,8 +188,6 @@ static const struct {
     {"face: band of the nose", NULL, BAND_NOSE},
     {"face: band of the mouth", NULL, BAND_MOUTH},
     {"face: upright band", NULL, BAND_UPRIGHT},
-    {"face: upside down", NULL, UPSIDE_DOWN},
-    {"face: inverted", NULL, INVERTED},
     {"face: half the size", NULL, HALF_SIZE},
     {"face: 0.7 times the size", NULL, SMALLER},
     {"face: 1.4 times the size", NULL, LARGER},

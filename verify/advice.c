@@ -54,6 +54,29 @@ static void unit(const struct scan_found *f, struct advice *a)
         add(a, "is it one face, and the unit right?");
 }
 
+/* What scale would be a face's. */
+static void scale(const struct scan_found *f, struct advice *a)
+{
+    static const char *const along[] = {"wide", "tall", "deep"};
+
+    if (f->scale[0] == f->scale[1] && f->scale[1] == f->scale[2]) {
+        add(a, "is the unit right? %.3g times as large it would be more of a face",
+            f->scale[0]);
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        if (f->scale[i] != 1)
+            add(a,
+                "is the scanner calibrated? %.3g times as %s it would be more of a face",
+                f->scale[i], along[i]);
+}
+
+static bool scaled(const struct scan_found *f)
+{
+    return f->scale[0] * f->scale[1] * f->scale[2] > 0 &&
+           (f->scale[0] != 1 || f->scale[1] != 1 || f->scale[2] != 1);
+}
+
 /* The reasons that have nothing but the status to tell them by. */
 static void reason(enum status st, const struct scan_found *f, struct advice *a)
 {
@@ -85,7 +108,10 @@ static void reason(enum status st, const struct scan_found *f, struct advice *a)
             HALF_PROFILE_DEG);
         break;
     case ST_ENOTFACE:
-        add(a, "send one face seen from the front, with forehead, nose and chin");
+        if (scaled(f))
+            scale(f, a);
+        else
+            add(a, "send one face seen from the front, with forehead, nose and chin");
         break;
     default:
         break;

@@ -23,6 +23,28 @@ __attribute__((format(printf, 2, 3))) static void append(struct errinfo *e,
     va_end(ap);
 }
 
+/* By how much the evidence for a face is too little. */
+static void tell_evidence(const struct scan_found *f, struct errinfo *e)
+{
+    const struct {
+        const char *what;
+        double is, wanted;
+    } row[] = {{"support", f->support, f->support_wanted},
+               {"likeness", f->likeness, f->likeness_wanted},
+               {"eyes", f->eyes, f->eyes_wanted}};
+    const char *begin = " (";
+
+    for (size_t i = 0; f->support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
+        if (row[i].is >= row[i].wanted)
+            continue;
+        append(e, "%s%s %.2f, at least %.2f wanted", begin, row[i].what, row[i].is,
+               row[i].wanted);
+        begin = "; ";
+    }
+    if (begin[0] == ';')
+        append(e, ")");
+}
+
 /* What of a face is there, and too poor. */
 static void tell_quality(const struct scan_found *f, const struct quality *q,
                          struct errinfo *e)
@@ -31,6 +53,11 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
 
     if ((f->warnings >> SCAN_OCCLUDED & 1) != 0) {
         append(e, "too much of the face is covered");
+        comma = ", ";
+    }
+    if (f->seen < f->seen_wanted) {
+        append(e, "%s%.0f %% of the face seen, at least %.0f %% wanted", comma,
+               100 * f->seen, 100 * f->seen_wanted);
         comma = ", ";
     }
     if ((f->warnings >> SCAN_TURNED & 1) != 0) {
@@ -83,9 +110,7 @@ static void tell(enum status st, size_t n, size_t bad, const struct scan_found *
         break;
     case ST_ENOTFACE:
         append(e, "the surface does not have the shape of a face");
-        if (f->support < f->support_wanted)
-            append(e, " (support %.2f, at least %.2f wanted)", f->support,
-                   f->support_wanted);
+        tell_evidence(f, e);
         break;
     case ST_EQUALITY:
         tell_quality(f, q, e);

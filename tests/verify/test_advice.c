@@ -176,6 +176,27 @@ static void test_support(void **state)
     assert_line(0, "send one face seen from the front, with forehead, nose and chin");
 }
 
+/* A face of another scale has the scale for advice. */
+static void test_scale(void **state)
+{
+    struct scan_found f = plain;
+
+    (void)state;
+    good();
+    f.support_wanted = 0.55;
+    for (int i = 0; i < 3; i++)
+        f.scale[i] = 1.25;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "is the unit right? 1.25 times as large it would be more of a face");
+    f.scale[0] = f.scale[1] = 1;
+    f.scale[2] = 0.8;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 1);
+    assert_line(
+        0, "is the scanner calibrated? 0.8 times as deep it would be more of a face");
+}
+
 /* Each refusal of a scan has its advice, and so does everything at once. */
 static void test_refusals(void **state)
 {
@@ -235,8 +256,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_none),     cmocka_unit_test(test_turned),
         cmocka_unit_test(test_found),    cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_support),  cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_describe),
+        cmocka_unit_test(test_support),  cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_describe),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
