@@ -1,11 +1,11 @@
 /* find.h -- the face in a scanner's points, whatever their unit, axes and orientation, and
  * whatever else they show: the rest of the head, shoulders, a wall, other people.
- * (1) The unit: those by which the points are as large as a head, or as a room.
- * (2) Starting poses: places that stick out as a nose does, with every roll about the
- *     direction in which they do so, scored by the distances from samples of the model's mean
- *     face to the nearest points.
- * (3) The best of them are refined: robust point-to-plane steps of the front-most points to
- *     the mean face, coarse to fine.
+ * (1) The unit: those by which the points are as large as a head; where no face is plain, as
+ *     large as a room.  Of a room the connected parts of a head's size are searched.
+ * (2) Starting poses: places that stick out as a nose does (find_nose.h), with every roll about
+ *     the direction in which they do so, by the cost of laying the mean face there
+ *     (find_place.h); where nothing is plain, with tilted directions too.
+ * (3) The best of them are refined and judged (find_refine.h).
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
 #ifndef SCAN_FIND_H
 #define SCAN_FIND_H
@@ -29,8 +29,8 @@ struct find_pose {
 };
 
 /* pose[0] is the best; pose[1] ... pose[n - 1] are others that may be right where it is not:
- * a covered face fits the mean face in more than one way.  n is 1 where the first is plainly
- * right.  Poses less than about 10 mm and 10 degrees apart count as one. */
+ * a covered face fits the mean face in more than one way.  All are of one unit; n is 1 where
+ * the first is plainly right.  Poses less than about 10 mm and 10 degrees apart count as one. */
 struct find {
     struct find_pose pose[FIND_POSES];
     uint32_t n;

@@ -1,0 +1,495 @@
+/* Finding a face: made-up heads in any pose, unit and surroundings; several in one cloud; what
+ * is none; memory that runs out; contrived points. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "face.h"
+#include "facegen.h"
+#include "fail_alloc.h"
+#include "find.h"
+#include "headscan.h"
+#include "timing.h"
+#include "tuning.h"
+
+#define MANY 300000
+
+static struct face_work *work;
+
+static int open_work(void **state)
+{
+    (void)state;
+    work = face_work_new(NULL);
+    return work == NULL;
+}
+
+static int close_work(void **state)
+{
+    (void)state;
+    face_work_free(work);
+    return 0;
+}
+
+/* ---- motions */
+
+static struct align_pose any_pose(struct brute_rng *r)
+{
+    struct align_pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+
+    for (int k = 0; k < 4; k++) /* tangents of half angles */
+        align_pose_tilt(&p, (struct dvec3){0, 0, 0}, 6 * brute_real(r) - 3,
+                        6 * brute_real(r) - 3);
+    for (int i = 0; i < 3; i++)
+        p.t[i] = 2000 * brute_real(r) - 1000;
+    return p;
+}
+
+static void move_all(struct dvec3 *pts, size_t n, const struct align_pose *p,
+                     double unit_mm)
+{
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 q = align_pose_apply(p, pts[i]);
+
+        pts[i] = (struct dvec3){q.x / unit_mm, q.y / unit_mm, q.z / unit_mm};
+    }
+}
+
+/* First b, then a. */
+static struct align_pose after(const struct align_pose *a, const struct align_pose *b)
+{
+    const struct dvec3 t = align_pose_apply(a, (struct dvec3){b->t[0], b->t[1], b->t[2]});
+    struct align_pose out = {.t = {t.x, t.y, t.z}};
+
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            out.r[3 * i + k] = a->r[3 * i] * b->r[k] + a->r[3 * i + 1] * b->r[3 + k] +
+                               a->r[3 * i + 2] * b->r[6 + k];
+    return out;
+}
+
+/* How far b's points lie from a's: the angle, degrees, and the nose, mm. */
+static void apart(const struct align_pose *a, const struct align_pose *b, double *deg,
+                  double *mm)
+{
+    const struct dvec3 at = align_pose_apply(a, align_pose_origin(b));
+    double trace = 0;
+
+    for (int i = 0; i < 9; i++)
+        trace += a->r[i] * b->r[i];
+    *deg = acos(fmin((trace - 1) / 2, 1)) * VEC_DEGREES;
+    *mm = sqrt(vec_dot(at, at));
+}
+
+static void assert_near(const struct align_pose *a, const struct align_pose *b,
+                        double most_deg, double most_mm)
+{
+    double deg, mm;
+
+    apart(a, b, &deg, &mm);
+    if (deg > most_deg || mm > most_mm)
+        fail_msg("the poses are %.1f degrees and %.1f mm apart", deg, mm);
+}
+
+/* ---- clouds */
+
+static struct dvec3 *copy(const struct dvec3 *pts, size_t n)
+{
+    struct dvec3 *c = malloc(n * sizeof *c);
+
+    assert_non_null(c);
+    memcpy(c, pts, n * sizeof *c);
+    return c;
+}
+
+static void drop_empty(struct headscan *s)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < s->n; i++)
+        if (!isnan(s->at[i].x))
+            s->at[n++] = s->at[i];
+    s->n = n;
+}
+
+/* A made-up head by the options; in *pose where it is found, in its own axes. */
+static void render(uint64_t subject, const struct headscan_options *o,
+                   struct headscan *out, struct align_pose *pose)
+{
+    struct head h = {0}, other = {0};
+    struct find f;
+
+    head_make_up(subject, &h);
+    head_measure(&h);
+    head_make_up(subject + 1, &other);
+    head_measure(&other);
+    assert_int_equal(find_face(h.at, h.n, 1, work, &f), ST_OK);
+    *pose = f.pose[0].pose;
+    headscan_render(&h, &other, o, out);
+    drop_empty(out);
+    head_free(&h);
+    head_free(&other);
+}
+
+/* The motion from the head to the scan, of agreed axes or a camera's. */
+static struct align_pose motion_of(const struct headscan_options *o)
+{
+    const struct dvec3 centre = {0, 0, -90};
+    const double down = o->axes == HEADSCAN_DOWN ? -1 : 1;
+    const struct align_pose axes = {.r = {1, 0, 0, 0, down, 0, 0, 0, down}};
+    const double half = tan(o->roll / VEC_DEGREES / 2);
+    const struct align_pose roll = {
+        .r = {(1 - half * half) / (1 + half * half), -2 * half / (1 + half * half), 0,
+              2 * half / (1 + half * half), (1 - half * half) / (1 + half * half), 0, 0,
+              0, 1}};
+    struct align_pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+
+    align_pose_tilt(&p, centre, tan(o->yaw / VEC_DEGREES / 2),
+                    tan(o->pitch / VEC_DEGREES / 2));
+    p = after(&roll, &p);
+    p.t[2] -= o->distance;
+    return after(&axes, &p);
+}
+
+static unsigned kind_of(const char *name)
+{
+    for (unsigned k = 0; k < HEADSCAN_KINDS; k++)
+        if (strcmp(headscan_name(k), name) == 0)
+            return k;
+    fail_msg("no kind %s", name);
+    return 0;
+}
+
+static size_t crop(uint64_t subject, struct dvec3 *out)
+{
+    struct facegen_scan s;
+
+    facegen_default(&s);
+    s.subject = subject;
+    return facegen_sample(&s, out);
+}
+
+/* ---- tests */
+
+/* A frontal crop is found where frame_find() finds it. */
+static void test_frame(void **state)
+{
+    static struct dvec3 pts[3000];
+
+    (void)state;
+    for (uint64_t subject = 1; subject <= 5; subject++) {
+        const size_t n = crop(subject, pts);
+        struct face face = {0};
+        struct find f;
+
+        assert_int_equal(face_build(pts, n, work, &face, NULL), ST_OK);
+        assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+        assert_int_equal(f.n, 1);
+        assert_int_equal(f.faces, 1);
+        assert_true(f.pose[0].unit_mm == 1);
+        assert_true(f.pose[0].key >= FIND_PLAIN);
+        assert_true(f.pose[0].covered > 0.8 && f.pose[0].covered <= 1);
+        assert_true(align_pose_rigid(&f.pose[0].pose));
+        assert_near(&face.frame.pose, &f.pose[0].pose, 6, 6);
+        face_free(&face);
+    }
+}
+
+/* Turned, moved and in another unit the face is found at the same place. */
+static void check_any(const struct dvec3 *pts, size_t n, const struct align_pose *still,
+                      struct brute_rng *r)
+{
+    static const double units[] = {0.001, 1, 10, 25.4, 1000};
+
+    for (size_t u = 0; u < sizeof units / sizeof *units; u++) {
+        const struct align_pose by = any_pose(r);
+        struct dvec3 *moved = copy(pts, n);
+        struct align_pose want;
+        struct find f;
+
+        move_all(moved, n, &by, units[u]);
+        assert_int_equal(find_face(moved, n, 0, work, &f), ST_OK);
+        assert_int_equal(f.n, 1);
+        assert_int_equal(f.faces, 1);
+        assert_true(f.pose[0].unit_mm == units[u]);
+        want = after(&f.pose[0].pose, &by);
+        assert_near(still, &want, 4, 5);
+        free(moved);
+    }
+}
+
+static void test_any_pose(void **state)
+{
+    static struct dvec3 pts[3000];
+    struct brute_rng r = {brute_seed("test_find")};
+
+    (void)state;
+    for (uint64_t subject = 1; subject <= 4; subject++) {
+        const size_t n = crop(subject, pts);
+        struct head h = {0};
+        struct find f;
+
+        assert_int_equal(find_face(pts, n, 1, work, &f), ST_OK);
+        check_any(pts, n, &f.pose[0].pose, &r);
+        head_make_up(subject, &h);
+        assert_int_equal(find_face(h.at, h.n, 1, work, &f), ST_OK);
+        check_any(h.at, h.n, &f.pose[0].pose, &r);
+        head_free(&h);
+    }
+}
+
+/* The kinds of scans, with their surroundings.  What covers a face moves its pose. */
+static void test_kinds(void **state)
+{
+    static const struct {
+        const char *name;
+        double deg, mm;
+    } kinds[] = {{"head", 4, 5},    {"bust", 4, 5},   {"half", 7, 11}, {"depth", 4, 6},
+                 {"grid", 4, 5},    {"behind", 4, 5}, {"beard", 6, 8}, {"cap", 6, 8},
+                 {"glasses", 9, 9}, {"mask", 9, 9}};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        for (uint64_t subject = 1; subject <= 3; subject++) {
+            struct headscan_options o;
+            struct align_pose still, by, there;
+            struct headscan s;
+            struct find f;
+
+            headscan_kind(kind_of(kinds[k].name), subject, false, &o);
+            render(subject, &o, &s, &still);
+            by = motion_of(&o);
+            assert_int_equal(find_face(s.at, s.n, 0, work, &f), ST_OK);
+            assert_int_equal(f.faces, 1);
+            assert_true(f.pose[0].unit_mm == o.unit_mm);
+            there = after(&f.pose[0].pose, &by);
+            assert_near(&still, &there, kinds[k].deg, kinds[k].mm);
+            headscan_free(&s);
+        }
+    }
+}
+
+static double nose_at(const struct find *f)
+{
+    return align_pose_origin(&f->pose[0].pose).x;
+}
+
+/* Two heads are two faces; first comes the one with more points, whatever their order. */
+static void test_two(void **state)
+{
+    (void)state;
+    for (uint64_t subject = 1; subject <= 3; subject++) {
+        struct head a = {0}, b = {0};
+        struct dvec3 *pts;
+        struct find f;
+        size_t n = 0;
+
+        head_make_up(subject, &a);
+        head_make_up(subject + 1, &b);
+        pts = malloc((2 * a.n + 2 * b.n) * sizeof *pts);
+        assert_non_null(pts);
+        for (int order = 0; order < 2; order++) {
+            n = 0;
+            for (size_t i = 0; i < a.n; i += order == 0 ? 1 : 2)
+                pts[n++] = a.at[i];
+            for (size_t i = 0; i < b.n; i += order == 0 ? 2 : 1)
+                pts[n++] = (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z - 50};
+            assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+            assert_int_equal(f.faces, 2);
+            assert_int_equal(f.n, 1);
+            assert_true(fabs(nose_at(&f) - (order == 0 ? 0 : 330)) < 10);
+        }
+        free(pts);
+        head_free(&a);
+        head_free(&b);
+    }
+}
+
+static void test_strays(void **state)
+{
+    static struct dvec3 pts[3400];
+    const size_t n = crop(7, pts);
+    struct brute_rng r = {brute_seed("test_find")};
+    struct find f, with;
+
+    (void)state;
+    assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+    for (size_t i = n; i < n + 100; i++) {
+        const double far = i % 2 == 0 ? 300 : 1e6;
+
+        pts[i] =
+            (struct dvec3){far * (2 * brute_real(&r) - 1), far * (2 * brute_real(&r) - 1),
+                           far * (2 * brute_real(&r) - 1)};
+    }
+    assert_int_equal(find_face(pts, n + 100, 0, work, &with), ST_OK);
+    assert_int_equal(with.faces, 1);
+    assert_true(with.pose[0].unit_mm == 1);
+    assert_near(&f.pose[0].pose, &with.pose[0].pose, 2, 2);
+}
+
+/* A unit that is given is the one; by a wrong one nothing is plainly a face. */
+static void test_unit(void **state)
+{
+    static struct dvec3 pts[3000];
+    const size_t n = crop(8, pts);
+    const struct align_pose still = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    struct find f;
+
+    (void)state;
+    move_all(pts, n, &still, 10);
+    assert_int_equal(find_face(pts, n, 10, work, &f), ST_OK);
+    assert_true(f.pose[0].unit_mm == 10 && f.pose[0].key >= FIND_PLAIN);
+    assert_int_equal(find_face(pts, n, 25.4, work, &f), ST_OK);
+    for (uint32_t i = 0; i < f.n; i++)
+        assert_true(f.pose[i].unit_mm == 25.4 && f.pose[i].key < FIND_PLAIN);
+    assert_int_equal(find_face(pts, n, 1000, work, &f), ST_ENOFACE);
+    assert_int_equal(f.n, 0);
+}
+
+/* The same points give the same digits; where no face is plain, as where one is. */
+static void test_again(void **state)
+{
+    struct headscan_options o;
+    struct align_pose still;
+    struct headscan s;
+    struct find a, b;
+
+    (void)state;
+    headscan_kind(kind_of("mask"), 2, false, &o);
+    render(2, &o, &s, &still);
+    assert_int_equal(find_face(s.at, s.n, 0, work, &a), ST_OK);
+    assert_int_equal(find_face(s.at, s.n, 0, work, &b), ST_OK);
+    assert_memory_equal(&a, &b, sizeof a);
+    for (uint32_t i = 1; i < a.n; i++) {
+        double deg, mm;
+
+        assert_true(a.pose[i].key <= a.pose[i - 1].key);
+        apart(&a.pose[i].pose, &a.pose[i - 1].pose, &deg, &mm);
+        assert_true(deg > 9 || mm > 9);
+    }
+    headscan_free(&s);
+}
+
+static void test_nothing(void **state)
+{
+    static struct dvec3 pts[2000];
+    struct find f;
+
+    (void)state;
+    assert_int_equal(find_face(pts, 0, 0, work, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE); /* all equal */
+    for (size_t i = 0; i < 2000; i++)
+        pts[i] = (struct dvec3){0.1 * (double)i, 0, 0};
+    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE);
+    for (size_t i = 0; i < 2000; i++)
+        pts[i] = (struct dvec3){1e300 * (double)i, -1e308, i % 2 == 0 ? 1e-300 : 1e308};
+    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE);
+    assert_int_equal(f.n, 0);
+    assert_int_equal(f.faces, 0);
+}
+
+static void test_memory(void **state)
+{
+    struct headscan_options o;
+    struct align_pose still;
+    struct headscan s;
+    struct find f;
+    enum status st = ST_ENOMEM;
+    unsigned long n;
+
+    (void)state;
+    headscan_kind(kind_of("depth"), 1, false, &o);
+    render(1, &o, &s, &still);
+    for (n = 1; st == ST_ENOMEM; n++) {
+        fail_alloc_at(n);
+        st = find_face(s.at, s.n, 0, work, &f);
+        assert_true(st == ST_OK || f.n == 0);
+    }
+    fail_alloc_at(0);
+    assert_int_equal(st, ST_OK);
+    assert_true(n > 5);
+    headscan_free(&s);
+}
+
+/* ---- contrived points */
+
+static double random_in(struct brute_rng *r, double half)
+{
+    return half * (2 * brute_real(r) - 1);
+}
+
+static void contrive(int kind, struct brute_rng *r, struct dvec3 *pts)
+{
+    for (size_t i = 0; i < MANY; i++) {
+        const double x = random_in(r, 1), y = random_in(r, 1), z = random_in(r, 1);
+        const double e = x * 200 - 60 * rint(x * 200 / 60);
+        const double f = y * 200 - 60 * rint(y * 200 / 60);
+
+        switch (kind) {
+        case 0: /* solids */
+            pts[i] = (struct dvec3){300 * x, 300 * y, 300 * z};
+            break;
+        case 1: /* one point in each cell */
+            pts[i] = (struct dvec3){20 * (double)(i % 67), 20 * (double)(i / 67 % 67),
+                                    20 * (double)(i / 67 / 67)};
+            break;
+        case 2: /* far apart */
+            pts[i] = (struct dvec3){1e6 * x, 1e6 * y, 1e6 * z};
+            break;
+        case 3: /* many noses */
+            pts[i] = (struct dvec3){200 * x, 200 * y, 18 * exp(-(e * e + f * f) / 200)};
+            break;
+        default: /* a rough wall */
+            pts[i] = (struct dvec3){750 * x, 750 * y, 20 * z};
+        }
+    }
+}
+
+/* They cost at most twenty times a head of as many points: ten are measured. */
+static void test_contrived(void **state)
+{
+    static struct dvec3 pts[MANY];
+    struct brute_rng r = {1};
+    struct head h = {0};
+    struct find f;
+    double ordinary, took;
+
+    (void)state;
+    head_make_up(1, &h);
+    for (size_t i = 0; i < MANY; i++) {
+        const struct dvec3 p = h.at[i % h.n];
+
+        pts[i] = (struct dvec3){p.x + random_in(&r, 0.5), p.y + random_in(&r, 0.5),
+                                p.z + random_in(&r, 0.5)};
+    }
+    head_free(&h);
+    ordinary = timing_now_ms();
+    assert_int_equal(find_face(pts, MANY, 0, work, &f), ST_OK);
+    ordinary = timing_now_ms() - ordinary;
+    for (int kind = 0; kind < 5; kind++) {
+        contrive(kind, &r, pts);
+        took = timing_now_ms();
+        (void)find_face(pts, MANY, 0, work, &f);
+        took = timing_now_ms() - took;
+        assert_true(took < 20 * ordinary);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_frame),  cmocka_unit_test(test_any_pose),
+        cmocka_unit_test(test_kinds),  cmocka_unit_test(test_two),
+        cmocka_unit_test(test_strays), cmocka_unit_test(test_unit),
+        cmocka_unit_test(test_again),  cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_memory), cmocka_unit_test(test_contrived),
+    };
+
+    return cmocka_run_group_tests(tests, open_work, close_work);
+}
