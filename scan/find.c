@@ -252,7 +252,16 @@ static bool another(const struct find_list *l, uint32_t i)
         if (vec_dot(way, way) < FIND_OTHER_MM * FIND_OTHER_MM)
             return false;
     }
-    return l->found[i].pose.key >= FIND_PLAIN;
+    return l->found[i].key >= FIND_PLAIN;
+}
+
+static struct find_pose pose_of(const struct find_found *f)
+{
+    return (struct find_pose){.unit_mm = f->unit_mm,
+                              .pose = f->pose,
+                              .key = f->key,
+                              .likeness = f->likeness,
+                              .covered = f->covered};
 }
 
 /* Of several plain faces the one with the most points; else the best poses, of one unit. */
@@ -267,12 +276,12 @@ static void choose(const struct find_list *l, struct find *out)
         out->faces++;
         first = l->found[i].points > l->found[first].points ? i : first;
     }
-    out->pose[out->n++] = l->found[first].pose;
+    out->pose[out->n++] = pose_of(&l->found[first]);
     if (out->pose[0].key >= FIND_PLAIN)
         return;
     for (uint32_t i = 1; i < l->n && out->n < FIND_POSES; i++)
-        if (l->found[i].pose.unit_mm == out->pose[0].unit_mm)
-            out->pose[out->n++] = l->found[i].pose;
+        if (l->found[i].unit_mm == out->pose[0].unit_mm)
+            out->pose[out->n++] = pose_of(&l->found[i]);
 }
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,

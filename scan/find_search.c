@@ -55,11 +55,10 @@ static void collect(const struct find_grid *g, const struct find_nose *nose, uin
 /* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
 static bool same(const struct find_found *a, const struct find_found *b)
 {
-    const struct align_pose d = align_pose_after(&a->pose.pose, &b->pose.pose);
+    const struct align_pose d = align_pose_after(&a->pose, &b->pose);
     const struct dvec3 way = vec_sub(a->nose, b->nose);
 
-    return a->pose.unit_mm == b->pose.unit_mm &&
-           vec_dot(way, way) < FIND_SAME_MM * FIND_SAME_MM &&
+    return a->unit_mm == b->unit_mm && vec_dot(way, way) < FIND_SAME_MM * FIND_SAME_MM &&
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
 }
 
@@ -69,33 +68,33 @@ static void take(struct find_list *l, const struct find_found *f)
 
     while (i < l->n && !same(&l->found[i], f))
         i++;
-    if (i < l->n ? f->pose.key <= l->found[i].pose.key
-                 : l->n == FIND_FOUND && f->pose.key <= l->found[FIND_FOUND - 1].pose.key)
+    if (i < l->n ? f->key <= l->found[i].key
+                 : l->n == FIND_FOUND && f->key <= l->found[FIND_FOUND - 1].key)
         return;
     if (i == l->n)
         i = l->n < FIND_FOUND ? l->n++ : FIND_FOUND - 1;
-    for (; i > 0 && f->pose.key > l->found[i - 1].pose.key; i--)
+    for (; i > 0 && f->key > l->found[i - 1].key; i--)
         l->found[i] = l->found[i - 1];
     l->found[i] = *f;
 }
 
 bool find_search_plain(const struct find_search *s)
 {
-    return s->best.n > 0 && s->best.found[0].pose.key >= FIND_PLAIN;
+    return s->best.n > 0 && s->best.found[0].key >= FIND_PLAIN;
 }
 
 bool find_search_likely(const struct find_search *s)
 {
-    return s->best.n > 0 && s->best.found[0].pose.key >= FIND_LIKELY;
+    return s->best.n > 0 && s->best.found[0].key >= FIND_LIKELY;
 }
 
 /* Is a plain pose's face at a place already? */
 static bool taken(const struct find_search *s, double unit_mm, struct dvec3 at)
 {
-    for (uint32_t i = 0; i < s->best.n && s->best.found[i].pose.key >= FIND_PLAIN; i++) {
+    for (uint32_t i = 0; i < s->best.n && s->best.found[i].key >= FIND_PLAIN; i++) {
         const struct dvec3 way = vec_sub(at, s->best.found[i].nose);
 
-        if (s->best.found[i].pose.unit_mm != unit_mm ||
+        if (s->best.found[i].unit_mm != unit_mm ||
             vec_dot(way, way) < FIND_OTHER_MM * FIND_OTHER_MM)
             return true;
     }
@@ -106,8 +105,8 @@ static bool taken(const struct find_search *s, double unit_mm, struct dvec3 at)
 static struct find_found found_at(const struct find_grid *g, const struct find_nose *nose,
                                   const struct find_place *start, const double tip[3])
 {
-    struct find_found f = {.pose.unit_mm = g->unit_mm};
-    double *r = f.pose.pose.r;
+    struct find_found f = {.unit_mm = g->unit_mm};
+    double *r = f.pose.r;
     double p[3] = {g->corner.x + (double)nose->at[0], g->corner.y + (double)nose->at[1],
                    g->corner.z + (double)nose->at[2]};
 
@@ -124,8 +123,8 @@ static void settle(const struct find_grid *g, struct find_search *s, bool fine,
                    struct find_found *f)
 {
     const struct dvec3 at = vec_sub(f->nose, g->corner);
-    struct find_fit fit = {.pose = f->pose.pose};
-    struct align_pose *p = &f->pose.pose;
+    struct find_fit fit = {.pose = f->pose};
+    struct align_pose *p = &f->pose;
     const struct dvec3 from = f->nose;
 
     memset(fit.pose.t, 0, sizeof fit.pose.t);
@@ -138,9 +137,9 @@ static void settle(const struct find_grid *g, struct find_search *s, bool fine,
             p->r[3 * i] * from.x + p->r[3 * i + 1] * from.y + p->r[3 * i + 2] * from.z;
     f->nose = align_pose_origin(p);
     f->points = fit.points;
-    f->pose.key = fit.key;
-    f->pose.likeness = fit.likeness;
-    f->pose.covered = fit.covered;
+    f->key = fit.key;
+    f->likeness = fit.likeness;
+    f->covered = fit.covered;
 }
 
 /* The best starts, until a face is plain; then those elsewhere that may well be another. */
@@ -160,16 +159,16 @@ static double refine(const struct find_grid *g, const struct find_nose *nose,
             continue;
         settle(g, s, false, &f);
         most--;
-        if (f.pose.key >= FIND_HOPEFUL) {
+        if (f.key >= FIND_HOPEFUL) {
             settle(g, s, true, &f);
-            best = fmax(best, f.pose.key);
+            best = fmax(best, f.key);
             take(&s->best, &f);
         } else
             take(&coarse, &f);
     }
     for (uint32_t k = 0; k < coarse.n && k < FIND_FINE && !find_search_plain(s); k++) {
         settle(g, s, true, &coarse.found[k]);
-        best = fmax(best, coarse.found[k].pose.key);
+        best = fmax(best, coarse.found[k].key);
         take(&s->best, &coarse.found[k]);
     }
     return best;

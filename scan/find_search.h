@@ -4,18 +4,20 @@
 #define SCAN_FIND_SEARCH_H
 #include <stdbool.h>
 #include <stdint.h>
-#include "find.h"
+#include "align_pose.h"
 #include "find_near.h"
 #include "find_place.h"
 #include "find_refine.h"
 #include "tuning.h"
+#include "vec.h"
 
 struct find_grid;  /* find_grid.h */
 struct find_nose;  /* find_nose.h */
 struct frame_mean; /* frame.h */
 
 struct find_found {
-    struct find_pose pose;
+    double unit_mm, key, likeness, covered; /* as in find.h */
+    struct align_pose pose;
     struct dvec3 nose; /* the tip, mm, in the points' axes */
     uint64_t points;   /* on the face */
 };
