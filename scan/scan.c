@@ -39,10 +39,12 @@ static void measure_extent(const struct cloudpoints *c, double extent[3])
     struct dvec3 hi = {-INFINITY, -INFINITY, -INFINITY};
 
     for (size_t i = 0; i < c->n; i++) {
-        lo = (struct dvec3){fmin(lo.x, c->at[i].x), fmin(lo.y, c->at[i].y),
-                            fmin(lo.z, c->at[i].z)};
-        hi = (struct dvec3){fmax(hi.x, c->at[i].x), fmax(hi.y, c->at[i].y),
-                            fmax(hi.z, c->at[i].z)};
+        const struct dvec3 p = c->at[i];
+
+        lo = (struct dvec3){p.x < lo.x ? p.x : lo.x, p.y < lo.y ? p.y : lo.y,
+                            p.z < lo.z ? p.z : lo.z};
+        hi = (struct dvec3){p.x > hi.x ? p.x : hi.x, p.y > hi.y ? p.y : hi.y,
+                            p.z > hi.z ? p.z : hi.z};
     }
     extent[0] = c->n > 0 ? hi.x - lo.x : 0;
     extent[1] = c->n > 0 ? hi.y - lo.y : 0;
