@@ -165,10 +165,12 @@
 
 /* ---- from a raw scan to a face (scan/scan.h) */
 
-/* The most points that a face is built from.  Scores hardly move with density: docs/accuracy.md. */
-#define SCAN_FULL 10000
+/* Scans of so many points are not thinned; those of more, to so many points of the face, if it
+ * has more: what is measured by 4 mm cells hardly changes with density (docs/accuracy.md). */
+#define SCAN_FULL   10000
+#define SCAN_ENOUGH 7000
 
-/* Of more points so many are looked at, to see whether they are a face as they are. */
+/* Of more points about so many are looked at, to see whether they are a face as they are. */
 #define SCAN_LOOK 3000
 
 /* mm, of the longest side of a face alone: no two units do for one scan. */

@@ -230,10 +230,10 @@ static void uncover(struct shape_fit *f)
 static enum status build_crop(struct scan *s)
 {
     const struct crop_view view = {s->fit.pose, s->fit.height, s->fit.cell};
-    const size_t n = s->c->n;
+    const size_t n = s->c->n, most = n > SCAN_FULL ? SCAN_ENOUGH : SCAN_FULL;
     struct crop_count count;
     const enum status judged = judge_face(s, s->c->at, n);
-    enum status st = crop_face(s->c, &view, SCAN_FULL, &count);
+    enum status st = crop_face(s->c, &view, most, &count);
 
     if (st != ST_OK || judged == ST_ENOMEM)
         return st != ST_OK ? st : judged;
@@ -271,7 +271,7 @@ static enum status build_agreed(struct scan *s)
                                                           : 1;
     scale(s->c, s->found->unit_mm);
     if (n > SCAN_FULL)
-        st = crop_thin(s->c, SCAN_FULL);
+        st = crop_thin(s->c, SCAN_ENOUGH);
     warn(s, SCAN_THINNED, s->c->n < n);
     if (st != ST_OK)
         return st;
@@ -284,22 +284,43 @@ static enum status build_agreed(struct scan *s)
     return st;
 }
 
+static uint64_t mix(uint64_t h, double v)
+{
+    uint64_t bits;
+
+    memcpy(&bits, &v, sizeof bits);
+    h = (h ^ bits) * UINT64_C(0xBF58476D1CE4E5B9); /* of splitmix64 */
+    return h ^ (h >> 32);
+}
+
+/* Some SCAN_LOOK of more points, drawn by their coordinates: the same ones in any order. */
+static size_t draw(const struct cloudpoints *c, struct dvec3 few[2 * SCAN_LOOK])
+{
+    const uint64_t most = UINT64_MAX / c->n * SCAN_LOOK;
+    size_t n = 0;
+
+    for (size_t i = 0; i < c->n && n < 2 * SCAN_LOOK; i++) {
+        const struct dvec3 p = c->at[i];
+
+        few[n] = p;
+        n += mix(mix(mix(0, p.x), p.y), p.z) < most;
+    }
+    return n;
+}
+
 /* Are the points in mm plainly a face as they are?  Of many, few are looked at. */
 static enum status look(struct scan *s, bool *is)
 {
-    struct cloudpoints few = {.n = s->c->n, .read = s->c->n};
-    enum status st = ST_ENOMEM;
+    struct dvec3 *few = NULL;
+    enum status st;
 
-    if (s->c->n <= SCAN_FULL) {
+    if (s->c->n <= SCAN_FULL)
         st = build(s, s->c->at, s->c->n);
-    } else if ((few.at = mem_array(few.n, sizeof *few.at)) != NULL) {
-        memcpy(few.at, s->c->at, few.n * sizeof *few.at);
-        if ((st = crop_thin(&few, SCAN_LOOK)) == ST_OK)
-            st = build(s, few.at, few.n);
-        if (st == ST_ERANGE && s->bad != NULL)
-            *s->bad = few.index[*s->bad];
-    }
-    cloudpoints_free(&few);
+    else if ((few = mem_array(2 * SCAN_LOOK, sizeof *few)) == NULL)
+        st = ST_ENOMEM;
+    else if ((st = build(s, few, draw(s->c, few))) == ST_ERANGE)
+        st = ST_ENOFACE; /* nobody knows its place any more */
+    mem_free(few);
     if ((*is = st == ST_OK && plain(s)))
         uncover(&s->fit);
     return st;
@@ -341,8 +362,7 @@ static enum status build_found(struct scan *s)
     st = look(s, &is);
     if (is)
         return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
-    if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_ENOTFINITE ||
-        st == ST_EDEGENERATE)
+    if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_EDEGENERATE)
         return st;
     scale(s->c, 1 / unit);
     s->found->unit_mm = s->c->unit_mm;

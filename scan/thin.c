@@ -11,42 +11,41 @@
 #define SIDE    512
 #define SQUARES ((size_t)SIDE * SIDE)
 
-/* Squares in which the area of the view is counted, mm; the sizes tried, from what would do
- * for an area covered all over; and halvings of that range: within 3 % of the best size. */
-#define AREA_MM 4.0f
-#define LEAST   0.25f
-#define MOST    2.0f
-#define HALVED  6
+/* Squares in which the area of the view is counted, mm; sizes tried at most; and the share of
+ * the points wanted that is enough. */
+#define AREA_MM 4.0
+#define TRIES   8
+#define ENOUGH  0.96
 
 struct squares {
-    float per_mm;
     uint8_t round, *seen; /* [SQUARES] in which round */
 };
 
-/* Beyond that (a kilometre) nothing need be told apart. */
-static inline float limited(float v)
+/* In squares, so far right of the first that it is positive.  Beyond a million nothing need be
+ * told apart. */
+static inline double along(float mm, double per_mm)
 {
-    return v > -1e6f ? v < 1e6f ? v : 1e6f : -1e6f;
+    const double v = (double)mm * per_mm;
+
+    return (v > -1e6 ? v < 1e6 ? v : 1e6 : -1e6) + 4096.0 * SIDE;
 }
 
-static inline uint32_t square_of(float per_mm, const struct thin_point *p)
+static inline uint32_t square_of(const struct thin_point *p, double per_mm)
 {
-    const int32_t i = (int32_t)floorf(limited(p->x * per_mm));
-    const int32_t j = (int32_t)floorf(limited(p->y * per_mm));
+    const int32_t i = (int32_t)along(p->x, per_mm), j = (int32_t)along(p->y, per_mm);
 
-    return ((uint32_t)j % SIDE) * SIDE + (uint32_t)i % SIDE;
+    return (uint32_t)j % SIDE * SIDE + (uint32_t)i % SIDE;
 }
 
-/* How many squares of size mm have points: most + 1 where there are more than that. */
-static size_t count(struct squares *s, float size, const struct thin_point *p, size_t n,
-                    size_t most)
+/* How many squares of this size have points. */
+static size_t count(struct squares *s, double size, const struct thin_point *p, size_t n)
 {
-    const float per_mm = 1 / size;
+    const double per_mm = 1 / size;
     size_t k = 0;
 
     s->round++;
-    for (size_t i = 0; i < n && k <= most; i++) {
-        uint8_t *seen = &s->seen[square_of(per_mm, &p[i])];
+    for (size_t i = 0; i < n; i++) {
+        uint8_t *seen = &s->seen[square_of(&p[i], per_mm)];
 
         k += *seen != s->round;
         *seen = s->round;
@@ -54,39 +53,42 @@ static size_t count(struct squares *s, float size, const struct thin_point *p, s
     return k;
 }
 
-/* The size of the squares. */
-static float choose(struct squares *s, const struct thin_point *p, size_t n, size_t most)
+/* The size of the squares, by what would do for the area if it were covered all over. */
+static double choose(struct squares *s, const struct thin_point *p, size_t n, size_t most)
 {
-    const size_t area = count(s, AREA_MM, p, n, n);
-    const float whole = AREA_MM * sqrtf((float)area / (float)most);
-    float few = LEAST * whole, enough = MOST * whole;
+    const double wanted = (1 + ENOUGH) / 2 * (double)most;
+    const size_t area = count(s, AREA_MM, p, n);
+    double size = AREA_MM * sqrt((double)area / wanted), few = 0, enough = 0;
 
-    while (count(s, enough, p, n, most) > most)
-        enough *= 2;
-    for (int k = 0; k < HALVED; k++) {
-        const float size = sqrtf(few * enough);
+    for (int tries = 0; tries < TRIES || enough == 0; tries++) {
+        const size_t k = count(s, size, p, n);
 
-        if (count(s, size, p, n, most) > most)
-            few = size;
-        else
+        if (k <= most)
             enough = size;
+        else
+            few = size;
+        if (k <= most && (double)k >= ENOUGH * (double)most)
+            break;
+        size *= sqrt((double)k / wanted);
+        if (few > 0 && enough > 0 && !(size > few && size < enough))
+            size = sqrt(few * enough);
     }
     return enough;
 }
 
 /* Square of the distance from the middle of the square. */
-static inline float off(const struct thin_point *p, float per_mm)
+static inline double off(const struct thin_point *p, double per_mm)
 {
-    const float x = p->x * per_mm, y = p->y * per_mm;
-    const float u = x - floorf(x) - 0.5f, v = y - floorf(y) - 0.5f;
+    const double x = along(p->x, per_mm), y = along(p->y, per_mm);
+    const double u = x - (int32_t)x - 0.5, v = y - (int32_t)y - 0.5;
 
     return u * u + v * v;
 }
 
 /* Is a to be kept rather than b?  Whatever the order, also where both are as far off. */
-static bool rather(const struct thin_point *a, const struct thin_point *b, float per_mm)
+static bool rather(const struct thin_point *a, const struct thin_point *b, double per_mm)
 {
-    const float da = off(a, per_mm), db = off(b, per_mm);
+    const double da = off(a, per_mm), db = off(b, per_mm);
 
     if (da != db)
         return da < db;
@@ -95,20 +97,20 @@ static bool rather(const struct thin_point *a, const struct thin_point *b, float
     return a->x != b->x ? a->x < b->x : a->y < b->y;
 }
 
-static size_t keep(struct thin_point *p, size_t n, float size, uint32_t *best)
+static size_t keep(struct thin_point *p, size_t n, double size, uint32_t *best)
 {
-    const float per_mm = 1 / size;
+    const double per_mm = 1 / size;
     size_t kept = 0;
 
     memset(best, 0xFF, SQUARES * sizeof *best);
     for (size_t i = 0; i < n; i++) {
-        uint32_t *b = &best[square_of(per_mm, &p[i])];
+        uint32_t *b = &best[square_of(&p[i], per_mm)];
 
         if (*b == UINT32_MAX || rather(&p[i], &p[*b], per_mm))
             *b = (uint32_t)i;
     }
     for (size_t i = 0; i < n; i++)
-        if (best[square_of(per_mm, &p[i])] == i)
+        if (best[square_of(&p[i], per_mm)] == i)
             p[kept++] = p[i];
     return kept;
 }
