@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "mem.h"
-#include "scan.h"
 #include "shape.h"
 #include "tuning.h"
 
@@ -61,7 +60,7 @@ static enum status find_scale(const struct gate_scan *s, bool wide, double *supp
 
 /* Does another scale fit better by far?  Then f->scale is that one. */
 static enum status judge_scale(const struct gate_scan *s, bool wide, bool *is,
-                               struct scan_found *f)
+                               struct gate *f)
 {
     double support, scale[3] = {1, 1, 1};
     enum status st;
@@ -76,7 +75,7 @@ static enum status judge_scale(const struct gate_scan *s, bool wide, bool *is,
     return st;
 }
 
-enum status gate_judge(const struct gate_scan *s, struct scan_found *f)
+enum status gate_judge(const struct gate_scan *s, struct gate *f)
 {
     const struct shape_fit *fit = s->fit;
     enum status st;
@@ -90,7 +89,7 @@ enum status gate_judge(const struct gate_scan *s, struct scan_found *f)
     f->eyes_wanted = s->enrolment ? GATE_EYES : -1;
     f->seen = (double)fit->skin / s->shape->cells;
     f->seen_wanted = s->enrolment ? GATE_SEEN : 0;
-    f->occluded = (double)fit->cover / s->shape->cells;
+    f->scale[0] = f->scale[1] = f->scale[2] = 1;
     /* What cannot be told is NAN, for which these are false. */
     st = f->support >= f->support_wanted && f->likeness >= f->likeness_wanted
              ? ST_OK
@@ -101,8 +100,8 @@ enum status gate_judge(const struct gate_scan *s, struct scan_found *f)
         return ST_ENOMEM;
     if (scaled)
         return ST_ENOTFACE;
-    if (f->occluded > SCAN_OCCLUDED_MOST && f->support >= GATE_SUPPORT_PROBE &&
-        f->likeness >= GATE_LIKENESS_PROBE)
+    if (fit->cover > SCAN_OCCLUDED_MOST * s->shape->cells &&
+        f->support >= GATE_SUPPORT_PROBE && f->likeness >= GATE_LIKENESS_PROBE)
         return ST_EQUALITY; /* a face, as a probe may be, but covered */
     if (!(f->eyes >= f->eyes_wanted))
         return ST_ENOTFACE;

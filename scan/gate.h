@@ -9,7 +9,6 @@
 #include "status.h"
 #include "vec.h"
 
-struct scan_found; /* scan.h */
 struct shape_fit;  /* shape.h */
 struct shape_work; /* shape.h */
 
@@ -22,10 +21,21 @@ struct gate_scan {
     bool enrolment;
 };
 
-/* gate_judge(s, found): fills found's evidence and what is wanted of it, and of an enrolment that
- * is refused as no face, or explained less than well, the scale.
+/* The evidence, and the least of it that is wanted. */
+struct gate {
+    double support;  /* how much of what is seen a face explains, at most 1 */
+    double likeness; /* how little is left (shape.h) */
+    double eyes;     /* how much like eyes the places of both are, -1..1 (shape.h) */
+    double seen;     /* share of the mean face's cells that are skin, 0..1 */
+    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted;
+    double scale[3]; /* the face's width, height and depth times these would fit better by
+                        far; 1: as they are.  Of a refused enrolment alone */
+};
+
+/* gate_judge(s, out): an enrolment that is explained less than well is fitted at other scales
+ * too, up to 12 times.
  * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, or too much covered;
  * ST_ENOMEM. */
-enum status gate_judge(const struct gate_scan *s, struct scan_found *found);
+enum status gate_judge(const struct gate_scan *s, struct gate *out);
 
 #endif

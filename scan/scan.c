@@ -8,7 +8,6 @@
 #include "crop.h"
 #include "face.h"
 #include "find.h"
-#include "gate.h"
 #include "mem.h"
 #include "mirror.h"
 #include "shape.h"
@@ -57,7 +56,7 @@ static void begin(struct scan *s)
                                     .points_read = s->c->read,
                                     .points_dropped = s->c->read - s->c->n,
                                     .unit_found = s->c->unit_mm == 0,
-                                    .scale = {1, 1, 1},
+                                    .gate = {.scale = {1, 1, 1}},
                                     .yaw_deg = (double)NAN,
                                     .pitch_deg = (double)NAN,
                                     .roll_deg = (double)NAN};
@@ -129,7 +128,8 @@ static enum status judge_face(struct scan *s, const struct dvec3 *pts, size_t n)
 {
     const struct gate_scan g = {face_work_shape(s->w), &s->fit, pts, n, s->o->enrolment};
 
-    return gate_judge(&g, s->found);
+    s->found->occluded = (double)s->fit.cover / g.shape->cells;
+    return gate_judge(&g, &s->found->gate);
 }
 
 /* Is it one face, and not its mirror image?  The points are in the frontal view. */

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "cloudformat.h"
+#include "gate.h"
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
@@ -48,17 +49,10 @@ struct scan_found {
         yaw_deg; /* the face's front, seen from the scanner: positive to the image's right;
                           NAN: where the scanner was cannot be told */
     double pitch_deg, roll_deg; /* likewise; positive upwards, and anticlockwise */
-    double occluded;  /* share of the mean face's cells that something covers, 0..1 */
-    double elsewhere; /* share of the points that are not of the face, 0..1 */
-    uint32_t faces;   /* in the cloud */
-    /* The evidence for a face (gate.h), and the least that is wanted here: */
-    double support;  /* how much of what is seen a face explains, at most 1 */
-    double likeness; /* how little is left (shape.h) */
-    double eyes;     /* how much like eyes the places of both are, -1..1 */
-    double seen;     /* share of the mean face's cells that are skin, 0..1 */
-    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted;
-    double scale[3]; /* the face's width, height and depth times these would fit better;
-                        1: as they are.  Of a refused enrolment alone */
+    double occluded;   /* share of the mean face's cells that something covers, 0..1 */
+    double elsewhere;  /* share of the points that are not of the face, 0..1 */
+    uint32_t faces;    /* in the cloud */
+    struct gate gate;  /* the evidence for a face, and the least that is wanted here */
     unsigned warnings; /* 1 << enum scan_warning */
 };
 

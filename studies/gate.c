@@ -20,7 +20,7 @@
 
 #define POINTS 20000 /* of a thing, at most */
 
-struct gate {
+struct trial {
     struct face_work *work;
     struct face face;
     struct scan_found found;
@@ -32,7 +32,7 @@ struct count {
     size_t tried[2], enrolled[2];
 };
 
-static enum status build(struct gate *g, const struct scan_options *o,
+static enum status build(struct trial *g, const struct scan_options *o,
                          const struct dvec3 *pts, size_t n)
 {
     struct cloudpoints c = {.n = n, .read = n, .unit_mm = 1};
@@ -46,7 +46,7 @@ static enum status build(struct gate *g, const struct scan_options *o,
     return st;
 }
 
-static void count(struct gate *g, const char *set, const char *name, uint64_t seed,
+static void count(struct trial *g, const char *set, const char *name, uint64_t seed,
                   const struct dvec3 *pts, size_t n, struct count *to)
 {
     static const struct scan_options strict = {.enrolment = true};
@@ -56,8 +56,9 @@ static void count(struct gate *g, const char *set, const char *name, uint64_t se
     to->tried[seed % 2]++;
     to->enrolled[seed % 2] += st == ST_OK;
     fprintf(g->scans, "%s,%s,%d,%d,%s,%.3f,%.3f,%.3f,%.3f,%g,%g,%g\n", set, name,
-            (int)seed, (int)n, st == ST_OK ? "enrolled" : status_message(st), f->support,
-            f->likeness, f->eyes, f->seen, f->scale[0], f->scale[1], f->scale[2]);
+            (int)seed, (int)n, st == ST_OK ? "enrolled" : status_message(st),
+            f->gate.support, f->gate.likeness, f->gate.eyes, f->gate.seen,
+            f->gate.scale[0], f->gate.scale[1], f->gate.scale[2]);
 }
 
 /* By how much the surface falls short of an enrolment, where it is worst; as it lies, as a
@@ -65,15 +66,15 @@ static void count(struct gate *g, const char *set, const char *name, uint64_t se
 static double evidence(void *of, struct dvec3 *pts, size_t n)
 {
     static const struct scan_options quick = {.axes = SCAN_AXES_SCANNER};
-    struct gate *g = of;
+    struct trial *g = of;
     const struct scan_found *f = &g->found;
     double most;
 
     (void)build(g, &quick, pts, n);
-    if (f->support_wanted == 0)
+    if (f->gate.support_wanted == 0)
         return -5 - g->face.frame.cost_mm; /* not even aligned */
-    most = fmin(2 * (f->support - GATE_SUPPORT), f->likeness - GATE_LIKENESS);
-    return fmin(most, fmin(f->eyes - GATE_EYES, 2 * (f->seen - GATE_SEEN)));
+    most = fmin(2 * (f->gate.support - GATE_SUPPORT), f->gate.likeness - GATE_LIKENESS);
+    return fmin(most, fmin(f->gate.eyes - GATE_EYES, 2 * (f->gate.seen - GATE_SEEN)));
 }
 
 static void sum_up(FILE *f, const char *set, const struct count *c)
@@ -87,7 +88,7 @@ static void sum_up(FILE *f, const char *set, const struct count *c)
     }
 }
 
-static void things(const struct lab *lab, struct gate *g, FILE *sum, struct dvec3 *pts)
+static void things(const struct lab *lab, struct trial *g, FILE *sum, struct dvec3 *pts)
 {
     static const uint32_t points[] = {3000, 5000, 10000, POINTS};
     FILE *f = lab_open(lab, "kinds.csv");
@@ -111,7 +112,7 @@ static void things(const struct lab *lab, struct gate *g, FILE *sum, struct dvec
     sum_up(sum, "things", &all);
 }
 
-static void reliefs(const struct lab *lab, struct gate *g, FILE *sum, struct dvec3 *pts)
+static void reliefs(const struct lab *lab, struct trial *g, FILE *sum, struct dvec3 *pts)
 {
     struct count c = {0};
 
@@ -126,7 +127,7 @@ static void reliefs(const struct lab *lab, struct gate *g, FILE *sum, struct dve
     sum_up(sum, "random reliefs", &c);
 }
 
-static void sought(const struct lab *lab, struct gate *g, FILE *sum, struct dvec3 *pts)
+static void sought(const struct lab *lab, struct trial *g, FILE *sum, struct dvec3 *pts)
 {
     struct count c = {0};
 
@@ -140,7 +141,7 @@ static void sought(const struct lab *lab, struct gate *g, FILE *sum, struct dvec
     sum_up(sum, "sought against the gate", &c);
 }
 
-static void made_up(const struct lab *lab, struct gate *g, FILE *sum, struct dvec3 *pts)
+static void made_up(const struct lab *lab, struct trial *g, FILE *sum, struct dvec3 *pts)
 {
     struct count c = {0};
 
@@ -160,7 +161,7 @@ static int scans_alone(const struct dirent *e)
     return strstr(e->d_name, ".ply") != NULL;
 }
 
-static void scanned(const struct lab *lab, struct gate *g, FILE *sum)
+static void scanned(const struct lab *lab, struct trial *g, FILE *sum)
 {
     struct dirent **list = NULL;
     const int files = scandir(lab->faces, &list, scans_alone, alphasort);
@@ -183,7 +184,7 @@ static void scanned(const struct lab *lab, struct gate *g, FILE *sum)
 
 void gate_run(const struct lab *lab)
 {
-    struct gate g = {.work = face_work_new(NULL), .scans = lab_open(lab, "scans.csv")};
+    struct trial g = {.work = face_work_new(NULL), .scans = lab_open(lab, "scans.csv")};
     FILE *sum = lab_open(lab, "summary.csv");
     struct dvec3 *pts = lab_alloc(POINTS, sizeof *pts);
 

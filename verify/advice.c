@@ -59,22 +59,22 @@ static void scale(const struct scan_found *f, struct advice *a)
 {
     static const char *const along[] = {"wide", "tall", "deep"};
 
-    if (f->scale[0] == f->scale[1] && f->scale[1] == f->scale[2]) {
+    if (f->gate.scale[0] == f->gate.scale[1] && f->gate.scale[1] == f->gate.scale[2]) {
         add(a, "is the unit right? %.3g times as large it would be more of a face",
-            f->scale[0]);
+            f->gate.scale[0]);
         return;
     }
     for (int i = 0; i < 3; i++)
-        if (f->scale[i] != 1)
+        if (f->gate.scale[i] != 1)
             add(a,
                 "is the scanner calibrated? %.3g times as %s it would be more of a face",
-                f->scale[i], along[i]);
+                f->gate.scale[i], along[i]);
 }
 
 static bool scaled(const struct scan_found *f)
 {
-    return f->scale[0] * f->scale[1] * f->scale[2] > 0 &&
-           (f->scale[0] != 1 || f->scale[1] != 1 || f->scale[2] != 1);
+    return f->gate.scale[0] * f->gate.scale[1] * f->gate.scale[2] > 0 &&
+           (f->gate.scale[0] != 1 || f->gate.scale[1] != 1 || f->gate.scale[2] != 1);
 }
 
 /* The reasons that have nothing but the status to tell them by. */
@@ -188,7 +188,7 @@ void advice_give(enum status st, const struct scan_found *f, const struct face *
                  struct advice *out)
 {
     out->n = 0;
-    if (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted)
+    if (st != ST_ENOTFACE || f->gate.support > NEARLY_A_FACE * f->gate.support_wanted)
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
     if (face->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))

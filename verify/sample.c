@@ -29,12 +29,12 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
     const struct {
         const char *what;
         double is, wanted;
-    } row[] = {{"support", f->support, f->support_wanted},
-               {"likeness", f->likeness, f->likeness_wanted},
-               {"eyes", f->eyes, f->eyes_wanted}};
+    } row[] = {{"support", f->gate.support, f->gate.support_wanted},
+               {"likeness", f->gate.likeness, f->gate.likeness_wanted},
+               {"eyes", f->gate.eyes, f->gate.eyes_wanted}};
     const char *begin = " (";
 
-    for (size_t i = 0; f->support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; f->gate.support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
         if (row[i].is >= row[i].wanted)
             continue;
         append(e, "%s%s %.2f, at least %.2f wanted", begin, row[i].what, row[i].is,
@@ -55,9 +55,9 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
         append(e, "too much of the face is covered");
         comma = ", ";
     }
-    if (f->seen < f->seen_wanted) {
+    if (f->gate.seen < f->gate.seen_wanted) {
         append(e, "%s%.0f %% of the face seen, at least %.0f %% wanted", comma,
-               100 * f->seen, 100 * f->seen_wanted);
+               100 * f->gate.seen, 100 * f->gate.seen_wanted);
         comma = ", ";
     }
     if ((f->warnings >> SCAN_TURNED & 1) != 0) {

@@ -72,10 +72,11 @@ static void test_things(void **state)
             st = build(pts, object_scan(k, 0, N, pts), SCAN_AXES_AUTO, true);
             assert_true(st == ST_ENOTFACE || st == ST_ENOFACE || st == ST_EQUALITY);
             if (st == ST_ENOTFACE)
-                assert_true(found.support < found.support_wanted ||
-                            found.likeness < found.likeness_wanted ||
-                            found.eyes < found.eyes_wanted || found.scale[0] != 1 ||
-                            found.scale[1] != 1 || found.scale[2] != 1);
+                assert_true(found.gate.support < found.gate.support_wanted ||
+                            found.gate.likeness < found.gate.likeness_wanted ||
+                            found.gate.eyes < found.gate.eyes_wanted ||
+                            found.gate.scale[0] != 1 || found.gate.scale[1] != 1 ||
+                            found.gate.scale[2] != 1);
             tried++;
         }
     assert_int_equal(tried, sizeof name / sizeof *name);
@@ -88,14 +89,16 @@ static void test_faces(void **state)
         const size_t n = face(who);
 
         assert_int_equal(build(pts, n, SCAN_AXES_AUTO, true), ST_OK);
-        assert_true(found.support >= found.support_wanted && found.support_wanted > 0.5);
-        assert_true(found.likeness >= found.likeness_wanted);
-        assert_true(found.eyes >= found.eyes_wanted && found.eyes <= 1);
-        assert_true(found.seen >= found.seen_wanted && found.seen <= 1);
-        assert_true(found.scale[0] == 1 && found.scale[1] == 1 && found.scale[2] == 1);
+        assert_true(found.gate.support >= found.gate.support_wanted &&
+                    found.gate.support_wanted > 0.5);
+        assert_true(found.gate.likeness >= found.gate.likeness_wanted);
+        assert_true(found.gate.eyes >= found.gate.eyes_wanted && found.gate.eyes <= 1);
+        assert_true(found.gate.seen >= found.gate.seen_wanted && found.gate.seen <= 1);
+        assert_true(found.gate.scale[0] == 1 && found.gate.scale[1] == 1 &&
+                    found.gate.scale[2] == 1);
         assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_OK);
         assert_int_equal(build(pts, n, SCAN_AXES_AUTO, false), ST_OK);
-        assert_true(found.support_wanted < 0.5);
+        assert_true(found.gate.support_wanted < 0.5);
     }
 }
 
@@ -115,8 +118,10 @@ static void test_scale(void **state)
         assert_true(st == ST_ENOTFACE);
         if (by[k] == 0.5)
             continue; /* its pose is not found, nor is its scale */
-        assert_true(found.scale[0] == found.scale[1] && found.scale[1] == found.scale[2]);
-        assert_true(found.scale[0] * by[k] > 0.85 && found.scale[0] * by[k] < 1.2);
+        assert_true(found.gate.scale[0] == found.gate.scale[1] &&
+                    found.gate.scale[1] == found.gate.scale[2]);
+        assert_true(found.gate.scale[0] * by[k] > 0.85 &&
+                    found.gate.scale[0] * by[k] < 1.2);
     }
 }
 
@@ -129,7 +134,8 @@ static void test_stretched(void **state)
     for (size_t i = 0; i < n; i++)
         pts[i].y *= 1.6;
     assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_ENOTFACE);
-    assert_true(found.scale[0] == 1 && found.scale[1] == 0.8 && found.scale[2] == 1);
+    assert_true(found.gate.scale[0] == 1 && found.gate.scale[1] == 0.8 &&
+                found.gate.scale[2] == 1);
 }
 
 /* A band of a face is too little to enrol, and the part below the eyes is none without
@@ -143,7 +149,7 @@ static void test_parts(void **state)
         if (fabs(pts[i].y - 20) < 28)
             pts[left++] = pts[i];
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_EQUALITY);
-    assert_true(found.seen < found.seen_wanted && found.seen > 0.2);
+    assert_true(found.gate.seen < found.gate.seen_wanted && found.gate.seen > 0.2);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
     n = face(9);
     left = 0;
@@ -151,7 +157,7 @@ static void test_parts(void **state)
         if (pts[i].y < 8)
             pts[left++] = pts[i];
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_ENOTFACE);
-    assert_true(found.eyes < found.eyes_wanted);
+    assert_true(found.gate.eyes < found.gate.eyes_wanted);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
 }
 

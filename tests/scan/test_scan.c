@@ -127,7 +127,7 @@ static void test_as_it_is(void **state)
         assert_true(found.points_used == n && found.elsewhere == 0);
         assert_true(found.view[0] == 1 && found.view[3] == 0 && found.view[15] == 1);
         assert_true(fabs(found.yaw_deg) < 10 && fabs(found.roll_deg) < 10);
-        assert_true(found.support >= found.support_wanted);
+        assert_true(found.gate.support >= found.gate.support_wanted);
     }
 }
 

@@ -163,14 +163,14 @@ static void test_support(void **state)
     good();
     f.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_BEHIND;
     f.occluded = 0.56;
-    f.support_wanted = 0.33;
-    f.support = 0.31;
+    f.gate.support_wanted = 0.33;
+    f.gate.support = 0.31;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 2);
     assert_line(0,
                 "take off glasses or mask, keep hair and hands away: 56 % of the face is "
                 "covered");
-    f.support = -0.12;
+    f.gate.support = -0.12;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 1);
     assert_line(0, "send one face seen from the front, with forehead, nose and chin");
@@ -183,14 +183,14 @@ static void test_scale(void **state)
 
     (void)state;
     good();
-    f.support_wanted = 0.55;
+    f.gate.support_wanted = 0.55;
     for (int i = 0; i < 3; i++)
-        f.scale[i] = 1.25;
+        f.gate.scale[i] = 1.25;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 1);
     assert_line(0, "is the unit right? 1.25 times as large it would be more of a face");
-    f.scale[0] = f.scale[1] = 1;
-    f.scale[2] = 0.8;
+    f.gate.scale[0] = f.gate.scale[1] = 1;
+    f.gate.scale[2] = 0.8;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 1);
     assert_line(

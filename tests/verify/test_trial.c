@@ -151,8 +151,8 @@ static void test_texts(void **state)
     };
 
     (void)state;
-    told.support = 0.21;
-    told.support_wanted = 0.33;
+    told.gate.support = 0.21;
+    told.gate.support_wanted = 0.33;
     told.faces = 1;
     told.occluded = 0.31;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
