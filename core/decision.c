@@ -43,16 +43,36 @@ double decision_fmr(const struct decision *d, double score_mm)
            (k[i].rate - k[i - 1].rate) * (mm - k[i - 1].mm) / (k[i].mm - k[i - 1].mm);
 }
 
-struct decision_terms decision_terms(const struct decision_pair *p)
+static double share(double x, double from, double to)
+{
+    return fmax(0, fmin(1, (x - from) / (to - from)));
+}
+
+static double noise_rise(const struct decision_pair *p)
 {
     const double noise = fmin(p->noise_mm, DECISION_NOISE_MOST_MM) - DECISION_NOISE_MM;
     const double rough = p->rough_mm - DECISION_ROUGH_MM;
-    const double more = p->hidden - DECISION_HIDDEN_SOME;
-    const double hidden =
-        fmax(0, fmin(1, more / (DECISION_HIDDEN_MUCH - DECISION_HIDDEN_SOME)));
 
-    return (struct decision_terms){.factor = 1 - DECISION_HIDDEN_LESS * hidden,
-                                   .rise_mm = fmax(0, fmin(DECISION_NOISE_RISE * noise,
-                                                           DECISION_ROUGH_RISE * rough)),
-                                   .doubt = DECISION_HIDDEN_DOUBT * hidden};
+    return fmax(0, fmin(DECISION_NOISE_RISE * noise, DECISION_ROUGH_RISE * rough));
+}
+
+struct decision_terms decision_terms(double t, const struct decision_pair *p)
+{
+    const double hidden = share(p->hidden, DECISION_HIDDEN_SOME, DECISION_HIDDEN_MUCH);
+    const double factor = 1 - DECISION_HIDDEN_LESS * hidden, noise = noise_rise(p);
+    const double usual = factor * t + noise;
+    const double below = DECISION_CORE * t + DECISION_CORE_NOISE * noise - p->core_mm;
+    struct decision_terms out = {.threshold_mm = usual,
+                                 .doubt_mm = DECISION_HIDDEN_DOUBT * hidden * t,
+                                 .calibrated_mm =
+                                     fmax(0, (p->score_mm - noise) / factor)};
+
+    if (p->score_mm > usual && hidden <= 0 && p->core >= DECISION_CORE_SEEN &&
+        below > 0) {
+        const double rise = fmin(below, DECISION_CORE_MOST * t);
+
+        out.threshold_mm += rise;
+        out.calibrated_mm = fmax(t, out.calibrated_mm - rise);
+    }
+    return out;
 }

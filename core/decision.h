@@ -28,26 +28,30 @@ double decision_fmr(const struct decision *d, double score_mm);
 
 /* What a comparison's threshold depends on. */
 struct decision_pair {
+    double score_mm;
+    double core_mm,
+        core;        /* score of the core alone, and the share of it covered (score.h) */
     double noise_mm; /* white noise of both scans: the root of the sum of their squares */
     double rough_mm; /* the pair's roughness (score.h) */
     double hidden;   /* share of the probe's face that was not seen (face.h), 0..1 */
 };
 
-/* How the calibration's threshold t applies to the pair:
- *     match     where the score is at most factor t + rise_mm
- *     no match  where it is above that by more than doubt t; between them it is inconclusive.
- * factor, doubt  1 and 0 for a probe that shows the face.  The less is seen, the more people
- *     have what is seen in common: a lower threshold keeps the rate of false matches.  As what
- *     covers a face may have been taken for a part of it, a score above it need not be a
- *     non-match.
- * rise_mm  0 for ordinary scans: what noise beyond theirs adds to everybody's score, strangers'
- *     too, so that the rate stays.  It rises with the noise that the scans are said to have,
- *     as far as the pair is rough as such noise makes it: so noise that cells average out
- *     gains nothing.
- * docs/decision.md, "Noise", "Hidden faces". */
+/* decision_terms(t, p): how a calibration's threshold t applies to the pair.
+ * Noise beyond that of ordinary scans adds to everybody's score, strangers' too: the threshold
+ *     rises with the noise that the scans are said to have, as far as the pair is rough as such
+ *     noise makes it; so noise that cells average out gains nothing.
+ * The less of a face is seen, the more people have what is seen in common: the threshold falls
+ *     with what is hidden.  As what covers a face may have been taken for a part of it, a score
+ *     above it need not be a non-match.
+ * An unseen expression moves the core least: where the score is above the threshold and the
+ *     core far below, the threshold rises by as much as the core is below.
+ * docs/decision.md, "Noise", "Hidden faces", "Expressions". */
 struct decision_terms {
-    double factor, rise_mm, doubt;
+    double threshold_mm; /* a score at or below it is a match */
+    double doubt_mm; /* one above it by no more than this is inconclusive; 0 or above */
+    double
+        calibrated_mm; /* the score on the calibration's scale: at most t for a match */
 };
-struct decision_terms decision_terms(const struct decision_pair *p);
+struct decision_terms decision_terms(double t, const struct decision_pair *p);
 
 #endif

@@ -283,7 +283,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     struct score score;
     struct fit fit;
     struct decision_terms terms;
-    double aligned, threshold;
+    double aligned;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -298,14 +298,18 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
-    terms = decision_terms(&(struct decision_pair){
-        .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
-        .hidden = probe->hidden,
-        .rough_mm = score.rough_mm});
-    threshold = threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm;
-    out->threshold_mm = terms.factor * threshold + terms.rise_mm;
+    terms = decision_terms(
+        threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm,
+        &(struct decision_pair){
+            .score_mm = score.mm,
+            .core_mm = score.core_mm,
+            .core = score.core,
+            .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
+            .rough_mm = score.rough_mm,
+            .hidden = probe->hidden});
+    out->threshold_mm = terms.threshold_mm;
     out->score_mm = score.mm;
-    out->calibrated_mm = fmax(0, (score.mm - terms.rise_mm) / terms.factor);
+    out->calibrated_mm = terms.calibrated_mm;
     out->weight_overlap = score.weight;
     out->fmr_at_score =
         score.weight > 0 ? decision_fmr(&w->decision, out->calibrated_mm) : 1;
@@ -313,7 +317,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
     memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);
     out->comparable = comparable(out);
-    out->decision = decide(out, terms.doubt * threshold);
+    out->decision = decide(out, terms.doubt_mm);
     return ST_OK;
 }
 

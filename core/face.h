@@ -96,13 +96,13 @@ struct face_result {
     enum face_decision decision;
     bool comparable; /* there is enough in common; else the decision is inconclusive */
     double score_mm; /* what the decision was taken on (score.h) */
-    double threshold_mm;  /* what it had to be at most: the calibration's, changed by what
+    double threshold_mm; /* what it had to be at most: the calibration's, changed by what
                              was compared (decision.h) */
-    double calibrated_mm; /* the score less that change: to compare with scores of other
-                              pairs and with the calibration's threshold */
     double
-        fmr_at_score; /* false match rate at a threshold of calibrated_mm (decision.h) */
-    double overlap;   /* share of the template's measured area covered, 0..1 */
+        calibrated_mm; /* the score as if that had not changed: to compare with scores of
+                             other pairs and with the calibration's threshold */
+    double fmr_at_score;   /* false match rate at a threshold of it (decision.h) */
+    double overlap;        /* share of the template's measured area covered, 0..1 */
     double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
     double change_mm;      /* root mean square of the change taken out (score.h) */
     double region_mm[GRID_REGIONS];     /* score of each region alone; NAN: not covered */

@@ -26,6 +26,15 @@ struct part {
     double sum, rough, covered, whole;
 };
 
+/* A cell more, with its amounts and weights. */
+static void add(struct part *p, const struct part *cell)
+{
+    p->sum += cell->covered * cell->sum;
+    p->rough += cell->covered * cell->rough;
+    p->covered += cell->covered;
+    p->whole += cell->whole;
+}
+
 static double mean(const struct part *p)
 {
     const double left = p->sum - SCORE_ROUGH * p->rough;
@@ -65,6 +74,13 @@ static void roughness(const struct cells *c, const float *rest, float *rough)
         rough[i] = seen[i] > 0.0f ? rest[i] - rough[i] / sum[i] : 0.0f;
 }
 
+static bool in_core(uint32_t cell)
+{
+    const double x = grid_x(cell), y = grid_y(cell);
+
+    return fabs(x) < SCORE_CORE_X_MM && y > SCORE_CORE_LOW_MM && y < SCORE_CORE_HIGH_MM;
+}
+
 static double capped(float mm, float cap)
 {
     const float a = fabsf(mm);
@@ -82,7 +98,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
                      const struct cells *c, struct scratch *s, struct fit *fit,
                      struct score *out)
 {
-    struct part all = {0}, part[GRID_REGIONS] = {{0}};
+    struct part all = {0}, core = {0}, part[GRID_REGIONS] = {{0}};
     float rough[GRID_N];
     double taken = 0;
     uint32_t n = 0;
@@ -93,19 +109,19 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         return st;
     roughness(c, fit->rest, rough);
     for (uint32_t i = 0; i < GRID_N; i++) {
-        struct part *const p = &part[grid_region_of(i)];
         const double u = (double)m->weight[i];
-        double covered;
+        const struct part one = {.sum = capped(fit->rest[i], m->cap_mm),
+                                 .rough = capped(rough[i], m->cap_mm),
+                                 .covered = u * (double)cells_cover(c, i),
+                                 .whole = u};
 
         if (m->change.rest[i] <= 0.0f)
             continue;
-        p->whole += u;
-        covered = u * (double)cells_cover(c, i);
-        if (covered <= 0)
+        add(&part[grid_region_of(i)], &one);
+        if (in_core(i))
+            add(&core, &one);
+        if (one.covered <= 0)
             continue;
-        p->sum += covered * capped(fit->rest[i], m->cap_mm);
-        p->rough += covered * capped(rough[i], m->cap_mm);
-        p->covered += covered;
         taken += ((double)c->gap[i] - (double)fit->rest[i]) *
                  ((double)c->gap[i] - (double)fit->rest[i]);
         n++;
@@ -119,6 +135,8 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
     out->weight = all.whole > 0 ? all.covered / all.whole : 0;
     out->mm = mean(&all) * thin(out->weight);
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
+    out->core_mm = mean(&core);
+    out->core = core.whole > 0 ? core.covered / core.whole : 0;
     out->rough_mm = all.covered > 0 ? all.rough / all.covered : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
         const bool seen = part[r].covered > SCORE_REGION_MIN * part[r].whole;

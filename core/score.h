@@ -31,6 +31,9 @@ struct score {
     double weight;    /* share of a whole face's weight that was covered, 0..1 */
     double change_mm; /* root mean square of the change taken out */
     double rough_mm;  /* the pair's roughness: amount(rest - blurred rest) */
+    double core_mm; /* the score of the core alone, not raised: nose and inner eyes, which
+                         hardly an expression moves */
+    double core;    /* share of the core's weight that was covered, 0..1 */
     double
         region_mm[GRID_REGIONS]; /* score of each region alone, not raised; NAN where less
                                        than SCORE_REGION_MIN of its weight is covered */

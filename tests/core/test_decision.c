@@ -45,15 +45,16 @@ static void test_noise(void **state)
     (void)state;
     for (int i = 0; i <= 150; i++) {
         const double noise = i * 0.02;
-        const double rise =
-            decision_terms(&(struct decision_pair){noise, 0.3, 0}).rise_mm;
+        struct decision_pair p = {.score_mm = 0.5, .noise_mm = noise, .rough_mm = 0.3};
+        const double rise = decision_terms(0.1, &p).threshold_mm - 0.1;
 
         assert_true(noise > 0.55 ? rise > 0 : rise == 0);
         assert_true(rise >= last && rise < 0.041);
-        assert_true(decision_terms(&(struct decision_pair){noise, 0.125, 0}).rise_mm ==
-                    0);
-        assert_true(decision_terms(&(struct decision_pair){noise, 0.14, 0}).rise_mm <
-                    0.008);
+        assert_true(fabs(decision_terms(0.1, &p).calibrated_mm - (0.5 - rise)) < 1e-12);
+        p.rough_mm = 0.125;
+        assert_true(decision_terms(0.1, &p).threshold_mm == 0.1);
+        p.rough_mm = 0.14;
+        assert_true(decision_terms(0.1, &p).threshold_mm < 0.108);
         last = rise;
     }
     assert_true(last > 0.039);
@@ -63,21 +64,53 @@ static void test_noise(void **state)
  * far as where most strangers are. */
 static void test_hidden(void **state)
 {
-    struct decision_terms last = {1, 0, 0};
+    struct decision_terms last = {.threshold_mm = 1};
 
     (void)state;
     for (int i = 0; i <= 100; i++) {
-        const struct decision_terms t =
-            decision_terms(&(struct decision_pair){0, 0.3, i * 0.01});
+        const struct decision_pair p = {.score_mm = 2, .hidden = i * 0.01, .core = 1};
+        const struct decision_terms t = decision_terms(1, &p);
 
-        assert_true(t.rise_mm == 0);
-        assert_true(t.factor <= last.factor && t.factor > 0.75);
-        assert_true(t.doubt >= last.doubt && t.factor + t.doubt < 1.5);
-        assert_true(i <= 5 ? t.factor == 1 && t.doubt == 0 : t.factor < 1 && t.doubt > 0);
-        assert_true(last.factor - t.factor < 0.02 && t.doubt - last.doubt < 0.05);
-        last = t;
+        if (i > 5) { /* then the core does not raise it */
+            assert_true(t.threshold_mm < 1 && t.doubt_mm > 0);
+            assert_true(t.threshold_mm <= last.threshold_mm && t.threshold_mm > 0.75);
+            assert_true(t.threshold_mm + t.doubt_mm < 1.5);
+            assert_true(last.threshold_mm - t.threshold_mm < 0.02);
+            assert_true(t.doubt_mm - last.doubt_mm < 0.05 && t.doubt_mm >= last.doubt_mm);
+            assert_true(fabs(t.calibrated_mm * t.threshold_mm - 2) < 1e-12);
+            last = t;
+        } else {
+            assert_true(t.doubt_mm == 0);
+        }
     }
-    assert_true(decision_fmr(d, last.factor * d->threshold_mm) < 1e-4);
+    assert_true(decision_fmr(d, last.threshold_mm * d->threshold_mm) < 1e-4);
+}
+
+/* The core raises the threshold of a score above it, by as much as it is below its own limit;
+ * of no other, and none but a core that was seen.  Above the threshold a higher score never has
+ * a lower calibrated one. */
+static void test_core(void **state)
+{
+    double before = 0;
+
+    (void)state;
+    for (int i = 0; i <= 300; i++) {
+        struct decision_pair p = {.score_mm = i * 0.01, .core_mm = 0.6, .core = 0.9};
+        struct decision_terms t = decision_terms(1, &p);
+
+        assert_true(fabs(t.threshold_mm - (i > 100 ? 1.27 : 1)) < 1e-12);
+        assert_true((p.score_mm <= t.threshold_mm) == (t.calibrated_mm <= 1));
+        assert_true(t.calibrated_mm >= before && t.calibrated_mm <= p.score_mm);
+        before = t.calibrated_mm;
+        p.core_mm = 0.1;
+        t = decision_terms(1, &p);
+        assert_true(t.threshold_mm < 1.37);
+        p.core_mm = 0.88;
+        assert_true(decision_terms(1, &p).threshold_mm == 1);
+        p.core_mm = 0.6;
+        p.core = 0.79;
+        assert_true(decision_terms(1, &p).threshold_mm == 1);
+    }
 }
 
 static void test_odd_values(void **state)
@@ -117,6 +150,7 @@ int main(void)
         cmocka_unit_test(test_monotone),  cmocka_unit_test(test_valid),
         cmocka_unit_test(test_threshold), cmocka_unit_test(test_odd_values),
         cmocka_unit_test(test_noise),     cmocka_unit_test(test_hidden),
+        cmocka_unit_test(test_core),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -206,6 +206,33 @@ static void test_covered(void **state)
 }
 
 /* Doubling all weights does not change the score. */
+/* The core is nose and inner eyes: of the mouth and the chin it knows nothing, and of a face
+ * without it nothing is known. */
+static void test_core(void **state)
+{
+    struct score s;
+
+    (void)state;
+    no_gap();
+    chequered(0.4, GRID_NOSE);
+    s = score();
+    assert_true(s.core == 1 && s.core_mm > 0.5 * s.region_mm[GRID_NOSE]);
+    no_gap();
+    chequered(0.4, GRID_MOUTH);
+    chequered(0.4, GRID_CHIN);
+    s = score();
+    assert_true(s.mm > 0.02 && s.core_mm < 0.1 * s.region_mm[GRID_MOUTH]);
+    chequered(0.4, GRID_NOSE);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (grid_region_of(i) == GRID_NOSE || grid_region_of(i) == GRID_EYES)
+            cells.area[i] = cells.gap[i] = 0.0f;
+    s = score();
+    assert_true(s.core > 0 && s.core < 0.25 && s.weight > s.core); /* cheeks are left */
+    memset(cells.area, 0, sizeof cells.area);
+    s = score();
+    assert_true(s.core == 0 && s.core_mm == 0);
+}
+
 static void test_scale_of_weight(void **state)
 {
     static struct model saved;
@@ -240,10 +267,11 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identical),       cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_noise),           cmocka_unit_test(test_cap),
-        cmocka_unit_test(test_regions),         cmocka_unit_test(test_covered),
-        cmocka_unit_test(test_scale_of_weight), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_identical), cmocka_unit_test(test_definition),
+        cmocka_unit_test(test_noise),     cmocka_unit_test(test_cap),
+        cmocka_unit_test(test_regions),   cmocka_unit_test(test_covered),
+        cmocka_unit_test(test_core),      cmocka_unit_test(test_scale_of_weight),
+        cmocka_unit_test(test_memory),
     };
     int failed;
 
