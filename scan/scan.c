@@ -362,8 +362,8 @@ static enum status build_found(struct scan *s)
     st = look(s, &is);
     if (is)
         return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
-    if (st == ST_ENOMEM || st == ST_ETOOFEW || st == ST_EDEGENERATE)
-        return st;
+    if (st == ST_ENOMEM || st == ST_ENOTFINITE)
+        return st; /* of metres taken for mm the points coincide: that ends nothing */
     scale(s->c, 1 / unit);
     s->found->unit_mm = s->c->unit_mm;
     quality = s->out->quality;
@@ -388,10 +388,13 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
     mem_free(c->normal); /* they have told what they could */
     c->normal = NULL;
-    if (st == ST_OK)
+    if (st == ST_OK) {
         found->points_used = c->n;
-    else
+        /* Holes of a scan that shows the face hide nothing in particular. */
+        out->hidden = found->found ? 1 - found->seen : found->occluded;
+    } else {
         out->surface.mesh.nv = out->surface.mesh.nt = 0;
+    }
     return st;
 }
 

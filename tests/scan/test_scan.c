@@ -128,6 +128,7 @@ static void test_as_it_is(void **state)
         assert_true(found.view[0] == 1 && found.view[3] == 0 && found.view[15] == 1);
         assert_true(fabs(found.yaw_deg) < 10 && fabs(found.roll_deg) < 10);
         assert_true(found.gate.support >= found.gate.support_wanted);
+        assert_true(face.hidden == found.occluded && face.hidden < 0.05);
     }
 }
 
@@ -253,6 +254,26 @@ static void test_elsewhere(void **state)
     assert_decision(FACE_MATCH);
 }
 
+/* Shoulders make it larger than a face is, in whatever unit: taken for mm, metres are one
+ * place. */
+static void test_shoulders(void **state)
+{
+    struct brute_rng rng = {brute_seed("scan")};
+
+    (void)state;
+    sample(8, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(8, 1, 3000);
+    for (size_t i = 0; i < n; i += 5)
+        pts[i] =
+            (struct dvec3){-280 + 560 * brute_real(&rng), -260 + 100 * brute_real(&rng),
+                           -140 + 60 * brute_real(&rng)};
+    turn(0, 0, 0, 1000);
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(found.found && found.unit_mm == 1000);
+    assert_decision(FACE_MATCH);
+}
+
 /* ---- what is told, and what is refused */
 
 /* Everything below the nose is under a cover. */
@@ -268,6 +289,7 @@ static void test_cover(void **state)
                 12 - pts[i].x * pts[i].x / 70 - (pts[i].y + 36) * (pts[i].y + 36) / 100;
     assert_int_equal(build(&probe), ST_OK);
     assert_true(warned(SCAN_OCCLUDED) && found.occluded > 0.15);
+    assert_true(face.hidden >= found.occluded && face.hidden < 0.7);
     for (size_t i = 0; i < c.n; i++)
         assert_false(hypot(c.at[i].x / 40, (c.at[i].y + 36) / 22) < 1);
     assert_int_equal(build(&enrolment), ST_EQUALITY);
@@ -368,12 +390,12 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_it_is), cmocka_unit_test(test_units),
-        cmocka_unit_test(test_dense),    cmocka_unit_test(test_found),
-        cmocka_unit_test(test_turn),     cmocka_unit_test(test_elsewhere),
-        cmocka_unit_test(test_cover),    cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_no_face),  cmocka_unit_test(test_range),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
+        cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
+        cmocka_unit_test(test_turn),      cmocka_unit_test(test_elsewhere),
+        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
+        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
