@@ -391,7 +391,7 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     if (st == ST_OK) {
         found->points_used = c->n;
         /* Holes of a scan that shows the face hide nothing in particular. */
-        out->hidden = found->found ? 1 - found->seen : found->occluded;
+        out->hidden = found->found ? 1 - found->gate.seen : found->occluded;
     } else {
         out->surface.mesh.nv = out->surface.mesh.nt = 0;
     }
