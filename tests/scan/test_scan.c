@@ -263,7 +263,7 @@ static void test_shoulders(void **state)
     (void)state;
     sample(8, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
-    sample(8, 1, 3000);
+    sample(8, 1, 12000);
     for (size_t i = 0; i < n; i += 5)
         pts[i] =
             (struct dvec3){-280 + 560 * brute_real(&rng), -260 + 100 * brute_real(&rng),
