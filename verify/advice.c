@@ -150,6 +150,9 @@ static void found(enum status st, const struct scan_found *f, struct advice *a)
             "take off glasses or mask, keep hair and hands away: %.0f %% of the face is "
             "covered",
             100 * f->occluded);
+    if (st == ST_EQUALITY && f->gate.seen < f->gate.seen_wanted)
+        add(a, "let the scanner see all of the face: %.0f %% of it now, %.0f %% at least",
+            100 * f->gate.seen, 100 * f->gate.seen_wanted);
     if (warns(f, SCAN_TURNED))
         turned(f, a);
     if (st == ST_OK && warns(f, SCAN_BEHIND))

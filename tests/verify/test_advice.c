@@ -126,6 +126,8 @@ static void test_found(void **state)
 
 static void test_quality(void **state)
 {
+    struct scan_found part = plain;
+
     (void)state;
     good();
     face.quality.noise_mm = 1.24;
@@ -152,6 +154,12 @@ static void test_quality(void **state)
     face.quality.density_mm = 0; /* not rated */
     give(ST_EQUALITY, plain);
     assert_int_equal(a.n, 1);
+    assert_line(0, "scan again, nearer and without moving");
+    part.gate.seen = 0.42;
+    part.gate.seen_wanted = 0.45;
+    give(ST_EQUALITY, part);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "let the scanner see all of the face: 42 % of it now, 45 % at least");
 }
 
 /* What is nearly a face may be one that is covered; of what is none nothing is known. */

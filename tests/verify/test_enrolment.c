@@ -19,6 +19,7 @@ static struct store *store;
 static struct face model[MODELS]; /* [models], held */
 static int models;
 static struct face again; /* another scan of tempdb_face[0]'s person */
+static struct face cheek; /* a part of that */
 static struct errinfo e;
 static const struct face *rival; /* enrolled by release(); NULL: nothing */
 
@@ -59,17 +60,22 @@ static enum status add(const struct face *f, bool force, struct enrolment_outcom
 static int set_up(void **state)
 {
     static struct dvec3 pts[POINTS];
+    size_t n, part = 0;
 
     assert_int_equal(tempdb_begin_faces(state), 0);
-    assert_int_equal(
-        face_build(pts, clouds_scan(1, 1, POINTS, pts), tempdb_work, &again, NULL),
-        ST_OK);
+    n = clouds_scan(1, 1, POINTS, pts);
+    assert_int_equal(face_build(pts, n, tempdb_work, &again, NULL), ST_OK);
+    for (size_t i = 0; i < n; i++)
+        if (pts[i].x > 20)
+            pts[part++] = pts[i];
+    assert_int_equal(face_build(pts, part, tempdb_work, &cheek, NULL), ST_OK);
     return 0;
 }
 
 static int tear_down(void **state)
 {
     face_free(&again);
+    face_free(&cheek);
     return tempdb_end_faces(state);
 }
 
@@ -107,6 +113,21 @@ static void test_fit(void **state)
     assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
     assert_int_equal(out.nearest.compared, 0);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
+}
+
+/* A sample that has too little in common with the others to tell. */
+static void test_inconclusive(void **state)
+{
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(add(&cheek, false, &out), ST_EMISMATCH);
+    assert_int_equal(out.nearest.result.decision, FACE_INCONCLUSIVE);
+    assert_non_null(strstr(e.msg, "too little in common"));
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
+    assert_int_equal(add(&cheek, true, &out), ST_OK);
+    assert_true(out.created);
 }
 
 /* A template that is enrolled between comparing and storing is compared with too. */
@@ -158,6 +179,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_inconclusive, fresh, closed),
         cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
         cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
     };
