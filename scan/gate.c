@@ -89,6 +89,8 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     f->eyes_wanted = s->enrolment ? GATE_EYES : -1;
     f->seen = (double)fit->skin / s->shape->cells;
     f->seen_wanted = s->enrolment ? GATE_SEEN : 0;
+    f->evidence = f->likeness + 2 * f->eyes + f->support;
+    f->evidence_wanted = s->enrolment ? GATE_EVIDENCE : -INFINITY;
     f->scale[0] = f->scale[1] = f->scale[2] = 1;
     /* What cannot be told is NAN, for which these are false. */
     st = f->support >= f->support_wanted && f->likeness >= f->likeness_wanted
@@ -101,9 +103,9 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     if (scaled)
         return ST_ENOTFACE;
     if (fit->cover > SCAN_OCCLUDED_MOST * s->shape->cells &&
-        f->support >= GATE_SUPPORT_PROBE && f->likeness >= GATE_LIKENESS_PROBE)
+        f->support >= GATE_SUPPORT_PROBE && f->likeness >= f->likeness_wanted)
         return ST_EQUALITY; /* a face, as a probe may be, but covered */
-    if (!(f->eyes >= f->eyes_wanted))
+    if (!(f->eyes >= f->eyes_wanted && f->evidence >= f->evidence_wanted))
         return ST_ENOTFACE;
     return st == ST_OK && !(f->seen >= f->seen_wanted) ? ST_EQUALITY : st;
 }

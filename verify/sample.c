@@ -31,7 +31,8 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
         double is, wanted;
     } row[] = {{"support", f->gate.support, f->gate.support_wanted},
                {"likeness", f->gate.likeness, f->gate.likeness_wanted},
-               {"eyes", f->gate.eyes, f->gate.eyes_wanted}};
+               {"eyes", f->gate.eyes, f->gate.eyes_wanted},
+               {"evidence", f->gate.evidence, f->gate.evidence_wanted}};
     const char *begin = " (";
 
     for (size_t i = 0; f->gate.support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
