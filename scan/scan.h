@@ -62,7 +62,11 @@ struct scan_found {
  *        read.  On failure unspecified, but still to be freed
  * out    as in face_build()
  * bad    as in face_build(), of the points before; may be NULL
- * A scan that is frontal and in mm already is left as it is.
+ * A scan that is plainly one uncovered frontal face, of SCAN_FULL points at most, is left as
+ * it is, but for its unit.  Of all others the points of the face become a template, and nothing
+ * else of the scan is kept: db/FORMAT.md, "What is kept of the raw scan", has why that is enough.
+ * Which points these are depends on their order by rounding only.  Memory: 16 bytes a point,
+ * and what find_face() takes, freed at the end.
  * Returns ST_OK; as face_build(); ST_ENOFACE: none was found; ST_ESEVERAL, ST_EMIRRORED:
  * enrolment alone. */
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
