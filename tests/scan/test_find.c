@@ -151,7 +151,7 @@ static struct align_pose motion_of(const struct headscan_options *o)
     struct align_pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
     align_pose_tilt(&p, centre, tan(o->yaw / VEC_DEGREES / 2),
-                    tan(o->pitch / VEC_DEGREES / 2));
+                    tan(-o->pitch / VEC_DEGREES / 2));
     p = after(&roll, &p);
     p.t[2] -= o->distance;
     return after(&axes, &p);
@@ -251,7 +251,7 @@ static void test_kinds(void **state)
         const char *name;
         double deg, mm;
     } kinds[] = {{"head", 4, 5},    {"bust", 4, 5},   {"half", 7, 11}, {"depth", 4, 6},
-                 {"grid", 4, 5},    {"behind", 4, 5}, {"beard", 6, 8}, {"cap", 6, 8},
+                 {"grid", 4, 5},    {"behind", 4, 5}, {"beard", 9, 8}, {"cap", 6, 8},
                  {"glasses", 9, 9}, {"mask", 9, 9}};
 
     (void)state;
