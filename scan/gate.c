@@ -89,7 +89,7 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     f->eyes_wanted = s->enrolment ? GATE_EYES : -1;
     f->seen = (double)fit->skin / s->shape->cells;
     f->seen_wanted = s->enrolment ? GATE_SEEN : 0;
-    f->evidence = f->likeness + 2 * f->eyes + f->support;
+    f->evidence = f->likeness + f->eyes + 3 * f->support + 1.5 * f->seen;
     f->evidence_wanted = s->enrolment ? GATE_EVIDENCE : -INFINITY;
     f->scale[0] = f->scale[1] = f->scale[2] = 1;
     /* What cannot be told is NAN, for which these are false. */
