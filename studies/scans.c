@@ -297,7 +297,36 @@ static void crops(const struct study *s)
 
 /* ---- enrolment of such scans, frontal probes */
 
-static void enrol(const struct study *s, FILE *f, unsigned kind, bool mirrored)
+/* The scan that p[i] enrols: of the raw folder, or rendered. */
+static bool enrolment(const struct study *s, const char *file, unsigned kind,
+                      bool mirrored, size_t i, struct cloudpoints *c)
+{
+    const struct people *p = s->people;
+    struct headscan_options h;
+    struct headscan scan;
+    struct dvec3 *pts;
+    char name[96];
+
+    if (file != NULL) {
+        (void)snprintf(name, sizeof name, "%s_%s.ply", p->p[i].name, file);
+        scan = (struct headscan){0};
+        if ((pts = people_points(s->lab->raw, name, &scan.n)) == NULL)
+            return false;
+        scan.at = pts;
+    } else {
+        if (p->head[i].n == 0)
+            return false;
+        headscan_kind(kind, s->lab->seed + 1000 + i, false, &h);
+        h.mirrored = mirrored;
+        headscan_render(&p->head[i], second_head(p, i), &h, &scan);
+    }
+    scanned_cloud(&scan, c);
+    headscan_free(&scan);
+    return true;
+}
+
+static void enrol(const struct study *s, FILE *f, const char *file, unsigned kind,
+                  bool mirrored)
 {
     const struct scan_options o = {.enrolment = true};
     struct people *p = s->people, *q = lab_alloc(1, sizeof *q);
@@ -307,26 +336,21 @@ static void enrol(const struct study *s, FILE *f, unsigned kind, bool mirrored)
 
     memcpy(q, p, sizeof *q);
     for (size_t i = 0; i < p->n; i++) {
-        struct headscan_options h;
-        struct headscan scan;
         struct cloudpoints c;
         struct scanned done;
 
         memset(&q->p[i].template, 0, sizeof q->p[i].template);
-        if (p->head[i].n == 0)
+        if (!enrolment(s, file, kind, mirrored, i, &c))
             continue;
-        headscan_kind(kind, s->lab->seed + 1000 + i, false, &h);
-        h.mirrored = mirrored;
-        headscan_render(&p->head[i], second_head(p, i), &h, &scan);
-        scanned_cloud(&scan, &c);
         scanned_build(&c, 0, &o, s->work, &done);
         t.refused[done.reason]++;
         q->p[i].template = done.face;
         enrolled += done.reason == 0;
         cloudpoints_free(&c);
-        headscan_free(&scan);
     }
-    fprintf(f, "%s%s,%zu", headscan_name(kind), mirrored ? " mirrored" : "", enrolled);
+    fprintf(f, "%s%s%s,%zu", file != NULL ? "files: " : "",
+            file != NULL ? file : headscan_name(kind), mirrored ? " mirrored" : "",
+            enrolled);
     for (size_t i = 0; i < p->n; i++) {
         enum face_decision own;
 
@@ -352,8 +376,10 @@ static void enrolments(const struct study *s)
     for (unsigned k = 0; k < HEADSCAN_KINDS; k++)
         for (size_t i = 0; i < sizeof name / sizeof *name; i++)
             if (strcmp(headscan_name(k), name[i]) == 0)
-                enrol(s, f, k, false);
-    enrol(s, f, 0, true);
+                enrol(s, f, NULL, k, false);
+    enrol(s, f, NULL, 0, true);
+    for (size_t i = 0; i < 3 && s->lab->raw != NULL; i++)
+        enrol(s, f, name[i], 0, false);
     lab_close(f);
 }
 
