@@ -40,7 +40,9 @@ static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
     const size_t m = n < SAMPLE ? n : SAMPLE;
     double v[SAMPLE], middle[3];
 
-    out->size = 0;
+    *out = (struct extent){0};
+    if (m == 0)
+        return;
     for (int axis = 0; axis < 3; axis++) {
         double size;
 

@@ -185,7 +185,7 @@ static bool highest(const struct find_grid *g, const float *out, uint32_t cell,
                                 (p[2] - q[2]) * (p[2] - q[2]);
 
                 if (d <= (float)(FIND_APART_MM * FIND_APART_MM) &&
-                    (out[i] > out[v] || (out[i] == out[v] && i < v)))
+                    (out[i] > out[v] || (i < v && out[i] == out[v])))
                     return false;
             }
         }

@@ -38,9 +38,11 @@ static const struct {
 
 static int usage(FILE *to)
 {
-    fprintf(to, "usage: study NAME [--seed N] [--reduced] [--faces DIR] [--raw DIR] [--out DIR]\n"
-                "Run one study and write its numbers as CSV into DIR (the folder where "
-                "one is).\n");
+    fprintf(
+        to,
+        "usage: study NAME [--seed N] [--reduced] [--faces DIR] [--raw DIR] [--out DIR]\n"
+        "Run one study and write its numbers as CSV into DIR (the folder where "
+        "one is).\n");
     for (size_t i = 0; i < STUDIES; i++)
         fprintf(to, "  %-14s %s\n", study[i].name, study[i].what);
     fprintf(

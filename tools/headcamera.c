@@ -5,7 +5,7 @@
 
 #include "draw.h"
 #include "head.h"
-#include "headscan.h"
+#include "headspec.h"
 #include "headview.h"
 
 #define BASE    50.0  /* mm between the two cameras */

@@ -5,8 +5,8 @@
 #define TOOLS_HEADCAMERA_H
 
 struct head;             /* head.h */
-struct headscan;         /* headscan.h */
-struct headscan_options; /* headscan.h */
+struct headscan;         /* headspec.h */
+struct headscan_options; /* headspec.h */
 
 #define HEADCAMERA_WIDTH  640
 #define HEADCAMERA_HEIGHT 480

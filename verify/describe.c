@@ -45,7 +45,7 @@ static void format(struct json *j, enum cloudformat f)
     char word[8];
     size_t n = 0;
 
-    for (; name[n] != '\0' && n < sizeof word - 1; n++)
+    for (; n < sizeof word - 1 && name[n] != '\0'; n++)
         word[n] = (char)tolower((unsigned char)name[n]);
     word[n] = '\0';
     json_text(j, "format", word);

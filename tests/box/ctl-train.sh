@@ -60,6 +60,7 @@ is "evaluate: engine" "$(jq -r .engine "$T/out")" "$engine"
 is "evaluate: threshold" "$(jq .threshold_mm "$T/out")" "$threshold"
 "$ctl" compare "$a" "$b" --model "$m" --json >"$T/out"
 is "compare: engine" "$(jq -r .engine "$T/out")" "$engine"
+# shellcheck disable=SC2016 # jq's $t
 ok "compare: its threshold, or more for noise" jq_true --argjson t "$threshold" \
     '.threshold_mm >= $t and .threshold_mm < 1.2 * $t' "$T/out"
 SURFACED_MODEL=$m "$ctl" compare "$a" "$b" --json >"$T/env"
@@ -97,6 +98,7 @@ expect 0 "a calibration" "$ctl" --db "$DB" calibrate --reset
 is "holds: silence" "$(cat "$T/err")" ""
 "$ctl" --db "$DB" verify anna "$b" --model "$m" --json >"$T/ctl" 2>"$T/err"
 says "$T/err" "does not hold" "calibration 1 is not used: it was made by $shipped"
+# shellcheck disable=SC2016 # jq's $t
 ok "the model's own decides" jq_true --argjson t "$threshold" \
     '.threshold_mm >= $t and .threshold_mm < 1.2 * $t' "$T/ctl"
 start_daemon --no-auth --model "$m"

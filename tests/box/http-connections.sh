@@ -38,6 +38,7 @@ open_files_at_most() {
     [ "$(open_files)" -le "$1" ]
 }
 # counts REASON: the metrics count connections closed for it.
+# shellcheck disable=SC2317 # called by soon
 counts() {
     req GET /metrics
     grep -Eq "^surfaced_connections_closed_total\\{reason=\"$1\"\\} [1-9]" "$T/body"

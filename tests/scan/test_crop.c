@@ -140,7 +140,7 @@ static void test_elsewhere(void **state)
     add_box(3000, (struct dvec3){-900, -900, -800}, (struct dvec3){900, 900, -790});
     add_box(500, (struct dvec3){-60, -90, 30}, (struct dvec3){60, 70, 300});
     crop(&c, ROOM, &count);
-    assert_true(kept(&c, 0, POINTS) > 0.99 * POINTS);
+    assert_true((double)kept(&c, 0, POINTS) > 0.99 * POINTS);
     assert_int_equal(kept(&c, POINTS, n), 0);
     assert_true(count.face == c.n && count.other == 0);
     cloudpoints_free(&c);
@@ -159,18 +159,18 @@ static void test_layers(void **state)
         add_face(POINTS, 0, 0.15);
         add_face(POINTS, -behind[k], 0.15);
         crop(&c, ROOM, &count);
-        assert_true(kept(&c, 0, POINTS) > 0.98 * POINTS);
+        assert_true((double)kept(&c, 0, POINTS) > 0.98 * POINTS);
         printf("%g mm: %.3f of the first, %.3f of the second\n", behind[k],
                (double)kept(&c, 0, POINTS) / POINTS,
                (double)kept(&c, POINTS, n) / POINTS);
-        assert_true(kept(&c, POINTS, n) < 0.1 * POINTS);
+        assert_true((double)kept(&c, POINTS, n) < 0.1 * POINTS);
         cloudpoints_free(&c);
     }
     n = 0;
     add_face(POINTS, 0, 0.9);
     crop(&c, ROOM, &count);
     printf("noise: %.3f\n", (double)kept(&c, 0, POINTS) / POINTS);
-    assert_true(kept(&c, 0, POINTS) > 0.97 * POINTS);
+    assert_true((double)kept(&c, 0, POINTS) > 0.97 * POINTS);
     cloudpoints_free(&c);
 }
 

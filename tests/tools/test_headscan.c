@@ -32,7 +32,7 @@ static int unmake(void **state)
 
 static struct headscan_options kind(const char *name, uint64_t seed)
 {
-    struct headscan_options o;
+    struct headscan_options o = {.seed = 0};
 
     for (unsigned k = 0; k < HEADSCAN_KINDS; k++)
         if (strcmp(headscan_name(k), name) == 0) {
