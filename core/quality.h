@@ -32,9 +32,8 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
 
 /* quality_place(frame): the gate after alignment to the mean face: ST_ENOTFACE where the
  * surface is too far from it (QUALITY_APART_MM, QUALITY_LOOSE_MM) or its relief is not a
- * face's (QUALITY_LIKENESS), else ST_OK.
- * To refuse a face is worse than to let something else pass, which then matches nobody: some
- * surfaces with a hump in the middle pass (docs/accuracy.md). */
+ * face's (QUALITY_LIKENESS), else ST_OK.  A coarse one, which lets narrow parts of a face pass,
+ * of which no likeness can be told; what is enrolled, scan/gate.h judges. */
 enum status quality_place(const struct frame *frame);
 
 /* Defects of a scan that can still be used. */

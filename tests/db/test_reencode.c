@@ -160,7 +160,7 @@ static void test_no_face(void **state)
     struct face f = {0};
 
     (void)state;
-    make(3, 0, -1, HOLLOW, &f);
+    make(2, 0, -1, HOLLOW, &f);
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_ENOTFACE);
     assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
@@ -272,7 +272,7 @@ static void test_stays(void **state)
     bool done = true;
 
     (void)state;
-    make(3, 0, -1, HOLLOW, &f);
+    make(2, 0, -1, HOLLOW, &f);
     tempdb_enroll(s, "x", "left", &f, &was);
     load(s, was.id, HOLLOW, &before);
     store_close(s);
