@@ -216,6 +216,18 @@
  * rotation, 1 + 2 cos 75. */
 #define SCAN_AXES_TRACE 1.5176
 
+/* A face that is turned by more than QUALITY_TURNED_YAW_DEG is enrolled where so much of the side
+ * to which it is turned is seen nevertheless, as of a frontal scan in other axes.  Of half
+ * profiles from 35 degrees on 0.73 at most is, of frontal scans 0.93 and more. */
+#define SCAN_FAR_SIDE 0.8
+
+/* A scan is of one side where less than this share of the points, on a head's size of cells,
+ * lies farther behind the front-most one of its cell.  Of heads from all sides about half do, of
+ * one view with a wall behind, whose points share cells with the head's rim, 7 % at most. */
+#define SIGHT_CELL_MM     6.0
+#define SIGHT_BEHIND_MM   40.0
+#define SIGHT_BEHIND_MOST 0.2
+
 /* ---- poses */
 
 /* Turns are taken about a point this far behind the surface, mm: a face is roughly a ball of

@@ -11,6 +11,7 @@
 #include "mem.h"
 #include "mirror.h"
 #include "shape.h"
+#include "sight.h"
 #include "sparse.h"
 #include "tuning.h"
 #include "vec.h"
@@ -92,17 +93,26 @@ static double turn_of(const double r[9], double side, struct scan_found *f)
     return r[0] + side * (r[4] + r[8]);
 }
 
-/* Against the agreed axes, or a camera's: y down and z away. */
-static void tell_turn(struct scan_found *f, const struct align_pose *pose)
+/* Against the agreed axes, or a camera's: y down and z away; of points that are all seen from
+ * there. */
+static void tell_turn(struct scan *s)
 {
+    const struct align_pose *pose = &s->fit.pose;
+    struct scan_found *f = s->found;
     const double camera = turn_of(pose->r, -1, f);
     struct scan_found seen = *f;
     const double agreed = turn_of(pose->r, 1, &seen);
+    const struct dvec3 nose = align_pose_origin(pose);
 
     if (agreed > camera)
         *f = seen;
-    if (fmax(agreed, camera) < SCAN_AXES_TRACE)
+    if (fmax(agreed, camera) < SCAN_AXES_TRACE ||
+        !sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1))
         f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
+    warn(s, SCAN_TURNED,
+         fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG ||
+             fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG ||
+             fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG);
 }
 
 /* What the fit tells, where the points are seen by view. */
@@ -111,14 +121,9 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
     struct scan_found *f = s->found;
 
     tell_view(f, view);
-    tell_turn(f, &s->fit.pose);
     f->faces = f->faces > 0 ? f->faces : 1;
     warn(s, SCAN_SEVERAL, f->faces > 1);
     warn(s, SCAN_OCCLUDED, f->occluded > SCAN_OCCLUDED_SOME);
-    warn(s, SCAN_TURNED,
-         fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG ||
-             fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG ||
-             fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG);
 }
 
 /* ---- the gate */
@@ -132,7 +137,21 @@ static enum status judge_face(struct scan *s, const struct dvec3 *pts, size_t n)
     return gate_judge(&g, &s->found->gate);
 }
 
-/* Is it one face, and not its mirror image?  The points are in the frontal view. */
+/* The share of the face that is seen of the side to which it is turned, 0..1. */
+static double far_side(const struct scan *s)
+{
+    uint32_t on = 0, seen = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (!isnan(s->fit.height[i]) && grid_x(i) * s->found->yaw_deg > 0) {
+            on++;
+            seen += s->fit.cell[i] != SHAPE_EMPTY;
+        }
+    return on > 0 ? (double)seen / on : 1;
+}
+
+/* Is it one face, not its mirror image, and seen from the front?  The points are in the frontal
+ * view. */
 static enum status judge_enrolment(struct scan *s)
 {
     warn(s, SCAN_MIRRORED, mirror_told(s->c));
@@ -140,7 +159,11 @@ static enum status judge_enrolment(struct scan *s)
         return ST_OK;
     if (s->found->faces > 1)
         return ST_ESEVERAL;
-    return (s->found->warnings >> SCAN_MIRRORED & 1) != 0 ? ST_EMIRRORED : ST_OK;
+    if ((s->found->warnings >> SCAN_MIRRORED & 1) != 0)
+        return ST_EMIRRORED;
+    return fabs(s->found->yaw_deg) > QUALITY_TURNED_YAW_DEG && far_side(s) < SCAN_FAR_SIDE
+               ? ST_EQUALITY
+               : ST_OK;
 }
 
 /* ---- points that are frontal already */
@@ -233,8 +256,10 @@ static enum status build_crop(struct scan *s)
     const size_t n = s->c->n, most = n > SCAN_FULL ? SCAN_ENOUGH : SCAN_FULL;
     struct crop_count count;
     const enum status judged = judge_face(s, s->c->at, n);
-    enum status st = crop_face(s->c, &view, most, &count);
+    enum status st;
 
+    tell_turn(s);
+    st = crop_face(s->c, &view, most, &count);
     if (st != ST_OK || judged == ST_ENOMEM)
         return st != ST_OK ? st : judged;
     tell_fit(s, &s->fit.pose);
@@ -253,6 +278,7 @@ static enum status keep(struct scan *s)
     const enum status judged = judge_face(s, s->c->at, s->c->n);
     enum status st;
 
+    tell_turn(s);
     tell_fit(s, &still);
     st = judge_enrolment(s);
     return judged != ST_OK ? judged : st;

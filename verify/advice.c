@@ -127,12 +127,11 @@ static void turned(const struct scan_found *f, struct advice *a)
             "enrolment",
             fabs(f->yaw_deg), f->yaw_deg > 0 ? "left" : "right", QUALITY_TURNED_YAW_DEG);
     if (fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG)
-        add(a, "%s the chin: the face looks %.0f° %s now, up to %d° for enrolment",
+        add(a, "%s the chin: the face looks %.0f° %s now, up to %d° is good",
             f->pitch_deg > 0 ? "lower" : "raise", fabs(f->pitch_deg),
             f->pitch_deg > 0 ? "up" : "down", QUALITY_TURNED_OTHER_DEG);
     if (fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG)
-        add(a,
-            "hold the head upright: tilted by %.0f° to the %s now, up to %d° for enrolment",
+        add(a, "hold the head upright: tilted by %.0f° to the %s now, up to %d° is good",
             fabs(f->roll_deg), f->roll_deg > 0 ? "right" : "left",
             QUALITY_TURNED_OTHER_DEG);
 }

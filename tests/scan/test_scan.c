@@ -188,6 +188,26 @@ static void assert_view(void)
     }
 }
 
+/* Turned, and without what a scanner in front of it cannot see then. */
+static void test_half(void **state)
+{
+    size_t kept = 0;
+
+    (void)state;
+    sample(5, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(5, 1, 5000);
+    for (size_t i = 0; i < n; i++)
+        if (pts[i].x < 22)
+            pts[kept++] = pts[i];
+    n = kept;
+    turn(42, 0, 0, 1);
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(warned(SCAN_TURNED) && found.yaw_deg > 30);
+    assert_int_equal(build(&enrolment), ST_EQUALITY);
+    assert_true(warned(SCAN_TURNED));
+}
+
 static void test_found(void **state)
 {
     static const double poses[][4] = {/* yaw, pitch, roll, unit */
@@ -392,10 +412,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
         cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
-        cmocka_unit_test(test_turn),      cmocka_unit_test(test_elsewhere),
-        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
-        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
-        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_half),      cmocka_unit_test(test_turn),
+        cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_shoulders),
+        cmocka_unit_test(test_cover),     cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_no_face),   cmocka_unit_test(test_range),
+        cmocka_unit_test(test_memory),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);

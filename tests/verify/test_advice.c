@@ -76,13 +76,13 @@ static void test_turned(void **state)
     assert_line(0,
                 "turn the head towards the scanner: 47° to the right now, up to 30° for "
                 "enrolment");
-    assert_line(1, "lower the chin: the face looks 26° up now, up to 20° for enrolment");
+    assert_line(1, "lower the chin: the face looks 26° up now, up to 20° is good");
     f.yaw_deg = f.pitch_deg = 0;
     f.roll_deg = 24.6;
     give(ST_OK, f);
     assert_int_equal(a.n, 1);
-    assert_line(0, "hold the head upright: tilted by 25° to the right now, up to 20° for "
-                   "enrolment");
+    assert_line(0, "hold the head upright: tilted by 25° to the right now, up to 20° is "
+                   "good");
     f.yaw_deg = f.pitch_deg = f.roll_deg =
         (double)NAN; /* where the scanner was cannot be told */
     give(ST_OK, f);
