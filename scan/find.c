@@ -266,7 +266,29 @@ static struct find_pose pose_of(const struct find_found *f)
                               .covered = f->covered};
 }
 
-/* Of several plain faces the one with the most points; else the best poses, of one unit. */
+/* How near the nose is to a scanner with the agreed axes (side 1) or a camera's (-1: y down
+ * and z away), if the face is turned to it; else false. */
+static bool nearness(const struct find_found *f, double side, double *near)
+{
+    const double *r = f->pose.r;
+
+    *near = side * f->nose.z;
+    return r[0] + side * (r[4] + r[8]) >= SCAN_AXES_TRACE;
+}
+
+/* Is a to be taken rather than b: nearer, where both are seen along the same axes; else with
+ * more points? */
+static bool rather(const struct find_found *a, const struct find_found *b)
+{
+    double near_a, near_b;
+
+    for (int side = 1; side >= -1; side -= 2)
+        if (nearness(a, side, &near_a) && nearness(b, side, &near_b))
+            return near_a > near_b;
+    return a->points > b->points;
+}
+
+/* Of several plain faces the nearest; else the best poses, of one unit. */
 static void choose(const struct find_list *l, struct find *out)
 {
     uint32_t first = 0;
@@ -276,7 +298,7 @@ static void choose(const struct find_list *l, struct find *out)
         if (!another(l, i))
             continue;
         out->faces++;
-        first = l->found[i].points > l->found[first].points ? i : first;
+        first = rather(&l->found[i], &l->found[first]) ? i : first;
     }
     out->pose[out->n++] = pose_of(&l->found[first]);
     if (out->pose[0].key >= FIND_PLAIN)

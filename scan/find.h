@@ -35,8 +35,9 @@ struct find {
     struct find_pose pose[FIND_POSES];
     uint32_t n;
     uint32_t faces; /* in the cloud, at different places, each plainly a face; at least 1.
-                       The poses are of the one with the most points on it: the nearest to a
-                       depth camera */
+                       The poses are of the one nearest to the scanner, where all are turned
+                       to one with the agreed axes or a camera's (y down, z away); else of the
+                       one with the most points on it */
 };
 
 /* find_face(pts, n, unit_mm, w, out): find the face in n points.
