@@ -153,6 +153,11 @@
 #define CROP_SEEN_SLOPE   0.5
 #define CROP_SEEN_NOISE   8.0
 
+/* mm: a point kept by thinning becomes the mean, over the face, of the points in its place that
+ * are so near to it, spikes not.  Of a depth camera the mated score becomes 0.131 instead of
+ * 0.136. */
+#define CROP_MEAN_MM 2.5
+
 /* ---- a mirror image (scan/mirror.h) */
 
 /* So many normals must be known, or pixels, and so great a share of the normals must agree:

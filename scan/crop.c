@@ -108,7 +108,7 @@ static bool less(float a, float b, float then_a, float then_b, float last_a, flo
 
 static void look(const struct thin_point *p, size_t n, struct seen seen[ROOM])
 {
-    static const struct thin_point none = {INFINITY, INFINITY, -INFINITY, 0};
+    static const struct thin_point none = {INFINITY, INFINITY, -INFINITY, 0, 0};
 
     for (size_t i = 0; i < ROOM; i++)
         seen[i] = (struct seen){none, none, none};
@@ -188,10 +188,11 @@ static struct thin_point seen_from(const struct align_pose *view, struct dvec3 p
 {
     const struct dvec3 q = align_pose_apply(view, p);
 
-    return (struct thin_point){(float)q.x, (float)q.y, (float)q.z, (uint32_t)i};
+    return (struct thin_point){(float)q.x, (float)q.y, (float)q.z, (uint32_t)i, 0};
 }
 
-/* c becomes these of its points, moved by view. */
+/* c becomes these of its points, moved by view and each to the mean of those that it stands
+ * for. */
 static void take(struct cloudpoints *c, const struct align_pose *view,
                  const struct thin_point *p, size_t n)
 {
@@ -202,6 +203,7 @@ static void take(struct cloudpoints *c, const struct align_pose *view,
         const uint32_t i = p[k].index;
 
         c->at[k] = align_pose_apply(view, c->at[i]);
+        c->at[k].z += (double)p[k].off;
         if (c->normal != NULL)
             c->normal[k] = align_pose_apply(&turn, c->normal[i]);
         c->index[k] = c->index[i];
@@ -252,7 +254,7 @@ enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t m
     out->face = n = remove_hidden(&room, p, n);
     n = remove_other(&room, p, n);
     out->other = out->face - n;
-    if ((st = thin_points(p, &n, most)) == ST_OK)
+    if ((st = thin_points(p, &n, most, CROP_MEAN_MM)) == ST_OK)
         take(c, &v->pose, p, out->kept = n);
     mem_free(p);
     return st;
@@ -269,7 +271,7 @@ enum status crop_thin(struct cloudpoints *c, size_t most)
         return ST_ENOMEM;
     for (size_t i = 0; i < n; i++)
         p[i] = seen_from(&still, c->at[i], i);
-    if ((st = thin_points(p, &n, most)) == ST_OK)
+    if ((st = thin_points(p, &n, most, 0)) == ST_OK)
         take(c, &still, p, n);
     mem_free(p);
     return st;

@@ -29,8 +29,9 @@ struct crop_count {
  *    each point's place among those read.  On failure c is unchanged
  * Left out are, in this order: what is farther from the face's outline than CROP_RIM cells, or
  * before or behind the face there; what points before it hide from the front; what is
- * not skin, but covers the face or is not explained; and what is more than enough, thinned evenly (thin.h).  Which points are kept does
- * not depend on their order.  O(n); memory 16 bytes a point, freed at the end.
+ * not skin, but covers the face or is not explained; and what is more than enough, thinned
+ * evenly: the points kept become, along z, the means of those that they stand for (thin.h).
+ * The result does not depend on the order.  O(n); memory 20 bytes a point, freed at the end.
  * Returns ST_OK, ST_ENOMEM. */
 enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t most,
                       struct crop_count *out);

@@ -17,6 +17,9 @@
 #define TRIES   8
 #define ENOUGH  0.96
 
+/* Heights are added up in these parts of a mm, as integers: exact, whatever their order. */
+#define PARTS 65536.0
+
 struct squares {
     uint8_t round, *seen; /* [SQUARES] in which round */
 };
@@ -97,7 +100,31 @@ static bool rather(const struct thin_point *a, const struct thin_point *b, doubl
     return a->x != b->x ? a->x < b->x : a->y < b->y;
 }
 
-static size_t keep(struct thin_point *p, size_t n, double size, uint32_t *best)
+/* Of the points that one of them stands for. */
+struct mean {
+    int64_t sum, n; /* of the heights over it */
+};
+
+/* The sums over each square, whose point is best[]. */
+static void add_up(const struct thin_point *p, size_t n, double size, double near_mm,
+                   const uint32_t *best, struct mean *mean)
+{
+    const double per_mm = 1 / size;
+
+    memset(mean, 0, SQUARES * sizeof *mean);
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t square = square_of(&p[i], per_mm);
+        const double up = (double)p[i].z - (double)p[best[square]].z;
+
+        if (fabs(up) <= near_mm) {
+            mean[square].sum += (int64_t)(up * PARTS);
+            mean[square].n++;
+        }
+    }
+}
+
+static size_t keep(struct thin_point *p, size_t n, double size, double near_mm,
+                   uint32_t *best, struct mean *mean)
 {
     const double per_mm = 1 / size;
     size_t kept = 0;
@@ -109,26 +136,37 @@ static size_t keep(struct thin_point *p, size_t n, double size, uint32_t *best)
         if (*b == UINT32_MAX || rather(&p[i], &p[*b], per_mm))
             *b = (uint32_t)i;
     }
-    for (size_t i = 0; i < n; i++)
-        if (best[square_of(&p[i], per_mm)] == i)
-            p[kept++] = p[i];
+    add_up(p, n, size, near_mm, best, mean);
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t square = square_of(&p[i], per_mm);
+        const struct mean *m = &mean[square];
+
+        if (best[square] != i)
+            continue;
+        p[kept] = p[i];
+        p[kept++].off = (float)((double)m->sum / (PARTS * (double)m->n));
+    }
     return kept;
 }
 
-enum status thin_points(struct thin_point *p, size_t *n, size_t most)
+enum status thin_points(struct thin_point *p, size_t *n, size_t most, double near_mm)
 {
     struct squares s = {0};
+    struct mean *mean;
     uint32_t *best;
+    bool room;
 
     if (*n <= most)
         return ST_OK;
     s.seen = mem_array(SQUARES, sizeof *s.seen);
     best = mem_array(SQUARES, sizeof *best);
-    if (s.seen != NULL && best != NULL) {
+    mean = mem_array(SQUARES, sizeof *mean);
+    if ((room = s.seen != NULL && best != NULL && mean != NULL)) {
         memset(s.seen, 0, SQUARES * sizeof *s.seen);
-        *n = keep(p, *n, choose(&s, p, *n, most), best);
+        *n = keep(p, *n, choose(&s, p, *n, most), near_mm, best, mean);
     }
     mem_free(s.seen);
     mem_free(best);
-    return s.seen != NULL && best != NULL ? ST_OK : ST_ENOMEM;
+    mem_free(mean);
+    return room ? ST_OK : ST_ENOMEM;
 }

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
@@ -15,6 +16,7 @@
 #include "thin.h"
 
 #define MOST 10000
+#define NEAR 2.5
 #define ROOM 300000
 
 static struct thin_point pts[ROOM], other[ROOM];
@@ -30,7 +32,7 @@ static void grid(double step, double degrees)
     for (double y = -95; y < 95; y += step)
         for (double x = -75; x < 75; x += step, n++)
             pts[n] = (struct thin_point){(float)(c * x - s * y), (float)(s * x + c * y),
-                                         (float)(-x * x / 100), (uint32_t)n};
+                                         (float)(-x * x / 100), (uint32_t)n, 0};
 }
 
 static void anywhere(size_t count, struct brute_rng *rng)
@@ -38,7 +40,7 @@ static void anywhere(size_t count, struct brute_rng *rng)
     for (n = 0; n < count; n++)
         pts[n] = (struct thin_point){(float)(150 * brute_real(rng)),
                                      (float)(190 * brute_real(rng)),
-                                     (float)brute_real(rng), (uint32_t)n};
+                                     (float)brute_real(rng), (uint32_t)n, 0};
 }
 
 /* Squares without a point, of those well inside. */
@@ -68,7 +70,7 @@ static void test_grids(void **state)
         grid(step[k / 3], degrees[k % 3]);
         kept = n;
         assert_true(n > MOST);
-        assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
+        assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
         assert_in_range(kept, MOST * 8 / 10, MOST);
         /* 10,000 points over 28,500 mm2 are 1.7 mm apart. */
         assert_true(empty_squares(pts, kept, 4) == 0);
@@ -88,8 +90,38 @@ static void test_random(void **state)
 
         anywhere(count[k], &rng);
         kept = n;
-        assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
+        assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
         assert_in_range(kept, MOST * (count[k] < 2 * MOST ? 85 : 94) / 100, MOST);
+    }
+}
+
+/* Of 30 points a square the mean is five times as near the surface as each of them; what is far
+ * from the point kept has no part in it. */
+static void test_mean(void **state)
+{
+    static const double near[] = {0, NEAR};
+    struct brute_rng rng = {brute_seed("mean")};
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        size_t kept, strays = 0;
+        double sum = 0;
+
+        anywhere(ROOM, &rng);
+        for (size_t i = 0; i < n; i++)
+            pts[i].z = i % 200 == 0 ? 9 : pts[i].z - 0.5F;
+        kept = n;
+        assert_int_equal(thin_points(pts, &kept, MOST, near[k]), ST_OK);
+        for (size_t i = 0; i < kept; i++) {
+            const double z = (double)pts[i].z + (double)pts[i].off;
+
+            strays += z > 1;
+            sum += z > 1 ? 0 : z * z;
+        }
+        sum = sqrt(sum / (double)kept) / sqrt(1 / 12.0);
+        printf("near %g: %.3f of the deviation\n", near[k], sum);
+        assert_true(strays < kept / 100);
+        assert_true(k == 0 ? sum > 0.95 : sum < 0.25);
     }
 }
 
@@ -122,13 +154,13 @@ static void test_order(void **state)
             other[with] = swap;
         }
         kept = as_many = n;
-        assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
-        assert_int_equal(thin_points(other, &as_many, MOST), ST_OK);
+        assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
+        assert_int_equal(thin_points(other, &as_many, MOST, NEAR), ST_OK);
         assert_int_equal(kept, as_many);
         qsort(other, as_many, sizeof *other, by_index);
         for (size_t i = 0; i < kept; i++)
-            assert_true(pts[i].x == other[i].x && pts[i].y == other[i].y &&
-                        pts[i].z == other[i].z);
+            assert_true(pts[i].off == other[i].off && pts[i].x == other[i].x &&
+                        pts[i].y == other[i].y && pts[i].z == other[i].z);
     }
 }
 
@@ -143,7 +175,7 @@ static void test_limits(void **state)
     memcpy(other, pts, n * sizeof *pts);
     kept = n;
     fail_alloc_at(1);
-    assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
+    assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
     assert_int_equal(kept, MOST);
     assert_memory_equal(pts, other, n * sizeof *pts);
     anywhere(MOST + 100, &rng);
@@ -151,7 +183,7 @@ static void test_limits(void **state)
         pts[i].x = pts[i].y = 5;
     kept = n;
     fail_alloc_at(0);
-    assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
+    assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
     assert_int_equal(kept, 1);
     anywhere(MOST + 100, &rng);
     for (size_t i = 0; i < n; i += 2) {
@@ -159,7 +191,7 @@ static void test_limits(void **state)
         pts[i].y *= 1e35f;
     }
     kept = n;
-    assert_int_equal(thin_points(pts, &kept, MOST), ST_OK);
+    assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
     assert_in_range(kept, 1000, MOST);
 }
 
@@ -175,7 +207,7 @@ static void test_memory(void **state)
     for (unsigned long k = 1; st != ST_OK; k++) {
         kept = n;
         fail_alloc_at(k);
-        st = thin_points(pts, &kept, MOST);
+        st = thin_points(pts, &kept, MOST, NEAR);
         if (st != ST_OK) {
             assert_int_equal(st, ST_ENOMEM);
             assert_int_equal(kept, n);
@@ -190,7 +222,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_grids),  cmocka_unit_test(test_random),
         cmocka_unit_test(test_order),  cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_memory), cmocka_unit_test(test_mean),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
