@@ -192,6 +192,9 @@
 #define SCAN_PLAIN_COVER  120
 #define SCAN_PLAIN_SPIKES 0.03
 
+/* mm, along x: wider than any head. */
+#define SCAN_PLAIN_WIDE_MM 300
+
 /* The gate (scan/gate.h): the evidence that an enrolment needs, and a probe.  Of 1,400 scans of
  * faces the least support is 0.61 (neutral ones; one expression 0.43), likeness 2.08, share seen
  * 0.49; of 300 made-up ones 0.59, 1.5 and 0.77.  All of the evidence is 6.0 at least, of 298 of

@@ -274,6 +274,29 @@ static void test_elsewhere(void **state)
     assert_decision(FACE_MATCH);
 }
 
+/* Two people: the nearer one is taken, though the other is a plain face where it is. */
+static void test_two(void **state)
+{
+    size_t first;
+
+    (void)state;
+    sample(7, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    sample(7, 1, 4000);
+    first = n;
+    for (size_t i = 0; i < first; i++)
+        pts[ROOM - first + i] =
+            (struct dvec3){pts[i].x + 290, pts[i].y - 20, pts[i].z + 90};
+    sample(8, 1, 8000);
+    memmove(pts + n, pts + ROOM - first, first * sizeof *pts);
+    n += first;
+    assert_true(n > SCAN_FULL);
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(warned(SCAN_SEVERAL) && found.faces == 2);
+    assert_decision(FACE_MATCH);
+    assert_int_equal(build(&enrolment), ST_ESEVERAL);
+}
+
 /* Shoulders make it larger than a face is, in whatever unit: taken for mm, metres are one
  * place. */
 static void test_shoulders(void **state)
@@ -413,11 +436,10 @@ int main(void)
         cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
         cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
         cmocka_unit_test(test_half),      cmocka_unit_test(test_turn),
-        cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_shoulders),
-        cmocka_unit_test(test_cover),     cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_no_face),   cmocka_unit_test(test_range),
-        cmocka_unit_test(test_memory),
-    };
+        cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_two),
+        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
+        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
