@@ -155,6 +155,22 @@ static double eye(const struct shape_work *w, const float *z, const uint8_t *cel
     return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, w->mean, list, n);
 }
 
+/* The likeness of the forehead to the fitted one. */
+static double forehead(const struct shape_work *w, const float *z,
+                       const struct shape_fit *f)
+{
+    uint32_t list[GRID_N], n = 0, all = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (isnan(w->mean[i]) || grid_region_of(i) != GRID_FOREHEAD)
+            continue;
+        all++;
+        if (f->cell[i] == SHAPE_SKIN)
+            list[n++] = i;
+    }
+    return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, f->height, list, n);
+}
+
 /* What is not explained of the face that no cover hides, mm^2: the gap, up to SHAPE_REST_MM, as
  * the mean of each cell and those around it, so that noise counts little; squared, in terms of
  * the cell's rest, and averaged. */
@@ -233,6 +249,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
         a += fit->a[k] * fit->a[k];
     fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
     fit->eyes = fmin(eye(w, z, fit->cell, 1), eye(w, z, fit->cell, -1));
+    fit->forehead = forehead(w, z, fit);
     fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
                               (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
 }

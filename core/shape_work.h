@@ -29,6 +29,8 @@ struct shape_fit {
         eyes; /* the lesser of two: the likeness (frame.h) of the place round an eye to the
                     mean face's; -1: less than SHAPE_EYE_LEAST of it is skin */
     double
+        forehead; /* the likeness of the forehead to the fitted one; -1, as for the eyes */
+    double
         likeness; /* ln of the relief (frame.h) of the skin over what is not explained, both
                         root mean squares: how much more than a rest there is to the face */
 };

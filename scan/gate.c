@@ -89,7 +89,10 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     f->eyes_wanted = s->enrolment ? GATE_EYES : -1;
     f->seen = (double)fit->skin / s->shape->cells;
     f->seen_wanted = s->enrolment ? GATE_SEEN : 0;
-    f->evidence = f->likeness + f->eyes + 3 * f->support + 1.5 * f->seen;
+    f->forehead = fit->forehead;
+    f->forehead_wanted = s->enrolment ? GATE_FOREHEAD : -1;
+    f->evidence =
+        f->likeness + 4 * f->eyes + 5 * f->support + 2 * f->seen + 2 * f->forehead;
     f->evidence_wanted = s->enrolment ? GATE_EVIDENCE : -INFINITY;
     f->scale[0] = f->scale[1] = f->scale[2] = 1;
     /* What cannot be told is NAN, for which these are false. */
@@ -105,7 +108,11 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     if (fit->cover > SCAN_OCCLUDED_MOST * s->shape->cells &&
         f->support >= GATE_SUPPORT_PROBE && f->likeness >= f->likeness_wanted)
         return ST_EQUALITY; /* a face, as a probe may be, but covered */
-    if (!(f->eyes >= f->eyes_wanted && f->evidence >= f->evidence_wanted))
+    if (!(f->eyes >= f->eyes_wanted))
         return ST_ENOTFACE;
-    return st == ST_OK && !(f->seen >= f->seen_wanted) ? ST_EQUALITY : st;
+    if (st == ST_OK && !(f->seen >= f->seen_wanted && f->forehead > -1))
+        return ST_EQUALITY; /* nobody can tell */
+    if (!(f->forehead >= f->forehead_wanted && f->evidence >= f->evidence_wanted))
+        return ST_ENOTFACE;
+    return st;
 }

@@ -27,8 +27,11 @@ struct gate {
     double likeness; /* how little is left (shape.h) */
     double eyes;     /* how much like eyes the places of both are, -1..1 (shape.h) */
     double seen;     /* share of the mean face's cells that are skin, 0..1 */
-    double evidence; /* all together: likeness + eyes + 3 support + 1.5 seen */
-    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted, evidence_wanted;
+    double forehead; /* how much like a fitted face's it is, -1..1 (shape.h) */
+    /* likeness + 4 eyes + 5 support + 2 seen + 2 forehead */
+    double evidence;
+    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted, forehead_wanted;
+    double evidence_wanted;
     double scale[3]; /* the face's width, height and depth times these would fit better by
                         far; 1: as they are.  Of a refused enrolment alone */
 };

@@ -75,7 +75,8 @@ static double evidence(void *of, struct dvec3 *pts, size_t n)
         return -5 - g->face.frame.cost_mm; /* not even aligned */
     most = fmin(2 * (f->gate.support - GATE_SUPPORT), f->gate.likeness - GATE_LIKENESS);
     most = fmin(most, fmin(f->gate.eyes - GATE_EYES, 2 * (f->gate.seen - GATE_SEEN)));
-    return fmin(most, 0.5 * (f->gate.evidence - GATE_EVIDENCE));
+    most = fmin(most, f->gate.forehead - GATE_FOREHEAD);
+    return fmin(most, 0.3 * (f->gate.evidence - GATE_EVIDENCE));
 }
 
 static void sum_up(FILE *f, const char *set, const struct count *c)

@@ -32,6 +32,7 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
     } row[] = {{"support", f->gate.support, f->gate.support_wanted},
                {"likeness", f->gate.likeness, f->gate.likeness_wanted},
                {"eyes", f->gate.eyes, f->gate.eyes_wanted},
+               {"forehead", f->gate.forehead, f->gate.forehead_wanted},
                {"evidence", f->gate.evidence, f->gate.evidence_wanted}};
     const char *begin = " (";
 
@@ -59,6 +60,10 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
     if (f->gate.seen < f->gate.seen_wanted) {
         append(e, "%s%.0f %% of the face seen, at least %.0f %% wanted", comma,
                100 * f->gate.seen, 100 * f->gate.seen_wanted);
+        comma = ", ";
+    }
+    if (f->gate.forehead < f->gate.forehead_wanted) {
+        append(e, "%sthe forehead is not seen", comma);
         comma = ", ";
     }
     if ((f->warnings >> SCAN_TURNED & 1) != 0) {

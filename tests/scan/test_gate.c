@@ -138,7 +138,7 @@ static void test_stretched(void **state)
                 found.gate.scale[2] == 1);
 }
 
-/* A band of a face is too little to enrol, and the part below the eyes is none without
+/* A band of a face is too little to enrol, as is one without its forehead, and the part below the eyes is none without
  * them. */
 static void test_parts(void **state)
 {
@@ -151,6 +151,13 @@ static void test_parts(void **state)
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_EQUALITY);
     assert_true(found.gate.seen < found.gate.seen_wanted && found.gate.seen > 0.2);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
+    n = face(9);
+    left = 0;
+    for (size_t i = 0; i < n; i++)
+        if (pts[i].y < 46)
+            pts[left++] = pts[i];
+    assert_int_equal(build(pts, left, SCAN_AXES_SCANNER, true), ST_EQUALITY);
+    assert_true(found.gate.seen >= found.gate.seen_wanted && found.gate.forehead == -1);
     n = face(9);
     left = 0;
     for (size_t i = 0; i < n; i++)
