@@ -192,7 +192,7 @@
 #define SCAN_PLAIN_COVER  120
 #define SCAN_PLAIN_SPIKES 0.03
 
-/* mm, along x: wider than any head. */
+/* mm, along x: wider than any head.  By hand. */
 #define SCAN_PLAIN_WIDE_MM 300
 
 /* The gate (scan/gate.h): the evidence that an enrolment needs, and a probe.  Of 1,400 scans of
