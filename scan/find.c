@@ -177,7 +177,11 @@ static enum status search_head(struct finder *f, double unit_mm)
     if (st == ST_OK && !plain(f))
         st = find_part_all(&g, parts, &n);
     keep_target(f);
-    return n > 1 ? search_parts(f, parts, n, st) : st;
+    if (n > 1)
+        return search_parts(f, parts, n, st);
+    if (n == 1) /* the whole, which has been searched */
+        find_grid_free(&parts[0]);
+    return st;
 }
 
 /* A room by its parts of a head's size. */
