@@ -94,8 +94,8 @@ static double turn_of(const double r[9], double side, struct scan_found *f)
 }
 
 /* Against the agreed axes, or a camera's: y down and z away; of points that are all seen from
- * there. */
-static void tell_turn(struct scan *s)
+ * there, as those of a frontal scan are. */
+static void tell_turn(struct scan *s, bool frontal)
 {
     const struct align_pose *pose = &s->fit.pose;
     struct scan_found *f = s->found;
@@ -107,7 +107,7 @@ static void tell_turn(struct scan *s)
     if (agreed > camera)
         *f = seen;
     if (fmax(agreed, camera) < SCAN_AXES_TRACE ||
-        !sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1))
+        !(frontal || sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1)))
         f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
     warn(s, SCAN_TURNED,
          fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG ||
@@ -261,7 +261,7 @@ static enum status build_crop(struct scan *s)
     const enum status judged = judge_face(s, s->c->at, n);
     enum status st;
 
-    tell_turn(s);
+    tell_turn(s, false);
     st = crop_face(s->c, &view, most, &count);
     if (st != ST_OK || judged == ST_ENOMEM)
         return st != ST_OK ? st : judged;
@@ -281,7 +281,7 @@ static enum status keep(struct scan *s)
     const enum status judged = judge_face(s, s->c->at, s->c->n);
     enum status st;
 
-    tell_turn(s);
+    tell_turn(s, true);
     tell_fit(s, &still);
     st = judge_enrolment(s);
     return judged != ST_OK ? judged : st;
