@@ -29,7 +29,7 @@ struct face_work {
     const struct model *model;
     struct frame_mean mean;          /* the model's */
     struct fit_basis motion, change; /* the model's */
-    struct shape_work shape;
+    struct shape_work *shape;        /* NULL until it is asked for */
     struct decision decision;
 };
 
@@ -60,7 +60,6 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
-    shape_work_prepare(w->model, &w->shape);
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -85,7 +84,9 @@ const struct frame_mean *face_work_mean(const struct face_work *w)
 
 struct shape_work *face_work_shape(struct face_work *w)
 {
-    return &w->shape;
+    if (w->shape == NULL && (w->shape = mem_array(1, sizeof *w->shape)) != NULL)
+        shape_work_prepare(w->model, w->shape);
+    return w->shape;
 }
 
 void face_work_free(struct face_work *w)
@@ -96,7 +97,9 @@ void face_work_free(struct face_work *w)
     align_work_free(&w->align);
     surface_free(&w->upright);
     face_free(&w->mirrored);
-    shape_work_free(&w->shape);
+    if (w->shape != NULL)
+        shape_work_free(w->shape);
+    mem_free(w->shape);
     mem_free(w);
 }
 

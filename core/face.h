@@ -59,7 +59,7 @@ void face_work_free(struct face_work *w);
 void face_work_decide(struct face_work *w, const struct decision *d);
 
 /* The model that w was made with, its mean face ready to align to, and its shape ready to be
- * fitted. */
+ * fitted, which takes 0.4 MB from the first call on; NULL: out of memory. */
 const struct model *face_work_model(const struct face_work *w);
 const struct frame_mean *face_work_mean(const struct face_work *w);
 struct shape_work *face_work_shape(struct face_work *w);

@@ -25,6 +25,7 @@ struct scan {
     struct cloudpoints *c;
     const struct scan_options *o;
     struct face_work *w;
+    struct shape_work *shape; /* w's */
     struct face *out;
     size_t *bad;
     struct scan_found *found;
@@ -131,7 +132,7 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
 /* The points are those that were fitted to. */
 static enum status judge_face(struct scan *s, const struct dvec3 *pts, size_t n)
 {
-    const struct gate_scan g = {face_work_shape(s->w), &s->fit, pts, n, s->o->enrolment};
+    const struct gate_scan g = {s->shape, &s->fit, pts, n, s->o->enrolment};
 
     s->found->occluded = (double)s->fit.cover / g.shape->cells;
     return gate_judge(&g, &s->found->gate);
@@ -193,13 +194,12 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
 static enum status fit(struct scan *s, const struct dvec3 *pts, size_t n,
                        const struct align_pose *pose)
 {
-    struct shape_work *shape = face_work_shape(s->w);
-    const enum status st = shape_judge(shape, pts, n, pose, &s->fit);
+    const enum status st = shape_judge(s->shape, pts, n, pose, &s->fit);
 
     if (st != ST_OK ||
         (s->fit.support >= SCAN_SURE && s->fit.cover == 0 && !s->o->enrolment))
         return st;
-    return shape_fit(shape, pts, n, pose, 1, false, &s->fit);
+    return shape_fit(s->shape, pts, n, pose, 1, false, &s->fit);
 }
 
 /* Where no search follows, what was refused only once it had been laid on the mean face has
@@ -373,7 +373,7 @@ static enum status search(struct scan *s)
             start[n++] = find.pose[i].pose;
     scale(s->c, s->found->unit_mm);
     s->out->quality = (struct quality){0}; /* was that of all points */
-    st = shape_fit(face_work_shape(s->w), s->c->at, s->c->n, start, n, true, &s->fit);
+    st = shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &s->fit);
     return st == ST_OK ? build_crop(s) : st;
 }
 
@@ -414,7 +414,10 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     enum status st;
 
     begin(&s);
-    st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
+    if ((s.shape = face_work_shape(w)) == NULL)
+        st = ST_ENOMEM;
+    else
+        st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
     mem_free(c->normal); /* they have told what they could */
     c->normal = NULL;
     if (st == ST_OK) {
