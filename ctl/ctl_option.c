@@ -152,7 +152,7 @@ static const struct ctl_option shared_options[] = {
            "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
-    SHARED("units", "auto|mm|cm|m|in", read_units, scans.unit_mm, 0,
+    SHARED("units", "auto|mm|cm|m|in|um", read_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"
            "file says wins"),
     SHARED("axes", "auto|scanner", read_axes, scans.axes, 0,

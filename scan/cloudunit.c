@@ -5,20 +5,18 @@
 static const struct {
     const char *name, *plural;
     double mm;
-    bool told; /* may be told, and not only found */
-} unit[] = {{"mm", "millimetres", 1, true},
-            {"cm", "centimetres", 10, true},
-            {"m", "metres", 1000, true},
-            {"in", "inches", 25.4, true},
-            {"um", "micrometres", 0.001, false}};
+} unit[] = {{"mm", "millimetres", 1},
+            {"cm", "centimetres", 10},
+            {"m", "metres", 1000},
+            {"in", "inches", 25.4},
+            {"um", "micrometres", 0.001}};
 
 #define UNITS (sizeof unit / sizeof *unit)
 
 bool cloudunit_mm(const char *name, size_t len, double *mm)
 {
     for (size_t i = 0; i < UNITS; i++) {
-        if (!unit[i].told || strlen(unit[i].name) != len ||
-            memcmp(unit[i].name, name, len) != 0)
+        if (strlen(unit[i].name) != len || memcmp(unit[i].name, name, len) != 0)
             continue;
         *mm = unit[i].mm;
         return true;

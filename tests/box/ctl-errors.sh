@@ -36,7 +36,7 @@ refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
 refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
 refuse 64 'it is: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
-refuse 64 'units takes auto, mm, cm, m or in' "$ctl" --db f.db --units inch enroll alice good.ply
+refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
 refuse 64 'fill does not take' "$ctl" fill good.ply --axes auto --out filled.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm nan

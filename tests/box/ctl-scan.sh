@@ -57,6 +57,9 @@ expect 0 "from a pipe" sh -c "'$ctl' scan - <a.ply"
 awk '{ print $1 / 25.4, -$2 / 25.4, -$3 / 25.4 }' a.xyz >camera.xyz
 expect 1 "inches taken for mm" "$ctl" scan --units mm camera.xyz --json
 is "the extent tells" "$(one .code)" units_suspicious
+awk '{ print $1 * 1000, $2 * 1000, $3 * 1000 }' a.xyz >micro.xyz
+expect 0 "micrometres" "$ctl" scan --units um micro.xyz --json
+is "the unit taken" "$(one .scan.units)" um
 expect 1 "axes of a camera" "$ctl" scan --units in --axes scanner camera.xyz
 expect 64 "an option it does not take" "$ctl" scan a.ply --label x
 

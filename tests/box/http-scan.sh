@@ -65,11 +65,11 @@ for member in '.units = "auto"' '.units = "mm"' '.axes = "auto"' '.axes = "scann
     found "$member"
     is "$member" "$(get .decision)" match
 done
-for query in units=inch units= units=MM units=um 'units=mm%00' axes=camera axes= axes=Scanner; do
+for query in units=inch units= units=MM units=yd 'units=mm%00' axes=camera axes= axes=Scanner; do
     send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a.ply"
     problem "$query" 400 invalid_parameter "^${query%%=*} is n"
 done
-for member in '.units = "um"' '.units = 1' '.axes = "camera"' '.axes = null' '.axes = true'; do
+for member in '.units = "yd"' '.units = 1' '.axes = "camera"' '.axes = null' '.axes = true'; do
     jq -c "$member" "$T/b.json" >"$T/x"
     send POST /v1/subjects/alice/verify "$JSON" "$T/x"
     m=${member#.}
@@ -85,6 +85,15 @@ problem "metres said to be mm" 422 units_suspicious \
 send POST '/v1/subjects/alice/verify?units=m' "$BYTES" "$T/metres.xyz"
 is "metres" "$STATUS $(get '[.decision, .scan.units, (.scan.view | .[0] | round)] | tojson')" \
     '200 ["match","m",1000]'
+awk '{ print $1 * 1000, $2 * 1000, $3 * 1000 }' "$T/a.xyz" >"$T/micro.xyz"
+for units in auto um; do # a unit that is told is one that is taken
+    send POST "/v1/subjects/alice/verify?units=$units" "$BYTES" "$T/micro.xyz"
+    is "micrometres, $units" "$STATUS $(get '[.decision, .scan.units, (.scan.view[0] * 1000 | round)] | tojson')" \
+        '200 ["match","um",1]'
+done
+jq -c '{points: [.points[] | map(. * 1000)], units: "um"}' "$T/b.json" >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+is "micrometres in JSON" "$STATUS $(get '[.decision, .scan.units] | tojson')" '200 ["match","um"]'
 jq -c '{points: [.points[] | map(. / 10)], units: "cm"}' "$T/b.json" >"$T/x"
 send POST '/v1/subjects/alice/verify?units=m' "$JSON" "$T/x"
 is "the file's own unit wins" "$STATUS $(get '[.decision, .scan.units] | tojson')" '200 ["match","cm"]'

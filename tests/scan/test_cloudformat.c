@@ -111,7 +111,8 @@ static void test_json(void **state)
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
     f.len = 0;
     scanfile_text(&f, "{\"points\": [[1,2,3]], \"units\": \"ell\"}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "units is not auto, mm, cm, m or in");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
+                 "units is not auto, mm, cm, m, in or um");
     f.len = 0;
     scanfile_text(&f,
                   "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}");

@@ -75,11 +75,9 @@ static void test_units(void **state)
     static const struct {
         const char *heading;
         double mm;
-    } c[] = {{"x_mm,y_mm,z_mm", 1},
-             {"X (m),Y (m),Z (m)", 1000},
-             {"x[cm],y[cm],z[cm]", 10},
-             {"x/in,y/in,z/in", 25.4},
-             {"x,y,z", 0}};
+    } c[] = {{"x_mm,y_mm,z_mm", 1},     {"X (m),Y (m),Z (m)", 1000},
+             {"x_um,y_um,z_um", 0.001}, {"x[cm],y[cm],z[cm]", 10},
+             {"x/in,y/in,z/in", 25.4},  {"x,y,z", 0}};
 
     (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
