@@ -33,4 +33,8 @@ struct ctl_command {
 
 #define CTL_MANY (1 << 30) /* arguments */
 
+/* What EXIT_INCONCLUSIVE means (docs/decision.md). */
+#define CTL_INCONCLUSIVE                                                                 \
+    "inconclusive: too little in common, or a part hidden and the score not far above"
+
 #endif

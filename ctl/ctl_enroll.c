@@ -106,8 +106,8 @@ const struct ctl_command ctl_enroll = {
     .help =
         "Each FILE (PLY, OBJ, STL, PCD, GLB, XYZ, PTS, CSV, depth PNG, JSON; - is standard input)\n"
         "becomes a template.  Enrolling the same scan again changes nothing.  A scan that matches\n"
-        "none of the subject's templates, or has too little in common with them to tell, is\n"
-        "refused unless --force is given.\n"
+        "none of the subject's templates, or does not tell (inconclusive), is refused unless\n"
+        "--force is given.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"

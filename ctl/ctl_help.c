@@ -14,7 +14,7 @@ static const struct {
 } exits[] = {
     {EXIT_FINE, "done; a match"},
     {EXIT_NO, "no match; problems, or duplicates, were found; a scan is refused"},
-    {EXIT_INCONCLUSIVE, "inconclusive: the scans have too little in common"},
+    {EXIT_INCONCLUSIVE, CTL_INCONCLUSIVE},
     {EXIT_USAGE, "the command line is wrong, or a confirmation is missing"},
     {EXIT_DATA, "a scan, a model or the database is malformed or cannot be used"},
     {EXIT_NOINPUT, "no such file, model, subject, template, token or database"},

@@ -40,8 +40,9 @@ static void print_heading(FILE *to, const struct face_result *r)
     if (!r->comparable)
         (void)fprintf(to, "too little in common to decide");
     else
-        (void)fprintf(to, "score %.3f mm %s threshold %.3f mm", r->score_mm,
-                      r->decision == FACE_MATCH ? "≤" : ">", r->threshold_mm);
+        (void)fprintf(to, "score %.3f mm %s threshold %.3f mm%s", r->score_mm,
+                      r->decision == FACE_MATCH ? "≤" : ">", r->threshold_mm,
+                      r->decision == FACE_INCONCLUSIVE ? ", but a part is hidden" : "");
     (void)fprintf(to,
                   "}\\ncommon area %.0f %% (at least %.0f %%), %.0f %% of the weight (at "
                   "least %.0f %%)\" at screen 0.5,0.942 center\n",

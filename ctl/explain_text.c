@@ -15,6 +15,8 @@ static const char *reason(const struct face_result *r)
         return "the score is not above the threshold";
     if (r->decision == FACE_NO_MATCH)
         return "the score is above the threshold";
+    if (r->comparable)
+        return "a part of B is hidden, and the score is not far above the threshold";
     if (r->align.stop == ALIGN_APART)
         return "no pose was found in which the surfaces have enough in common";
     if (r->overlap < DECISION_MIN_OVERLAP)

@@ -6,15 +6,20 @@
 
 static enum status mismatch(const struct nearest *n, struct errinfo *e)
 {
+    const char *why =
+        "the sample does not fit: it matches none of the subject's templates";
+
     if (nearest_judge(n, e) != ST_OK)
         return e->code = ST_EMISMATCH;
-    return errinfo_set(
-        e, ST_EMISMATCH, "%s",
-        !n->result.comparable
-            ? "the sample has too little in common with any of the subject's "
-              "templates to tell whether it fits; only with force is it enrolled"
-            : "the sample does not fit: it matches none of the subject's templates; only "
-              "with force is it enrolled");
+    if (!n->result.comparable)
+        why =
+            "the sample has too little in common with any of the subject's templates to "
+            "tell whether it fits";
+    else if (n->result.decision == FACE_INCONCLUSIVE)
+        why =
+            "a part of the face is hidden, and the rest does not tell whether the sample "
+            "fits the subject's templates";
+    return errinfo_set(e, ST_EMISMATCH, "%s; only with force is it enrolled", why);
 }
 
 /* newest: the id of the last template that it was compared with, "" where there is none.  A

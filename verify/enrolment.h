@@ -1,6 +1,6 @@
 /* enrolment.h -- a sample becomes a template of a subject.  A further sample must match the
  * nearest of those that are there: from then on it decides like any of them, so one that
- * cannot be compared (too little in common) does not do either. */
+ * does not tell (inconclusive) does not do either. */
 #ifndef VERIFY_ENROLMENT_H
 #define VERIFY_ENROLMENT_H
 #include <stdbool.h>

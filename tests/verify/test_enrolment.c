@@ -10,6 +10,7 @@
 #include "clouds.h"
 #include "enrolment.h"
 #include "errinfo.h"
+#include "model.h"
 #include "tempdb.h"
 
 #define POINTS 1500
@@ -130,6 +131,28 @@ static void test_inconclusive(void **state)
     assert_true(out.created);
 }
 
+/* Nor does one that hides a part of the face, with a score between the two thresholds. */
+static void test_doubt(void **state)
+{
+    struct decision strict = model_default.decision;
+    struct face hidden = again; /* borrows its surface */
+    struct enrolment_outcome out;
+
+    (void)state;
+    hidden.hidden = 0.4;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(add(&hidden, false, &out), ST_OK);
+    store_close(store);
+    store = tempdb_fresh();
+    strict.threshold_mm = 0.8 * out.nearest.result.calibrated_mm;
+    face_work_decide(tempdb_work, &strict);
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(add(&hidden, false, &out), ST_EMISMATCH);
+    face_work_decide(tempdb_work, NULL);
+    assert_int_equal(out.nearest.result.decision, FACE_INCONCLUSIVE);
+    assert_non_null(strstr(e.msg, "a part of the face is hidden"));
+}
+
 /* A template that is enrolled between comparing and storing is compared with too. */
 static void test_meanwhile(void **state)
 {
@@ -180,6 +203,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
         cmocka_unit_test_setup_teardown(test_inconclusive, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_doubt, fresh, closed),
         cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
         cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
     };
