@@ -53,7 +53,7 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
 {
     const char *comma = "";
 
-    if ((f->warnings >> SCAN_OCCLUDED & 1) != 0) {
+    if (f->occluded > SCAN_OCCLUDED_MOST) { /* less is a warning, and not the reason */
         append(e, "too much of the face is covered");
         comma = ", ";
     }

@@ -162,6 +162,21 @@ static void test_texts(void **state)
     }
 }
 
+/* What covers less than an enrolment may have is no reason for a refusal, but advice. */
+static void test_covered_a_little(void **state)
+{
+    (void)state;
+    told.occluded = 0.06;
+    told.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_TURNED;
+    told.yaw_deg = 46;
+    assert_int_equal(run(ST_EQUALITY, ST_OK), ST_OK);
+    assert_string_equal(
+        t.why.msg,
+        "points: the face is turned away from the scanner: take off glasses or mask, keep "
+        "hair and hands away: 6 % of the face is covered; turn the head towards the "
+        "scanner: 46° to the left now, up to 30° for enrolment");
+}
+
 static void test_unread(void **state)
 {
     static const enum status refusal[] = {
@@ -193,6 +208,7 @@ int main(void)
         cmocka_unit_test_setup(test_neither, set_up),
         cmocka_unit_test_setup(test_failure, set_up),
         cmocka_unit_test_setup(test_texts, set_up),
+        cmocka_unit_test_setup(test_covered_a_little, set_up),
         cmocka_unit_test(test_unread),
     };
 
