@@ -10,6 +10,7 @@
 #include "find.h"
 #include "mem.h"
 #include "mirror.h"
+#include "scan_search.h"
 #include "shape.h"
 #include "sight.h"
 #include "sparse.h"
@@ -355,26 +356,41 @@ static enum status look(struct scan *s, bool *is)
     return st;
 }
 
-/* Nothing is known of unit and axes; c is as it was read. */
-static enum status search(struct scan *s)
+/* Nothing is known of unit and axes; c is as it was read.  Leaves it in the unit found. */
+static enum status search(struct scan *s, struct scan_search *k)
 {
+    const struct find_pose *pose = k->find.pose;
     struct align_pose start[FIND_POSES];
-    struct find find;
     uint32_t n = 0;
-    enum status st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, &find);
 
-    if (st != ST_OK)
-        return st;
+    if (!k->done)
+        k->st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, &k->find);
+    if (k->st != ST_OK)
+        return k->st;
+    scale(s->c, pose[0].unit_mm);
+    if (k->done)
+        return ST_OK;
+    for (uint32_t i = 0; i < k->find.n; i++)
+        if (pose[i].unit_mm == pose[0].unit_mm)
+            start[n++] = pose[i].pose;
+    return shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
+}
+
+static enum status build_searched(struct scan *s)
+{
+    struct scan_search own = {.done = false};
+    struct scan_search *k = s->o->search != NULL ? s->o->search : &own;
+
+    k->st = search(s, k);
+    k->done = true;
+    if (k->st != ST_OK)
+        return k->st;
+    s->fit = k->fit;
     s->found->found = true;
-    s->found->faces = find.faces;
-    s->found->unit_mm = find.pose[0].unit_mm;
-    for (uint32_t i = 0; i < find.n; i++)
-        if (find.pose[i].unit_mm == s->found->unit_mm)
-            start[n++] = find.pose[i].pose;
-    scale(s->c, s->found->unit_mm);
+    s->found->faces = k->find.faces;
+    s->found->unit_mm = k->find.pose[0].unit_mm;
     s->out->quality = (struct quality){0}; /* was that of all points */
-    st = shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &s->fit);
-    return st == ST_OK ? build_crop(s) : st;
+    return build_crop(s);
 }
 
 static enum status build_found(struct scan *s)
@@ -396,7 +412,7 @@ static enum status build_found(struct scan *s)
     scale(s->c, 1 / unit);
     s->found->unit_mm = s->c->unit_mm;
     quality = s->out->quality;
-    searched = search(s);
+    searched = build_searched(s);
     /* What is wrong with the points as they are may be the nearer reason. */
     if ((searched == ST_ENOFACE && st != ST_OK) ||
         (searched == ST_ENOTFACE && st == ST_EQUALITY)) {

@@ -12,6 +12,7 @@
 struct cloudpoints; /* cloudpoints.h */
 struct face;        /* face.h */
 struct face_work;   /* face.h */
+struct scan_search; /* scan_search.h */
 
 enum scan_axes {
     SCAN_AXES_AUTO,   /* the face is found, whatever its pose */
@@ -21,7 +22,9 @@ enum scan_axes {
 
 struct scan_options {
     enum scan_axes axes;
-    bool enrolment; /* the strict gate */
+    bool enrolment;             /* the strict gate */
+    struct scan_search *search; /* kept from the first call to the second for the same
+                                   points (scan_search.h); NULL: not kept */
 };
 
 /* What a scan of which a face model can be made has nevertheless, as bits. */

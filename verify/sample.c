@@ -139,7 +139,8 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                          struct face *out, struct scan_found *found, struct errinfo *e)
 {
     const struct scan_options by = {.axes = c->as_scanned ? SCAN_AXES_SCANNER : o->axes,
-                                    .enrolment = o->enrolment};
+                                    .enrolment = o->enrolment,
+                                    .search = o->search};
     const size_t n = c->n;
     struct advice advice;
     size_t bad = 0;

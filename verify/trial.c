@@ -3,6 +3,7 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "sample.h"
+#include "scan_search.h"
 
 bool trial_is_refusal(enum status st)
 {
@@ -34,10 +35,11 @@ static enum status run(const char *name, struct cloudpoints *c,
 
 /* As for a verification, which takes more than an enrolment; out has the enrolment's refusal,
  * which stays where this succeeds. */
-static void run_loosely(const char *name, struct cloudpoints *c, enum scan_axes axes,
-                        struct face_work *w, struct face *face, struct trial *out)
+static void run_loosely(const char *name, struct cloudpoints *c,
+                        const struct scan_options *strict, struct face_work *w,
+                        struct face *face, struct trial *out)
 {
-    const struct scan_options o = {.axes = axes};
+    const struct scan_options o = {.axes = strict->axes, .search = strict->search};
     struct trial loose = {.verification = ST_OK};
 
     out->verification = run(name, c, &o, w, face, &loose);
@@ -51,7 +53,8 @@ static void run_loosely(const char *name, struct cloudpoints *c, enum scan_axes 
 enum status trial_run(const char *name, struct cloudpoints *c, enum scan_axes axes,
                       struct face_work *w, struct face *face, struct trial *out)
 {
-    const struct scan_options o = {.axes = axes, .enrolment = true};
+    struct scan_search search = {.done = false};
+    const struct scan_options o = {.axes = axes, .enrolment = true, .search = &search};
     struct cloudpoints again;
 
     *out = (struct trial){0};
@@ -61,7 +64,7 @@ enum status trial_run(const char *name, struct cloudpoints *c, enum scan_axes ax
     if (trial_is_refusal(out->enrolment)) {
         cloudpoints_free(c);
         *c = again;
-        run_loosely(name, c, axes, w, face, out);
+        run_loosely(name, c, &o, w, face, out);
     } else {
         cloudpoints_free(&again);
     }

@@ -31,7 +31,7 @@ const char *trial_code(enum status st);
  * name, axes, w  as in sample_build()
  * c      afterwards as scan_build() leaves it
  * face   the model, if either succeeds; else empty, its quality as sample_build() says
- * Cost   twice a face model at most, and a copy of the points.
+ * Cost   twice a face model at most, with one search for the face, and a copy of the points.
  * Returns ST_OK, also for a scan that is refused; ST_ENOMEM and what else is no refusal, with
  * out->why. */
 enum status trial_run(const char *name, struct cloudpoints *c, enum scan_axes axes,

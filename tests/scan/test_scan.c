@@ -18,6 +18,7 @@
 #include "fail_alloc.h"
 #include "mem.h"
 #include "scan.h"
+#include "scan_search.h"
 #include "toy.h"
 #include "tuning.h"
 
@@ -383,6 +384,29 @@ static void test_no_face(void **state)
     assert_int_equal(build(&probe), ST_EDEGENERATE);
 }
 
+/* A second call for the same points takes what the first one's search found, and gives what it
+ * gives without: to the last digit. */
+static void test_search_kept(void **state)
+{
+    struct scan_search search = {.done = false};
+    const struct scan_options strict = {.enrolment = true, .search = &search},
+                              loose = {.search = &search};
+    struct scan_found before;
+
+    (void)state;
+    sample(6, 1, 3000);
+    turn(45, 0, 30, 1000);
+    assert_int_equal(build(&probe), ST_OK);
+    before = found;
+    assert_int_equal(build(&strict), ST_OK);
+    assert_true(search.done && search.st == ST_OK && found.found);
+    assert_int_equal(build(&loose), ST_OK);
+    assert_memory_equal(&found, &before, sizeof found);
+    search.find.faces = 7;
+    assert_int_equal(build(&loose), ST_OK);
+    assert_int_equal(found.faces, 7);
+}
+
 /* A number that no scanner gives is told as such, and where. */
 static void test_range(void **state)
 {
@@ -433,13 +457,14 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
-        cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
-        cmocka_unit_test(test_half),      cmocka_unit_test(test_turn),
-        cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_two),
-        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
-        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
-        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_as_it_is),    cmocka_unit_test(test_units),
+        cmocka_unit_test(test_dense),       cmocka_unit_test(test_found),
+        cmocka_unit_test(test_half),        cmocka_unit_test(test_turn),
+        cmocka_unit_test(test_elsewhere),   cmocka_unit_test(test_two),
+        cmocka_unit_test(test_search_kept), cmocka_unit_test(test_shoulders),
+        cmocka_unit_test(test_cover),       cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_no_face),     cmocka_unit_test(test_range),
+        cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -17,7 +17,8 @@
 /* What each run is to return, by whether it is an enrolment's. */
 static enum status outcome[2];
 static int runs;
-static struct scan_found told; /* but for the points */
+static const struct scan_search *search; /* of the latest run */
+static struct scan_found told;           /* but for the points */
 
 enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
                               struct face_work *w, struct face *out, size_t *bad,
@@ -29,7 +30,8 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
 {
     (void)w;
     (void)bad;
-    runs++;
+    assert_true(o->search != NULL && (runs++ == 0 || o->search == search));
+    search = o->search;
     assert_int_equal(o->axes, SCAN_AXES_SCANNER);
     assert_int_equal(c->n, 3);
     assert_true(c->at[1].y == 2.5 && c->index[2] == 4 && c->normal == NULL);
