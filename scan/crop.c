@@ -211,18 +211,21 @@ static void take(struct cloudpoints *c, const struct align_pose *view,
     c->n = n;
 }
 
-/* The points of the face and its rim, their z that over the face. */
+/* The points of the face and its rim, their z that over the face; and the number of those where
+ * something covers it. */
 static size_t take_face(const struct cloudpoints *c, const struct align_pose *view,
-                        const struct room *r, struct thin_point *p)
+                        const struct room *r, struct thin_point *p, size_t *other)
 {
     size_t n = 0;
 
+    *other = 0;
     for (size_t i = 0; i < c->n; i++) {
         const struct thin_point q = seen_from(view, c->at[i], i);
         const uint32_t cell = cell_of(q.x, q.y);
 
         p[n] = q;
         p[n].z = q.z - (r->z[cell] + r->zx[cell] * q.x + r->zy[cell] * q.y);
+        *other += r->other[cell] & (p[n].z > -r->behind[cell]);
         n += (p[n].z < r->before[cell]) & (p[n].z > -r->behind[cell]);
     }
     return n;
@@ -250,10 +253,9 @@ enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t m
     if (p == NULL)
         return ST_ENOMEM;
     measure_room(v, &room);
-    n = take_face(c, &v->pose, &room, p);
-    out->face = n = remove_hidden(&room, p, n);
-    n = remove_other(&room, p, n);
-    out->other = out->face - n;
+    n = take_face(c, &v->pose, &room, p, &out->other);
+    n = remove_hidden(&room, p, n);
+    out->face = n = remove_other(&room, p, n);
     if ((st = thin_points(p, &n, most, CROP_MEAN_MM)) == ST_OK)
         take(c, &v->pose, p, out->kept = n);
     mem_free(p);

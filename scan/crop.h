@@ -19,9 +19,10 @@ struct crop_view {
 
 /* What became of the points. */
 struct crop_count {
-    size_t face;  /* seen from the front, on the face and the rim round it */
-    size_t other; /* of them, on what is no skin: left out */
-    size_t kept;  /* of the rest, after thinning */
+    size_t face; /* seen from the front, on the face's skin and the rim round it */
+    size_t
+        other; /* where something covers it: of what does, however far before it, and below */
+    size_t kept; /* of face, after thinning */
 };
 
 /* crop_face(c, v, most, out): c, in mm, becomes the points of the face, at most so many.

@@ -267,9 +267,9 @@ static enum status build_crop(struct scan *s)
     if (st != ST_OK || judged == ST_ENOMEM)
         return st != ST_OK ? st : judged;
     tell_fit(s, &s->fit.pose);
-    s->found->elsewhere = 1 - (double)count.face / (double)n;
+    s->found->elsewhere = 1 - (double)(count.face + count.other) / (double)n;
     warn(s, SCAN_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
-    warn(s, SCAN_THINNED, count.kept < count.face - count.other);
+    warn(s, SCAN_THINNED, count.kept < count.face);
     st = judge_enrolment(s);
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;

@@ -52,9 +52,10 @@ struct scan_found {
         yaw_deg; /* the face's front, seen from the scanner: positive to the image's right;
                           NAN: where the scanner was cannot be told */
     double pitch_deg, roll_deg; /* likewise; positive upwards, and anticlockwise */
-    double occluded;   /* share of the mean face's cells that something covers, 0..1 */
-    double elsewhere;  /* share of the points that are not of the face, 0..1 */
-    uint32_t faces;    /* in the cloud */
+    double occluded; /* share of the mean face's cells that something covers, 0..1 */
+    double
+        elsewhere;  /* share of the points of neither the face nor what covers it, 0..1 */
+    uint32_t faces; /* in the cloud */
     struct gate gate;  /* the evidence for a face, and the least that is wanted here */
     unsigned warnings; /* 1 << enum scan_warning */
 };
