@@ -104,7 +104,7 @@ $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
 SEES_box   := $(call sees,db)
 SEES_fuzz  := server $(SEES_ctl)
-SEES_work  := core
+SEES_work  := scan base core
 SEES_bench := $(call sees,db)
 define testroom
 $(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Itools $(call flags,$(1))
@@ -158,12 +158,12 @@ $(BUILD)/lib%.a:
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
 
-# The core with a call in each basic block, which tests/work counts.
-COUNTED := $(patsubst core/%.c,$(BUILD)/counted/%.o,$(wildcard core/*.c))
-$(COUNTED): $(BUILD)/counted/%.o: core/%.c Makefile
+# The core, and the search for a face, with a call in each basic block, which tests/work counts.
+COUNTED := $(patsubst %.c,$(BUILD)/counted/%.o,$(wildcard core/*.c scan/find*.c))
+$(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC)
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc -Icore -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc $(call flags,scan) -MMD -MP -c -o $@ $<
 $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
 # The library as it is installed: core as one object that exports what core/libsurface.h
@@ -366,4 +366,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/counted/*.d $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/counted/*/*.d $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)

@@ -1,5 +1,5 @@
 /* Finding a face: made-up heads in any pose, unit and surroundings; several in one cloud; what
- * is none; memory that runs out; contrived points. */
+ * is none; memory that runs out. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,10 +16,7 @@
 #include "fail_alloc.h"
 #include "find.h"
 #include "headscan.h"
-#include "timing.h"
 #include "tuning.h"
-
-#define MANY 300000
 
 static struct face_work *work;
 
@@ -453,79 +450,14 @@ static void test_memory(void **state)
     headscan_free(&s);
 }
 
-/* ---- contrived points */
-
-static double random_in(struct brute_rng *r, double half)
-{
-    return half * (2 * brute_real(r) - 1);
-}
-
-static void contrive(int kind, struct brute_rng *r, struct dvec3 *pts)
-{
-    for (size_t i = 0; i < MANY; i++) {
-        const double x = random_in(r, 1), y = random_in(r, 1), z = random_in(r, 1);
-        const double e = x * 200 - 60 * rint(x * 200 / 60);
-        const double f = y * 200 - 60 * rint(y * 200 / 60);
-
-        switch (kind) {
-        case 0: /* solids */
-            pts[i] = (struct dvec3){300 * x, 300 * y, 300 * z};
-            break;
-        case 1: /* one point in each cell */
-            pts[i] = (struct dvec3){20 * (double)(i % 67), 20 * (double)(i / 67 % 67),
-                                    20 * (double)(i / 67 / 67)};
-            break;
-        case 2: /* far apart */
-            pts[i] = (struct dvec3){1e6 * x, 1e6 * y, 1e6 * z};
-            break;
-        case 3: /* many noses */
-            pts[i] = (struct dvec3){200 * x, 200 * y, 18 * exp(-(e * e + f * f) / 200)};
-            break;
-        default: /* a rough wall */
-            pts[i] = (struct dvec3){750 * x, 750 * y, 20 * z};
-        }
-    }
-}
-
-/* They cost at most fifteen times a head of as many points: nine are measured. */
-static void test_contrived(void **state)
-{
-    static struct dvec3 pts[MANY];
-    struct brute_rng r = {1};
-    struct head h = {0};
-    struct find f;
-    double ordinary, took;
-
-    (void)state;
-    head_make_up(1, &h);
-    for (size_t i = 0; i < MANY; i++) {
-        const struct dvec3 p = h.at[i % h.n];
-
-        pts[i] = (struct dvec3){p.x + random_in(&r, 0.5), p.y + random_in(&r, 0.5),
-                                p.z + random_in(&r, 0.5)};
-    }
-    head_free(&h);
-    ordinary = timing_now_ms();
-    assert_int_equal(find_face(pts, MANY, 0, work, &f), ST_OK);
-    ordinary = timing_now_ms() - ordinary;
-    for (int kind = 0; kind < 5; kind++) {
-        contrive(kind, &r, pts);
-        took = timing_now_ms();
-        (void)find_face(pts, MANY, 0, work, &f);
-        took = timing_now_ms() - took;
-        assert_true(took < 15 * ordinary);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_frame),     cmocka_unit_test(test_any_pose),
-        cmocka_unit_test(test_kinds),     cmocka_unit_test(test_two),
-        cmocka_unit_test(test_nearest),   cmocka_unit_test(test_strays),
-        cmocka_unit_test(test_unit),      cmocka_unit_test(test_again),
-        cmocka_unit_test(test_nothing),   cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_contrived),
+        cmocka_unit_test(test_frame),   cmocka_unit_test(test_any_pose),
+        cmocka_unit_test(test_kinds),   cmocka_unit_test(test_two),
+        cmocka_unit_test(test_nearest), cmocka_unit_test(test_strays),
+        cmocka_unit_test(test_unit),    cmocka_unit_test(test_again),
+        cmocka_unit_test(test_nothing), cmocka_unit_test(test_memory),
     };
 
     return cmocka_run_group_tests(tests, open_work, close_work);

@@ -1,0 +1,126 @@
+/* The search for a face costs no more than MOST times what it does in a head of as many points,
+ * whatever they are: counted in basic blocks of core and the search, so that no clock is asked. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "face.h"
+#include "find.h"
+#include "head.h"
+#include "work.h"
+
+#define MOST   13 /* twelve are counted; without the limit FIND_WORK or FIND_CELLS 15 */
+#define POINTS 300000
+#define KINDS  7
+
+static struct dvec3 pts[POINTS];
+static struct face_work *work;
+
+static double random_in(struct brute_rng *r, double half)
+{
+    return half * (2 * brute_real(r) - 1);
+}
+
+static uint64_t count(void)
+{
+    const uint64_t before = work_executed();
+    struct find f;
+
+    assert_int_not_equal(find_face(pts, POINTS, 0, work, &f), ST_ENOMEM);
+    return work_executed() - before;
+}
+
+static uint64_t ordinary(struct brute_rng *r)
+{
+    struct head h = {0};
+
+    head_make_up(1, &h);
+    for (size_t i = 0; i < POINTS; i++) {
+        const struct dvec3 p = h.at[i % h.n];
+
+        pts[i] = (struct dvec3){p.x + random_in(r, 0.5), p.y + random_in(r, 0.5),
+                                p.z + random_in(r, 0.5)};
+    }
+    head_free(&h);
+    return count();
+}
+
+/* In the direction of (x, y, z) on a ball of radius, with bumps so high and so many. */
+static struct dvec3 bumpy(double x, double y, double z, double radius, double high,
+                          double many)
+{
+    const double l = sqrt(x * x + y * y + z * z), s = many / l;
+    const double r = (radius + 2 * high * sin(s * x) * sin(s * y) * sin(s * z)) / l;
+
+    return (struct dvec3){r * x, r * y, r * z};
+}
+
+static void contrive(int kind, struct brute_rng *r)
+{
+    for (size_t i = 0; i < POINTS; i++) {
+        const double x = random_in(r, 1), y = random_in(r, 1), z = random_in(r, 1);
+        const double e = x * 200 - 60 * rint(x * 200 / 60);
+        const double f = y * 200 - 60 * rint(y * 200 / 60);
+
+        switch (kind) {
+        case 0: /* solids */
+            pts[i] = (struct dvec3){300 * x, 300 * y, 300 * z};
+            break;
+        case 1: /* one point in each cell */
+            pts[i] = (struct dvec3){20 * (double)(i % 67), 20 * (double)(i / 67 % 67),
+                                    20 * (double)(i / 67 / 67)};
+            break;
+        case 2: /* far apart */
+            pts[i] = (struct dvec3){1e6 * x, 1e6 * y, 1e6 * z};
+            break;
+        case 3: /* many noses */
+            pts[i] = (struct dvec3){200 * x, 200 * y, 18 * exp(-(e * e + f * f) / 200)};
+            break;
+        case 4: /* a rough wall */
+            pts[i] = (struct dvec3){750 * x, 750 * y, 20 * z};
+            break;
+        case 5: /* many bumpy balls */
+            pts[i] = bumpy(x, y, z, 90, 12, 9);
+            pts[i].x += 260 * (double)(i % 3);
+            pts[i].y += 260 * (double)(i / 3 % 3);
+            pts[i].z += 260 * (double)(i / 9 % 3);
+            break;
+        default: /* a bumpy ball */
+            pts[i] = bumpy(x, y, z, 110, 15, 13);
+        }
+    }
+}
+
+static void test_contrived(void **state)
+{
+    struct brute_rng r = {1};
+    double head;
+
+    (void)state;
+    work = face_work_new(NULL);
+    assert_non_null(work);
+    head = (double)ordinary(&r);
+    for (int kind = 0; kind < KINDS; kind++) {
+        double ratio;
+
+        contrive(kind, &r);
+        ratio = (double)count() / head;
+        print_message("kind %d: %.2f\n", kind, ratio);
+        assert_true(ratio < MOST);
+    }
+    face_work_free(work);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_contrived),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
