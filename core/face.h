@@ -66,6 +66,9 @@ struct shape_work *face_work_shape(struct face_work *w);
 
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.
+ * The gate is a coarse one (quality_place()): out->frame.likeness may be low, and NAN where too
+ * little of the mean face is covered to tell; it decides nothing later.  Whether the points are
+ * a face, scan/gate.h judges, for which what cannot be told is a refusal.
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   the index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL

@@ -64,7 +64,8 @@ struct surface_face;
  * out     a new face, to be released with surface_face_free(); NULL on failure
  * bad     the index of the offending point for SURFACE_ENOTFINITE and SURFACE_ERANGE; may be
  *         NULL
- * Returns SURFACE_OK, or any other status.
+ * Returns SURFACE_OK, or any other status.  SURFACE_ENOTFACE is a coarse gate: a narrow part of a
+ * face, or something with a face's relief, passes.
  * Cost  O(n log n): about 2 ms for 3,000 points, and 80 bytes a point. */
 enum surface_status surface_face_new(struct surface_work *work, const double (*points)[3],
                                      size_t n, struct surface_face **out, size_t *bad);
