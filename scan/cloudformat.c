@@ -13,7 +13,9 @@ static const struct {
     [CLOUDFORMAT_ANY] = {"",
                          {NULL},
                          {"application/octet-stream", "text/plain", "application/gzip",
-                          "application/x-gzip"}},
+                          "application/x-gzip",
+                          /* what curl --data-binary sends of itself */
+                          "application/x-www-form-urlencoded"}},
     [CLOUDFORMAT_PLY] = {"PLY",
                          {".ply"},
                          {"model/ply", "model/x-ply", "application/ply",

@@ -15,10 +15,9 @@ static const char *wants(const struct request *r)
 {
     switch (r->route->body) {
     case ROUTE_CLOUD:
-        return r->media == REQUEST_JSON || r->media == REQUEST_SCAN ||
-                       r->media == REQUEST_FORM
-                   ? NULL
-                   : cloudformat_media_list();
+        return r->media == REQUEST_OTHER_MEDIA || r->media == REQUEST_MERGE
+                   ? cloudformat_media_list()
+                   : NULL;
     case ROUTE_JSON:
         return r->media == REQUEST_JSON ? NULL : "application/json";
     case ROUTE_MERGE:

@@ -66,10 +66,19 @@ req POST /v1/subjects/alice/verify -H "$JSON"
 problem "no length" 411 length_required
 
 # ---- media types
-send POST /v1/subjects/alice/verify 'Content-Type:' "$T/a.json"
-problem "no Content-Type" 415 unsupported_media_type
-send POST /v1/subjects/alice/verify 'Content-Type: application/x-www-form-urlencoded' "$T/a.json"
-problem "a form" 415 unsupported_media_type
+# A type that says nothing, as curl's own, leaves it to the content; but JSON is said to be that.
+for scan in a.json a.ply; do
+    for type in 'Content-Type:' 'Content-Type: application/x-www-form-urlencoded'; do
+        send POST /v1/subjects/alice/verify "$type" "$T/$scan"
+        is "$scan, $type" "$STATUS $(get .decision)" '200 match'
+    done
+done
+for type in 'Content-Type:' 'Content-Type: application/x-www-form-urlencoded'; do
+    send POST /v1/compare "$type" "$T/a.json"
+    problem "compare, $type" 415 unsupported_media_type '^Content-Type must be application/json$'
+done
+send POST /v1/subjects/alice/verify 'Content-Type: application/merge-patch+json' "$T/a.json"
+problem "a patch" 415 unsupported_media_type '^Content-Type must be model/ply, '
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: gzip'
 problem "not compressed as declared" 400 damaged_content_encoding
 send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: br'

@@ -43,7 +43,7 @@ start_daemon
 v1=$URL/v1
 # As in the README.
 c() { curl -sS -H "Authorization: Bearer $TOKEN" "$@"; echo; }
-grep '^c .*model/gltf-binary' README.md >"$T/lines"
+grep '^c .*[.]glb ' README.md >"$T/lines"
 is "two lines" "$(wc -l <"$T/lines")" 2
 here=$PWD
 cd "$T" || exit 1

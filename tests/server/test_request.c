@@ -106,6 +106,7 @@ static void test_media(void **state)
     check_media("image/png", REQUEST_SCAN, CLOUDFORMAT_PNG);
     check_media("text/plain", REQUEST_SCAN, CLOUDFORMAT_ANY);
     check_media("application/octet-stream", REQUEST_SCAN, CLOUDFORMAT_ANY);
+    check_media("application/x-www-form-urlencoded", REQUEST_SCAN, CLOUDFORMAT_ANY);
     check_media("image/jpeg", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
 }
 
