@@ -35,9 +35,8 @@ static void print_found(const struct scan_found *f)
     if (!isnan(f->yaw_deg))
         (void)printf("view         yaw %.0f, pitch %.0f, roll %.0f degrees\n", f->yaw_deg,
                      f->pitch_deg, f->roll_deg);
-    (void)printf(
-        "covered      %.0f %% of the face; %.0f %% of the points are elsewhere\n",
-        100 * f->occluded, 100 * f->elsewhere);
+    (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
+    (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
     ctl_sample_warnings(stdout, "warnings", f);
 }
 
