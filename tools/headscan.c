@@ -168,7 +168,7 @@ static void add(struct headscan *s, struct dvec3 p)
     s->at[s->n++] = p;
 }
 
-static void see_rays(const struct headview *v, const struct headscan_options *o,
+static void see_rays(struct headview *v, const struct headscan_options *o,
                      struct headscan *out)
 {
     struct draw r = stream(o, P_RAYS);
@@ -183,7 +183,7 @@ static void see_rays(const struct headview *v, const struct headscan_options *o,
     }
 }
 
-static void see_grid(const struct headview *v, const struct headscan_options *o,
+static void see_grid(struct headview *v, const struct headscan_options *o,
                      struct headscan *out)
 {
     double z;

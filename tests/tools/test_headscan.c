@@ -9,6 +9,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "draw.h"
 #include "face.h"
 #include "headpose.h"
 #include "headscan.h"
@@ -249,6 +250,53 @@ static void test_covers(void **state)
     headview_free(&bare);
 }
 
+/* Points at random on a slope, each off it by some tenths of a mm, and as many 4 mm behind it. */
+static void make_layers(double slope, struct head *h)
+{
+    struct draw r = draw_stream(9, 0, 0);
+
+    *h = (struct head){.spacing = 1.8};
+    for (int i = 0; i < 16000; i++) {
+        const double x = draw_uniform(&r, -80, 80), y = draw_uniform(&r, -80, 80);
+        const double z = slope * x + (i % 2 ? 0 : -4);
+
+        head_add(h, (struct dvec3){x, y, z + 0.1 * draw_normal(&r)}, HEAD_SKIN);
+    }
+}
+
+/* Of two layers the front one is seen whole, on slopes too, and an eighth of the other one at
+ * most; the surface passes through the points, and is not smoothed. */
+static void test_layers(void **state)
+{
+    (void)state;
+    for (int steep = 0; steep <= 2; steep++) {
+        size_t front = 0, back = 0, all = 0;
+        double off = 0, z, rough = 0;
+        struct headview v;
+        struct head h;
+
+        make_layers(0.5 * steep, &h);
+        headview_make(&h, false, &v);
+        for (size_t i = 0; i < h.n; i++) {
+            const struct dvec3 p = h.at[i];
+
+            if (fabs(p.x) > 70 || fabs(p.y) > 70)
+                continue;
+            *(i % 2 ? &front : &back) += v.seen[i];
+            all += i % 2;
+            if (v.seen[i] && i % 2 && headview_at(&v, p.x, p.y, &z) == HEAD_SKIN) {
+                off = fmax(off, fabs(z - p.z));
+                rough += pow(z - 0.5 * steep * p.x, 2);
+            }
+        }
+        print_message("%zu %zu %zu\n", front, back, all);
+        assert_true(front > all * 99 / 100 && back < all / 8);
+        assert_true(off < 0.01 && rough > 0.009 * (double)front);
+        headview_free(&v);
+        head_free(&h);
+    }
+}
+
 /* Turned anyhow, the face is found again: but for the height of its nose, in which made-up
  * faces differ from the mean. */
 static void test_pose_is_found(void **state)
@@ -279,9 +327,13 @@ static void test_pose_is_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_seed_same_scan),  cmocka_unit_test(test_bust),
-        cmocka_unit_test(test_axes_and_units),       cmocka_unit_test(test_depth_camera),
-        cmocka_unit_test(test_grid_half_behind_two), cmocka_unit_test(test_covers),
+        cmocka_unit_test(test_same_seed_same_scan),
+        cmocka_unit_test(test_bust),
+        cmocka_unit_test(test_axes_and_units),
+        cmocka_unit_test(test_depth_camera),
+        cmocka_unit_test(test_grid_half_behind_two),
+        cmocka_unit_test(test_covers),
+        cmocka_unit_test(test_layers),
         cmocka_unit_test(test_pose_is_found),
     };
 
