@@ -245,6 +245,20 @@ static bool same(const struct search *s, const struct align_pose *a,
     return true;
 }
 
+/* What was cropped lies in the frame already, and a part of a face, whose axes and nose mislead,
+ * may come there from no other start: the pose is taken that is cheaper by far. */
+static void try_as_it_lies(struct search *s, uint32_t stride, struct candidate best[2])
+{
+    struct candidate c = {.pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
+
+    (void)descend(s, stride, ALIGN_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
+    s->out->starts++;
+    if (c.cost * ALIGN_RIVAL < best[0].cost) {
+        best[1] = best[0];
+        best[0] = c;
+    }
+}
+
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good.  best[0] and best[1] become the two cheapest poses in different places. */
 static void choose(struct search *s, const struct surface *tmpl,
@@ -288,6 +302,8 @@ static void choose(struct search *s, const struct surface *tmpl,
         if (best[0].within > ALIGN_GOOD_WITHIN && best[0].cost < good_mm[agreed])
             break;
     }
+    if (s->how->grid != NULL && best[0].cost >= ALIGN_GOOD_MM)
+        try_as_it_lies(s, stride, best);
 }
 
 /* settle(s, w, pose): the last step, which separates motion from change. */

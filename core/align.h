@@ -2,7 +2,7 @@
  * Paper 1 section 4.  The probe moves; the template's triangulation and tree are never
  * rebuilt.
  * (1) Starting poses: the one that is given, and others from the principal axes of both
- *     surfaces.
+ *     surfaces; over a grid, as it lies, where that is cheaper by far than all of these.
  * (2) Reweighted Gauss-Newton steps, coarse to fine, on a robust sum of the gaps at points
  *     of the probe.  Each point is located in the template's triangulation, from the
  *     triangle where the step before found it.

@@ -16,6 +16,7 @@
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
+#include "headscan.h"
 #include "mem.h"
 #include "scan.h"
 #include "scan_search.h"
@@ -207,6 +208,34 @@ static void test_half(void **state)
     assert_true(warned(SCAN_TURNED) && found.yaw_deg > 30);
     assert_int_equal(build(&enrolment), ST_EQUALITY);
     assert_true(warned(SCAN_TURNED));
+}
+
+/* What is left of a half profile lies askew to its own axes, and its nose at its edge: it stays
+ * where it was found. */
+static void test_half_profile(void **state)
+{
+    (void)state;
+    for (uint64_t subject = 8; subject < 12; subject++) {
+        const double *r = face.frame.pose.r, *t = face.frame.pose.t;
+        struct headscan_options o;
+        struct headscan s;
+        struct head h;
+        unsigned half = 0;
+
+        while (strcmp(headscan_name(half), "half") != 0)
+            half++;
+        headscan_kind(half, 1, false, &o);
+        head_make_up(subject, &h);
+        headscan_render(&h, &h, &o, &s);
+        assert_true((n = s.n) <= ROOM);
+        memcpy(pts, s.at, n * sizeof *pts);
+        headscan_free(&s);
+        head_free(&h);
+        assert_int_equal(build(&probe), ST_OK);
+        assert_true(warned(SCAN_TURNED) && fabs(found.yaw_deg - o.yaw) < 8);
+        assert_true(r[0] + r[4] + r[8] > 1 + 2 * cos(12 / VEC_DEGREES));
+        assert_true(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] < 10 * 10);
+    }
 }
 
 static void test_found(void **state)
@@ -457,14 +486,14 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_it_is),    cmocka_unit_test(test_units),
-        cmocka_unit_test(test_dense),       cmocka_unit_test(test_found),
-        cmocka_unit_test(test_half),        cmocka_unit_test(test_turn),
-        cmocka_unit_test(test_elsewhere),   cmocka_unit_test(test_two),
-        cmocka_unit_test(test_search_kept), cmocka_unit_test(test_shoulders),
-        cmocka_unit_test(test_cover),       cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_no_face),     cmocka_unit_test(test_range),
-        cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
+        cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
+        cmocka_unit_test(test_half),      cmocka_unit_test(test_half_profile),
+        cmocka_unit_test(test_turn),      cmocka_unit_test(test_elsewhere),
+        cmocka_unit_test(test_two),       cmocka_unit_test(test_search_kept),
+        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
+        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
