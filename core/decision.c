@@ -56,23 +56,32 @@ static double noise_rise(const struct decision_pair *p)
     return fmax(0, fmin(DECISION_NOISE_RISE * noise, DECISION_ROUGH_RISE * rough));
 }
 
+/* How far the rules for hidden faces apply, 0..1. */
+static double hiding(const struct decision_pair *p)
+{
+    return share(p->hidden, DECISION_HIDDEN_SOME, DECISION_HIDDEN_MUCH);
+}
+
+bool decision_open(double t, const struct decision_pair *p)
+{
+    const double usual = t + noise_rise(p);
+
+    return p->score_mm > usual && p->score_mm <= usual + DECISION_PART_RISE * t &&
+           hiding(p) <= 0;
+}
+
 struct decision_terms decision_terms(double t, const struct decision_pair *p)
 {
-    const double hidden = share(p->hidden, DECISION_HIDDEN_SOME, DECISION_HIDDEN_MUCH);
-    const double factor = 1 - DECISION_HIDDEN_LESS * hidden, noise = noise_rise(p);
-    const double usual = factor * t + noise;
-    const double below = DECISION_CORE * t + DECISION_CORE_NOISE * noise - p->core_mm;
-    struct decision_terms out = {.threshold_mm = usual,
+    const double hidden = hiding(p), noise = noise_rise(p);
+    const double factor = 1 - DECISION_HIDDEN_LESS * hidden;
+    struct decision_terms out = {.threshold_mm = factor * t + noise,
                                  .doubt_mm = DECISION_HIDDEN_DOUBT * hidden * t,
                                  .calibrated_mm =
                                      fmax(0, (p->score_mm - noise) / factor)};
 
-    if (p->score_mm > usual && hidden <= 0 && p->core >= DECISION_CORE_SEEN &&
-        below > 0) {
-        const double rise = fmin(below, DECISION_CORE_MOST * t);
-
-        out.threshold_mm += rise;
-        out.calibrated_mm = fmax(t, out.calibrated_mm - rise);
+    if (decision_open(t, p) && p->part_mm <= DECISION_PART * t + noise) {
+        out.threshold_mm += DECISION_PART_RISE * t;
+        out.calibrated_mm = t;
     }
     return out;
 }

@@ -29,8 +29,8 @@ double decision_fmr(const struct decision *d, double score_mm);
 /* What a comparison's threshold depends on. */
 struct decision_pair {
     double score_mm;
-    double core_mm,
-        core;        /* score of the core alone, and the share of it covered (score.h) */
+    double part_mm;  /* the lowest score of a part of the face alone (score.h); INFINITY:
+                          none, or not asked for (decision_open()) */
     double noise_mm; /* white noise of both scans: the root of the sum of their squares */
     double rough_mm; /* the pair's roughness (score.h) */
     double hidden;   /* share of the probe's face that was not seen (face.h), 0..1 */
@@ -43,8 +43,8 @@ struct decision_pair {
  * The less of a face is seen, the more people have what is seen in common: the threshold falls
  *     with what is hidden.  As what covers a face may have been taken for a part of it, a score
  *     above it need not be a non-match.
- * An unseen expression moves the core least: where the score is above the threshold and the
- *     core far below, the threshold rises by as much as the core is below.
+ * An unseen expression moves one part of a face more than the other: where the score is above
+ *     the threshold, but not far, and that of a part alone well below, the threshold rises.
  * docs/decision.md, "Noise", "Hidden faces", "Expressions". */
 struct decision_terms {
     double threshold_mm; /* a score at or below it is a match */
@@ -53,5 +53,8 @@ struct decision_terms {
         calibrated_mm; /* the score on the calibration's scale: at most t for a match */
 };
 struct decision_terms decision_terms(double t, const struct decision_pair *p);
+
+/* decision_open(t, p): do the terms depend on p->part_mm?  It need not be known otherwise. */
+bool decision_open(double t, const struct decision_pair *p);
 
 #endif

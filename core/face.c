@@ -27,9 +27,10 @@ struct face_work {
     struct surface upright; /* asymmetry_find()'s */
     struct face mirrored;   /* face_compare_mirrored()'s probe */
     const struct model *model;
-    struct frame_mean mean;          /* the model's */
-    struct fit_basis motion, change; /* the model's */
-    struct shape_work *shape;        /* NULL until it is asked for */
+    struct frame_mean mean;             /* the model's */
+    struct fit_basis motion, change;    /* the model's */
+    struct fit_basis part[SCORE_PARTS]; /* its change, for a part of the face alone */
+    struct shape_work *shape;           /* NULL until it is asked for */
     struct decision decision;
 };
 
@@ -60,6 +61,8 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
+    for (int i = 0; i < SCORE_PARTS; i++)
+        score_prepare_part(w->model, (enum score_part)i, &w->part[i]);
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -277,6 +280,32 @@ enum status face_gap(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
+/* The terms of a comparison by the threshold t. */
+static enum status terms_of(const struct face *tmpl, const struct face *probe,
+                            const struct cells *cells, const struct score *score,
+                            double t, struct face_work *w, struct decision_terms *out)
+{
+    struct decision_pair p = {
+        .score_mm = score->mm,
+        .part_mm = (double)INFINITY,
+        .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
+        .rough_mm = score->rough_mm,
+        .hidden = probe->hidden};
+    const bool open = decision_open(t, &p);
+
+    for (int i = 0; i < SCORE_PARTS && open; i++) {
+        double mm;
+        const enum status st = score_of_part(w->model, (enum score_part)i, &w->part[i],
+                                             cells, &w->align.fit, &mm);
+
+        if (st != ST_OK)
+            return st;
+        p.part_mm = fmin(p.part_mm, mm);
+    }
+    *out = decision_terms(t, &p);
+    return ST_OK;
+}
+
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out)
@@ -296,20 +325,14 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     if ((st = gaps(tmpl, probe, out->align.transform, w, &cells, &out->overlap)) !=
             ST_OK ||
         (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
-            ST_OK)
+            ST_OK ||
+        (st = terms_of(tmpl, probe, &cells, &score,
+                       threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm, w,
+                       &terms)) != ST_OK)
         return st;
     out->align_ms = aligned - start;
     out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
 
-    terms = decision_terms(
-        threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm,
-        &(struct decision_pair){
-            .score_mm = score.mm,
-            .core_mm = score.core_mm,
-            .core = score.core,
-            .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
-            .rough_mm = score.rough_mm,
-            .hidden = probe->hidden});
     out->threshold_mm = terms.threshold_mm;
     out->score_mm = score.mm;
     out->calibrated_mm = terms.calibrated_mm;

@@ -93,7 +93,19 @@ static void put_row(struct block *b, const float *modes, uint32_t n, const float
     b->n++;
 }
 
+static bool everywhere(uint32_t cell)
+{
+    (void)cell;
+    return true;
+}
+
 void fit_prepare(const struct model_basis *b, struct fit_basis *out)
+{
+    fit_prepare_part(b, everywhere, out);
+}
+
+void fit_prepare_part(const struct model_basis *b, bool (*in)(uint32_t cell),
+                      struct fit_basis *out)
 {
     const uint32_t n = padded(b->n);
     struct block block;
@@ -105,7 +117,8 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
 
-        if (over > 0.0f)
+        out->used[i] = over > 0.0f && in(i);
+        if (out->used[i])
             put_row(&block, b->mode[i], n, NULL, over * over);
         if (block.n == ROWS || i == GRID_N - 1)
             add_block(&block, 0, n, out->gram[0], MODEL_MODES);
@@ -113,8 +126,10 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 }
 
 /* The rows of the covered cells: all but their modes, which stay where they are. */
-static void load(struct work *w, const struct model_basis *b, const struct cells *c)
+static void load(struct work *w, const struct fit_basis *p, const struct cells *c)
 {
+    const struct model_basis *b = p->b;
+
     w->n = 0;
     w->modes = padded(b->n);
     w->unknowns = w->modes + 6;
@@ -123,7 +138,7 @@ static void load(struct work *w, const struct model_basis *b, const struct cells
         float *tail = w->tail[w->n];
         double nx, ny, nz, x, y, z, flat;
 
-        if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
+        if (c->area[i] < CELLS_COVERED || !p->used[i])
             continue;
         nx = (double)m[0];
         ny = (double)m[1];
@@ -165,7 +180,7 @@ static void add_first(struct work *w, const struct fit_basis *p)
         memset(&w->sum[i][w->modes], 0, LANES * sizeof(float));
     k->n = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
+        const float over = p->used[i] ? 1.0f / b->rest[i] : 0.0f;
         const bool covered = r < w->n && w->cell[r] == i;
         const float rise = (covered ? w->weight[r] : 0.0f) - over * over;
 
@@ -302,7 +317,7 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
     memset(out, 0, sizeof *out);
     if (w == NULL)
         return ST_ENOMEM;
-    load(w, p->b, c);
+    load(w, p, c);
     out->cells = w->n;
     for (int i = 0; i < 6; i++)
         out->deviation[i] = INFINITY;

@@ -74,18 +74,23 @@ static void roughness(const struct cells *c, const float *rest, float *rough)
         rough[i] = seen[i] > 0.0f ? rest[i] - rough[i] / sum[i] : 0.0f;
 }
 
-static bool in_core(uint32_t cell)
-{
-    const double x = grid_x(cell), y = grid_y(cell);
-
-    return fabs(x) < SCORE_CORE_X_MM && y > SCORE_CORE_LOW_MM && y < SCORE_CORE_HIGH_MM;
-}
-
 static double capped(float mm, float cap)
 {
     const float a = fabsf(mm);
 
     return (double)(a < cap ? a : cap);
+}
+
+/* Cell i as the sums take it. */
+static struct part cell_part(const struct model *m, const struct cells *c,
+                             const float *rest, const float *rough, uint32_t i)
+{
+    const double u = (double)m->weight[i];
+
+    return (struct part){.sum = capped(rest[i], m->cap_mm),
+                         .rough = capped(rough[i], m->cap_mm),
+                         .covered = u * (double)cells_cover(c, i),
+                         .whole = u};
 }
 
 /* What the score is multiplied by, by the share of the weight covered. */
@@ -98,7 +103,7 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
                      const struct cells *c, struct scratch *s, struct fit *fit,
                      struct score *out)
 {
-    struct part all = {0}, core = {0}, part[GRID_REGIONS] = {{0}};
+    struct part all = {0}, part[GRID_REGIONS] = {{0}};
     float rough[GRID_N];
     double taken = 0;
     uint32_t n = 0;
@@ -109,17 +114,11 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         return st;
     roughness(c, fit->rest, rough);
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const double u = (double)m->weight[i];
-        const struct part one = {.sum = capped(fit->rest[i], m->cap_mm),
-                                 .rough = capped(rough[i], m->cap_mm),
-                                 .covered = u * (double)cells_cover(c, i),
-                                 .whole = u};
+        const struct part one = cell_part(m, c, fit->rest, rough, i);
 
         if (m->change.rest[i] <= 0.0f)
             continue;
         add(&part[grid_region_of(i)], &one);
-        if (in_core(i))
-            add(&core, &one);
         if (one.covered <= 0)
             continue;
         taken += ((double)c->gap[i] - (double)fit->rest[i]) *
@@ -135,8 +134,6 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
     out->weight = all.whole > 0 ? all.covered / all.whole : 0;
     out->mm = mean(&all) * thin(out->weight);
     out->change_mm = n > 0 ? sqrt(taken / n) : 0;
-    out->core_mm = mean(&core);
-    out->core = core.whole > 0 ? core.covered / core.whole : 0;
     out->rough_mm = all.covered > 0 ? all.rough / all.covered : 0;
     for (int r = 0; r < GRID_REGIONS; r++) {
         const bool seen = part[r].covered > SCORE_REGION_MIN * part[r].whole;
@@ -144,6 +141,60 @@ enum status score_of(const struct model *m, const struct fit_basis *change,
         out->region_mm[r] = seen ? mean(&part[r]) : (double)NAN;
         out->region_weight[r] = all.whole > 0 ? part[r].whole / all.whole : 0;
     }
+    return ST_OK;
+}
+
+static bool in_upper(uint32_t cell)
+{
+    const double x = grid_x(cell), y = grid_y(cell);
+    const bool nose = fabs(x) < SCORE_NOSE_X_MM && y > SCORE_NOSE_LOW_MM;
+
+    return nose || y > SCORE_UPPER_MM;
+}
+
+static bool in_lower(uint32_t cell)
+{
+    return grid_y(cell) < SCORE_LOWER_MM;
+}
+
+static bool in_middle(uint32_t cell)
+{
+    return in_upper(cell) && fabs(grid_x(cell)) < SCORE_MIDDLE_X_MM &&
+           grid_y(cell) < SCORE_MIDDLE_MM;
+}
+
+void score_prepare_part(const struct model *m, enum score_part p, struct fit_basis *out)
+{
+    static bool (*const in[SCORE_PARTS])(uint32_t) = {in_upper, in_lower, in_middle};
+
+    fit_prepare_part(&m->change, in[p], out);
+}
+
+enum status score_of_part(const struct model *m, enum score_part p,
+                          const struct fit_basis *change, const struct cells *c,
+                          struct scratch *s, double *mm)
+{
+    struct cells part = *c;
+    struct part sum = {0};
+    float rough[GRID_N];
+    struct fit fit;
+    enum status st;
+
+    *mm = INFINITY;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (!change->used[i])
+            part.area[i] = 0.0f;
+    if ((st = fit_solve(change, &part, SCORE_TIE, SCORE_PASSES, s, &fit)) != ST_OK)
+        return st;
+    roughness(&part, fit.rest, rough);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const struct part one = cell_part(m, &part, fit.rest, rough, i);
+
+        if (change->used[i])
+            add(&sum, &one);
+    }
+    if (sum.covered > SCORE_PART_SEEN * sum.whole)
+        *mm = mean(&sum) * (p == SCORE_MIDDLE ? SCORE_MIDDLE_MORE : 1);
     return ST_OK;
 }
 

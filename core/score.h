@@ -31,9 +31,6 @@ struct score {
     double weight;    /* share of a whole face's weight that was covered, 0..1 */
     double change_mm; /* root mean square of the change taken out */
     double rough_mm;  /* the pair's roughness: amount(rest - blurred rest) */
-    double core_mm; /* the score of the core alone, not raised: nose and inner eyes, which
-                         hardly an expression moves */
-    double core;    /* share of the core's weight that was covered, 0..1 */
     double
         region_mm[GRID_REGIONS]; /* score of each region alone, not raised; NAN where less
                                        than SCORE_REGION_MIN of its weight is covered */
@@ -47,6 +44,23 @@ struct score {
 enum status score_of(const struct model *m, const struct fit_basis *change,
                      const struct cells *c, struct scratch *s, struct fit *fit,
                      struct score *out);
+
+/* Three parts of a face, each with the nose and the eyes: an expression moves the surroundings
+ * of the mouth, those of the brows, or both.  UPPER: all above the lower lids.  LOWER: all
+ * below the brows.  MIDDLE: what both have in common, with the brows' lower edge. */
+enum score_part { SCORE_UPPER, SCORE_LOWER, SCORE_MIDDLE, SCORE_PARTS };
+
+/* score_prepare_part(m, p, out): m->change for a part, for many scores; borrows m. */
+void score_prepare_part(const struct model *m, enum score_part p, struct fit_basis *out);
+
+/* score_of_part(m, p, change, c, s, mm): the score of a part alone, on the scale of the whole
+ * face's.  The change is fitted to that part alone: what happens elsewhere has no effect.
+ * change  score_prepare_part()
+ * mm      INFINITY: less than SCORE_PART_SEEN of the part's weight is covered
+ * Cost: less than score_of() by as much as the part is smaller.  Returns ST_OK, ST_ENOMEM. */
+enum status score_of_part(const struct model *m, enum score_part p,
+                          const struct fit_basis *change, const struct cells *c,
+                          struct scratch *s, double *mm);
 
 /* score_cells(m, c, fit, s, out): what score_of() averaged, from its own results: s is
  * their score.  The sum of weight is 1 (0 where nothing is covered), and the sum of

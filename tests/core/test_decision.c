@@ -45,7 +45,10 @@ static void test_noise(void **state)
     (void)state;
     for (int i = 0; i <= 150; i++) {
         const double noise = i * 0.02;
-        struct decision_pair p = {.score_mm = 0.5, .noise_mm = noise, .rough_mm = 0.3};
+        struct decision_pair p = {.score_mm = 0.5,
+                                  .part_mm = (double)INFINITY,
+                                  .noise_mm = noise,
+                                  .rough_mm = 0.3};
         const double rise = decision_terms(0.1, &p).threshold_mm - 0.1;
 
         assert_true(noise > 0.55 ? rise > 0 : rise == 0);
@@ -68,10 +71,10 @@ static void test_hidden(void **state)
 
     (void)state;
     for (int i = 0; i <= 100; i++) {
-        const struct decision_pair p = {.score_mm = 2, .hidden = i * 0.01, .core = 1};
+        const struct decision_pair p = {.score_mm = 2, .hidden = i * 0.01};
         const struct decision_terms t = decision_terms(1, &p);
 
-        if (i > 5) { /* then the core does not raise it */
+        if (i > 5) { /* then no part raises it */
             assert_true(t.threshold_mm < 1 && t.doubt_mm > 0);
             assert_true(t.threshold_mm <= last.threshold_mm && t.threshold_mm > 0.75);
             assert_true(t.threshold_mm + t.doubt_mm < 1.5);
@@ -86,31 +89,46 @@ static void test_hidden(void **state)
     assert_true(decision_fmr(d, last.threshold_mm * d->threshold_mm) < 1e-4);
 }
 
-/* The core raises the threshold of a score above it, by as much as it is below its own limit;
- * of no other, and none but a core that was seen.  Above the threshold a higher score never has
- * a lower calibrated one. */
-static void test_core(void **state)
+/* A part of the face that fits well makes a match of a score above the threshold, but not far;
+ * of no other, and not where anything is hidden.  A higher score never has a lower calibrated
+ * one. */
+static void test_part(void **state)
 {
     double before = 0;
 
     (void)state;
     for (int i = 0; i <= 300; i++) {
-        struct decision_pair p = {.score_mm = i * 0.01, .core_mm = 0.6, .core = 0.9};
+        struct decision_pair p = {.score_mm = i * 0.01, .part_mm = 0.6};
         struct decision_terms t = decision_terms(1, &p);
+        const bool open = decision_open(1, &p);
 
-        assert_true(fabs(t.threshold_mm - (i > 100 ? 1.27 : 1)) < 1e-12);
+        assert_true(open == (i > 100 && i <= 150));
+        assert_true(t.threshold_mm == (open ? 1.5 : 1));
+        assert_true((p.score_mm <= t.threshold_mm) == (i <= 150));
         assert_true((p.score_mm <= t.threshold_mm) == (t.calibrated_mm <= 1));
         assert_true(t.calibrated_mm >= before && t.calibrated_mm <= p.score_mm);
         before = t.calibrated_mm;
-        p.core_mm = 0.1;
-        t = decision_terms(1, &p);
-        assert_true(t.threshold_mm < 1.37);
-        p.core_mm = 0.88;
+        p.part_mm = 0.78;
         assert_true(decision_terms(1, &p).threshold_mm == 1);
-        p.core_mm = 0.6;
-        p.core = 0.79;
-        assert_true(decision_terms(1, &p).threshold_mm == 1);
+        p.part_mm = 0.6;
+        p.hidden = 0.06;
+        assert_true(!decision_open(1, &p) && decision_terms(1, &p).threshold_mm < 1);
     }
+}
+
+/* Noise that raises the threshold raises it for a part as well. */
+static void test_part_noise(void **state)
+{
+    struct decision_pair p = {
+        .score_mm = 0.15, .part_mm = 0.08, .noise_mm = 0.75, .rough_mm = 0.3};
+
+    (void)state;
+    assert_true(decision_open(0.1, &p) && decision_terms(0.1, &p).calibrated_mm == 0.1);
+    p.part_mm = 0.1;
+    assert_true(decision_terms(0.1, &p).calibrated_mm > 0.13);
+    p.part_mm = 0.08;
+    p.noise_mm = 0.5;
+    assert_true(decision_terms(0.1, &p).calibrated_mm == 0.15);
 }
 
 static void test_odd_values(void **state)
@@ -150,7 +168,7 @@ int main(void)
         cmocka_unit_test(test_monotone),  cmocka_unit_test(test_valid),
         cmocka_unit_test(test_threshold), cmocka_unit_test(test_odd_values),
         cmocka_unit_test(test_noise),     cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_core),
+        cmocka_unit_test(test_part),      cmocka_unit_test(test_part_noise),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,6 +13,7 @@
 #include "decision.h"
 #include "draw.h"
 #include "face.h"
+#include "facegen.h"
 #include "fail_alloc.h"
 #include "heatmap.h"
 #include "lattice.h"
@@ -315,6 +316,42 @@ static void test_noise(void **state)
     face_free(&b);
 }
 
+/* A broad smile that no model has learned: its owner matches for the upper part of the face,
+ * with the rate of the threshold; nobody else does, and nobody of whom something is hidden. */
+static void test_expression(void **state)
+{
+    const struct decision *d = &model_default.decision;
+    struct face a = {0}, b = {0}, other = {0};
+    struct facegen_scan smiling;
+    struct face_result r;
+
+    (void)state;
+    facegen_default(&smiling);
+    smiling.subject = 531;
+    for (int i = 0; i < 2; i++) {
+        smiling.scan = 3 * (uint64_t)i;
+        smiling.smile = 3 * i;
+        cloud.n = facegen_sample(&smiling, cloud.pts);
+        build(i == 0 ? &a : &b);
+    }
+    make(532, 0, &other);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_MATCH);
+    assert_true(r.score_mm > 1.1 * d->threshold_mm && r.score_mm < r.threshold_mm);
+    assert_true(r.calibrated_mm == d->threshold_mm);
+    assert_true(r.fmr_at_score == decision_fmr(d, d->threshold_mm));
+    assert_int_equal(face_compare(&a, &b, 0.5 * r.score_mm, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_NO_MATCH); /* too far above that threshold */
+    assert_int_equal(face_compare(&other, &b, 0, NULL, work, &r), ST_OK);
+    assert_int_equal(r.decision, FACE_NO_MATCH);
+    b.hidden = 0.1;
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_true(r.decision != FACE_MATCH && r.threshold_mm < d->threshold_mm);
+    face_free(&a);
+    face_free(&b);
+    face_free(&other);
+}
+
 /* Where a part of the probe's face is hidden the threshold is lower, and what is not far above
  * it inconclusive; the template's share does not count, it is not stored. */
 static void test_hidden(void **state)
@@ -579,7 +616,8 @@ int main(void)
         cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
         cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_mirrored),      cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_expression),    cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_no_memory),
     };
     int failed;
 

@@ -17,6 +17,7 @@
 
 static struct model model;
 static struct fit_basis changed; /* the model's change, prepared */
+static struct fit_basis parts[SCORE_PARTS];
 static struct scratch scratch;
 static struct cells cells;
 static struct fit fit;
@@ -206,33 +207,6 @@ static void test_covered(void **state)
 }
 
 /* Doubling all weights does not change the score. */
-/* The core is nose and inner eyes: of the mouth and the chin it knows nothing, and of a face
- * without it nothing is known. */
-static void test_core(void **state)
-{
-    struct score s;
-
-    (void)state;
-    no_gap();
-    chequered(0.4, GRID_NOSE);
-    s = score();
-    assert_true(s.core == 1 && s.core_mm > 0.5 * s.region_mm[GRID_NOSE]);
-    no_gap();
-    chequered(0.4, GRID_MOUTH);
-    chequered(0.4, GRID_CHIN);
-    s = score();
-    assert_true(s.mm > 0.02 && s.core_mm < 0.1 * s.region_mm[GRID_MOUTH]);
-    chequered(0.4, GRID_NOSE);
-    for (uint32_t i = 0; i < GRID_N; i++)
-        if (grid_region_of(i) == GRID_NOSE || grid_region_of(i) == GRID_EYES)
-            cells.area[i] = cells.gap[i] = 0.0f;
-    s = score();
-    assert_true(s.core > 0 && s.core < 0.25 && s.weight > s.core); /* cheeks are left */
-    memset(cells.area, 0, sizeof cells.area);
-    s = score();
-    assert_true(s.core == 0 && s.core_mm == 0);
-}
-
 static void test_scale_of_weight(void **state)
 {
     static struct model saved;
@@ -250,10 +224,96 @@ static void test_scale_of_weight(void **state)
     model = saved;
 }
 
+static double part(enum score_part p)
+{
+    double mm;
+
+    assert_int_equal(score_of_part(&model, p, &parts[p], &cells, &scratch, &mm), ST_OK);
+    return mm;
+}
+
+/* A part knows nothing of what happens elsewhere, not even by way of the fit: neither of an
+ * expression round the mouth nor of one of the brows.  The nose belongs to all parts. */
+static void test_parts(void **state)
+{
+    double upper, lower, middle;
+
+    (void)state;
+    no_gap();
+    chequered(0.2, GRID_NOSE);
+    upper = part(SCORE_UPPER);
+    lower = part(SCORE_LOWER);
+    middle = part(SCORE_MIDDLE);
+    assert_true(upper > 0.01 && lower > 0.01 && middle > 0.01);
+    chequered(0.4, GRID_MOUTH);
+    chequered(0.4, GRID_CHIN);
+    assert_true(part(SCORE_UPPER) == upper && part(SCORE_LOWER) > 1.1 * lower);
+    assert_true(part(SCORE_MIDDLE) == middle);
+    no_gap();
+    chequered(0.2, GRID_NOSE);
+    chequered(0.4, GRID_FOREHEAD);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        cells.gap[i] += grid_y(i) > SCORE_MIDDLE_MM ? 3.0f : 0.0f;
+    assert_true(part(SCORE_LOWER) == lower && part(SCORE_UPPER) > 1.1 * upper);
+    assert_true(part(SCORE_MIDDLE) == middle);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        cells.gap[i] += fabs(grid_x(i)) > SCORE_MIDDLE_X_MM ? 3.0f : 0.0f;
+    assert_true(part(SCORE_LOWER) != lower && part(SCORE_MIDDLE) == middle);
+}
+
+/* It is the score of a face of which nothing else is covered. */
+static void test_part_alone(void **state)
+{
+    double mm[SCORE_PARTS];
+    const struct cells *const all = &cells;
+    static struct cells whole;
+
+    (void)state;
+    no_gap();
+    chequered(0.3, -1);
+    whole = *all;
+    for (int p = 0; p < SCORE_PARTS; p++)
+        mm[p] = part((enum score_part)p);
+    for (int p = 0; p < SCORE_PARTS; p++) {
+        struct score s;
+
+        cells = whole;
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (!parts[p].used[i])
+                cells.area[i] = 0.0f;
+        s = score();
+        s.mm /= 1 + SCORE_THIN * fmax(0, SCORE_WHOLE - s.weight);
+        s.mm *= p == SCORE_MIDDLE ? SCORE_MIDDLE_MORE : 1;
+        assert_true(s.weight > 0.3 && s.weight < 0.95 && fabs(s.mm - mm[p]) < 1e-4);
+        cells.area[0] = 0.0f;
+        assert_true(fabs(part((enum score_part)p) - mm[p]) < 1e-12);
+    }
+}
+
+/* Of a part that is not seen nothing is known. */
+static void test_part_hidden(void **state)
+{
+    (void)state;
+    no_gap();
+    assert_true(part(SCORE_UPPER) == 0 && part(SCORE_LOWER) == 0);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (grid_region_of(i) == GRID_FOREHEAD)
+            cells.area[i] = 0.0f;
+    assert_true(isinf(part(SCORE_UPPER)) && part(SCORE_LOWER) == 0);
+    no_gap();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (grid_region_of(i) == GRID_NOSE)
+            cells.area[i] = 0.0f;
+    assert_true(isinf(part(SCORE_UPPER)) && isinf(part(SCORE_LOWER)));
+    memset(cells.area, 0, sizeof cells.area);
+    assert_true(isinf(part(SCORE_UPPER)) && isinf(part(SCORE_LOWER)));
+}
+
 static void test_memory(void **state)
 {
     struct scratch fresh = {0};
     struct score s;
+    double mm;
 
     (void)state;
     no_gap();
@@ -262,21 +322,28 @@ static void test_memory(void **state)
     fail_alloc_at(0);
     assert_int_equal(score_of(&model, &changed, &cells, &fresh, &fit, &s), ST_OK);
     scratch_free(&fresh);
+    fail_alloc_at(1);
+    assert_int_equal(score_of_part(&model, SCORE_UPPER, &parts[0], &cells, &fresh, &mm),
+                     ST_ENOMEM);
+    fail_alloc_at(0);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identical), cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_noise),     cmocka_unit_test(test_cap),
-        cmocka_unit_test(test_regions),   cmocka_unit_test(test_covered),
-        cmocka_unit_test(test_core),      cmocka_unit_test(test_scale_of_weight),
+        cmocka_unit_test(test_identical),       cmocka_unit_test(test_definition),
+        cmocka_unit_test(test_noise),           cmocka_unit_test(test_cap),
+        cmocka_unit_test(test_regions),         cmocka_unit_test(test_covered),
+        cmocka_unit_test(test_scale_of_weight), cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_part_alone),      cmocka_unit_test(test_part_hidden),
         cmocka_unit_test(test_memory),
     };
     int failed;
 
     toy_model(&model);
     fit_prepare(&model.change, &changed);
+    for (int p = 0; p < SCORE_PARTS; p++)
+        score_prepare_part(&model, (enum score_part)p, &parts[p]);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     scratch_free(&scratch);
     return failed;
