@@ -146,7 +146,7 @@ static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t
             continue;
         if ((st = face_compare(&p->face[t], probe, 0, NULL, w, &r)) != ST_OK)
             return errinfo_set(e, st, "comparing: %s", status_message(st));
-        if (r.decision != FACE_INCONCLUSIVE && r.calibrated_mm < *mm)
+        if (r.comparable && r.calibrated_mm < *mm)
             *mm = r.calibrated_mm;
     }
     return ST_OK;

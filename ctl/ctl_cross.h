@@ -1,6 +1,6 @@
 /* ctl_cross.h -- everybody in the database compared with everybody else.
  * A comparison is what a verification does: one scan against all templates of a subject, of
- * which the nearest counts; INFINITY where none can be compared (inconclusive). */
+ * which the nearest counts; INFINITY where all have too little in common. */
 #ifndef CTL_CROSS_H
 #define CTL_CROSS_H
 #include <stddef.h>

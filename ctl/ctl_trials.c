@@ -197,6 +197,7 @@ static enum status compare(const struct run *r, const struct sample *sample,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
+    x->comparable = f.comparable;
     x->score_mm = f.score_mm;
     x->threshold_mm = f.threshold_mm;
     x->calibrated_mm = f.calibrated_mm;

@@ -17,7 +17,8 @@ struct ctl_trial {
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum face_decision decision;
-    double score_mm, threshold_mm, calibrated_mm, fmr_at_score; /* as in face_result */
+    bool comparable; /* as in face_result, as are these */
+    double score_mm, threshold_mm, calibrated_mm, fmr_at_score;
     double overlap, weight_overlap;
     double rotation_deg; /* between the rotation found and the true one; NAN: not known */
     double align_ms, measure_ms;

@@ -56,7 +56,7 @@ static void count_ranks(struct report *r, struct report_group *g)
             if (!x->done || x->type == CORPUS_RELATIVE)
                 continue;
             n += x->type == CORPUS_IMPOSTOR;
-            if (x->decision == FACE_INCONCLUSIVE)
+            if (!x->comparable)
                 continue;
             if (x->type == CORPUS_GENUINE)
                 own = x->calibrated_mm;
@@ -118,7 +118,7 @@ static double trial_score(const struct ctl_trial *x)
 {
     if (x->type == CORPUS_RELATIVE)
         return -1;
-    return x->decision == FACE_INCONCLUSIVE ? (double)INFINITY : x->calibrated_mm;
+    return x->comparable ? x->calibrated_mm : (double)INFINITY;
 }
 
 /* The decision itself as a score: 0 is a match at threshold 0. */
@@ -274,7 +274,7 @@ double report_step(const struct report *r, size_t most, size_t *n)
     double largest = r->threshold_mm, step = 1e-4;
 
     for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done && r->t->trial[i].decision != FACE_INCONCLUSIVE)
+        if (r->t->trial[i].done && r->t->trial[i].comparable)
             largest = fmax(largest, r->t->trial[i].calibrated_mm);
     for (int i = 0; largest / step + 1 > (double)most; i++)
         step *= factor[i % 3];

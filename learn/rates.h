@@ -1,6 +1,6 @@
 /* rates.h -- error rates of comparisons, with their uncertainty.
  * A comparison matches at a threshold when its score is at or below it (the smaller the more
- * alike).  INFINITY stands for an inconclusive comparison, which never matches.  Terms as in
+ * alike).  INFINITY stands for one with too little in common, which never matches.  Terms as in
  * ISO/IEC 19795-1: FMR, the share of non-mated (impostor) comparisons that match; FNMR, the
  * share of mated (genuine) ones that do not; TAR = 1 - FNMR; EER, where both are equal. */
 #ifndef LEARN_RATES_H
