@@ -24,7 +24,7 @@ static struct scan_found found;
 static enum status build(const struct dvec3 *from, size_t n, enum scan_axes axes,
                          bool enrolment)
 {
-    const struct scan_options o = {axes, enrolment};
+    const struct scan_options o = {.axes = axes, .enrolment = enrolment};
     struct cloudpoints c = {.n = n, .read = n, .unit_mm = 1};
     struct face face = {0};
     enum status st;
