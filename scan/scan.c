@@ -232,15 +232,15 @@ static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
     return st;
 }
 
-/* Is it plainly one uncovered face seen from the front, without much else?  Of many points
- * some may be another person's. */
+/* Is it plainly one uncovered face seen from the front, without much else?  Beyond a head's
+ * width there may be another person's. */
 static bool plain(const struct scan *s)
 {
     const struct surface *f = &s->out->surface;
     const double wide = s->found->extent[0] * s->found->unit_mm;
 
-    return (s->c->n <= SCAN_FULL || wide <= SCAN_PLAIN_WIDE_MM) &&
-           s->fit.support >= SCAN_PLAIN && s->fit.cover <= SCAN_PLAIN_COVER &&
+    return wide <= SCAN_PLAIN_WIDE_MM && s->fit.support >= SCAN_PLAIN &&
+           s->fit.cover <= SCAN_PLAIN_COVER &&
            f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv;
 }
 
