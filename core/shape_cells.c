@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "align_solve.h"
+#include "shape_detail.h"
 #include "shape_work.h"
 #include "tuning.h"
 
@@ -121,11 +122,13 @@ static double correlation(const float *z, const float *h, const uint32_t *cell,
         const double p = (double)z[cell[i]], q = (double)h[cell[i]];
 
         align_solve_add(&a, j, p, 1);
-        align_solve_add(&b, j, q, 1);
+        for (int k = 0; k < 6; k++)
+            b.g[k] += j[k] * q;
         zz += p * p;
         zh += p * q;
         hh += q * q;
     }
+    memcpy(b.h, a.h, sizeof b.h); /* of the same cells */
     if (!align_solve(&a, 0, x) || !align_solve(&b, 0, y))
         return -1;
     for (int k = 0; k < 6; k++) {
@@ -169,6 +172,16 @@ static double forehead(const struct shape_work *w, const float *z,
             list[n++] = i;
     }
     return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, f->height, list, n);
+}
+
+static double detail(const struct shape_work *w, const float *z, const uint8_t *cell)
+{
+    float over[GRID_N];
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        over[i] = cell[i] == SHAPE_SKIN || cell[i] == SHAPE_APART ? z[i] - w->mean[i]
+                                                                  : (float)NAN;
+    return shape_detail(w->fine, w->over_rest, over);
 }
 
 /* What is not explained of the face that no cover hides, mm^2: the gap, up to SHAPE_REST_MM, as
@@ -250,6 +263,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
     fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
     fit->eyes = fmin(eye(w, z, fit->cell, 1), eye(w, z, fit->cell, -1));
     fit->forehead = forehead(w, z, fit);
+    fit->detail = detail(w, z, fit->cell);
     fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
                               (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
 }

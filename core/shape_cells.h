@@ -7,7 +7,8 @@
 struct shape_fit;  /* shape_work.h */
 struct shape_work; /* shape_work.h */
 
-/* shape_cells_rate(w, over, fit): fit's cells and their counts, support, eyes and likeness.
+/* shape_cells_rate(w, over, fit): fit's cells and their counts, support, eyes, forehead,
+ * detail and likeness.
  * over  how far the points lie in front of fit->height, mm; NAN: no points
  * Cells of a cover: more than SHAPE_STRONG_MM in front of the face (at right angles, times the
  * cell's rest over the mean of all), and those beside them, sideways, of more than

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "shape_detail.h"
 #include "shape_map.h"
 #include "tuning.h"
 
@@ -34,6 +35,7 @@ void shape_work_prepare(const struct model *m, struct shape_work *out)
         out->cells += used;
     }
     compare_rests(out);
+    shape_detail_prepare(out->mean, out->fine);
     for (uint32_t i = 0; i < GRID_N; i++) {
         float x, y, flat;
 

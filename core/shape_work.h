@@ -30,6 +30,7 @@ struct shape_fit {
                     mean face's; -1: less than SHAPE_EYE_LEAST of it is skin */
     double
         forehead; /* the likeness of the forehead to the fitted one; -1, as for the eyes */
+    double detail; /* fine relief, as a multiple of the mean face's (shape_detail.h) */
     double
         likeness; /* ln of the relief (frame.h) of the skin over what is not explained, both
                         root mean squares: how much more than a rest there is to the face */
@@ -37,11 +38,12 @@ struct shape_fit {
 
 /* Ready to fit, and a worker's reusable memory.  One thread at a time. */
 struct shape_work {
-    uint32_t cells;           /* of the mean face */
-    float mean[GRID_N];       /* mm; NAN: the cell is not used */
-    float normal[GRID_N][3];  /* of the mean face; normal[i][2] scales heights to gaps */
-    float scale[GRID_N];      /* each cell's rest over the mean of all */
-    float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
+    uint32_t cells;          /* of the mean face */
+    float mean[GRID_N];      /* mm; NAN: the cell is not used */
+    float normal[GRID_N][3]; /* of the mean face; normal[i][2] scales heights to gaps */
+    float scale[GRID_N];     /* each cell's rest over the mean of all */
+    float over_rest[GRID_N]; /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
+    float fine[GRID_N]; /* the mean face's fine relief (shape_detail.h), mm; 0: none */
     struct model_basis basis; /* the modes and the rest as gaps at right angles to it */
     struct fit_basis fit;     /* that, prepared */
     const struct model_basis *modes; /* of height, the model's */

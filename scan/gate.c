@@ -91,8 +91,10 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
     f->seen_wanted = s->enrolment ? GATE_SEEN : 0;
     f->forehead = fit->forehead;
     f->forehead_wanted = s->enrolment ? GATE_FOREHEAD : -1;
-    f->evidence =
-        f->likeness + 4 * f->eyes + 5 * f->support + 2 * f->seen + 2 * f->forehead;
+    f->detail = fit->detail;
+    f->detail_wanted = s->enrolment ? GATE_DETAIL : -INFINITY;
+    f->evidence = f->likeness + 4 * f->eyes + 5 * f->support + 5 * fmin(f->detail, 1) +
+                  2 * f->seen + 2 * f->forehead;
     f->evidence_wanted = s->enrolment ? GATE_EVIDENCE : -INFINITY;
     f->scale[0] = f->scale[1] = f->scale[2] = 1;
     /* What cannot be told is NAN, for which these are false. */
@@ -112,7 +114,8 @@ enum status gate_judge(const struct gate_scan *s, struct gate *f)
         return ST_ENOTFACE;
     if (st == ST_OK && !(f->seen >= f->seen_wanted && f->forehead > -1))
         return ST_EQUALITY; /* nobody can tell */
-    if (!(f->forehead >= f->forehead_wanted && f->evidence >= f->evidence_wanted))
+    if (!(f->forehead >= f->forehead_wanted && f->detail >= f->detail_wanted &&
+          f->evidence >= f->evidence_wanted))
         return ST_ENOTFACE;
     return st;
 }

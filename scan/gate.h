@@ -1,7 +1,7 @@
 /* gate.h -- is it a face, and for an enrolment one that may be compared with for years?  Judged
  * over the mean face's cells alone, by the fit of a face's shape (shape.h): how much of what is
  * seen the fit explains, how little it leaves, how much of a face is seen, whether there are eyes
- * where a face has them, and whether another scale would fit better. */
+ * where a face has them, how much of a face's fine relief there is, and whether another scale would fit better. */
 #ifndef SCAN_GATE_H
 #define SCAN_GATE_H
 #include <stdbool.h>
@@ -26,12 +26,14 @@ struct gate {
     double support;  /* how much of what is seen a face explains, at most 1 */
     double likeness; /* how little is left (shape.h) */
     double eyes;     /* how much like eyes the places of both are, -1..1 (shape.h) */
+    double
+        detail; /* how much of a face's fine relief there is; 1: the mean face's (shape.h) */
     double seen;     /* share of the mean face's cells that are skin, 0..1 */
     double forehead; /* how much like a fitted face's it is, -1..1 (shape.h) */
-    /* likeness + 4 eyes + 5 support + 2 seen + 2 forehead */
+    /* likeness + 4 eyes + 5 support + 5 detail (at most 5) + 2 seen + 2 forehead */
     double evidence;
     double support_wanted, likeness_wanted, eyes_wanted, seen_wanted, forehead_wanted;
-    double evidence_wanted;
+    double detail_wanted, evidence_wanted;
     double scale[3]; /* the face's width, height and depth times these would fit better by
                         far; 1: as they are.  Of a refused enrolment alone */
 };

@@ -55,10 +55,11 @@ static void count(struct trial *g, const char *set, const char *name, uint64_t s
 
     to->tried[seed % 2]++;
     to->enrolled[seed % 2] += st == ST_OK;
-    fprintf(g->scans, "%s,%s,%d,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%g,%g,%g\n", set, name,
-            (int)seed, (int)n, st == ST_OK ? "enrolled" : status_message(st),
+    fprintf(g->scans, "%s,%s,%d,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%g,%g,%g\n", set,
+            name, (int)seed, (int)n, st == ST_OK ? "enrolled" : status_message(st),
             f->gate.support, f->gate.likeness, f->gate.eyes, f->gate.seen,
-            f->gate.evidence, f->gate.scale[0], f->gate.scale[1], f->gate.scale[2]);
+            f->gate.forehead, f->gate.detail, f->gate.evidence, f->gate.scale[0],
+            f->gate.scale[1], f->gate.scale[2]);
 }
 
 /* By how much the surface falls short of an enrolment, where it is worst; as it lies, as a
@@ -76,6 +77,7 @@ static double evidence(void *of, struct dvec3 *pts, size_t n)
     most = fmin(2 * (f->gate.support - GATE_SUPPORT), f->gate.likeness - GATE_LIKENESS);
     most = fmin(most, fmin(f->gate.eyes - GATE_EYES, 2 * (f->gate.seen - GATE_SEEN)));
     most = fmin(most, f->gate.forehead - GATE_FOREHEAD);
+    most = fmin(most, 2 * (f->gate.detail - GATE_DETAIL));
     return fmin(most, 0.3 * (f->gate.evidence - GATE_EVIDENCE));
 }
 
@@ -192,8 +194,10 @@ void gate_run(const struct lab *lab)
 
     if (g.work == NULL)
         lab_must(ST_ENOMEM);
-    fprintf(g.scans, "set,what,seed,points,outcome,support,likeness,eyes,seen,evidence,"
-                     "scale x,y,z\n");
+    fprintf(
+        g.scans,
+        "set,what,seed,points,outcome,support,likeness,eyes,seen,forehead,detail,evidence,"
+        "scale x,y,z\n");
     fprintf(sum, "what,half,number,enrolled,95 %% from,to\n");
     things(lab, &g, sum, pts);
     reliefs(lab, &g, sum, pts);

@@ -33,6 +33,7 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
                {"likeness", f->gate.likeness, f->gate.likeness_wanted},
                {"eyes", f->gate.eyes, f->gate.eyes_wanted},
                {"forehead", f->gate.forehead, f->gate.forehead_wanted},
+               {"detail", f->gate.detail, f->gate.detail_wanted},
                {"evidence", f->gate.evidence, f->gate.evidence_wanted}};
     const char *begin = " (";
 

@@ -13,6 +13,7 @@
 #include "facegen.h"
 #include "mem.h"
 #include "object.h"
+#include "relief.h"
 #include "scan.h"
 
 #define N 4000
@@ -94,6 +95,8 @@ static void test_faces(void **state)
         assert_true(found.gate.likeness >= found.gate.likeness_wanted);
         assert_true(found.gate.eyes >= found.gate.eyes_wanted && found.gate.eyes <= 1);
         assert_true(found.gate.seen >= found.gate.seen_wanted && found.gate.seen <= 1);
+        assert_true(found.gate.detail > 0.6 && found.gate.detail < 1.3);
+        assert_true(found.gate.evidence >= found.gate.evidence_wanted);
         assert_true(found.gate.scale[0] == 1 && found.gate.scale[1] == 1 &&
                     found.gate.scale[2] == 1);
         assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_OK);
@@ -168,6 +171,59 @@ static void test_parts(void **state)
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
 }
 
+/* Eggs with 12 smooth bumps, which a search against the gate made out of nothing but humps and
+ * hollows: all that a face shows, but hardly a line of it that is fine. */
+static void test_sought(void **state)
+{
+    static const struct relief egg[] = {
+        {.across = 56.3,
+         .up = 103.0,
+         .depth = 21.7,
+         .power = 1.06,
+         .saddle = {-8.2, 0, -4.1},
+         .bumps = 12,
+         .bump = {{-28.6, -42.7, 21.0, 11.1, -1.2},
+                  {-6.7, -43.7, 8.9, 22.0, -3.3},
+                  {40.6, -36.9, 16.2, 9.0, -1.9},
+                  {30.2, 4.9, 10.8, 14.3, -12.9},
+                  {49.4, -29.9, 18.3, 19.3, 2.7},
+                  {15.1, 20.5, 10.9, 13.4, -5.4},
+                  {23.5, -21.5, 14.4, 21.8, 8.8},
+                  {75.4, 2.1, 11.5, 23.3, -14.2},
+                  {-6.4, -7.5, 8.5, 13.6, -11.9},
+                  {39.3, -24.0, 8.9, 12.3, -8.2},
+                  {38.3, -6.8, 23.1, 7.6, -3.5},
+                  {8.4, -9.2, 15.7, 7.1, -0.3}}},
+        {.across = 58.5,
+         .up = 102.0,
+         .depth = 20.5,
+         .power = 1.44,
+         .saddle = {-0.9, 0, -5.2},
+         .bumps = 8,
+         .bump = {{-12.0, -47.6, 7.4, 22.8, -2.9},
+                  {21.6, -24.7, 23.7, 18.8, -0.1},
+                  {9.7, 17.1, 23.6, 19.6, -15.5},
+                  {10.1, 3.6, 8.8, 7.1, 14.9},
+                  {5.6, -14.2, 10.0, 23.1, 13.2},
+                  {15.8, 31.5, 22.5, 9.2, -0.3},
+                  {-92.8, 23.8, 7.7, 19.1, 4.4},
+                  {13.2, 65.7, 9.0, 7.4, -13.1}}},
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof egg / sizeof *egg; k++) {
+        struct draw r = draw_stream(k, 0, 5);
+        const size_t n = relief_sample(&egg[k], 3000, 0.15, &r, pts);
+        const struct gate *g = &found.gate;
+
+        assert_int_equal(build(pts, n, SCAN_AXES_AUTO, true), ST_ENOTFACE);
+        assert_true(g->evidence < g->evidence_wanted && g->detail < 0.8);
+        assert_true(g->support >= g->support_wanted && g->likeness >= g->likeness_wanted);
+        assert_true(g->eyes >= g->eyes_wanted && g->seen >= g->seen_wanted);
+        assert_true(g->evidence - 5 * g->detail > 10.5); /* or nearly enrolled without */
+    }
+}
+
 /* Upside down it is no face where the axes are the scanner's; else it is found. */
 static void test_turned(void **state)
 {
@@ -186,7 +242,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_things), cmocka_unit_test(test_faces),
         cmocka_unit_test(test_scale),  cmocka_unit_test(test_stretched),
-        cmocka_unit_test(test_parts),  cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_parts),  cmocka_unit_test(test_sought),
+        cmocka_unit_test(test_turned),
     };
     int failed;
 
