@@ -14,7 +14,7 @@ struct shape_pass {
 };
 
 /* Parts of the face that something may cover, to start from the others. */
-enum part { WHOLE, NO_EYES, UPPER, NO_HAIR, LEFT, RIGHT, PARTS };
+enum part { WHOLE, NO_EYES, UPPER, LOWER, LEFT, RIGHT, PARTS };
 
 static bool in_part(enum part p, uint32_t cell)
 {
@@ -25,7 +25,7 @@ static bool in_part(enum part p, uint32_t cell)
         return y < 8 || y > 48;
     case UPPER:
         return y > 4;
-    case NO_HAIR:
+    case LOWER:
         return y < 40;
     case LEFT:
         return x < 6;
@@ -178,14 +178,22 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       struct shape_fit *out)
 {
     enum status st = ST_OK;
+    uint32_t best = 0;
 
     out->support = -INFINITY;
-    out->skin = out->cover = out->apart = 0;
-    for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
+    out->skin = out->cover = out->apart = out->sure = 0;
+    for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
+        const double before = out->support;
+
         st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
-    if (hard && out->skin < SHAPE_GOOD * (out->skin + out->cover + out->apart))
-        for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
-            st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
+        best = out->support > before ? i : best;
+    }
+    if (!hard || st != ST_OK)
+        return st;
+    if (out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart))
+        return fit_start(w, pts, n, &start[best], UPPER, LOWER, out);
+    for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
+        st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
     return st;
 }
 

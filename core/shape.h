@@ -23,12 +23,13 @@
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
- * hard  if less than SHAPE_GOOD of the cells with points are skin, try again from each part
- *       of the face that glasses, a mask or hair do not cover, and from either half
+ * hard  try again from the face below the brows, and from that above the mouth: what clings to
+ *       the rest may pass as skin.  If less than SHAPE_GOOD of the cells with points are skin, do
+ *       so at each start, from what glasses do not cover and from either half too
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: of these every so manieth is taken.
- * Cost  O(n) for each start, and one fit, or 6 if hard: each about 1 ms with 3,000 points and
- * 2 with SHAPE_POINTS.
+ * Cost  O(n) for each start, and one fit; if hard 2 more, or 5 more for each start: each about
+ * 1 ms with 3,000 points and 2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,

@@ -5,85 +5,10 @@
 #include <string.h>
 
 #include "align_solve.h"
+#include "shape_cover.h"
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "tuning.h"
-
-/* The cells beside a cell, sideways, in four lists with an entry each; GRID_NONE: none. */
-static void beside(uint32_t i, uint32_t to[4])
-{
-    const uint32_t x = i % GRID_NX, y = i / GRID_NX;
-
-    to[0] = x > 0 ? i - 1 : GRID_NONE;
-    to[1] = x < GRID_NX - 1 ? i + 1 : GRID_NONE;
-    to[2] = y > 0 ? i - GRID_NX : GRID_NONE;
-    to[3] = y < GRID_NY - 1 ? i + GRID_NX : GRID_NONE;
-}
-
-enum { WEAK = 1, STRONG = 2, SEEN = 4 };
-
-/* The connected cells around i of which mark says WEAK or STRONG; how many are strong. */
-static uint32_t collect(uint8_t *mark, uint32_t i, uint32_t *list, uint32_t *n)
-{
-    uint32_t strong = 0;
-
-    *n = 0;
-    list[(*n)++] = i;
-    mark[i] |= SEEN;
-    for (uint32_t at = 0; at < *n; at++) {
-        uint32_t to[4];
-
-        strong += (mark[list[at]] & STRONG) != 0;
-        beside(list[at], to);
-        for (int k = 0; k < 4; k++)
-            if (to[k] != GRID_NONE && mark[to[k]] != 0 && !(mark[to[k]] & SEEN)) {
-                mark[to[k]] |= SEEN;
-                list[(*n)++] = to[k];
-            }
-    }
-    return strong;
-}
-
-/* Cells of the face beside a covered one become covered; holes alone, or all. */
-static void grow(const float *height, bool holes, uint8_t *cell)
-{
-    uint8_t before[GRID_N];
-
-    memcpy(before, cell, sizeof before);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        uint32_t to[4];
-
-        if (isnan(height[i]) || (holes && before[i] != SHAPE_EMPTY))
-            continue;
-        beside(i, to);
-        for (int k = 0; k < 4; k++)
-            if (to[k] != GRID_NONE && before[to[k]] == SHAPE_COVER)
-                cell[i] = SHAPE_COVER;
-    }
-}
-
-static void cover(const float *gap, const float *scale, const float *height,
-                  uint8_t *cell)
-{
-    uint8_t mark[GRID_N];
-    uint32_t list[GRID_N], n, any = 0;
-
-    for (uint32_t i = 0; i < GRID_N; i++)
-        mark[i] = gap[i] > (float)SHAPE_STRONG_MM * scale[i] ? STRONG
-                  : gap[i] > (float)SHAPE_WEAK_MM * scale[i] ? WEAK
-                                                             : 0;
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        if (mark[i] != STRONG || collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
-            continue;
-        any += n;
-        for (uint32_t k = 0; k < n; k++)
-            cell[list[k]] = SHAPE_COVER;
-    }
-    for (int k = 0; k < SHAPE_HOLE && any > 0; k++)
-        grow(height, true, cell);
-    if (any > 0)
-        grow(height, false, cell);
-}
 
 /* The mean square of what the best quadric leaves of z over n cells. */
 static double relief(const float *z, const uint32_t *cell, uint32_t n)
@@ -250,7 +175,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
         z[i] = fit->height[i] + over[i];
     }
     classify(w, gap, fit->cell, &near, &behind);
-    cover(gap, w->scale, fit->height, fit->cell);
+    fit->sure = shape_cover_mark(w, gap, z, fit->height, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
         fit->cover += fit->cell[i] == SHAPE_COVER;

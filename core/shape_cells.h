@@ -7,13 +7,9 @@
 struct shape_fit;  /* shape_work.h */
 struct shape_work; /* shape_work.h */
 
-/* shape_cells_rate(w, over, fit): fit's cells and their counts, support, eyes, forehead,
- * detail and likeness.
- * over  how far the points lie in front of fit->height, mm; NAN: no points
- * Cells of a cover: more than SHAPE_STRONG_MM in front of the face (at right angles, times the
- * cell's rest over the mean of all), and those beside them, sideways, of more than
- * SHAPE_WEAK_MM, if there are SHAPE_COVER_CELLS strong ones; then empty ones up to
- * SHAPE_HOLE cells from a strong one; then all beside those. */
+/* shape_cells_rate(w, over, fit): fit's cells (covers: shape_cover.h) and their counts, support,
+ * eyes, forehead, detail and likeness.
+ * over  how far the points lie in front of fit->height, mm; NAN: no points */
 void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
                       struct shape_fit *fit);
 

@@ -23,6 +23,7 @@ struct shape_fit {
     float height[GRID_N];        /* of the fitted face, mm; NAN off it */
     uint8_t cell[GRID_N];        /* enum shape_cell */
     uint32_t skin, cover, apart; /* cells of each kind */
+    uint32_t sure;  /* cells in front of the face as no expression is (shape_cover.h) */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     double

@@ -195,12 +195,16 @@ static double likely_unit(const struct cloudpoints *c, const double extent[3])
 static enum status fit(struct scan *s, const struct dvec3 *pts, size_t n,
                        const struct align_pose *pose)
 {
-    const enum status st = shape_judge(s->shape, pts, n, pose, &s->fit);
+    enum status st = shape_judge(s->shape, pts, n, pose, &s->fit);
+    const uint32_t sure = s->fit.sure;
+    const bool hard = sure > SCAN_PLAIN_STRAYS;
 
     if (st != ST_OK ||
-        (s->fit.support >= SCAN_SURE && s->fit.cover == 0 && !s->o->enrolment))
+        (s->fit.support >= SCAN_SURE && s->fit.cover == 0 && !hard && !s->o->enrolment))
         return st;
-    return shape_fit(s->shape, pts, n, pose, 1, false, &s->fit);
+    if ((st = shape_fit(s->shape, pts, n, pose, 1, hard, &s->fit)) == ST_OK && !hard)
+        s->fit.sure = sure; /* a fit may also raise what it was not asked for */
+    return st;
 }
 
 /* Where no search follows, what was refused only once it had been laid on the mean face has
@@ -240,7 +244,7 @@ static bool plain(const struct scan *s)
     const double wide = s->found->extent[0] * s->found->unit_mm;
 
     return wide <= SCAN_PLAIN_WIDE_MM && s->fit.support >= SCAN_PLAIN &&
-           s->fit.cover <= SCAN_PLAIN_COVER &&
+           s->fit.cover <= SCAN_PLAIN_COVER && s->fit.sure <= SCAN_PLAIN_SURE &&
            f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv;
 }
 
@@ -338,7 +342,7 @@ static size_t draw(const struct cloudpoints *c, struct dvec3 few[2 * SCAN_LOOK])
     return n;
 }
 
-/* Are the points in mm plainly a face as they are?  Of many, few are looked at. */
+/* Are the points in mm plainly a face as they are?  Of many, few are looked at first. */
 static enum status look(struct scan *s, bool *is)
 {
     struct dvec3 *few = NULL;
@@ -350,8 +354,13 @@ static enum status look(struct scan *s, bool *is)
         st = ST_ENOMEM;
     else if ((st = build(s, few, draw(s->c, few))) == ST_ERANGE)
         st = ST_ENOFACE; /* nobody knows its place any more */
+    *is = st == ST_OK && plain(s);
+    if (*is && few != NULL) {
+        st = fit(s, s->c->at, s->c->n, &s->out->frame.pose);
+        *is = st == ST_OK && plain(s);
+    }
     mem_free(few);
-    if ((*is = st == ST_OK && plain(s)))
+    if (*is)
         uncover(&s->fit);
     return st;
 }

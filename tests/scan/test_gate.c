@@ -131,7 +131,7 @@ static void test_scale(void **state)
 /* 1.6 times as tall: the scale along one axis. */
 static void test_stretched(void **state)
 {
-    const size_t n = face(8);
+    const size_t n = face(9);
 
     (void)state;
     for (size_t i = 0; i < n; i++)

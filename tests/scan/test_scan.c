@@ -134,6 +134,25 @@ static void test_as_it_is(void **state)
     }
 }
 
+/* What lies on the forehead from its rim down is no part of the face: it is told, and left out. */
+static void test_cap(void **state)
+{
+    (void)state;
+    for (uint64_t subject = 1; subject < 6; subject++) {
+        sample(subject, 0, 3000);
+        assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+        sample(subject, 1, 3000);
+        assert_int_equal(build(&probe), ST_OK);
+        assert_false(found.found || warned(SCAN_OCCLUDED));
+        for (size_t i = 0; i < n; i++)
+            pts[i].z += pts[i].y > 50 ? 8 : 0;
+        assert_int_equal(build(&probe), ST_OK);
+        assert_true(found.found && warned(SCAN_OCCLUDED));
+        assert_true(face.hidden > 0.05);
+        assert_decision(FACE_MATCH);
+    }
+}
+
 /* In another unit, given or not. */
 static void test_units(void **state)
 {
@@ -486,14 +505,15 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_it_is),  cmocka_unit_test(test_units),
-        cmocka_unit_test(test_dense),     cmocka_unit_test(test_found),
-        cmocka_unit_test(test_half),      cmocka_unit_test(test_half_profile),
-        cmocka_unit_test(test_turn),      cmocka_unit_test(test_elsewhere),
-        cmocka_unit_test(test_two),       cmocka_unit_test(test_search_kept),
-        cmocka_unit_test(test_shoulders), cmocka_unit_test(test_cover),
-        cmocka_unit_test(test_mirrored),  cmocka_unit_test(test_no_face),
-        cmocka_unit_test(test_range),     cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_as_it_is),     cmocka_unit_test(test_units),
+        cmocka_unit_test(test_cap),          cmocka_unit_test(test_dense),
+        cmocka_unit_test(test_found),        cmocka_unit_test(test_half),
+        cmocka_unit_test(test_half_profile), cmocka_unit_test(test_turn),
+        cmocka_unit_test(test_elsewhere),    cmocka_unit_test(test_two),
+        cmocka_unit_test(test_search_kept),  cmocka_unit_test(test_shoulders),
+        cmocka_unit_test(test_cover),        cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_no_face),      cmocka_unit_test(test_range),
+        cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,0 +1,296 @@
+#include "shape_cover.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "shape_work.h"
+#include "tuning.h"
+
+/* The cells beside a cell, sideways, in four lists with an entry each; GRID_NONE: none. */
+static void beside(uint32_t i, uint32_t to[4])
+{
+    const uint32_t x = i % GRID_NX, y = i / GRID_NX;
+
+    to[0] = x > 0 ? i - 1 : GRID_NONE;
+    to[1] = x < GRID_NX - 1 ? i + 1 : GRID_NONE;
+    to[2] = y > 0 ? i - GRID_NX : GRID_NONE;
+    to[3] = y < GRID_NY - 1 ? i + GRID_NX : GRID_NONE;
+}
+
+enum { WEAK = 1, STRONG = 2, SEEN = 4 };
+
+/* The connected cells around i of which mark says WEAK or STRONG; how many are strong. */
+static uint32_t collect(uint8_t *mark, uint32_t i, uint32_t *list, uint32_t *n)
+{
+    uint32_t strong = 0;
+
+    *n = 0;
+    list[(*n)++] = i;
+    mark[i] |= SEEN;
+    for (uint32_t at = 0; at < *n; at++) {
+        uint32_t to[4];
+
+        strong += (mark[list[at]] & STRONG) != 0;
+        beside(list[at], to);
+        for (int k = 0; k < 4; k++)
+            if (to[k] != GRID_NONE && mark[to[k]] != 0 && !(mark[to[k]] & SEEN)) {
+                mark[to[k]] |= SEEN;
+                list[(*n)++] = to[k];
+            }
+    }
+    return strong;
+}
+
+/* Cells of the face beside a covered one become covered; holes alone, or all. */
+static void grow(const float *height, bool holes, uint8_t *cell)
+{
+    uint8_t before[GRID_N];
+
+    memcpy(before, cell, sizeof before);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        uint32_t to[4];
+
+        if (isnan(height[i]) || (holes && before[i] != SHAPE_EMPTY))
+            continue;
+        beside(i, to);
+        for (int k = 0; k < 4; k++)
+            if (to[k] != GRID_NONE && before[to[k]] == SHAPE_COVER)
+                cell[i] = SHAPE_COVER;
+    }
+}
+
+/* What stands in front of the face, and its surroundings. */
+static void mark_front(const struct shape_work *w, const float *gap, const float *height,
+                       uint8_t *cell)
+{
+    const float *scale = w->scale;
+    uint8_t mark[GRID_N];
+    uint32_t list[GRID_N], n, any = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        mark[i] = gap[i] > (float)SHAPE_STRONG_MM * scale[i] ? STRONG
+                  : gap[i] > (float)SHAPE_WEAK_MM * scale[i] ? WEAK
+                                                             : 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (mark[i] != STRONG || collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
+            continue;
+        any += n;
+        for (uint32_t k = 0; k < n; k++)
+            cell[list[k]] = SHAPE_COVER;
+    }
+    for (int k = 0; k < SHAPE_HOLE && any > 0; k++)
+        grow(height, true, cell);
+    if (any > 0)
+        grow(height, false, cell);
+}
+
+/* ---- hair */
+
+/* How far a cell's gap is from the mean of those beside it, mm; NAN: not known. */
+static float rough_at(const float *gap, uint32_t i)
+{
+    uint32_t to[4];
+    float sum = 0.0f, n = 0.0f;
+
+    beside(i, to);
+    for (int k = 0; k < 4; k++)
+        if (to[k] != GRID_NONE && !isnan(gap[to[k]])) {
+            sum += gap[to[k]];
+            n += 1.0f;
+        }
+    return n >= 2.0f ? fabsf(gap[i] - sum / n) : (float)NAN;
+}
+
+/* The median roughness of the cheeks, where a face is smooth, mm. */
+static float rough_cheeks(const float *gap)
+{
+    enum { BINS = 64 };
+    const float wide = 0.025f;
+    uint32_t bin[BINS] = {0}, n = 0, k = 0;
+
+    for (uint32_t i = grid_cell(GRID_LEFT, -48); grid_y(i) <= 8; i++) {
+        const float r = fabs(grid_x(i)) >= 30 ? rough_at(gap, i) : (float)NAN;
+
+        if (isnan(r))
+            continue;
+        bin[r < wide * (BINS - 1) ? (uint32_t)(r / wide) : BINS - 1]++;
+        n++;
+    }
+    for (uint32_t sum = 0; k < BINS - 1 && 2 * (sum += bin[k]) < n;)
+        k++;
+    return wide * ((float)k + 0.5f);
+}
+
+/* Is most of what is around cell i rougher than limit? */
+static bool is_hair(const float *rough, uint32_t i, float limit)
+{
+    const uint32_t x = i % GRID_NX, y = i / GRID_NX;
+    uint32_t n = 0, more = 0;
+
+    for (uint32_t v = y >= 2 ? y - 2 : 0; v <= y + 2 && v < GRID_NY; v++)
+        for (uint32_t u = x >= 2 ? x - 2 : 0; u <= x + 2 && u < GRID_NX; u++) {
+            const float r = rough[v * GRID_NX + u];
+
+            n += isnan(r) ? 0 : 1;
+            more += r > limit;
+        }
+    return more > SHAPE_HAIR_SHARE * n && n >= SHAPE_HAIR_LEAST;
+}
+
+/* hair[i]: SEEN where cell i is one of enough that are connected.  Most scans are so smooth that
+ * there can be none. */
+static void find_hair(const float *gap, const float *height, uint8_t hair[GRID_N])
+{
+    const uint32_t brow = grid_cell(GRID_LEFT, SHAPE_BROW_Y + GRID_MM);
+    uint8_t mark[GRID_N] = {0};
+    uint32_t list[GRID_N], n = 0;
+    float rough[GRID_N], limit;
+
+    memset(hair, 0, GRID_N);
+    for (uint32_t i = brow - 2 * GRID_NX; i < GRID_N; i++) {
+        rough[i] = rough_at(gap, i);
+        n += rough[i] > (float)SHAPE_HAIR_MM;
+    }
+    if (n < SHAPE_HAIR_SHARE * SHAPE_HAIR_CELLS)
+        return;
+    limit = fmaxf((float)SHAPE_HAIR_TIMES * rough_cheeks(gap), (float)SHAPE_HAIR_MM);
+    for (uint32_t i = brow; i < GRID_N; i++)
+        mark[i] = !isnan(height[i]) && is_hair(rough, i, limit) ? STRONG : 0;
+    for (uint32_t i = brow; i < GRID_N; i++)
+        if (mark[i] == STRONG && collect(mark, i, list, &n) >= SHAPE_HAIR_CELLS)
+            for (uint32_t k = 0; k < n; k++)
+                hair[list[k]] = SEEN;
+}
+
+/* ---- masks */
+
+/* How much more concave than a plane z is at cell i, 8 mm around; NAN: not known. */
+static float hollow(const float *z, uint32_t i)
+{
+    return z[i - 2] + z[i + 2] + z[i - 2 * GRID_NX] + z[i + 2 * GRID_NX] - 4 * z[i];
+}
+
+/* The cells of the valley beside the nose of the mean face, to the right or to the left of it
+ * (side -1); how many. */
+static uint32_t find_wing(const struct shape_work *w, int side, uint32_t list[GRID_N])
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double x = side * grid_x(i), y = grid_y(i);
+
+        if (x > 0 && x < SHAPE_WING_X && y > SHAPE_WING_BOTTOM && y < SHAPE_WING_TOP &&
+            hollow(w->mean, i) > SHAPE_WING_MM)
+            list[n++] = i;
+    }
+    return n;
+}
+
+/* How deep z is there, moved by so many cells, of the mean face's depth; NAN: not known. */
+static float depth(const struct shape_work *w, const float *z, const uint32_t *list,
+                   uint32_t n, int move)
+{
+    float both = 0.0f, mean = 0.0f;
+    uint32_t seen = 0;
+
+    for (uint32_t k = 0; k < n; k++) {
+        const float of = hollow(w->mean, list[k]);
+        const float is = hollow(z, (uint32_t)((int)list[k] + move));
+
+        if (isnan(is))
+            continue;
+        both += of * fminf(is, 3 * of);
+        mean += of * of;
+        seen++;
+    }
+    return seen >= SHAPE_WING_KNOWN ? both / mean : (float)NAN;
+}
+
+/* Is the valley beside the nose missing, wherever within two cells it may be? */
+static bool no_wing(const struct shape_work *w, const float *z, int side)
+{
+    uint32_t list[GRID_N];
+    const uint32_t n = find_wing(w, side, list);
+    float most = (float)NAN;
+
+    for (int y = -2; y <= 2; y++)
+        for (int x = -2; x <= 2; x++)
+            most = fmaxf(most, depth(w, z, list, n, y * GRID_NX + x));
+    return most < SHAPE_WING_LEAST;
+}
+
+/* Between the first and the last covered cell of n, `step` apart. */
+static void fill(const float *height, uint8_t *cell, uint32_t from, uint32_t n,
+                 uint32_t step)
+{
+    uint32_t first = n, last = 0;
+
+    for (uint32_t k = 0; k < n; k++)
+        if (cell[from + k * step] == SHAPE_COVER) {
+            first = first < n ? first : k;
+            last = k;
+        }
+    for (uint32_t k = first; k < last; k++)
+        if (!isnan(height[from + k * step]))
+            cell[from + k * step] = SHAPE_COVER;
+}
+
+static bool mark_mask(const struct shape_work *w, const float *z, const float *height,
+                      uint8_t *cell)
+{
+    uint32_t rows = 0, left = 0, right = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (cell[i] == SHAPE_COVER && grid_y(i) < SHAPE_MASK_TOP) {
+            rows = i / GRID_NX + 1;
+            left += grid_x(i) < 0;
+            right += grid_x(i) > 0;
+        }
+    if (left < SHAPE_MASK_CELLS || right < SHAPE_MASK_CELLS || !no_wing(w, z, -1) ||
+        !no_wing(w, z, 1))
+        return false;
+    for (uint32_t k = 0; k < rows; k++)
+        fill(height, cell, k * GRID_NX, GRID_NX, 1);
+    for (uint32_t k = 0; k < GRID_NX; k++)
+        fill(height, cell, k, rows, GRID_NX);
+    return true;
+}
+
+/* How many cells above the brows are in front of the face, from its upper rim down to the first
+ * that is not; and of those that are below it, the ones that are far in front. */
+static uint32_t count_upper(const float *gap, const float *height, const uint8_t *hair)
+{
+    uint32_t n = 0;
+
+    for (uint32_t x = 0; x < GRID_NX; x++) {
+        bool rim = true;
+
+        for (uint32_t i = GRID_N - GRID_NX + x; grid_y(i) > SHAPE_BROW_Y; i -= GRID_NX) {
+            if (isnan(height[i]) || isnan(gap[i]))
+                continue;
+            rim = rim && (hair[i] || gap[i] > (float)SHAPE_WEAK_MM);
+            n += rim || gap[i] > (float)SHAPE_FAR_MM;
+        }
+    }
+    return n;
+}
+
+uint32_t shape_cover_mark(const struct shape_work *w, const float gap[GRID_N],
+                          const float z[GRID_N], const float height[GRID_N],
+                          uint8_t cell[GRID_N])
+{
+    uint8_t hair[GRID_N];
+    uint32_t sure;
+
+    mark_front(w, gap, height, cell);
+    find_hair(gap, height, hair);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        cell[i] = hair[i] ? SHAPE_COVER : cell[i];
+    sure = count_upper(gap, height, hair);
+    if (mark_mask(w, z, height, cell))
+        for (uint32_t i = 0; i < GRID_N; i++)
+            sure += cell[i] == SHAPE_COVER && grid_y(i) < SHAPE_MASK_TOP;
+    return sure;
+}

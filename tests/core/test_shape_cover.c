@@ -1,0 +1,224 @@
+/* What covers a face, and what is a face's own: above the brows, hair, and masks. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "model.h"
+#include "shape.h"
+#include "tuning.h"
+
+#define POINTS 4000
+
+static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static struct shape_work work;
+static struct dvec3 pts[POINTS];
+static struct brute_rng rng;
+
+/* The mean face, bilinear between the middles of the cells; NAN off it. */
+static double height(double x, double y)
+{
+    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
+                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
+    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
+    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
+    const float *h = &work.mean[at];
+
+    return (1 - v) * ((1 - u) * (double)h[0] + u * (double)h[1]) +
+           v * ((1 - u) * (double)h[GRID_NX] + u * (double)h[GRID_NX + 1]);
+}
+
+/* Something on the mean face: what is added to its height, mm. */
+typedef double thing(double x, double y);
+
+static void make(thing *on)
+{
+    for (size_t n = 0; n < POINTS;) {
+        const double x = -58 + 116 * brute_real(&rng), y = -76 + 142 * brute_real(&rng);
+        const double z = height(x, y);
+
+        if (!isnan(z))
+            pts[n++] = (struct dvec3){x, y, z + on(x, y) + 0.2 * brute_real(&rng)};
+    }
+}
+
+/* As judged, or fitted hard. */
+static struct shape_fit see(thing *on, bool hard)
+{
+    struct shape_fit f;
+
+    make(on);
+    if (hard)
+        assert_int_equal(shape_fit(&work, pts, POINTS, &still, 1, true, &f), ST_OK);
+    else
+        assert_int_equal(shape_judge(&work, pts, POINTS, &still, &f), ST_OK);
+    return f;
+}
+
+static bool covered(const struct shape_fit *f, double x, double y)
+{
+    return f->cell[grid_cell(x, y)] == SHAPE_COVER;
+}
+
+static double nothing(double x, double y)
+{
+    (void)x;
+    (void)y;
+    return 0;
+}
+
+static void test_nothing(void **state)
+{
+    (void)state;
+    for (int hard = 0; hard < 2; hard++) {
+        const struct shape_fit f = see(nothing, hard);
+
+        assert_int_equal(f.cover, 0);
+        assert_int_equal(f.sure, 0);
+    }
+}
+
+/* ---- above the brows */
+
+static double cap(double x, double y)
+{
+    (void)x;
+    return y > 46 ? 9 : 0;
+}
+
+static double thin_cap(double x, double y)
+{
+    (void)x;
+    return y > 48 ? 7.5 : 0;
+}
+
+static double bump(double x, double y)
+{
+    const double r = hypot(x, y - 48) / 16;
+
+    return r < 1 ? 5 * (1 - r * r) : 0;
+}
+
+/* A cap is a cover for sure, from the rim down; a bump in the middle of the forehead is the
+ * person's own. */
+static void test_brows(void **state)
+{
+    struct shape_fit f;
+
+    (void)state;
+    for (int hard = 0; hard < 2; hard++) {
+        f = see(cap, hard);
+        assert_true(f.sure > 60 && f.cover > 60);
+        assert_true(covered(&f, 2, 58) && covered(&f, -30, 54) && covered(&f, 30, 54));
+        assert_true(!covered(&f, 2, 34) && !covered(&f, 30, -10));
+        f = see(bump, hard);
+        assert_true(f.cover > 0 && f.sure == 0);
+    }
+}
+
+/* The pose and the modes take a thin cap in: the face below tells. */
+static void test_thin(void **state)
+{
+    (void)state;
+    for (int round = 0; round < 12; round++) {
+        const struct shape_fit f = see(thin_cap, true);
+        struct shape_fit g;
+
+        assert_int_equal(shape_fit(&work, pts, POINTS, &still, 1, false, &g), ST_OK);
+        assert_true(f.sure > 60 && covered(&f, 2, 56));
+        assert_true(g.sure < 30);
+    }
+}
+
+/* ---- hair */
+
+static double hair(double x, double y)
+{
+    return y > 42 ? 1.5 * sin(0.7 * x) * sin(0.6 * y) : 0;
+}
+
+static double rough(double x, double y)
+{
+    return 1.5 * sin(0.7 * x) * sin(0.6 * y);
+}
+
+/* What is as rough as hair is hair, unless all of the scan is. */
+static void test_hair(void **state)
+{
+    struct shape_fit f;
+
+    (void)state;
+    f = see(hair, false);
+    assert_true(f.sure > 60 && covered(&f, 2, 58) && covered(&f, -26, 58));
+    assert_true(!covered(&f, 2, 30));
+    f = see(rough, false);
+    assert_int_equal(f.sure, 0);
+    assert_int_equal(f.cover, 0);
+}
+
+/* ---- masks */
+
+/* Taut from the nose down to the chin, and from there to both cheeks. */
+static double mask(double x, double y)
+{
+    const double wide = 44, top = 6, low = -62, t = fabs(x) / wide;
+    const double nose = height(0, top), chin = height(0, low);
+    const double middle =
+        y > -2 ? height(0, y) : nose + (y - top) / (low - top) * (chin - nose);
+    const double sheet =
+        (1 - t) * fmax(middle, height(0, y)) + t * height(wide * (x < 0 ? -1 : 1), y);
+
+    return y < top && y > low && t < 1 ? fmax(sheet + 0.6 - height(x, y), 0) : 0;
+}
+
+static double one_cheek(double x, double y)
+{
+    return x > 0 ? mask(x, y) : 0;
+}
+
+static double puff(double x, double y)
+{
+    const double r = hypot(fabs(x) - 34, y + 26) / 18;
+
+    return r < 1 ? 12 * (1 - r * r) : 0;
+}
+
+/* Where no valley is seen beside the nose a mask covers also what it lies on; cheeks that are
+ * puffed, or a hand on one of them, leave valleys. */
+static void test_mask(void **state)
+{
+    struct shape_fit f;
+
+    (void)state;
+    for (int hard = 0; hard < 2; hard++) {
+        f = see(mask, hard);
+        assert_true(f.sure > 80 && f.sure <= f.cover);
+        assert_true(covered(&f, 18, -2) && covered(&f, -18, -2) && covered(&f, 2, 2));
+        assert_true(covered(&f, 2, -2)); /* the nose holds it up */
+        assert_true(!covered(&f, 2, 34) && !covered(&f, 56, -10));
+    }
+    f = see(one_cheek, false);
+    assert_true(f.cover > 20 && f.sure == 0);
+    f = see(puff, false);
+    assert_true(f.cover > 20 && f.sure == 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nothing), cmocka_unit_test(test_brows),
+        cmocka_unit_test(test_thin), cmocka_unit_test(test_hair),
+        cmocka_unit_test(test_mask)};
+    int failed;
+
+    rng = (struct brute_rng){brute_seed("cover")};
+    shape_work_prepare(&model_default, &work);
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    shape_work_free(&work);
+    return failed;
+}
