@@ -177,6 +177,7 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out)
 {
+    struct shape_fit part = {.support = -INFINITY};
     enum status st = ST_OK;
     uint32_t best = 0;
 
@@ -190,8 +191,12 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
     }
     if (!hard || st != ST_OK)
         return st;
-    if (out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart))
-        return fit_start(w, pts, n, &start[best], UPPER, LOWER, out);
+    if (out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart)) {
+        st = fit_start(w, pts, n, &start[best], UPPER, LOWER, &part);
+        if (st == ST_OK && part.sure >= SHAPE_SURE_CELLS && part.support > out->support)
+            *out = part;
+        return st;
+    }
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
         st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
     return st;

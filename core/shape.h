@@ -24,8 +24,9 @@
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
  * hard  try again from the face below the brows, and from that above the mouth: what clings to
- *       the rest may pass as skin.  If less than SHAPE_GOOD of the cells with points are skin, do
- *       so at each start, from what glasses do not cover and from either half too
+ *       the rest may pass as skin; such a fit is taken where SHAPE_SURE_CELLS are a cover for sure.
+ *       If less than SHAPE_GOOD of the cells with points are skin, try at each start, also from
+ *       what glasses do not cover and from either half, and take the fit of most support
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: of these every so manieth is taken.
  * Cost  O(n) for each start, and one fit; if hard 2 more, or 5 more for each start: each about

@@ -532,6 +532,11 @@
 #define SHAPE_WING_KNOWN  5
 #define SHAPE_WING_LEAST  0.75f
 
+/* So many cells must be covered for sure where the fit from a part of the face is to count
+ * against that of the whole, which has hardly anything covered: caps leave 70 to 110; of made-up
+ * faces, whose foreheads the modes do not know, such a fit has as much support, and 57 at most. */
+#define SHAPE_SURE_CELLS 60
+
 /* A mask covers so many cells at least on both sides of the face, below y in mm.  By hand. */
 #define SHAPE_MASK_TOP   14.0
 #define SHAPE_MASK_CELLS 10
