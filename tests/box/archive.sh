@@ -24,7 +24,7 @@ everything() {
 }
 
 for s in 1 2 3; do
-    scan "$s" 0 "$T/s$s.ply" --points 600
+    scan "$s" 0 "$T/s$s.ply" --points 1000
 done
 on "$DB" init
 on "$DB" enroll alice "$T/s1.ply" --label 'left camera'

@@ -11,7 +11,7 @@ people() {
 }
 
 for s in 1 2 3 4; do
-    scan "$s" 0 "$T/s$s.ply" --points 600
+    scan "$s" 0 "$T/s$s.ply" --points 1000
 done
 ctl init
 ctl enroll alice "$T/s1.ply"

@@ -19,7 +19,7 @@ admin() {
 T=$(cd "$T" && pwd -P) # as the programs name it
 mkdir "$T/empty" "$T/work"
 for n in 1 2 3 4; do
-    scan "$n" 0 "$T/s$n.ply" --points 300
+    scan "$n" 0 "$T/s$n.ply" --points 1000
 done
 
 # ---- what there is before

@@ -174,7 +174,7 @@ if command -v bash >/dev/null 2>&1; then
     completes 'list show set rename disable enable hold release erase' subject ''
     completes 'rename release' --db x subject re
     completes '--consent' subject set alice --cons
-    completes 'auto mm cm m in' verify --units ''
+    completes 'auto mm cm m in um' verify --units ''
     completes "$T/a.ply $T/a2.ply" verify alice "$T/a"
     completes "$T/a.ply $T/a2.ply" --key "$T/a"
 fi

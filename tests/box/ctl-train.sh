@@ -25,7 +25,7 @@ for s in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21; do
     for k in 0 1 2 3 4 5 6 7 8 9 10 11 12; do
         kind=p$k
         [ "$k" -ne 0 ] || kind=enroll
-        "$BUILD/facegen" --subject $s --scan $k --pose 6 --shift 4 --points 300 \
+        "$BUILD/facegen" --subject $s --scan $k --pose 6 --shift 4 --points 1000 \
             --smile "0.$((k * 7 % 10))" --warp "0.$((2 + k % 4))" \
             -o "$T/scans/s${s}_$kind.ply" || exit 1
     done

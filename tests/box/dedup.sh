@@ -10,9 +10,9 @@ who() { said '[.duplicates[] | .subject_a + "=" + .subject_b] | join(" ")'; }
 rows() { sqlite3 "$DB" 'SELECT (SELECT count(*) FROM events), (SELECT count(*) FROM templates)'; }
 
 for n in 1 2 3 4 5 6; do
-    scan $n 0 "$T/s$n.ply" --points 500
+    scan $n 0 "$T/s$n.ply" --points 1000
 done
-scan 2 1 "$T/again.ply" --points 500 --pose 8 --shift 10
+scan 2 1 "$T/again.ply" --points 1000 --pose 8 --shift 10
 
 # ---- no subject, one, and different ones
 ctl_exits 0 init

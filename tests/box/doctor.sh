@@ -23,7 +23,7 @@ finds() {
 doctor
 finds "no database" trouble database 'no file'
 "$BUILD/surfacectl" --db "$DB" init >"$T/ctl"
-scan 1 0 "$T/s1.ply" --points 600
+scan 1 0 "$T/s1.ply" --points 1000
 "$BUILD/surfacectl" --db "$DB" enroll s1 "$T/s1.ply" >"$T/ctl"
 doctor
 is "all is well" "$CODE $(jq -r .ok "$T/ctl")" "0 true"

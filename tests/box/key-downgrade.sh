@@ -28,8 +28,8 @@ no_start() {
         --listen 127.0.0.1:0 --no-auth "$@"
 }
 
-scan 1 0 "$T/alice.ply" --points 600
-scan 2 0 "$T/mallory.ply" --points 600
+scan 1 0 "$T/alice.ply" --points 1000
+scan 2 0 "$T/mallory.ply" --points 1000
 ctl init
 ctl enroll alice "$T/alice.ply"
 is "alice is enrolled" "$CODE" 0

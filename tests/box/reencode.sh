@@ -135,7 +135,7 @@ is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/want
 DB=$T/many.db many=${REPROCESS:-60}
 mkdir "$T/many"
 for n in $(seq 1 "$many"); do
-    scan "$n" 0 "$T/many/m${n}_a.ply" --points 400
+    scan "$n" 0 "$T/many/m${n}_a.ply" --points 1000
 done
 ctl_exits 0 init
 ctl_exits 0 enroll "$T/many" --model "$T/raised.model"

@@ -12,7 +12,7 @@ held() {
 }
 
 for n in 1 2 3; do
-    scan "$n" 0 "$T/s$n.ply" --points 600
+    scan "$n" 0 "$T/s$n.ply" --points 1000
 done
 ctl init
 ctl enroll s1 "$T/s1.ply"
