@@ -17,7 +17,8 @@ CREATE TABLE root (
     salt      BLOB NOT NULL CHECK (length(salt) = 16),
     plaintext BLOB NOT NULL CHECK (length(plaintext) = 32), -- the key itself, for kind 0
     public    BLOB NOT NULL CHECK (length(public) = 32), -- Ed25519
-    secrets   BLOB NOT NULL CHECK (length(secrets) = 136)
+    secrets   BLOB NOT NULL CHECK (length(secrets) = 136),
+    mac       BLOB NOT NULL CHECK (length(mac) = 32) -- by the key before it
 ) STRICT;
 
 -- A person, under the client's own id, which is encrypted and found by a keyed hash.

@@ -16,9 +16,12 @@
  * too. */
 const struct setting options_table[] = {
     {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
-     "the database; made if it is missing"},
+     "the database; surfacectl init makes it"},
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
      "the database's key or passphrase (PATH.key)"},
+    {"plaintext-database", SETTING_BOOL, "0",
+     offsetof(struct options, plaintext_database), 0, 0, NULL,
+     "the database has no key: whoever has the file can read it"},
     {"model", SETTING_FILE, NULL, offsetof(struct options, model), 0, 0, "FILE",
      "judge by a model that surfacectl train wrote"},
     {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),
@@ -90,6 +93,8 @@ static void check_together(struct options *o)
         settings_wrong(s,
                        "no database: give --db PATH, set SURFACED_DB or write db = PATH "
                        "into the configuration file");
+    if (o->plaintext_database && o->key != NULL)
+        settings_wrong(s, "--plaintext-database contradicts --key");
     if ((o->tls_cert == NULL) != (o->tls_key == NULL))
         settings_wrong(s, "--tls-cert and --tls-key go together");
     if (o->tls_client_ca != NULL && o->tls_cert == NULL)

@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     20
+#define OPTIONS_ROWS     21
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -22,6 +22,7 @@ extern const struct setting options_table[OPTIONS_ROWS];
 struct options {
     const char *db;
     const char *key;         /* its master key; NULL: beside it */
+    bool plaintext_database; /* it has none */
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;
@@ -39,6 +40,7 @@ struct options {
     unsigned max_connections_per_address; /* OPTIONS_UNSET: not given */
     unsigned timeout_s;
 
+    bool create;                    /* the database; of the daemon's command line alone */
     struct sockaddr_storage listen; /* IPv4 or IPv6 with the port, or a Unix socket */
     socklen_t listen_len;
     struct settings *settings; /* what the strings above belong to */

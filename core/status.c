@@ -24,6 +24,7 @@ const char *status_message(enum status st)
         [ST_EEXISTS] = "already there",
         [ST_EMISMATCH] = "the sample does not fit the subject's others",
         [ST_EDENIED] = "not permitted",
+        [ST_EREFUSED] = "not the database that it should be",
         [ST_EHELD] = "on hold",
         [ST_EBUSY] = "busy",
         [ST_EIO] = "input or output failed",

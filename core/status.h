@@ -27,6 +27,7 @@ enum status {
     ST_EEXISTS,     /* it is already there */
     ST_EMISMATCH,   /* a sample does not fit the subject's others */
     ST_EDENIED,     /* no permission */
+    ST_EREFUSED,    /* not the database that it should be: replaced, older, another key */
     ST_EHELD,       /* a subject on hold is not erased */
     ST_EBUSY,       /* try again later */
     ST_EIO,         /* reading or writing failed */

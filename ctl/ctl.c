@@ -23,10 +23,11 @@ enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 int ctl_exit(const struct ctl *c, enum status st)
 {
     static const int code[ST_COUNT] = {
-        [ST_ENOMEM] = EXIT_OSERR,   [ST_ENOTFOUND] = EXIT_NOINPUT,
-        [ST_EDENIED] = EXIT_NOPERM, [ST_EHELD] = EXIT_NOPERM,
-        [ST_EBUSY] = EXIT_TEMPFAIL, [ST_EIO] = EXIT_IOERR,
-        [ST_EDB] = EXIT_SOFTWARE,   [ST_EINTERNAL] = EXIT_SOFTWARE,
+        [ST_ENOMEM] = EXIT_OSERR,       [ST_ENOTFOUND] = EXIT_NOINPUT,
+        [ST_EDENIED] = EXIT_NOPERM,     [ST_EREFUSED] = EXIT_NOPERM,
+        [ST_EHELD] = EXIT_NOPERM,       [ST_EBUSY] = EXIT_TEMPFAIL,
+        [ST_EIO] = EXIT_IOERR,          [ST_EDB] = EXIT_SOFTWARE,
+        [ST_EINTERNAL] = EXIT_SOFTWARE,
     };
 
     return st == ST_OK || c->code == EXIT_USAGE ? c->code

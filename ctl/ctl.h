@@ -62,10 +62,11 @@ struct ctl {
 
     /* Options that several commands take (ctl_option.c). */
     const char *db;
-    const char *config;         /* the daemon's file; NULL: where it looks for one */
-    const char *key;            /* its file; NULL: the database's path and ".key" */
-    bool plaintext, passphrase; /* instead of a file, for a new database */
-    const char *archive_key;    /* a file with its key or passphrase; NULL: asked for */
+    const char *config;      /* the daemon's file; NULL: where it looks for one */
+    const char *key;         /* its file; NULL: the database's path and ".key" */
+    bool plaintext;          /* --plaintext-database: it has no key */
+    bool passphrase;         /* instead of a file, for a new database or key */
+    const char *archive_key; /* a file with its key or passphrase; NULL: asked for */
     struct ctl_scans scans;
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */

@@ -81,6 +81,7 @@ enum status ctl_config_database(struct ctl *c, bool model)
         c->db = c->settings->db;
     if (c->key == NULL)
         c->key = c->settings->key;
+    c->plaintext = c->plaintext || c->settings->plaintext_database;
     if (c->model_path == NULL && model)
         c->model_path = c->settings->model;
     return ST_OK;

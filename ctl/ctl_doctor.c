@@ -178,7 +178,8 @@ static bool look_at_schema(struct doctor *d)
 /* Does a key's file, or for NULL what is usual, open the database? */
 static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
 {
-    const struct store_key key = {.path = path, .make = VAULT_FILE};
+    const struct store_key key = {
+        .path = path, .make = VAULT_FILE, .plaintext = d->c->plaintext};
     struct store *s = NULL;
     const enum status st = store_open(d->c->db, STORE_READ, &key, &s, e);
 
@@ -209,7 +210,8 @@ static bool look_at_key(struct doctor *d)
     if (st == ST_OK && kind == VAULT_PLAINTEXT &&
         (st = try_key(d, d->c->key, &e)) == ST_EDENIED) {
         say(d, TROUBLE, "key",
-            "surfacectl restore, or no key if it is meant to be plaintext", "%s", e.msg);
+            "surfacectl restore, or --plaintext-database if it is meant to be so", "%s",
+            e.msg);
         return false;
     }
     if (st == ST_OK && kind == VAULT_PLAINTEXT) {
@@ -261,7 +263,8 @@ static enum status count_others(void *arg, const struct store_subject *one,
 
 static void look_at_templates(struct doctor *d)
 {
-    const struct store_key key = {.path = d->c->key, .make = VAULT_FILE};
+    const struct store_key key = {
+        .path = d->c->key, .make = VAULT_FILE, .plaintext = d->c->plaintext};
     struct tally t = {.all = 0};
     struct errinfo e;
     enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);

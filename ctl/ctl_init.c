@@ -14,8 +14,6 @@ static enum status open_new(struct ctl *c, enum store_mode mode, const char *wor
     bool there;
     enum status st;
 
-    if (c->plaintext && c->key != NULL)
-        return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     (void)snprintf(usual, sizeof usual, "%s.key", c->db);
     there = access(path, F_OK) == 0;
     if ((st = ctl_model_open(c, mode)) != ST_OK)
@@ -94,7 +92,7 @@ static enum status migrate(struct ctl *c)
 const struct ctl_command ctl_init = {
     .name = "init",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT,
+    .shared = CTL_PASSPHRASE,
     .run = init,
     .summary = "make a new database",
     .help =

@@ -74,7 +74,10 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
     enum vault_kind kind;
     enum status st;
 
-    *key = (struct store_key){.path = c->key, .make = VAULT_FILE};
+    if (c->plaintext && c->key != NULL)
+        return ctl_usage(c, "--plaintext-database contradicts --key");
+    *key =
+        (struct store_key){.path = c->key, .make = VAULT_FILE, .plaintext = c->plaintext};
     if (c->plaintext)
         key->make = VAULT_PLAINTEXT;
     else if (c->passphrase)

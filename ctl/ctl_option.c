@@ -152,6 +152,9 @@ static const struct ctl_option shared_options[] = {
            "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
+    SHARED("plaintext-database", NULL, ctl_option_flag, plaintext, 0,
+           "the database has no key: whoever has the file can read it; or set\n"
+           "SURFACED_PLAINTEXT_DATABASE=1"),
     SHARED("units", "auto|mm|cm|m|in|um", read_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"
            "file says wins"),
@@ -175,8 +178,6 @@ static const struct ctl_option shared_options[] = {
            "compute on N threads (one a core)"),
     SHARED("passphrase", NULL, ctl_option_flag, passphrase, 0,
            "encrypt with a passphrase: it is asked for, or read from --key"),
-    SHARED("plaintext", NULL, ctl_option_flag, plaintext, 0,
-           "leave the key in the database: whoever has the file can read it"),
     SHARED("archive-key", "FILE", ctl_option_text, archive_key, 0,
            "a file with the archive's key or passphrase, instead of asking"),
     SHARED("public-key", "HEX", ctl_option_text, public_key, 0,

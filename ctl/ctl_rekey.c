@@ -10,6 +10,7 @@
 
 static const char *new_key; /* --new-key */
 static bool keep_old;       /* --keep-old */
+static bool to_plaintext;   /* --plaintext */
 
 /* What the command line says of the new key; *owned is to be freed. */
 static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfile **owned)
@@ -18,9 +19,9 @@ static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfil
 
     *owned = NULL;
     *to = (struct store_rekey){.kind = VAULT_FILE, .keep = keep_old};
-    if (c->plaintext && new_key != NULL)
+    if (to_plaintext && new_key != NULL)
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
-    if (c->plaintext)
+    if (to_plaintext)
         to->kind = VAULT_PLAINTEXT;
     else if (c->passphrase)
         to->kind = VAULT_PASSPHRASE;
@@ -48,7 +49,10 @@ static void tell(struct ctl *c, const struct store_rekey *to, const char *path)
     else if (to->kind == VAULT_PASSPHRASE)
         ctl_say(c, "%s: it is encrypted with the passphrase now.\n", c->db);
     else
-        ctl_say(c, "%s: whoever has the file can read it now.\n", c->db);
+        ctl_say(c,
+                "%s: whoever has the file can read it now; from now on it takes "
+                "--plaintext-database.\n",
+                c->db);
 }
 
 /* The old key's file goes with it, and with that whatever was backed up until now. */
@@ -69,13 +73,16 @@ static enum status rekey(struct ctl *c)
     char usual[PATH_MAX];
     struct store_rekey to;
     struct keyfile *owned = NULL;
-    const bool plaintext = c->plaintext, passphrase = c->passphrase;
+    const bool passphrase = c->passphrase;
+    enum vault_kind kind;
     enum status st;
 
-    /* These are of the new key, not of how the database is opened. */
-    c->plaintext = c->passphrase = false;
+    /* Killed, and run again: it is what it is to be. */
+    if (to_plaintext && c->key == NULL && store_kind(c->db, &kind, NULL) == ST_OK &&
+        kind == VAULT_PLAINTEXT)
+        c->plaintext = true;
+    c->passphrase = false; /* it is of the new key, not of how the database is opened */
     st = ctl_model_open(c, STORE_WRITE);
-    c->plaintext = plaintext;
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&
         (st = confirm_loss(c)) == ST_OK &&
@@ -90,9 +97,12 @@ static enum status rekey(struct ctl *c)
 const struct ctl_command ctl_rekey = {
     .name = "rekey",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_PASSPHRASE | CTL_PLAINTEXT | CTL_YES,
+    .shared = CTL_PASSPHRASE | CTL_YES,
     .options = {CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
                            "a file with the new key or passphrase"),
+                CTL_OPTION("plaintext", NULL, ctl_option_flag, &to_plaintext,
+                           "the new key lies in the database: whoever has the file can\n"
+                           "read it"),
                 CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
                            "keep the file of the old key, as FILE.old")},
     .run = rekey,

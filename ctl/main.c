@@ -181,6 +181,8 @@ static bool read_environment(struct line *l)
         c->model_path = environment("SURFACED_MODEL");
     if (c->key == NULL)
         c->key = environment("SURFACED_KEY");
+    if (environment("SURFACED_PLAINTEXT_DATABASE") != NULL)
+        c->plaintext = strcmp(environment("SURFACED_PLAINTEXT_DATABASE"), "1") == 0;
     if (l->cmd->database == CTL_TAKES_DATABASE && c->config == NULL) {
         if (c->db == NULL)
             c->db = environment("SURFACED_DB");

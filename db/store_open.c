@@ -27,8 +27,10 @@ static enum status first_key(struct store_txn *t, struct errinfo *e)
     struct store_act by;
     enum status st;
 
-    if ((st = store_vault_new(v, t->sql, &t->vault, e)) != ST_OK ||
-        (st = row_event_begin(t, e)) != ST_OK ||
+    if ((st = store_vault_new(v, t->sql, &t->held, e)) != ST_OK)
+        return st;
+    t->vault = t->held->vault;
+    if ((st = row_event_begin(t, e)) != ST_OK ||
         (st = row_calibration_begin(t, e)) != ST_OK ||
         (st = store_rules_act(&by, "", e)) != ST_OK)
         return st;
@@ -115,6 +117,7 @@ static enum status make_schema(struct store *s, struct errinfo *e)
     }
     if ((st = sql_end(t.sql, st, e)) != ST_OK && kept)
         (void)unlink(old.path);
+    store_vault_release(&s->vaults, t.held);
     newfile_close(&old);
     if (st != ST_OK)
         store_vault_undo(&s->vaults);
@@ -123,17 +126,30 @@ static enum status make_schema(struct store *s, struct errinfo *e)
 
 /* ---- opening */
 
+/* There is no database, and this program may not make one.  Where it had one, that is lost. */
+static enum status nothing_there(const struct store *s, struct errinfo *e)
+{
+    if (store_vault_traces(&s->vaults))
+        return errinfo_set(
+            e, ST_ENOTFOUND,
+            "there is no database %.150s, but its key %.150s is there: restore "
+            "a backup (surfacectl restore), or make a new one (surfacectl init)",
+            s->path, s->vaults.path);
+    return errinfo_set(e, ST_ENOTFOUND,
+                       "there is no database %.200s: surfacectl init makes one", s->path);
+}
+
 static enum status need_version(struct store *s, enum store_mode mode, struct errinfo *e)
 {
     const int version = sql_version(s->sql);
 
     if (version == sql_newest())
         return ST_OK;
-    if (mode == STORE_CREATE && version == 0)
+    if (version == 0 && (mode == STORE_CREATE ||
+                         (mode == STORE_BEGIN && !store_vault_traces(&s->vaults))))
         return make_schema(s, e);
     if (version == 0)
-        return errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised",
-                           s->path);
+        return nothing_there(s, e);
     if (mode == STORE_MIGRATE)
         return make_schema(s, e);
     return errinfo_set(e, ST_EVERSION,
@@ -151,7 +167,7 @@ static enum status try_it(struct store *s, enum store_mode mode, struct errinfo 
     if (mode != STORE_READ) {
         if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
             return st;
-        (void)sql_end(t.sql, ST_EDENIED, NULL); /* rolled back */
+        (void)store_txn_end(&t, ST_EDENIED, NULL); /* rolled back */
     }
     return store_txn_seen(s, e);
 }
@@ -160,9 +176,7 @@ enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out, struct errinfo *e)
 {
     static const struct store_key usual = {.make = VAULT_FILE};
-    const enum sql_open how = mode == STORE_READ     ? SQL_OPEN_READ
-                              : mode == STORE_CREATE ? SQL_OPEN_CREATE
-                                                     : SQL_OPEN_WRITE;
+    enum sql_open how = SQL_OPEN_WRITE;
     struct store *s = calloc(1, sizeof *s);
     bool fresh = false;
     enum status st;
@@ -177,7 +191,14 @@ enum status store_open(const char *path, enum store_mode mode,
             ST_OK &&
         sodium_init() < 0)
         st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
-    if (st == ST_OK && (st = sql_open(path, how, &s->sql, e)) == ST_OK) {
+    if (mode == STORE_READ)
+        how = SQL_OPEN_READ;
+    else if (mode == STORE_CREATE ||
+             (mode == STORE_BEGIN && !store_vault_traces(&s->vaults)))
+        how = SQL_OPEN_CREATE;
+    if (st == ST_OK && (st = sql_open(path, how, &s->sql, e)) == ST_ENOTFOUND)
+        st = nothing_there(s, e);
+    if (st == ST_OK) {
         fresh = sql_version(s->sql) == 0;
         st = need_version(s, mode, e);
     }
@@ -221,12 +242,19 @@ const char *store_made_by(const struct store *s)
 enum status store_ready(struct store *s, struct errinfo *e)
 {
     struct store_txn t;
-    struct errinfo why;
     enum status st;
 
-    if ((st = store_txn_begin(s, SQL_READ, &t, &why)) != ST_OK)
-        return errinfo_set(e, atomic_load(&s->keyless) ? ST_EDENIED : st, "%s", why.msg);
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
     return store_txn_end(&t, sql_file_ready(t.sql, e), e);
+}
+
+bool store_refused(struct store *s, struct errinfo *e)
+{
+    if (!atomic_load(&s->refusal.stands))
+        return false;
+    *e = s->refusal.why;
+    return true;
 }
 
 /* ---- a look from outside */

@@ -5,9 +5,9 @@
 
 /* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
  * for {.make = VAULT_FILE}.  A key's file that is missing is made with a new database.
- * ST_EDENIED: not the database's key; or the database is plaintext although a path or a key
- * is given, or there is OF.key: with access to the file alone another one could be put
- * in its place; the same for a transaction that meets another key record.
+ * ST_EDENIED: not the database's key; or the database is plaintext and key->plaintext does not
+ * say so: with access to the file alone another one could be put in its place.  While the store
+ * is open, a key record that its key has not authenticated is ST_EREFUSED, for good.
  * ST_EVERSION: of another version than this program's; STORE_MIGRATE upgrades an older one in
  * one transaction, of which a verified copy is kept: PATH.v1.bak for version 1. */
 enum status store_open(const char *path, enum store_mode mode,
@@ -34,8 +34,12 @@ const struct model *store_model(const struct store *s);
 const char *store_made_by(const struct store *s);
 
 /* store_ready(s, e): can the database be reached, and is its schema this program's?
- * ST_EDENIED: its master key was changed since, and the new one is not known here. */
+ * ST_EREFUSED: it is not the one that was opened, or its master key was changed since, and the
+ * new one is not known here.
+ * store_refused(s, e): has a call found that it is not the one that was opened?  Then every other
+ * one fails with ST_EREFUSED until the store is opened again, and e says why. */
 enum status store_ready(struct store *s, struct errinfo *e);
+bool store_refused(struct store *s, struct errinfo *e);
 
 /* store_stats(s, out, e): counts and sizes.
  * store_vacuum(s, e): rewrite the database without the room that deleted rows left, while

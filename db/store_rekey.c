@@ -176,7 +176,7 @@ static enum status change(struct store *s, const struct store_act *by,
     *plain = st == ST_OK && from.kind == VAULT_PLAINTEXT;
     committed = store_txn_end(&t, st, &why);
     if (committed == ST_OK)
-        return store_vault_keep(&s->vaults, next, e);
+        return store_vault_keep(&s->vaults, next, &root, e);
     if (st == ST_OK) /* it may be on the disk all the same */
         st = errinfo_set(e, committed, "%.150s%s%.90s", why.msg,
                          f->made || f->aside ? "; keep " : "",

@@ -5,18 +5,40 @@
 
 #define SCRUB_MS 200 /* that an erasure waits for readers */
 
+enum status store_txn_refuse(struct store *s, struct errinfo *e)
+{
+    struct store_refusal *r = &s->refusal;
+
+    e->code = ST_EREFUSED;
+    if (s->open && !atomic_flag_test_and_set(&r->begun)) {
+        r->why = *e;
+        atomic_store(&r->stands, true);
+    }
+    return ST_EREFUSED;
+}
+
 static enum status use_vault(struct store *s, struct store_txn *t, struct errinfo *e)
 {
     struct errinfo why;
-    const enum status st = store_vault_use(&s->vaults, t->sql, &t->vault, &why);
-    const bool keyless = st == ST_EDENIED || st == ST_ENOTFOUND || st == ST_EINVAL;
+    enum status st = store_vault_use(&s->vaults, t->sql, &t->held, &why);
 
-    atomic_store(&s->keyless, keyless);
-    if (st == ST_OK)
+    if (st == ST_OK) {
+        t->vault = t->held->vault;
         return ST_OK;
-    if (!s->open || !keyless)
-        return errinfo_set(e, st, "%s", why.msg);
-    return errinfo_set(e, ST_EDB, "the database's key was changed: %.200s", why.msg);
+    }
+    if (st == ST_EREFUSED)
+        (void)store_txn_refuse(s, &why);
+    else if (s->open && (st == ST_EDENIED || st == ST_ENOTFOUND || st == ST_EINVAL))
+        return errinfo_set(e, ST_EREFUSED, "the database's key was changed: %.400s",
+                           why.msg);
+    return errinfo_set(e, st, "%s", why.msg);
+}
+
+static void release(struct store_txn *t)
+{
+    store_vault_release(&t->store->vaults, t->held);
+    t->held = NULL;
+    t->vault = NULL;
 }
 
 enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_txn *t,
@@ -25,9 +47,14 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
     enum status st;
 
     *t = (struct store_txn){.store = s, .how = how};
+    if (atomic_load(&s->refusal.stands))
+        return errinfo_set(e, ST_EREFUSED, "%s", s->refusal.why.msg);
+    t->held = store_vault_take(&s->vaults);
     if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK &&
         (st = use_vault(s, t, e)) != ST_OK)
         (void)sql_end(t->sql, st, NULL);
+    if (st != ST_OK)
+        release(t);
     return st;
 }
 
@@ -58,14 +85,18 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
     bool erased = false;
     int64_t last = -1;
 
-    if (t->how == SQL_READ)
-        return sql_end(t->sql, st, e);
+    if (t->how == SQL_READ) {
+        st = sql_end(t->sql, st, e);
+        release(t);
+        return st;
+    }
     if (st == ST_OK)
         (void)find_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
     if ((st = sql_end(t->sql, st, e)) == ST_OK && last >= 0)
         atomic_store(&s->scrubbed, last);
     if (st == ST_OK && erased)
         sql_file_scrub_later(s->sql);
+    release(t);
     return st;
 }
 

@@ -12,25 +12,33 @@ struct store {
     const struct model *model; /* store_use_model() */
     char made_by[FACE_ENGINE_MAX + 1];
     struct store_vaults vaults;
-    bool open;                /* store_open() has succeeded */
-    atomic_bool keyless;      /* the key was changed since, and is not known */
+    bool open;             /* store_open() has succeeded */
+    struct store_refusal { /* of the database as a whole, until it is opened again */
+        atomic_flag begun;
+        atomic_bool stands; /* why is written */
+        struct errinfo why;
+    } refusal;
     _Atomic int64_t scrubbed; /* the last event that was looked at for erasures */
 };
 
 struct store_txn {
     struct store *store;
     struct sql_txn *sql;
-    const struct vault *vault;
+    const struct vault *vault; /* held->vault */
+    struct store_vault *held;
     enum sql_begin how;
 };
 
-/* store_txn_begin(s, how, t, e): as sql_begin().  A key that is lost or changed while the store
- * is open is the database's trouble, ST_EDB: the caller lacks no permission.
+/* store_txn_begin(s, how, t, e): as sql_begin().  ST_EREFUSED: the database is not the one that
+ * was opened (for good), or its key was changed and the new one is not known here.
  * store_txn_end(t, st, e): as sql_end().  Where it sees that another process has erased, that
- * one's bytes are scrubbed too: it may have ended before it could. */
+ * one's bytes are scrubbed too: it may have ended before it could.
+ * store_txn_refuse(s, e): what e says of the database was found by a transaction: while the store
+ * is open, every other one fails with it from now on.  Returns ST_EREFUSED. */
 enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_txn *t,
                             struct errinfo *e);
 enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e);
+enum status store_txn_refuse(struct store *s, struct errinfo *e);
 
 /* store_txn_scrub(s): deleted bytes leave the file and its WAL, after an erasure.
  * store_txn_seen(s, e): erasures up to now are not for store_txn_end() to see. */

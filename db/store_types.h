@@ -25,6 +25,7 @@ enum store_mode {
     STORE_READ,   /* changes are refused with ST_EDENIED */
     STORE_WRITE,  /* the database must be there */
     STORE_CREATE, /* made if it is missing or empty, readable by its owner alone */
+    STORE_BEGIN,  /* the same where there is no key of it either */
     STORE_MIGRATE /* the database must be there; one of an older version is upgraded */
 };
 
@@ -33,6 +34,8 @@ struct store_key {               /* where the master key of vault.h comes from *
     const char *of;              /* NULL: the database that is opened, else another */
     const struct keyfile *given; /* instead of a file, while the store is open; or NULL */
     enum vault_kind make;        /* of a database that is made or gets its first key */
+    bool
+        plaintext; /* the database is plaintext, which is refused otherwise; and no other */
 };
 
 struct store_look {

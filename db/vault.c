@@ -72,6 +72,24 @@ static void root_about(const struct vault_root *r, unsigned char out[ROOT_ABOUT]
     bytes_put(&to, r->public, sizeof r->public);
 }
 
+static void root_mac(const struct vault *v, const struct vault_root *r,
+                     unsigned char out[VAULT_HASH])
+{
+    unsigned char data[ROOT_ABOUT + sizeof r->secrets];
+
+    root_about(r, data);
+    memcpy(data + ROOT_ABOUT, r->secrets, sizeof r->secrets);
+    vault_mac(v, data, sizeof data, out);
+}
+
+_Bool vault_follows(const struct vault *v, const struct vault_root *root)
+{
+    unsigned char mac[VAULT_HASH];
+
+    root_mac(v, root, mac);
+    return sodium_memcmp(mac, root->mac, sizeof mac) == 0;
+}
+
 static enum status master_key(const struct vault_root *r, const void *secret, size_t len,
                               unsigned char out[VAULT_KEY], struct errinfo *e)
 {
@@ -105,10 +123,10 @@ static bool root_possible(const struct vault_root *r)
              r->mib >= 1 && r->mib <= MAX_MIB));
 }
 
-/* A root of this kind and the vault behind it, with these secrets. */
+/* A root of this kind and the vault behind it, with these secrets; before: NULL for a first. */
 static enum status make(enum vault_kind kind, int64_t version, const struct secrets *s,
-                        const void *secret, size_t len, struct vault_root *root,
-                        struct vault **out, struct errinfo *e)
+                        const struct vault *before, const void *secret, size_t len,
+                        struct vault_root *root, struct vault **out, struct errinfo *e)
 {
     struct vault *v = sodium_malloc(sizeof *v);
     unsigned char about[ROOT_ABOUT];
@@ -136,6 +154,7 @@ static enum status make(enum vault_kind kind, int64_t version, const struct secr
     root_about(root, about);
     vault_encrypt(v->master, about, sizeof about, &v->secrets, sizeof v->secrets,
                   root->secrets);
+    root_mac(before != NULL ? before : v, root, root->mac);
     *out = v;
     return ST_OK;
 }
@@ -147,7 +166,7 @@ enum status vault_make(enum vault_kind kind, const void *secret, size_t len,
     enum status st;
 
     randombytes_buf(&s, sizeof s);
-    st = make(kind, 1, &s, secret, len, root, out, e);
+    st = make(kind, 1, &s, NULL, secret, len, root, out, e);
     sodium_memzero(&s, sizeof s);
     return st;
 }
@@ -156,7 +175,7 @@ enum status vault_change(const struct vault *v, const struct vault_root *from,
                          enum vault_kind kind, const void *secret, size_t len,
                          struct vault_root *root, struct vault **out, struct errinfo *e)
 {
-    return make(kind, from->version + 1, &v->secrets, secret, len, root, out, e);
+    return make(kind, from->version + 1, &v->secrets, v, secret, len, root, out, e);
 }
 
 enum status vault_open(const struct vault_root *root, const void *secret, size_t len,

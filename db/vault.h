@@ -42,6 +42,7 @@ struct vault_root { /* what the database keeps of its vault */
     unsigned char plaintext[VAULT_KEY]; /* VAULT_PLAINTEXT: the master key, else 0 */
     unsigned char public[VAULT_KEY];    /* what signatures are verified with */
     unsigned char secrets[VAULT_SECRETS + VAULT_OVER];
+    unsigned char mac[VAULT_HASH]; /* by the vault before it; of the first by its own */
 };
 
 /* vault_make(kind, secret, len, root, out, e): new secrets under a master key.  secret:
@@ -62,6 +63,10 @@ enum status vault_open(const struct vault_root *root, const void *secret, size_t
 enum status vault_change(const struct vault *v, const struct vault_root *from,
                          enum vault_kind kind, const void *secret, size_t len,
                          struct vault_root *root, struct vault **out, struct errinfo *e);
+
+/* vault_follows(v, root): is it the root of vault_change(v, ...), or of the same secrets?  Takes
+ * no master key and no Argon2id: what the vault has not authenticated need not be opened. */
+_Bool vault_follows(const struct vault *v, const struct vault_root *root);
 
 void vault_free(struct vault *v); /* wiped; NULL is allowed */
 

@@ -1,5 +1,5 @@
 /* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
- * released after the last; nothing but `stopping` changes in between. */
+ * released after the last; nothing but the last two members changes in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
 #include <stdatomic.h>
@@ -32,6 +32,7 @@ struct app {
     bool no_auth;
     size_t max_body; /* bytes */
     atomic_bool stopping;
+    atomic_flag refusal_told;
 };
 
 #endif

@@ -24,6 +24,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EMISMATCH] = {409, "sample_mismatch",
                       "The sample does not fit the subject's others"},
     [ST_EDENIED] = {403, "forbidden", "Not permitted"},
+    [ST_EREFUSED] = {503, "database_refused", "The database is refused"},
     [ST_EHELD] = {409, "on_hold", "The subject is on hold"},
     [ST_EBUSY] = {503, "busy", "Busy for now"},
     [ST_EIO] = {503, "storage", "The storage cannot be used for now"},

@@ -6,10 +6,10 @@
 #include "face.h"
 #include "options.h"
 
-enum { HELP = OPTIONS_ROWS, VERSION, CONFIG, CHECK, PRINT, FLAGS };
+enum { HELP = OPTIONS_ROWS, VERSION, CONFIG, CHECK, PRINT, CREATE, FLAGS };
 
-static const char *const command[FLAGS - OPTIONS_ROWS] = {"help", "version", "config",
-                                                          "check-config", "print-config"};
+static const char *const command[FLAGS - OPTIONS_ROWS] = {
+    "help", "version", "config", "check-config", "print-config", "create"};
 
 static void usage(void)
 {
@@ -19,6 +19,7 @@ static void usage(void)
                 stdout);
     settings_help(options_table, OPTIONS_ROWS, stdout);
     (void)fputs(
+        "  --create            make the database and its key where neither is there\n"
         "  --config FILE       read the settings from there (" OPTIONS_FILE ")\n"
         "  --check-config      say what is wrong with the settings, and exit\n"
         "  --print-config      print the settings as a file, and exit\n"
@@ -86,6 +87,7 @@ enum flags_outcome flags_read(int argc, char **argv, FILE *errors, struct option
         return FLAGS_DONE;
     }
     options_load(out, value[CONFIG], value);
+    out->create = value[CREATE] != NULL;
     if (value[CHECK] != NULL)
         options_check_files(out);
     if (settings_problems(s) > 0)

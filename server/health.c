@@ -17,7 +17,7 @@ static const char *reason(enum status st)
         return "the database has another schema than this program's";
     case ST_EBUSY:
         return "the database is locked by another process";
-    case ST_EDENIED:
+    case ST_EREFUSED:
         return "the database's key was changed, or the database replaced: the log says more";
     case ST_ENOMEM:
         return "out of memory";

@@ -30,6 +30,7 @@
 #include "options.h"
 #include "peer.h"
 #include "queue.h"
+#include "refusal.h"
 #include "request.h"
 #include "route.h"
 #include "service.h"
@@ -208,8 +209,9 @@ void http_run(struct worker *w, struct request *r)
     request_stage(r, REQUEST_QUEUE, log_clock_ms() - x->queued_ms);
     if (x->state == ADMITTED)
         auth_check(r);
-    else if (body_unpack(r))
+    else if (body_unpack(r) && !refusal_found(r))
         r->route->handle(r, w);
+    refusal_tell(r->app);
     MHD_resume_connection(x->conn);
 }
 
@@ -357,7 +359,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
         return send_early(x);
     }
     route_find(r->app->routes, r->app->nroutes, r);
-    if (r->response.http != 0)
+    if (r->response.http != 0 || refusal_stands(r))
         return send_early(x);
     if (r->route->scope == 0 || x->http->app->no_auth)
         return admit(x);

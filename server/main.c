@@ -33,13 +33,18 @@
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
 {
-    const struct store_key key = {.path = o->key, .make = VAULT_FILE};
+    const struct store_key key = {
+        .path = o->key,
+        .make = o->plaintext_database ? VAULT_PLAINTEXT : VAULT_FILE,
+        .plaintext = o->plaintext_database,
+    };
     enum status st = ST_OK;
 
     if (o->model != NULL)
         st = modelfile_read(o->model, &app->model, e);
     if (st == ST_OK)
-        st = store_open(o->db, STORE_CREATE, &key, &app->store, e);
+        st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, &app->store,
+                        e);
     if (st != ST_OK)
         return st;
     store_use_model(app->store, app->model);

@@ -196,8 +196,9 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
     if (m->http == 500 || m->http == 503) {
         (void)snprintf(r->fault, sizeof r->fault, "%s", detail);
         if (kind != ERRMAP_OVERLOAD && kind != ERRMAP_NOT_READY)
-            told = m->http == 500 ? "The log has an entry with this request_id."
-                                  : "Please try again later.";
+            told = m->http == 500        ? "The log has an entry with this request_id."
+                   : kind == ST_EREFUSED ? "The daemon's log says why."
+                                         : "Please try again later.";
     }
     make_plain(detail);
     if (m->http == 503)

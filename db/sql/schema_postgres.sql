@@ -13,7 +13,8 @@ CREATE TABLE root (
     salt      BYTEA NOT NULL CHECK (length(salt) = 16),
     plaintext BYTEA NOT NULL CHECK (length(plaintext) = 32), -- the key itself, for kind 0
     public    BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
-    secrets   BYTEA NOT NULL CHECK (length(secrets) = 136)
+    secrets   BYTEA NOT NULL CHECK (length(secrets) = 136),
+    mac       BYTEA NOT NULL CHECK (length(mac) = 32) -- by the key before it
 );
 
 -- A person, under the client's own id, which is encrypted and found by a keyed hash.

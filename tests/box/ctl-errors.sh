@@ -106,7 +106,7 @@ refuse 65 'is not a file' "$ctl" --db "$T" init
 refuse 74 'cannot create no/such/dir/f.db: No such file' "$ctl" --db no/such/dir/f.db init
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
-refuse 66 'is empty' "$ctl" --db empty subject list
+refuse 66 'no database empty' "$ctl" --db empty subject list
 "$ctl" --db f.db subject list >/dev/full 2>err
 ok "a full output is told" [ $? -eq 74 ]
 

@@ -100,6 +100,9 @@ finds "no database at all" trouble schema 'not a database'
 cp "$T/kept" "$DB"
 "$BUILD/surfacectl" --db "$DB" rekey --yes --plaintext >"$T/text"
 doctor
+finds "plaintext, and not said so" trouble key 'plaintext'
+export SURFACED_PLAINTEXT_DATABASE=1
+doctor
 finds "plaintext" note key 'plaintext'
 sqlite3 "$DB" "UPDATE templates SET points = points - 1"
 doctor

@@ -46,7 +46,8 @@ SURFACED_NO_AUTH=1 SURFACED_WORKERS=3 SURFACED_QUEUE=9 start_daemon --queue 7
 ok "the environment sets options" grep -q 'workers=3 queue=7 .*auth=none' "$LOG"
 ok "only its owner can read the database" test "$(stat -c %a "$DB")" = 600
 port=${URL##*:}
-start_fails "a busy port" 1 'cannot listen.*in use' --db "$T/other.db" --listen "127.0.0.1:$port"
+start_fails "a busy port" 1 'cannot listen.*in use' --create --db "$T/other.db" \
+    --listen "127.0.0.1:$port"
 stop_daemon
 # Not every machine has IPv6.
 if [ -e /proc/net/if_inet6 ] && grep -q '^0*1 ' /proc/net/if_inet6; then

@@ -1,7 +1,8 @@
 #!/bin/sh
-# Goal: an attacker who can write the database file but has no key cannot replace the database:
-# neither by a plaintext one nor by one with another key, neither before a program opens it nor
-# while the daemon runs.
+# Goal: an attacker who can write the database file but has no key cannot replace the database or
+# its key record: neither by a plaintext one nor by one with another key, neither before a program
+# opens it nor while the daemon runs.  A daemon that has met another key record serves nobody any
+# more, whatever the file says then, and costs the attacker no computation.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -11,21 +12,59 @@ denied() {
     ok "$1: '$(said .error.detail)' like '$2'" matches "$(said .error.detail)" "$2"
 }
 
-# replace WITH: replaces all rows of the database by those of WITH, in place.
+# replace WITH [TABLE...]: replaces the rows of these tables, or of all, by those of WITH, in place.
 replace() {
-    sqlite3 "$1" "SELECT name FROM sqlite_schema WHERE type = 'table'
-        AND name NOT LIKE 'sqlite_%'" | awk -v with="$1" '
+    r_with=$1
+    shift
+    [ $# -gt 0 ] || set -- $(sqlite3 "$r_with" "SELECT name FROM sqlite_schema
+        WHERE type = 'table' AND name NOT LIKE 'sqlite_%'")
+    printf '%s\n' "$@" | awk -v with="$r_with" '
         BEGIN { print "ATTACH \047" with "\047 AS mine; BEGIN;" }
         { print "DELETE FROM main." $1 "; INSERT INTO main." $1 " SELECT * FROM mine." $1 ";" }
         END { print "COMMIT;" }' | sqlite3 "$DB" || ok "the attacker can write" false
+}
+
+# back: the daemon is killed, and the database is what it was.
+back() {
+    kill -9 "$PID"
+    wait "$PID" 2>/dev/null
+    PID=''
+    rm -f "$DB-wal" "$DB-shm"
+    cp "$T/whole.db" "$DB"
 }
 
 # no_start TITLE OPTION...: the daemon does not start with this database.
 no_start() {
     n_title=$1
     shift
-    start_fails "$n_title" 1 'plaintext, but .* restore a backup' --db "$DB" \
+    start_fails "$n_title" 1 'plaintext: restore a backup' --db "$DB" \
         --listen 127.0.0.1:0 --no-auth "$@"
+}
+
+# refused TITLE: every route of /v1 gives 503, /readyz too, and the log has one line about it.
+refused() {
+    for r_path in subjects subjects/alice templates/00000000000000000000000000000000; do
+        req GET "/v1/$r_path"
+        is "$1: GET $r_path" "$STATUS $(get .code)" "503 database_refused"
+    done
+    for r_path in subjects/alice/verify subjects/mallory/templates check asymmetry; do
+        send POST "/v1/$r_path" "$PLY" "$T/mallory.ply"
+        is "$1: POST $r_path" "$STATUS $(get .code)" "503 database_refused"
+    done
+    printf '{"a": [], "b": []}' >"$T/pair"
+    send POST /v1/compare "$JSON" "$T/pair"
+    is "$1: compare" "$STATUS $(get .code)" "503 database_refused"
+    printf '{"hold": false}' >"$T/patch"
+    send PATCH /v1/subjects/alice 'application/merge-patch+json' "$T/patch"
+    is "$1: PATCH" "$STATUS $(get .code)" "503 database_refused"
+    req DELETE /v1/subjects/alice
+    is "$1: DELETE" "$STATUS $(get .code)" "503 database_refused"
+    req GET /readyz
+    problem "$1: not ready" 503 not_ready 'key was changed, or the database replaced'
+    req GET /healthz
+    is "$1: alive" "$STATUS" 200
+    is "$1: one line in the log" \
+        "$(grep -c 'the database is refused until the daemon is started again' "$LOG")" 1
 }
 
 scan 1 0 "$T/alice.ply" --points 1000
@@ -33,58 +72,103 @@ scan 2 0 "$T/mallory.ply" --points 1000
 ctl init
 ctl enroll alice "$T/alice.ply"
 is "alice is enrolled" "$CODE" 0
+token=$(new_token gate --scope enroll,verify,read,delete,manage)
 
 # The attacker's databases, in which alice's template is of the attacker.  rekey changes the key
-# record a second time, so that it has a version that the daemon has not read yet.
-for kind in evil keyed; do
-    plain=
-    [ "$kind" = keyed ] || plain=--plaintext
-    for command in "init $plain" "enroll alice $T/mallory.ply" "rekey --yes $plain"; do
+# record a second time, so that it has a version that the daemon has not read yet; `first` has the
+# version that it has read, and `phrase` asks for 128 MB and 0.3 s of Argon2id with each opening.
+printf 'correct horse battery\n' >"$T/phrase"
+chmod 600 "$T/phrase"
+for kind in evil keyed first phrase; do
+    o='' rekey=''
+    case $kind in
+    evil) o=--plaintext-database rekey='rekey --yes --plaintext' ;;
+    keyed) rekey='rekey --yes' ;;
+    phrase) rekey="rekey --yes --passphrase --new-key $T/phrase" ;;
+    esac
+    for command in init "enroll alice $T/mallory.ply" "${rekey:-stats}"; do
         # shellcheck disable=SC2086 # a command and its arguments
-        "$BUILD/surfacectl" --db "$T/$kind.db" $command >"$T/out" 2>&1 ||
-            ok "$kind: $command" false
+        "$BUILD/surfacectl" --db "$T/$kind.db" $o $command >"$T/out" 2>&1 ||
+            ok "$kind: $command: $(cat "$T/out")" false
     done
 done
 
-# ---- while the daemon runs, with its default key and with a given one
+# ---- while the daemon runs, with its default key and with a given one, with and without tokens
 cp "$DB.key" "$T/credential"
-for given in '' "--key $T/credential"; do
-    for with in evil keyed; do
+for given in '--no-auth' "--key $T/credential"; do
+    for with in evil keyed first phrase; do
         cp "$DB" "$T/whole.db"
-        # shellcheck disable=SC2086 # an option and its value, or none
-        start_daemon --no-auth $given
+        # shellcheck disable=SC2086 # an option and its value
+        start_daemon $given
+        AUTH=''
+        [ "$given" = --no-auth ] || AUTH=$token
         send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
-        is "alice, before ($with$given)" "$STATUS $(get .decision)" "200 match"
+        is "alice, before ($with $given)" "$STATUS $(get .decision)" "200 match"
         replace "$T/$with.db"
         send POST /v1/subjects/alice/verify "$PLY" "$T/mallory.ply"
-        problem "the attacker does not match ($with$given)" 500 internal
-        req GET /readyz
-        problem "not ready ($with$given)" 503 not_ready 'key was changed'
-        [ "$with" = keyed ] ||
-            ok "the log names the remedy ($with$given)" \
-                grep -q 'plaintext, but .* restore a backup' "$LOG"
-        kill -9 "$PID"
-        wait "$PID" 2>/dev/null
-        PID=''
+        problem "the attacker does not match ($with $given)" 503 database_refused
+        refused "$with $given"
         rm -f "$DB-wal" "$DB-shm"
         cp "$T/whole.db" "$DB"
+        send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+        problem "not before the daemon is started again ($with $given)" 503 database_refused
+        back
     done
 done
+AUTH=''
+
+# ---- the key record alone, also if it is the first thing that a request meets
+for with in evil keyed first phrase; do
+    cp "$DB" "$T/whole.db"
+    start_daemon --no-auth
+    replace "$T/$with.db" root
+    send POST /v1/check "$PLY" "$T/mallory.ply"
+    problem "a route that reads no database ($with)" 503 database_refused
+    refused "the key record ($with)"
+    back
+done
+
+# ---- an older key record of this database: its key is known, but nothing goes back to it
+cp "$DB" "$T/whole.db"
+cp "$DB.key" "$T/old.key"
+start_daemon --no-auth
+cp "$DB" "$T/older.db"
+ctl rekey --yes
+send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+is "alice, after rekey" "$STATUS $(get .decision)" "200 match"
+replace "$T/older.db" root
+cp "$T/old.key" "$DB.key"
+req GET /v1/subjects
+problem "an older key record" 503 database_refused
+contains "the log says so" "$LOG" 'its key record is older'
+back
+
+# ---- a forged passphrase record is not computed for each request
+start_daemon --no-auth
+replace "$T/phrase.db" root
+before=$(awk '{ print $14 + $15 }' "/proc/$PID/stat")
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    req GET /v1/subjects
+done
+after=$(awk '{ print $14 + $15 }' "/proc/$PID/stat")
+ok "no Argon2id: $((after - before)) ticks" test $((after - before)) -lt 20
+back
 
 # ---- before it is opened
 cp "$T/evil.db" "$DB"
 no_start "the default key"
 no_start "a given key" --key "$T/credential"
-mv "$DB.key" "$T/away"
 no_start "a given key that does not exist" --key "$T/nowhere"
+mv "$DB.key" "$T/away"
+no_start "no key"
 mv "$T/away" "$DB.key"
 for command in "subject list" check "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
-    denied "$command" "$DB is plaintext, but there is a key $DB.key: restore a backup, or"
+    denied "$command" "$DB is plaintext: restore a backup; or, .*--plaintext-database"
 done
 ctl subject list --key "$T/credential"
-denied "a key is given to the command" "the key $T/credential is given: restore a backup, or"
+denied "a key is given to the command" "is plaintext: restore a backup"
 ctl doctor
 is "doctor reports it" "$CODE $(said '.findings[] | select(.about == "key") | .level')" "1 trouble"
 cp "$T/keyed.db" "$DB"
@@ -94,7 +178,7 @@ denied "a database of another key" "$DB.key: not the key of this database: give 
 # ---- by restore
 cp "$T/whole.db" "$DB"
 ctl restore "$T/evil.db"
-denied "restoring a plaintext copy" "is plaintext, but there is a key $DB.key"
+denied "restoring a plaintext copy" "is plaintext: restore a backup"
 ctl verify alice "$T/alice.ply"
 is "nothing was changed" "$CODE" 0
 
@@ -106,22 +190,54 @@ ok "removes the key" test ! -e "$DB.key" -a ! -e "$DB.key.new"
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
 is "the daemon still verifies" "$STATUS $(get .decision)" "200 match"
 ctl rekey
+denied "what it is must be said" 'say so with --plaintext-database'
+ctl rekey --plaintext-database
 is "rekey to a new key" "$CODE" 0
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
 is "the daemon still verifies, encrypted" "$STATUS $(get .decision)" "200 match"
+ctl subject list --plaintext-database
+denied "it is not plaintext any more" 'is encrypted: it takes no --plaintext-database'
 ctl rekey --plaintext --keep-old
 is "to plaintext, keeping the key" "$CODE" 0
 ok "under another name" test ! -e "$DB.key" -a -e "$DB.key.old"
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
 is "the daemon still verifies, plaintext again" "$STATUS $(get .decision)" "200 match"
 stop_daemon
+no_start "it must be said to the daemon"
+start_daemon --no-auth --plaintext-database
+send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+is "it serves a plaintext database" "$STATUS $(get .decision)" "200 match"
+stop_daemon
+export SURFACED_PLAINTEXT_DATABASE=1
 ctl check
-is "so does the command" "$CODE" 0
+is "so does the command, by the environment" "$CODE" 0
 ctl backup "$T/plain"
 is "its backup" "$CODE" 0
+unset SURFACED_PLAINTEXT_DATABASE
 rm -f "$T/new.db"*
 cp "$T/credential" "$T/new.db.key"
-"$BUILD/surfacectl" --db "$T/new.db" init --plaintext >"$T/ctl" 2>&1
-is "init --plaintext fails if there is a key" $? 77
+"$BUILD/surfacectl" --db "$T/new.db" init --plaintext-database >"$T/ctl" 2>&1
+is "init --plaintext-database fails if there is a key" $? 77
 ok "nothing is left of it" test ! -e "$T/new.db"
+
+# ---- a missing database: the daemon makes none unless told, and none where there is a key
+start_fails "no database" 1 'surfacectl init makes one' --db "$T/none.db" --listen 127.0.0.1:0
+ok "none was made" test ! -e "$T/none.db"
+for create in '' --create; do
+    # shellcheck disable=SC2086 # an option or none
+    start_fails "only the key is left$create" 1 'no database .*, but its key .* restore a backup' \
+        $create --db "$T/new.db" --listen 127.0.0.1:0
+    ok "none was made$create" test ! -e "$T/new.db"
+    : >"$T/new.db"
+    # shellcheck disable=SC2086 # an option or none
+    start_fails "and an empty file$create" 1 'no database .*, but its key .* restore a backup' \
+        $create --db "$T/new.db" --listen 127.0.0.1:0
+    rm -f "$T/new.db"
+done
+DB=$T/fresh.db
+start_daemon --no-auth
+stop_daemon
+ok "--create makes database and key" test -s "$DB" -a -s "$DB.key"
+conf 'create = 1'
+start_fails "no setting of the file" 2 'create' --config "$T/conf" --db "$T/none.db"
 finish

@@ -143,7 +143,7 @@ files() {
 start_daemon() {
     : >"$LOG"
     # shellcheck disable=SC2086 # UNDER is a command and its options
-    ${UNDER:-} "$BUILD/surfaced" --db "$DB" --listen "${LISTEN:-127.0.0.1:0}" "$@" 2>"$LOG" &
+    ${UNDER:-} "$BUILD/surfaced" --create --db "$DB" --listen "${LISTEN:-127.0.0.1:0}" "$@" 2>"$LOG" &
     PID=$!
     tries=0
     URL=

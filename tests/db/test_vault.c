@@ -116,7 +116,7 @@ static void test_root(void **state)
 /* Another master key: lookups stay the same, wrapped keys do not. */
 static void test_change(void **state)
 {
-    struct vault_root root, next;
+    struct vault_root root, next, other;
     struct vault *v, *w, *again;
     unsigned char uid[16] = "somebody", key[VAULT_KEY] = "their key", got[VAULT_KEY];
     unsigned char wrapped[VAULT_WRAPPED], a[VAULT_HASH], b[VAULT_HASH], sign[VAULT_SIGN];
@@ -137,6 +137,19 @@ static void test_change(void **state)
     assert_true(vault_verify(next.public, "here", 4, sign));
     assert_false(vault_verify(next.public, "herf", 4, sign));
     assert_int_equal(vault_open(&next, "open sesame", 11, &again, &e), ST_OK);
+    assert_true(vault_follows(v, &next) && vault_follows(w, &next));
+    assert_true(vault_follows(v, &root));
+    for (size_t i = 0; i < sizeof next.secrets; i++) {
+        next.secrets[i] ^= 1;
+        assert_false(vault_follows(v, &next));
+        next.secrets[i] ^= 1;
+    }
+    next.passes++;
+    assert_false(vault_follows(v, &next));
+    next.passes--;
+    vault_free(again);
+    make(&other, &again); /* another database's */
+    assert_false(vault_follows(v, &other) || vault_follows(again, &next));
     vault_free(again);
     assert_int_equal(vault_open(&next, "open Sesame", 11, &again, &e), ST_EDENIED);
     assert_int_equal(vault_open(&next, "", 0, &again, &e), ST_EINVAL);

@@ -89,6 +89,8 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
     struct errinfo e = {ST_OK, ""};
     struct store_look look;
     struct store_check check;
+    struct store_key key = {.make = VAULT_FILE};
+    enum vault_kind kind;
     struct store *s;
     enum status st;
 
@@ -99,7 +101,8 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
         say(&t, "none");
         return true;
     }
-    if (st != ST_OK || (st = store_open(path, STORE_READ, NULL, &s, &e)) != ST_OK) {
+    key.plaintext = store_kind(path, &kind, NULL) == ST_OK && kind == VAULT_PLAINTEXT;
+    if (st != ST_OK || (st = store_open(path, STORE_READ, &key, &s, &e)) != ST_OK) {
         say(&t, "cannot be opened: %s", e.msg);
         return false;
     }

@@ -1,0 +1,41 @@
+#include "refusal.h"
+
+#include "app.h"
+#include "errinfo.h"
+#include "log.h"
+#include "request.h"
+#include "route.h"
+#include "store.h"
+
+bool refusal_stands(struct request *r)
+{
+    struct errinfo e;
+
+    if (r->route->scope == 0 || !store_refused(r->app->store, &e))
+        return false;
+    request_fail(r, &e);
+    return true;
+}
+
+bool refusal_found(struct request *r)
+{
+    struct errinfo e;
+
+    if (r->route->scope == 0 || !r->app->no_auth ||
+        store_ready(r->app->store, &e) == ST_OK)
+        return false;
+    request_fail(r, &e);
+    return true;
+}
+
+void refusal_tell(struct app *app)
+{
+    struct log_entry l;
+    struct errinfo e;
+
+    if (!store_refused(app->store, &e) || atomic_flag_test_and_set(&app->refusal_told))
+        return;
+    log_begin(&l, "error", "the database is refused until the daemon is started again");
+    log_text(&l, "reason", e.msg);
+    log_end(&l);
+}
