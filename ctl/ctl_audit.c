@@ -39,6 +39,7 @@ static const char *or_null(const char *text)
 
 static void out_entry(struct json *j, const struct store_audit_entry *a)
 {
+    json_text(j, "chain", store_chain_word(a->chain));
     json_number(j, "seq", (double)a->seq);
     json_text(j, "at", a->at);
     json_text(j, "kind", a->kind);
@@ -46,6 +47,12 @@ static void out_entry(struct json *j, const struct store_audit_entry *a)
     json_text(j, "subject_ref", or_null(a->ref));
     json_text(j, "template_id", or_null(a->template_id));
     json_text(j, "outcome", a->outcome);
+    if (a->chain == STORE_CHAIN_CHANGES) {
+        json_text(j, "object", or_null(a->object));
+        json_text(j, "row", or_null(a->row));
+        json_number(j, "uses", (double)a->uses);
+        json_text(j, "uses_hash", a->uses_hash);
+    }
     json_text(j, "hash", a->hash);
 }
 
@@ -57,9 +64,9 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a)
     out_entry(c->out, a);
     json_text(c->out, "subject", or_null(a->subject));
     json_close(c->out);
-    ctl_say(c, "%8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n", a->seq,
-            a->at, a->at + 11, a->kind, who(a, ref), a->template_id, a->outcome,
-            a->actor);
+    ctl_say(c, "%-7s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n",
+            store_chain_word(a->chain), a->seq, a->at, a->at + 11, a->kind, who(a, ref),
+            a->template_id, a->outcome, a->actor);
 }
 
 static enum status show(struct ctl *c)
@@ -78,8 +85,8 @@ static enum status show(struct ctl *c)
         return st;
     json_array(c->out, "entries");
     if (n > 0)
-        ctl_say(c, "%8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "ENTRY", "TIME (UTC)",
-                "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
+        ctl_say(c, "%-7s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "CHAIN", "ENTRY",
+                "TIME (UTC)", "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
     for (size_t i = 0; i < n; i++)
         show_entry(c, &a[i]);
     json_close(c->out);
@@ -93,6 +100,7 @@ static enum status show(struct ctl *c)
 
 static void out_mark(struct json *o, const struct store_audit_mark *m)
 {
+    json_text(o, "chain", store_chain_word(m->chain));
     json_number(o, "checkpoint", (double)m->seq);
     json_text(o, "at", m->at);
     json_text(o, "hash", m->hash);
@@ -111,7 +119,7 @@ static enum status checkpoint(struct ctl *c)
     out_mark(c->out, &m);
     json_text(c->out, "public_key", public_key);
     ctl_say(c,
-            "entry       %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
+            "change      %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
             "public key  %s\n",
             m.seq, m.at, m.hash, m.signature, public_key);
     return ST_OK;
@@ -124,6 +132,7 @@ struct export
     struct store *store;
     struct store_audit_mark end, *marks;
     size_t nmark, next; /* of the marks, the one to be written */
+    uint64_t uses;      /* the last of them when the end was signed */
     char public_key[65];
 };
 
@@ -142,10 +151,11 @@ static enum status put_head(FILE *to, const struct export *x, struct errinfo *e)
     json_number(j, "surface_audit", 1);
     json_text(j, "public_key", x->public_key);
     json_text(j, "at", x->end.at);
-    json_number(j, "entries", (double)x->end.seq);
+    json_number(j, "changes", (double)x->end.seq);
     return put_line(to, j, e);
 }
 
+/* The entries and behind each the mark that it has. */
 static enum status put_page(FILE *to, struct export *x, const struct store_audit_entry *a,
                             size_t n, struct errinfo *e)
 {
@@ -156,11 +166,37 @@ static enum status put_page(FILE *to, struct export *x, const struct store_audit
 
         out_entry(j, &a[i]);
         st = put_line(to, j, e);
-        while (st == ST_OK && x->next < x->nmark && x->marks[x->next].seq <= a[i].seq) {
+        while (st == ST_OK && x->next < x->nmark &&
+               (x->marks[x->next].chain < a[i].chain ||
+                (x->marks[x->next].chain == a[i].chain &&
+                 x->marks[x->next].seq <= a[i].seq))) {
             j = json_new();
             out_mark(j, &x->marks[x->next++]);
             st = put_line(to, j, e);
         }
+        if (a[i].chain == STORE_CHAIN_CHANGES)
+            x->uses = a[i].uses;
+    }
+    return st;
+}
+
+/* One after the other, up to the entry `last`. */
+static enum status put_chain(FILE *to, struct export *x, enum store_chain chain,
+                             uint64_t last, struct errinfo *e)
+{
+    struct store_audit_filter wanted = {.chain = &chain, .limit = PAGE};
+    struct store_audit_entry *a;
+    enum status st = ST_OK;
+    size_t n;
+
+    while (st == ST_OK && wanted.after < last) {
+        if ((st = store_audit_list(x->store, &wanted, &a, &n, e)) != ST_OK)
+            return st;
+        while (n > 0 && a[n - 1].seq > last) /* of after it was signed */
+            n--;
+        wanted.after = n > 0 ? a[n - 1].seq : last;
+        st = put_page(to, x, a, n, e);
+        free(a);
     }
     return st;
 }
@@ -169,21 +205,11 @@ static enum status put_page(FILE *to, struct export *x, const struct store_audit
 static enum status put_log(FILE *to, const void *arg, struct errinfo *e)
 {
     struct export x = *(const struct export *)arg;
-    struct store_audit_filter wanted = {.limit = PAGE};
-    struct store_audit_entry *a;
-    size_t n;
     enum status st = put_head(to, &x, e);
 
-    while (st == ST_OK && wanted.after < x.end.seq) {
-        if ((st = store_audit_list(x.store, &wanted, &a, &n, e)) != ST_OK)
-            return st;
-        while (n > 0 && a[n - 1].seq > x.end.seq) /* of after it was signed */
-            n--;
-        wanted.after = n > 0 ? a[n - 1].seq : x.end.seq;
-        st = put_page(to, &x, a, n, e);
-        free(a);
-    }
-    return st;
+    if (st == ST_OK)
+        st = put_chain(to, &x, STORE_CHAIN_CHANGES, x.end.seq, e);
+    return st == ST_OK ? put_chain(to, &x, STORE_CHAIN_USES, x.uses, e) : st;
 }
 
 static enum status export_log(struct ctl *c)
@@ -206,25 +232,28 @@ static enum status export_log(struct ctl *c)
     if (st != ST_OK)
         return st;
     json_text(c->out, "file", c->dir != NULL ? c->dir : "");
-    json_number(c->out, "entries", (double)x.end.seq);
+    json_number(c->out, "changes", (double)x.end.seq);
     json_text(c->out, "public_key", x.public_key);
     if (!c->json)
         (void)fprintf(c->dir != NULL ? stdout : stderr,
-                      "%" PRIu64 " entries; public key %s\n", x.end.seq, x.public_key);
+                      "%" PRIu64 " changes, and the uses; public key %s\n", x.end.seq,
+                      x.public_key);
     return ST_OK;
 }
 
 /* ---- verify */
 
-static void tell_problem(void *arg, uint64_t seq, const char *line)
+static void tell_problem(void *arg, enum store_chain chain, uint64_t seq,
+                         const char *line)
 {
     struct ctl *c = arg;
 
     json_object(c->out, NULL);
+    json_text(c->out, "chain", store_chain_word(chain));
     json_number(c->out, "entry", (double)seq);
     json_text(c->out, "problem", line);
     json_close(c->out);
-    ctl_say(c, "at entry %" PRIu64 ": %s\n", seq, line);
+    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", store_chain_word(chain), seq, line);
 }
 
 /* A line as a document; NULL: it is none. */
@@ -266,28 +295,54 @@ static bool take_bytes(const struct json_value *v, const char *key, unsigned cha
     return take_hex(v, key, out, n, &got) && got == n;
 }
 
-/* An entry or a checkpoint; false: neither. */
-static bool walk_line(struct store_chain_walk *w, const struct json_value *v,
-                      uint64_t *entries)
+struct review { /* of a file: both chains, one after the other */
+    struct store_chain_walk walk[STORE_CHAINS];
+    uint64_t uses; /* by the last change, the last of them, */
+    unsigned char uses_hash[STORE_CHAIN_HASH];
+    uint64_t changes, entries; /* that there should be, that there are */
+};
+
+/* NULL: it does not say. */
+static struct store_chain_walk *walk_of(struct review *v, const struct json_value *line)
 {
-    unsigned char ref[16], hash[STORE_CHAIN_HASH];
+    char word[16];
+
+    if (!take_text(line, "chain", word, sizeof word))
+        return NULL;
+    for (int i = 0; i < STORE_CHAINS; i++)
+        if (strcmp(word, store_chain_word((enum store_chain)i)) == 0)
+            return &v->walk[i];
+    return NULL;
+}
+
+static bool take_change(const struct json_value *v, struct store_chain_entry *entry,
+                        unsigned char object[STORE_CHAIN_OBJECT],
+                        unsigned char row[VAULT_HASH],
+                        unsigned char uses_hash[STORE_CHAIN_HASH])
+{
+    return take_hex(v, "object", object, STORE_CHAIN_OBJECT, &entry->nobject) &&
+           take_hex(v, "row", row, VAULT_HASH, &entry->nrow) &&
+           json_get_count(json_member(v, "uses"), &entry->uses) &&
+           take_hex(v, "uses_hash", uses_hash, STORE_CHAIN_HASH, &entry->nuses_hash);
+}
+
+static bool walk_entry(struct review *review, struct store_chain_walk *w,
+                       const struct json_value *v)
+{
+    unsigned char ref[16], object[STORE_CHAIN_OBJECT], row[VAULT_HASH],
+        uses_hash[STORE_CHAIN_HASH] = {0}, hash[STORE_CHAIN_HASH];
     struct store_audit_entry a;
-    struct store_chain_entry entry = {.at = a.at,
+    struct store_chain_entry entry = {.chain = w->chain,
+                                      .at = a.at,
                                       .kind = a.kind,
                                       .actor = a.actor,
                                       .subject = ref,
                                       .template_id = a.template_id,
-                                      .outcome = a.outcome};
-    struct store_chain_mark m = {.seq = 0};
+                                      .outcome = a.outcome,
+                                      .object = object,
+                                      .row = row,
+                                      .uses_hash = uses_hash};
 
-    if (json_get_count(json_member(v, "checkpoint"), &m.seq)) {
-        if (!take_text(v, "at", m.at, sizeof m.at) ||
-            !take_bytes(v, "hash", m.hash, sizeof m.hash) ||
-            !take_bytes(v, "signature", m.signature, sizeof m.signature))
-            return false;
-        store_chain_pass(w, &m);
-        return true;
-    }
     if (!json_get_count(json_member(v, "seq"), &entry.seq) ||
         !take_text(v, "at", a.at, sizeof a.at) ||
         !take_text(v, "kind", a.kind, sizeof a.kind) ||
@@ -295,16 +350,40 @@ static bool walk_line(struct store_chain_walk *w, const struct json_value *v,
         !take_hex(v, "subject_ref", ref, sizeof ref, &entry.nsubject) ||
         !take_text_or(v, "template_id", a.template_id, sizeof a.template_id) ||
         !take_text(v, "outcome", a.outcome, sizeof a.outcome) ||
+        (w->chain == STORE_CHAIN_CHANGES &&
+         !take_change(v, &entry, object, row, uses_hash)) ||
         !take_bytes(v, "hash", hash, sizeof hash))
         return false;
+    if (w->chain == STORE_CHAIN_CHANGES) {
+        review->uses = entry.uses;
+        memcpy(review->uses_hash, uses_hash, sizeof uses_hash);
+    }
     store_chain_step(w, &entry, hash);
-    ++*entries;
+    review->entries++;
+    return true;
+}
+
+/* An entry or a checkpoint; false: neither. */
+static bool walk_line(struct review *review, const struct json_value *v)
+{
+    struct store_chain_walk *w = walk_of(review, v);
+    struct store_chain_mark m = {.seq = 0};
+
+    if (w == NULL)
+        return false;
+    if (!json_get_count(json_member(v, "checkpoint"), &m.seq))
+        return walk_entry(review, w, v);
+    m.chain = w->chain;
+    if (!take_text(v, "at", m.at, sizeof m.at) ||
+        !take_bytes(v, "hash", m.hash, sizeof m.hash) ||
+        !take_bytes(v, "signature", m.signature, sizeof m.signature))
+        return false;
+    store_chain_pass(w, &m);
     return true;
 }
 
 /* The first line: it must be of this format and of the key that is asked for. */
-static enum status walk_head(struct ctl *c, FILE *in, struct store_chain_walk *w,
-                             uint64_t *entries)
+static enum status walk_head(struct ctl *c, FILE *in, struct review *review)
 {
     unsigned char public[VAULT_KEY];
     char line[LINE];
@@ -314,47 +393,55 @@ static enum status walk_head(struct ctl *c, FILE *in, struct store_chain_walk *w
 
     if (fgets(line, sizeof line, in) == NULL || (v = read_line(line)) == NULL ||
         !json_get_count(json_member(v, "surface_audit"), &version) ||
-        !json_get_count(json_member(v, "entries"), entries) ||
+        !json_get_count(json_member(v, "changes"), &review->changes) ||
         !take_bytes(v, "public_key", public, sizeof public))
         st = errinfo_set(&c->e, ST_EINVAL, "%.120s is no audit log", c->args[0]);
     else if (version != 1)
         st = errinfo_set(&c->e, ST_EVERSION, "%.120s is of a newer version", c->args[0]);
-    else if (memcmp(public, w->public, sizeof public) != 0)
-        store_chain_problem(w, 1, "the file is of another key than the one given");
+    else if (memcmp(public, review->walk[0].public, sizeof public) != 0)
+        store_chain_problem(&review->walk[0], 1,
+                            "the file is of another key than the one given");
     json_free(v);
     return st;
 }
 
-static enum status walk_file(struct ctl *c, FILE *in, struct store_chain_walk *w,
-                             uint64_t *entries)
+/* The last change is signed, and it names the last of the uses. */
+static void walk_ends(struct review *v)
+{
+    struct store_chain_walk *w = &v->walk[STORE_CHAIN_CHANGES];
+
+    store_chain_stop(w, v->changes > w->seq ? v->changes : w->seq, w->hash);
+    if (w->marked < w->seq)
+        store_chain_problem(w, w->marked + 1, "no checkpoint follows: it is not signed");
+    store_chain_stop(&v->walk[STORE_CHAIN_USES], v->uses, v->uses_hash);
+}
+
+static enum status walk_file(struct ctl *c, FILE *in, struct review *review)
 {
     char line[LINE], text[80];
-    uint64_t wanted;
-    enum status st = walk_head(c, in, w, &wanted);
+    const enum status st = walk_head(c, in, review);
 
     if (st != ST_OK)
         return st;
     for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
         struct json_value *v = read_line(line);
 
-        if (v == NULL || !walk_line(w, v, entries)) {
+        if (v == NULL || !walk_line(review, v)) {
             (void)snprintf(text, sizeof text, "line %lu of the file is malformed", n);
-            store_chain_problem(w, w->seq + 1, text);
+            store_chain_problem(&review->walk[0], review->walk[0].seq + 1, text);
         }
         json_free(v);
     }
     if (ferror(in))
         return errinfo_set(&c->e, ST_EIO, "%.120s cannot be read", c->args[0]);
-    store_chain_stop(w, wanted > w->seq ? wanted : w->seq, w->hash);
-    if (w->marked < w->seq)
-        store_chain_problem(w, w->marked + 1, "no checkpoint follows: it is not signed");
+    walk_ends(review);
     return ST_OK;
 }
 
 static enum status verify_file(struct ctl *c, struct store_audit *out)
 {
     unsigned char public[VAULT_KEY];
-    struct store_chain_walk w;
+    struct review review = {.uses = 0};
     size_t n = 0;
     FILE *in;
     enum status st;
@@ -366,12 +453,13 @@ static enum status verify_file(struct ctl *c, struct store_audit *out)
         return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
     if ((in = fopen(c->args[0], "rb")) == NULL)
         return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
-    store_chain_walk(&w, public, tell_problem, c);
-    st = walk_file(c, in, &w, &out->entries);
+    for (int i = 0; i < STORE_CHAINS; i++)
+        store_chain_walk(&review.walk[i], (enum store_chain)i, public, tell_problem, c);
+    st = walk_file(c, in, &review);
     (void)fclose(in);
-    out->checkpoints = w.marks;
-    out->problems = w.problems;
-    out->first = w.first;
+    out->entries = review.entries;
+    for (int i = 0; i < STORE_CHAINS; i++)
+        store_walk_add(out, &review.walk[i]);
     return st;
 }
 
@@ -406,6 +494,8 @@ static enum status verify(struct ctl *c)
     json_number(c->out, "entries", (double)found.entries);
     json_number(c->out, "checkpoints", (double)found.checkpoints);
     json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
+    json_text(c->out, "first_chain",
+              found.problems > 0 ? store_chain_word(found.chain) : NULL);
     json_number(c->out, "first_entry",
                 found.problems > 0 ? (double)found.first : (double)NAN);
     ctl_say(

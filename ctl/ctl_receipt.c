@@ -83,8 +83,9 @@ static enum status read_receipt(struct review *v)
 
 static enum status look_at_log(struct review *v)
 {
+    const enum store_chain chain = STORE_CHAIN_CHANGES;
     const struct store_audit_filter wanted = {
-        .after = v->r.seq - 1, .limit = 1, .subject = v->r.subject};
+        .chain = &chain, .after = v->r.seq - 1, .limit = 1, .subject = v->r.subject};
     struct store_audit_entry *a = NULL;
     size_t n;
     const enum status st = store_audit_list(v->c->store, &wanted, &a, &n, &v->c->e);

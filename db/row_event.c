@@ -11,8 +11,8 @@
 #include "store_txn.h"
 
 static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
-                            uint64_t *seq, unsigned char hash[STORE_CHAIN_HASH],
-                            struct errinfo *e)
+                            enum store_chain chain, uint64_t *seq,
+                            unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
     unsigned char mac[STORE_CHAIN_HASH], wanted[STORE_CHAIN_HASH];
     bool sound = store_column_bytes(r, 1, hash, STORE_CHAIN_HASH) &&
@@ -20,7 +20,7 @@ static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
 
     *seq = (uint64_t)sql_column(r, 0).i;
     if (sound) {
-        store_chain_end(t->vault, *seq, hash, wanted);
+        store_chain_end(t->vault, chain, *seq, hash, wanted);
         sound = sodium_memcmp(mac, wanted, sizeof mac) == 0;
     }
     return sound ? ST_OK
@@ -28,90 +28,187 @@ static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
                                "the end of the audit log is not what was written");
 }
 
-enum status row_event_end(struct store_txn *t, uint64_t *seq,
+enum status row_event_end(struct store_txn *t, enum store_chain chain, uint64_t *seq,
                           unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
     struct sql_rows *r;
     enum status st =
-        sql_query(t->sql, "SELECT seq, hash, mac FROM events_end", NULL, 0, &r, e);
+        SQL_QUERY(t->sql, &r, e, "SELECT seq, hash, mac FROM events_end WHERE chain = $1",
+                  sql_int(chain));
     bool found;
 
     *seq = 0;
     memset(hash, 0, STORE_CHAIN_HASH);
     if ((found = st == ST_OK && sql_next(r)))
-        st = read_end(t, r, seq, hash, e);
+        st = read_end(t, r, chain, seq, hash, e);
     st = sql_done(r, st, e);
     return st != ST_OK || found
                ? st
                : errinfo_set(e, ST_ECORRUPT, "the end of the audit log is missing");
 }
 
-static enum status set_end(struct store_txn *t, uint64_t seq,
+enum status row_event_has(struct store_txn *t, enum store_chain chain, uint64_t seq,
+                          const unsigned char hash[STORE_CHAIN_HASH], bool *has,
+                          struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st;
+
+    if ((*has = seq == 0 && sodium_is_zero(hash, STORE_CHAIN_HASH)))
+        return ST_OK;
+    st = SQL_QUERY(
+        t->sql, &r, e, "SELECT 1 FROM events WHERE chain = $1 AND seq = $2 AND hash = $3",
+        sql_int(chain), sql_int((int64_t)seq), sql_blob(hash, STORE_CHAIN_HASH));
+    *has = st == ST_OK && sql_next(r);
+    return sql_done(r, st, e);
+}
+
+static enum status set_end(struct store_txn *t, enum store_chain chain, uint64_t seq,
                            const unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
     unsigned char mac[STORE_CHAIN_HASH];
 
-    store_chain_end(t->vault, seq, hash, mac);
+    store_chain_end(t->vault, chain, seq, hash, mac);
     return SQL_RUN(t->sql, e,
-                   "INSERT INTO events_end (events_key, seq, hash, mac) "
-                   "VALUES (1, $1, $2, $3) ON CONFLICT (events_key) DO UPDATE "
+                   "INSERT INTO events_end (chain, seq, hash, mac) "
+                   "VALUES ($1, $2, $3, $4) ON CONFLICT (chain) DO UPDATE "
                    "SET seq = excluded.seq, hash = excluded.hash, mac = excluded.mac",
-                   sql_int((int64_t)seq), sql_blob(hash, STORE_CHAIN_HASH),
-                   sql_blob(mac, sizeof mac));
+                   sql_int(chain), sql_int((int64_t)seq),
+                   sql_blob(hash, STORE_CHAIN_HASH), sql_blob(mac, sizeof mac));
 }
 
 enum status row_event_begin(struct store_txn *t, struct errinfo *e)
 {
     static const unsigned char start[STORE_CHAIN_HASH];
+    const enum status st = set_end(t, STORE_CHAIN_CHANGES, 0, start, e);
 
-    return set_end(t, 0, start, e);
+    return st == ST_OK ? set_end(t, STORE_CHAIN_USES, 0, start, e) : st;
 }
 
-static enum status add_mark(struct store_txn *t, uint64_t seq, const char *at,
+/* ---- adding */
+
+static enum status add_mark(struct store_txn *t, const struct store_chain_entry *entry,
                             const unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
-    struct store_chain_mark m = {.seq = seq};
+    struct store_chain_mark m = {.chain = entry->chain, .seq = entry->seq};
 
-    (void)snprintf(m.at, sizeof m.at, "%s", at);
+    (void)snprintf(m.at, sizeof m.at, "%s", entry->at);
     memcpy(m.hash, hash, sizeof m.hash);
     store_chain_sign(t->vault, &m);
+    return SQL_RUN(t->sql, e,
+                   "INSERT INTO checkpoints (chain, seq, at, hash, signature) "
+                   "VALUES ($1, $2, $3, $4, $5)",
+                   sql_int(m.chain), sql_int((int64_t)m.seq), sql_text(m.at),
+                   sql_blob(m.hash, sizeof m.hash),
+                   sql_blob(m.signature, sizeof m.signature));
+}
+
+static enum status insert(struct store_txn *t, const struct store_chain_entry *entry,
+                          const unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
+{
     return SQL_RUN(
         t->sql, e,
-        "INSERT INTO checkpoints (seq, at, hash, signature) VALUES ($1, $2, $3, $4)",
-        sql_int((int64_t)seq), sql_text(m.at), sql_blob(m.hash, sizeof m.hash),
-        sql_blob(m.signature, sizeof m.signature));
+        "INSERT INTO events (chain, seq, at, kind, actor, subject, template_id, outcome, "
+        "object, row_mac, uses, uses_hash, hash) "
+        "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+        sql_int(entry->chain), sql_int((int64_t)entry->seq), sql_text(entry->at),
+        sql_text(entry->kind), sql_text(entry->actor),
+        sql_blob(entry->subject, entry->nsubject), sql_text(entry->template_id),
+        sql_text(entry->outcome), sql_blob(entry->object, entry->nobject),
+        sql_blob(entry->row, entry->nrow), sql_int((int64_t)entry->uses),
+        sql_blob(entry->uses_hash, entry->nuses_hash), sql_blob(hash, STORE_CHAIN_HASH));
+}
+
+/* The entry with its number, after the one that its chain's end names. */
+static enum status append(struct store_txn *t, struct store_chain_entry *entry,
+                          const char *subject, struct errinfo *e)
+{
+    unsigned char ref[ROW_CRYPT_REF], hash[STORE_CHAIN_HASH];
+    enum status st = row_event_end(t, entry->chain, &entry->seq, hash, e);
+
+    if (st != ST_OK)
+        return st;
+    entry->seq++;
+    entry->subject = ref;
+    if (subject[0] != '\0') {
+        row_crypt_ref(t->vault, subject, ref);
+        entry->nsubject = sizeof ref;
+    }
+    store_chain_next(hash, entry, hash);
+    st = insert(t, entry, hash, e);
+    if (st == ST_OK)
+        st = set_end(t, entry->chain, entry->seq, hash, e);
+    if (st == ST_OK && store_chain_due(entry->seq, entry->kind))
+        st = add_mark(t, entry, hash, e);
+    return st;
+}
+
+static const unsigned char none[1];
+
+enum status row_event_leave(struct store_txn *t, const struct store_act *by,
+                            const char *kind, const char *subject,
+                            const char *template_id, const char *outcome,
+                            const struct row_event_row *left, struct errinfo *e)
+{
+    unsigned char uses_hash[STORE_CHAIN_HASH];
+    struct store_chain_entry entry = {
+        .chain = STORE_CHAIN_CHANGES,
+        .at = by->at,
+        .kind = kind,
+        .actor = by->actor,
+        .template_id = template_id,
+        .outcome = outcome,
+        .object = left != NULL ? left->object : none,
+        .nobject = left != NULL ? sizeof left->object : 0,
+        .row = left != NULL ? left->mac : none,
+        .nrow = left != NULL && !left->gone ? sizeof left->mac : 0,
+        .uses_hash = uses_hash,
+        .nuses_hash = sizeof uses_hash,
+    };
+    const enum status st = row_event_end(t, STORE_CHAIN_USES, &entry.uses, uses_hash, e);
+
+    return st == ST_OK ? append(t, &entry, subject, e) : st;
 }
 
 enum status row_event_add(struct store_txn *t, const struct store_act *by,
                           const char *kind, const char *subject, const char *template_id,
                           const char *outcome, struct errinfo *e)
 {
-    unsigned char ref[ROW_CRYPT_REF], hash[STORE_CHAIN_HASH];
-    struct store_chain_entry entry = {.at = by->at,
+    return row_event_leave(t, by, kind, subject, template_id, outcome, NULL, e);
+}
+
+enum status row_event_use(struct store_txn *t, const struct store_act *by,
+                          const char *kind, const char *subject, const char *template_id,
+                          const char *outcome, struct errinfo *e)
+{
+    struct store_chain_entry entry = {.chain = STORE_CHAIN_USES,
+                                      .at = by->at,
                                       .kind = kind,
                                       .actor = by->actor,
-                                      .subject = ref,
                                       .template_id = template_id,
-                                      .outcome = outcome};
-    enum status st;
+                                      .outcome = outcome,
+                                      .object = none,
+                                      .row = none,
+                                      .uses_hash = none};
 
-    if ((st = row_event_end(t, &entry.seq, hash, e)) != ST_OK)
-        return st;
-    entry.seq++;
-    if (subject[0] != '\0') {
-        row_crypt_ref(t->vault, subject, ref);
-        entry.nsubject = sizeof ref;
-    }
-    store_chain_next(hash, &entry, hash);
-    st = SQL_RUN(t->sql, e,
-                 "INSERT INTO events (seq, at, kind, actor, subject, template_id, "
-                 "outcome, hash) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
-                 sql_int((int64_t)entry.seq), sql_text(by->at), sql_text(kind),
-                 sql_text(by->actor), sql_blob(ref, entry.nsubject),
-                 sql_text(template_id), sql_text(outcome), sql_blob(hash, sizeof hash));
-    if (st == ST_OK)
-        st = set_end(t, entry.seq, hash, e);
-    if (st == ST_OK && store_chain_due(entry.seq, kind))
-        st = add_mark(t, entry.seq, by->at, hash, e);
-    return st;
+    return append(t, &entry, subject, e);
+}
+
+/* ---- rows */
+
+enum status row_event_latest(struct store_txn *t,
+                             const unsigned char object[STORE_CHAIN_OBJECT],
+                             struct row_event_row *row, struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT row_mac FROM events WHERE chain = 0 AND object = $1 "
+                  "ORDER BY seq DESC LIMIT 1",
+                  sql_blob(object, STORE_CHAIN_OBJECT));
+
+    memcpy(row->object, object, sizeof row->object);
+    row->gone = st != ST_OK || !sql_next(r) ||
+                !store_column_bytes(r, 0, row->mac, sizeof row->mac);
+    return sql_done(r, st, e);
 }

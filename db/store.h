@@ -31,5 +31,6 @@
 #include "store_template.h"
 #include "store_token.h"
 #include "store_types.h"
+#include "store_walk.h"
 
 #endif

@@ -1,81 +1,46 @@
 #include "store_audit.h"
 
+#include <inttypes.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "errinfo.h"
+#include "row_entry.h"
 #include "row_event.h"
 #include "row_subject.h"
 #include "store_column.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
-#define COLUMNS                                                                          \
-    "e.seq, e.at, e.kind, e.actor, e.subject, e.template_id, e.outcome, e.hash"
-
-enum { /* the columns of COLUMNS, and of a checkpoint behind them */
-       COL_SEQ,
-       COL_AT,
-       COL_KIND,
-       COL_ACTOR,
-       COL_SUBJECT,
-       COL_TEMPLATE,
-       COL_OUTCOME,
-       COL_HASH,
-       COL_MARK
-};
-
 /* ---- rows */
-
-/* An entry in the form that it is hashed in as well: ref has the subject's bytes. */
-struct row {
-    struct store_audit_entry entry;
-    unsigned char ref[ROW_CRYPT_REF], hash[STORE_CHAIN_HASH];
-    size_t nref;
-};
-
-static bool read_row(const struct sql_rows *from, struct row *r)
-{
-    struct store_audit_entry *a = &r->entry;
-
-    memset(r, 0, sizeof *r);
-    a->seq = (uint64_t)sql_column(from, COL_SEQ).i;
-    if (sql_column(from, COL_SUBJECT).n != 0) {
-        if (!store_column_bytes(from, COL_SUBJECT, r->ref, sizeof r->ref))
-            return false;
-        r->nref = sizeof r->ref;
-    }
-    if (!store_column_text(from, COL_AT, a->at, sizeof a->at) ||
-        !store_column_text(from, COL_KIND, a->kind, sizeof a->kind) ||
-        !store_column_text(from, COL_ACTOR, a->actor, sizeof a->actor) ||
-        !store_column_text(from, COL_TEMPLATE, a->template_id, sizeof a->template_id) ||
-        !store_column_text(from, COL_OUTCOME, a->outcome, sizeof a->outcome) ||
-        !store_column_bytes(from, COL_HASH, r->hash, sizeof r->hash))
-        return false;
-    (void)sodium_bin2hex(a->ref, sizeof a->ref, r->ref, r->nref);
-    (void)sodium_bin2hex(a->hash, sizeof a->hash, r->hash, sizeof r->hash);
-    return true;
-}
 
 static enum status read_entry(void *t, const struct sql_rows *from, void *out,
                               struct errinfo *e)
 {
-    struct row r;
+    struct store_audit_entry *a = out;
+    struct row_entry r;
 
     (void)t; /* nothing of it is encrypted */
-    if (!read_row(from, &r))
-        return errinfo_set(e, ST_ECORRUPT, "entry %lld of the audit log is damaged",
-                           (long long)r.entry.seq);
-    memcpy(out, &r.entry, sizeof r.entry);
+    if (!row_entry_read(from, &r))
+        return errinfo_set(e, ST_ECORRUPT,
+                           "entry %" PRIu64 " of the audit log (%s) is damaged", r.seq,
+                           store_chain_word(r.chain));
+    memset(a, 0, sizeof *a);
+    a->chain = r.chain;
+    a->seq = r.seq;
+    memcpy(a->at, r.at, sizeof a->at);
+    memcpy(a->kind, r.kind, sizeof a->kind);
+    memcpy(a->actor, r.actor, sizeof a->actor);
+    memcpy(a->template_id, r.template_id, sizeof a->template_id);
+    memcpy(a->outcome, r.outcome, sizeof a->outcome);
+    a->uses = r.uses;
+    (void)sodium_bin2hex(a->ref, sizeof a->ref, r.ref, r.nref);
+    (void)sodium_bin2hex(a->object, sizeof a->object, r.object, r.nobject);
+    (void)sodium_bin2hex(a->row, sizeof a->row, r.row, r.nrow);
+    (void)sodium_bin2hex(a->uses_hash, sizeof a->uses_hash, r.uses_hash, r.nuses_hash);
+    (void)sodium_bin2hex(a->hash, sizeof a->hash, r.hash, sizeof r.hash);
     return ST_OK;
-}
-
-static bool read_mark(const struct sql_rows *r, int col, struct store_chain_mark *m)
-{
-    return store_column_text(r, col, m->at, sizeof m->at) &&
-           store_column_bytes(r, col + 1, m->hash, sizeof m->hash) &&
-           store_column_bytes(r, col + 2, m->signature, sizeof m->signature);
 }
 
 static enum status list_mark(void *t, const struct sql_rows *r, void *out,
@@ -86,10 +51,10 @@ static enum status list_mark(void *t, const struct sql_rows *r, void *out,
 
     (void)t;
     memset(a, 0, sizeof *a);
-    a->seq = (uint64_t)sql_column(r, 0).i;
-    if (!read_mark(r, 1, &m))
-        return errinfo_set(e, ST_ECORRUPT, "the checkpoint at entry %lld is damaged",
-                           (long long)a->seq);
+    if (!row_entry_mark(r, 0, &m))
+        return errinfo_set(e, ST_ECORRUPT, "a checkpoint of the audit log is damaged");
+    a->chain = m.chain;
+    a->seq = m.seq;
     memcpy(a->at, m.at, sizeof a->at);
     (void)sodium_bin2hex(a->hash, sizeof a->hash, m.hash, sizeof m.hash);
     (void)sodium_bin2hex(a->signature, sizeof a->signature, m.signature,
@@ -177,19 +142,21 @@ static bool since_valid(const char *since)
 #define FORMER                                                                           \
     "WITH RECURSIVE former(ref, since, until) AS ("                                      \
     "SELECT DISTINCT subject, CAST(0 AS bigint), 9223372036854775807 "                   \
-    "FROM events WHERE subject = $2 "                                                    \
+    "FROM events WHERE chain = 0 AND subject = $2 "                                      \
     "UNION SELECT o.subject, "                                                           \
-    "coalesce((SELECT max(d.seq) FROM events d WHERE d.subject = o.subject "             \
-    "AND d.seq < o.seq AND (d.kind = 'delete_subject' OR d.outcome = 'renamed')), 0), "  \
-    "n.seq FROM former JOIN events n ON n.subject = former.ref "                         \
-    "AND n.seq > former.since AND n.seq < former.until "                                 \
+    "coalesce((SELECT max(d.event_key) FROM events d WHERE d.chain = 0 "                 \
+    "AND d.subject = o.subject AND d.seq < o.seq "                                       \
+    "AND (d.kind = 'delete_subject' OR d.outcome = 'renamed')), 0), "                    \
+    "n.event_key FROM former JOIN events n ON n.chain = 0 AND n.subject = former.ref "   \
+    "AND n.event_key > former.since AND n.event_key < former.until "                     \
     "AND n.kind = 'rename_subject' AND n.outcome = 'named' "                             \
-    "JOIN events o ON o.seq = n.seq - 1 AND o.outcome = 'renamed') "
+    "JOIN events o ON o.chain = 0 AND o.seq = n.seq - 1 AND o.outcome = 'renamed') "
 
 #define WANTED                                                                           \
-    " FROM events e WHERE e.seq > $1 AND (e.subject = coalesce($2, e.subject) "          \
+    " FROM events e WHERE e.chain = coalesce($6, e.chain) AND e.seq > $1 "               \
+    "AND (e.subject = coalesce($2, e.subject) "                                          \
     "OR EXISTS (SELECT 1 FROM former WHERE former.ref = e.subject "                      \
-    "AND e.seq > former.since AND e.seq < former.until)) "                               \
+    "AND e.event_key > former.since AND e.event_key < former.until)) "                   \
     "AND e.kind = coalesce($3, e.kind) AND e.at >= coalesce($4, e.at) "
 
 static enum status list(struct store_txn *t, const struct store_audit_filter *f,
@@ -199,9 +166,12 @@ static enum status list(struct store_txn *t, const struct store_audit_filter *f,
     const int64_t limit =
         f->limit != 0 && f->limit < INT64_MAX ? (int64_t)f->limit : INT64_MAX;
     unsigned char ref[ROW_CRYPT_REF];
-    struct sql_value v[] = {
-        sql_int(after), sql_null(), sql_text_or_null(f->kind != NULL ? f->kind : ""),
-        sql_text_or_null(f->since != NULL ? f->since : ""), sql_int(limit)};
+    struct sql_value v[] = {sql_int(after),
+                            sql_null(),
+                            sql_text_or_null(f->kind != NULL ? f->kind : ""),
+                            sql_text_or_null(f->since != NULL ? f->since : ""),
+                            sql_int(limit),
+                            f->chain != NULL ? sql_int(*f->chain) : sql_null()};
     struct sql_rows *r;
     enum status st;
 
@@ -211,11 +181,15 @@ static enum status list(struct store_txn *t, const struct store_audit_filter *f,
     }
     if (f->newest)
         st = sql_query(t->sql,
-                       FORMER "SELECT * FROM (SELECT " COLUMNS WANTED
-                              "ORDER BY e.seq DESC LIMIT $5) AS newest ORDER BY seq",
+                       FORMER "SELECT * FROM (SELECT " ROW_ENTRY_COLUMNS
+                              ", e.event_key" WANTED
+                              "ORDER BY e.event_key DESC LIMIT $5) AS newest "
+                              "ORDER BY event_key",
                        v, sizeof v / sizeof *v, &r, e);
     else
-        st = sql_query(t->sql, FORMER "SELECT " COLUMNS WANTED "ORDER BY e.seq LIMIT $5",
+        st = sql_query(t->sql,
+                       FORMER "SELECT " ROW_ENTRY_COLUMNS WANTED
+                              "ORDER BY e.event_key LIMIT $5",
                        v, sizeof v / sizeof *v, &r, e);
     return store_column_list(r, st, read_entry, t, sizeof(struct store_audit_entry), out,
                              n, e);
@@ -264,7 +238,9 @@ enum status store_audit_marks(struct store *s, struct store_audit_mark **out, si
     *n = 0;
     if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = sql_query(t.sql, "SELECT seq, at, hash, signature FROM checkpoints ORDER BY seq",
+    st = sql_query(t.sql,
+                   "SELECT chain, seq, at, hash, signature FROM checkpoints "
+                   "ORDER BY chain, seq",
                    NULL, 0, &r, e);
     st = store_column_list(r, st, list_mark, &t, sizeof **out, &marks, n, e);
     *out = marks;
@@ -340,7 +316,7 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
         (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
         return st;
     return store_txn_end(
-        &t, row_event_add(&t, &by, kind, subject, template_id, outcome, e), e);
+        &t, row_event_use(&t, &by, kind, subject, template_id, outcome, e), e);
 }
 
 static enum status get_mark(struct store_txn *t, uint64_t seq,
@@ -348,9 +324,10 @@ static enum status get_mark(struct store_txn *t, uint64_t seq,
 {
     struct sql_rows *r;
     bool found;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e, "SELECT seq, at, hash, signature FROM checkpoints WHERE seq = $1",
-        sql_int((int64_t)seq));
+    enum status st = SQL_QUERY(t->sql, &r, e,
+                               "SELECT chain, seq, at, hash, signature FROM checkpoints "
+                               "WHERE chain = 0 AND seq = $1",
+                               sql_int((int64_t)seq));
 
     if ((found = st == ST_OK && sql_next(r)))
         st = list_mark(t, r, out, e);
@@ -376,119 +353,7 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
         (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     if ((st = row_event_add(&t, &by, kind, "", "", "", e)) == ST_OK &&
-        (st = row_event_end(&t, &seq, hash, e)) == ST_OK)
+        (st = row_event_end(&t, STORE_CHAIN_CHANGES, &seq, hash, e)) == ST_OK)
         st = get_mark(&t, seq, out, e);
     return store_txn_end(&t, st, e);
-}
-
-/* ---- verifying */
-
-static void step(struct store_chain_walk *w, const struct sql_rows *from)
-{
-    struct store_chain_mark m = {0};
-    struct row r;
-    const bool sound = read_row(from, &r);
-    const struct store_chain_entry entry = {.seq = r.entry.seq,
-                                            .at = r.entry.at,
-                                            .kind = r.entry.kind,
-                                            .actor = r.entry.actor,
-                                            .subject = r.ref,
-                                            .nsubject = r.nref,
-                                            .template_id = r.entry.template_id,
-                                            .outcome = r.entry.outcome};
-
-    if (sound)
-        store_chain_step(w, &entry, r.hash);
-    else
-        store_chain_damaged(w, r.entry.seq);
-    m.seq = r.entry.seq;
-    if (sql_column(from, COL_MARK).type != SQL_NULL) {
-        if (read_mark(from, COL_MARK, &m))
-            store_chain_pass(w, &m);
-        else
-            store_chain_problem(w, m.seq, "its checkpoint is damaged");
-    } else if (sound && store_chain_due(m.seq, entry.kind)) {
-        store_chain_problem(w, m.seq, "its checkpoint is missing");
-    }
-}
-
-static enum status walk(struct store_txn *t, struct store_chain_walk *w,
-                        uint64_t *entries, struct errinfo *e)
-{
-    struct sql_rows *r;
-    const enum status st =
-        sql_query(t->sql,
-                  "SELECT " COLUMNS ", c.at, c.hash, c.signature "
-                  "FROM events e LEFT JOIN checkpoints c ON c.seq = e.seq ORDER BY e.seq",
-                  NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r)) {
-        step(w, r);
-        ++*entries;
-    }
-    return sql_done(r, st, e);
-}
-
-/* Checkpoints of entries that are not there; the signature tells whether they ever were. */
-static enum status walk_alone(struct store_txn *t, struct store_chain_walk *w,
-                              struct errinfo *e)
-{
-    struct sql_rows *r;
-    const enum status st =
-        sql_query(t->sql,
-                  "SELECT seq, at, hash, signature FROM checkpoints "
-                  "WHERE seq NOT IN (SELECT seq FROM events) ORDER BY seq",
-                  NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r)) {
-        struct store_chain_mark m = {.seq = (uint64_t)sql_column(r, 0).i};
-
-        if (!read_mark(r, 1, &m))
-            store_chain_problem(w, m.seq, "its checkpoint is damaged");
-        else
-            store_chain_pass(w, &m);
-    }
-    return sql_done(r, st, e);
-}
-
-static enum status verify(struct store_txn *t, struct store_chain_walk *w,
-                          struct store_audit *out, struct errinfo *e)
-{
-    unsigned char hash[STORE_CHAIN_HASH];
-    struct errinfo why = {0};
-    uint64_t seq;
-    enum status st;
-
-    if ((st = walk(t, w, &out->entries, e)) != ST_OK)
-        return st;
-    if ((st = row_event_end(t, &seq, hash, &why)) == ST_OK) {
-        store_chain_stop(w, seq, hash);
-    } else if (st == ST_ECORRUPT) {
-        store_chain_stop(w, w->seq, w->hash);
-        store_chain_problem(w, w->seq, why.msg);
-    } else {
-        return errinfo_set(e, st, "%s", why.msg);
-    }
-    st = walk_alone(t, w, e);
-    out->checkpoints = w->marks;
-    out->problems = w->problems;
-    out->first = w->first;
-    return st;
-}
-
-enum status store_audit_verify(struct store *s,
-                               void (*report)(void *arg, uint64_t seq, const char *line),
-                               void *arg, struct store_audit *out, struct errinfo *e)
-{
-    unsigned char public[VAULT_KEY];
-    struct store_chain_walk w;
-    struct store_txn t;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    vault_public(t.vault, public);
-    store_chain_walk(&w, public, report, arg);
-    return store_txn_end(&t, verify(&t, &w, out, e), e);
 }

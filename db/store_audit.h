@@ -1,11 +1,11 @@
-/* store_audit.h -- the events are the audit log: a chain of hashes, whose end has a MAC of the
- * database's key and which is signed here and there (store_chain.h). */
+/* store_audit.h -- the events are the audit log: two chains of hashes, whose ends have a MAC of
+ * the database's key and which are signed here and there (store_chain.h).  store_walk.h
+ * verifies them. */
 #ifndef DB_STORE_AUDIT_H
 #define DB_STORE_AUDIT_H
 #include "store_types.h"
 
-/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the events
- * table; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
+/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the uses; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
  * outcome may be "".  Changes (enroll, delete, tokens) write their own.
  * For speed it does not wait for the disk: a power failure may lose the last ones. */
 enum status store_event(struct store *s, const char *kind, const char *actor,
@@ -27,13 +27,6 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
 enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
                               struct errinfo *e);
 enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e);
-
-/* store_audit_verify(s, report, arg, out, e): read-only: every entry and checkpoint as it
- * was written, in its place, none missing.  report() is called once a problem, with the
- * entry that it is about.  About 5 us an entry. */
-enum status store_audit_verify(struct store *s,
-                               void (*report)(void *arg, uint64_t seq, const char *line),
-                               void *arg, struct store_audit *out, struct errinfo *e);
 
 /* store_audit_erased(s, subject, out, n, e): every subject that was erased, in order of time,
  * or those that had this id last, where it is not NULL; a new array released by free(). */

@@ -10,11 +10,11 @@
 #include "newfile.h"
 #include "row_template.h"
 #include "sql_file.h"
-#include "store_audit.h"
 #include "store_check.h"
 #include "store_open.h"
 #include "store_subject.h"
 #include "store_txn.h"
+#include "store_walk.h"
 
 #define PAGE 1000
 
@@ -63,11 +63,13 @@ static enum status verify_subjects(struct store *s, struct store_copied *found,
     return st;
 }
 
-static void audit_problem(void *arg, uint64_t seq, const char *line)
+static void audit_problem(void *arg, enum store_chain chain, uint64_t seq,
+                          const char *line)
 {
     char text[240];
 
-    (void)snprintf(text, sizeof text, "audit log, entry %" PRIu64 ": %s", seq, line);
+    (void)snprintf(text, sizeof text, "audit log, %s, entry %" PRIu64 ": %s",
+                   store_chain_word(chain), seq, line);
     problem(arg, text);
 }
 

@@ -7,6 +7,11 @@
 
 #include "bytes.h"
 
+const char *store_chain_word(enum store_chain chain)
+{
+    return chain == STORE_CHAIN_CHANGES ? "changes" : "uses";
+}
+
 static void add_number(crypto_generichash_state *h, uint64_t v, size_t bytes)
 {
     unsigned char out[8];
@@ -33,22 +38,28 @@ void store_chain_next(const unsigned char before[STORE_CHAIN_HASH],
     (void)crypto_generichash_init(&h, NULL, 0, STORE_CHAIN_HASH);
     (void)crypto_generichash_update(&h, (const unsigned char *)"surface event 1", 16);
     (void)crypto_generichash_update(&h, before, STORE_CHAIN_HASH);
+    add_number(&h, (uint64_t)entry->chain, 1);
     add_number(&h, entry->seq, 8);
     add_bytes(&h, entry->subject, entry->nsubject);
     for (size_t i = 0; i < sizeof text / sizeof *text; i++)
         add_bytes(&h, text[i], strlen(text[i]));
+    add_bytes(&h, entry->object, entry->nobject);
+    add_bytes(&h, entry->row, entry->nrow);
+    add_number(&h, entry->uses, 8);
+    add_bytes(&h, entry->uses_hash, entry->nuses_hash);
     (void)crypto_generichash_final(&h, out, STORE_CHAIN_HASH);
 }
 
-void store_chain_end(const struct vault *v, uint64_t seq,
+void store_chain_end(const struct vault *v, enum store_chain chain, uint64_t seq,
                      const unsigned char hash[STORE_CHAIN_HASH],
                      unsigned char mac[STORE_CHAIN_HASH])
 {
-    unsigned char data[16 + 8 + STORE_CHAIN_HASH];
+    unsigned char data[16 + 1 + 8 + STORE_CHAIN_HASH];
 
     memcpy(data, "surface end   1", 16);
-    bytes_set(data + 16, seq, 8);
-    memcpy(data + 24, hash, STORE_CHAIN_HASH);
+    bytes_set(data + 16, (uint64_t)chain, 1);
+    bytes_set(data + 17, seq, 8);
+    memcpy(data + 25, hash, STORE_CHAIN_HASH);
     vault_mac(v, data, sizeof data, mac);
 }
 
@@ -62,8 +73,9 @@ static size_t mark_text(const struct store_chain_mark *m, char out[MARK_TEXT])
     char hash[2 * STORE_CHAIN_HASH + 1];
 
     (void)sodium_bin2hex(hash, sizeof hash, m->hash, sizeof m->hash);
-    return (size_t)snprintf(out, MARK_TEXT, "surface checkpoint 1\n%" PRIu64 "\n%s\n%s\n",
-                            m->seq, m->at, hash);
+    return (size_t)snprintf(out, MARK_TEXT,
+                            "surface checkpoint 1\n%s\n%" PRIu64 "\n%s\n%s\n",
+                            store_chain_word(m->chain), m->seq, m->at, hash);
 }
 
 bool store_chain_due(uint64_t seq, const char *kind)
@@ -89,10 +101,12 @@ bool store_chain_signed(const unsigned char public[VAULT_KEY],
 
 /* ---- a walk */
 
-void store_chain_walk(struct store_chain_walk *w, const unsigned char public[VAULT_KEY],
-                      store_chain_report *report, void *arg)
+void store_chain_walk(struct store_chain_walk *w, enum store_chain chain,
+                      const unsigned char public[VAULT_KEY], store_chain_report *report,
+                      void *arg)
 {
     memset(w, 0, sizeof *w);
+    w->chain = chain;
     w->report = report;
     w->arg = arg;
     memcpy(w->public, public, VAULT_KEY);
@@ -103,7 +117,7 @@ void store_chain_problem(struct store_chain_walk *w, uint64_t seq, const char *l
     w->problems++;
     if (w->first == 0 || seq < w->first)
         w->first = seq;
-    w->report(w->arg, seq, line);
+    w->report(w->arg, w->chain, seq, line);
 }
 
 /* "entry 5 is", "entries 5 to 9 are", and what is said of them. */

@@ -1,27 +1,35 @@
-/* store_chain.h -- the chain of events: each entry's hash is of the entry and of the hash
+/* store_chain.h -- the chains of events: each entry's hash is of the entry and of the hash
  * before it, so that none can be removed, changed or moved without all that follow.  The
- * first follows 32 zero bytes.  Marks are places in the chain that are signed: they bind it
+ * first follows 32 zero bytes.  Marks are places in a chain that are signed: they bind it
  * for verifiers that have the public key alone.  Layout of what is hashed: db/FORMAT.md. */
 #ifndef DB_STORE_CHAIN_H
 #define DB_STORE_CHAIN_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "store_types.h"
 #include "vault.h"
 
-#define STORE_CHAIN_HASH  32
-#define STORE_CHAIN_EVERY 1000 /* entries from one mark to the next */
+#define STORE_CHAIN_HASH   32
+#define STORE_CHAIN_OBJECT 16
+#define STORE_CHAIN_EVERY  1000 /* entries from one mark to the next */
 
 /* Kinds of events that are marked too. */
 #define STORE_CHAIN_SIGN   "checkpoint"
 #define STORE_CHAIN_EXPORT "export_audit"
 
 struct store_chain_entry {
+    enum store_chain chain;
     uint64_t seq; /* 1, 2, ... */
     const char *at, *kind, *actor;
     const unsigned char *subject; /* a reference, row_crypt_ref(), or none */
     size_t nsubject;
     const char *template_id, *outcome;
+    const unsigned char *object, *row; /* whose row, and its MAC */
+    size_t nobject, nrow;              /* 0 or STORE_CHAIN_OBJECT, 0 or VAULT_HASH */
+    uint64_t uses;                     /* the last of the uses, and its hash */
+    const unsigned char *uses_hash;
+    size_t nuses_hash; /* STORE_CHAIN_HASH; of uses themselves 0 */
 };
 
 /* store_chain_next(before, entry, out): BLAKE2b-256; out may be before. */
@@ -29,12 +37,13 @@ void store_chain_next(const unsigned char before[STORE_CHAIN_HASH],
                       const struct store_chain_entry *entry,
                       unsigned char out[STORE_CHAIN_HASH]);
 
-/* store_chain_end(v, seq, hash, mac): the MAC of the chain's end. */
-void store_chain_end(const struct vault *v, uint64_t seq,
+/* store_chain_end(v, chain, seq, hash, mac): the MAC of the chain's end. */
+void store_chain_end(const struct vault *v, enum store_chain chain, uint64_t seq,
                      const unsigned char hash[STORE_CHAIN_HASH],
                      unsigned char mac[STORE_CHAIN_HASH]);
 
 struct store_chain_mark {
+    enum store_chain chain;
     uint64_t seq;
     char at[32];
     unsigned char hash[STORE_CHAIN_HASH]; /* of the entry */
@@ -48,14 +57,19 @@ void store_chain_sign(const struct vault *v, struct store_chain_mark *m);
 bool store_chain_signed(const unsigned char public[VAULT_KEY],
                         const struct store_chain_mark *m);
 
-/* A walk along the chain that reports what is not as it was written: the entry that it is
+/* A walk along a chain that reports what is not as it was written: the entry that it is
  * about, and a line of text.  All is set by store_chain_walk(). */
-typedef void store_chain_report(void *arg, uint64_t seq, const char *line);
+typedef void store_chain_report(void *arg, enum store_chain chain, uint64_t seq,
+                                const char *line);
+
+/* store_chain_word(chain): "changes" or "uses". */
+const char *store_chain_word(enum store_chain chain);
 
 struct store_chain_walk {
     store_chain_report *report;
     void *arg;
     unsigned char public[VAULT_KEY];
+    enum store_chain chain;
     uint64_t seq;                         /* of the last entry, 0: there was none */
     unsigned char hash[STORE_CHAIN_HASH]; /* that it has, */
     unsigned char made[STORE_CHAIN_HASH]; /* and that it should have */
@@ -67,8 +81,9 @@ struct store_chain_walk {
     uint64_t first;    /* the least entry that one is about */
 };
 
-void store_chain_walk(struct store_chain_walk *w, const unsigned char public[VAULT_KEY],
-                      store_chain_report *report, void *arg);
+void store_chain_walk(struct store_chain_walk *w, enum store_chain chain,
+                      const unsigned char public[VAULT_KEY], store_chain_report *report,
+                      void *arg);
 
 /* store_chain_step(w, entry, hash): the next entry and the hash that it has.  Each is held
  * against the one before; a run of wrong ones is one report.

@@ -15,7 +15,7 @@
 #include "row_template.h"
 #include "row_token.h"
 #include "sql_file.h"
-#include "store_audit.h"
+#include "store_walk.h"
 #include "store_txn.h"
 
 #define THREADS 16
@@ -102,11 +102,12 @@ static enum status check_template(void *arg, const struct store_template *t,
     return ST_OK;
 }
 
-static void count_event(void *arg, uint64_t seq, const char *line)
+static void count_event(void *arg, enum store_chain chain, uint64_t seq, const char *line)
 {
     char text[240];
 
-    (void)snprintf(text, sizeof text, "audit log, entry %" PRIu64 ": %s", seq, line);
+    (void)snprintf(text, sizeof text, "audit log, %s, entry %" PRIu64 ": %s",
+                   store_chain_word(chain), seq, line);
     count_problem(arg, text);
 }
 

@@ -47,7 +47,7 @@ static enum status give_receipt(struct store_txn *t, const struct store_act *by,
                                 struct errinfo *e)
 {
     unsigned char hash[STORE_CHAIN_HASH];
-    const enum status st = row_event_end(t, &out->seq, hash, e);
+    const enum status st = row_event_end(t, STORE_CHAIN_CHANGES, &out->seq, hash, e);
 
     if (st != ST_OK)
         return st;

@@ -310,7 +310,9 @@ static enum status last_event(const char *path, int64_t *seq,
     if (st != ST_OK)
         return st;
     if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK) {
-        if (sql_version(d) > 0 && (st = sql_query(t, "SELECT seq, hash FROM events_end",
+        if (sql_version(d) > 0 && (st = sql_query(t,
+                                                  "SELECT seq, hash FROM events_end "
+                                                  "WHERE chain = 0",
                                                   NULL, 0, &r, e)) == ST_OK) {
             if (sql_next(r) && store_column_bytes(r, 1, hash, VAULT_HASH))
                 *seq = sql_column(r, 0).i;
@@ -337,7 +339,8 @@ static enum status goes_on_from(struct sql *held, const char *aside, bool *yes,
     if ((st = last_event(aside, &seq, hash, e)) != ST_OK || seq == 0 ||
         (st = sql_begin(held, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = SQL_QUERY(t, &r, e, "SELECT 1 FROM events WHERE seq = $1 AND hash = $2",
+    st = SQL_QUERY(t, &r, e,
+                   "SELECT 1 FROM events WHERE chain = 0 AND seq = $1 AND hash = $2",
                    sql_int(seq), sql_blob(hash, sizeof hash));
     *yes = st == ST_OK && sql_next(r);
     return sql_end(t, sql_done(r, st, e), e);

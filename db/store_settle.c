@@ -36,7 +36,7 @@ static enum status write_all(struct store_txn *t, const struct store_settle *wha
     if ((st = count_attempt(t, what, &was, by->ms, e)) != ST_OK)
         return st;
     st =
-        row_event_add(t, by, what->kind, subject, what->template_id, what->outcome, &why);
+        row_event_use(t, by, what->kind, subject, what->template_id, what->outcome, &why);
     if (st != ST_OK && st != ST_ECORRUPT)
         return errinfo_set(e, st, "%s", why.msg);
     if (st == ST_ECORRUPT)

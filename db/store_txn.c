@@ -58,15 +58,16 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
     return st;
 }
 
-/* Were there erasures after the event `after`?  *last: of all events, 0 where there are none. */
+/* Were there erasures after the change `after`?  *last: of all changes, 0 where there are none. */
 static enum status find_erasures(struct store_txn *t, int64_t after, int64_t *last,
                                  bool *erased, struct errinfo *e)
 {
     struct sql_rows *r;
     const enum status st =
         SQL_QUERY(t->sql, &r, e,
-                  "SELECT (SELECT coalesce(max(seq), 0) FROM events), CASE WHEN EXISTS "
-                  "(SELECT 1 FROM events WHERE seq > $1 AND kind IN "
+                  "SELECT (SELECT coalesce(max(seq), 0) FROM events WHERE chain = 0), "
+                  "CASE WHEN EXISTS (SELECT 1 FROM events WHERE chain = 0 "
+                  "AND seq > $1 AND kind IN "
                   "('delete_subject', 'delete_template', 'rekey')) THEN 1 ELSE 0 END",
                   sql_int(after));
 

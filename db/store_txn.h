@@ -18,7 +18,7 @@ struct store {
         atomic_bool stands; /* why is written */
         struct errinfo why;
     } refusal;
-    _Atomic int64_t scrubbed; /* the last event that was looked at for erasures */
+    _Atomic int64_t scrubbed; /* the last change that was looked at for erasures */
 };
 
 struct store_txn {

@@ -97,8 +97,15 @@ struct store_receipt {
     char public_key[65]; /* that it is verified with */
 };
 
+enum store_chain { /* of the audit log; stored, so never renumbered */
+                   STORE_CHAIN_CHANGES, /* what changes the database's state; kept */
+                   STORE_CHAIN_USES,    /* verifications, refusals, exports */
+                   STORE_CHAINS
+};
+
 struct store_audit_entry {
-    uint64_t seq; /* 1, 2, ... */
+    enum store_chain chain;
+    uint64_t seq; /* in its chain: 1, 2, ... */
     char at[32];
     char kind[STORE_NAME_MAX + 1];
     char actor[STORE_NAME_MAX + 1];
@@ -106,20 +113,25 @@ struct store_audit_entry {
     char ref[33];                        /* keyed hash of the subject's id; "": none */
     char template_id[STORE_ID_LEN + 1];
     char outcome[STORE_NAME_MAX + 1];
+    char object[33], row[65]; /* of changes: whose row, and its MAC; "": none */
+    uint64_t uses;            /* of changes: the last of the uses, and its hash */
+    char uses_hash[65];
     char hash[65];
 };
 
-struct store_audit_filter { /* all zero: everything */
-    uint64_t after;         /* greater numbers alone */
-    size_t limit;           /* 0: as many as there are */
-    bool newest;            /* the last ones of them, else the first */
-    bool names;             /* find subjects by ref, which takes reading them all */
-    const char *subject;    /* also one that was erased */
+struct store_audit_filter {        /* all zero: everything */
+    const enum store_chain *chain; /* NULL: both, in the order of their coming */
+    uint64_t after;                /* greater numbers alone, of a chain */
+    size_t limit;                  /* 0: as many as there are */
+    bool newest;                   /* the last ones of them, else the first */
+    bool names;          /* find subjects by ref, which takes reading them all */
+    const char *subject; /* also one that was erased */
     const char *kind;
     const char *since; /* RFC 3339, or its beginning */
 };
 
 struct store_audit_mark { /* a checkpoint: an entry that is signed */
+    enum store_chain chain;
     uint64_t seq;
     char at[32];
     char hash[65];
@@ -128,7 +140,8 @@ struct store_audit_mark { /* a checkpoint: an entry that is signed */
 
 struct store_audit {
     uint64_t entries, checkpoints, problems;
-    uint64_t first; /* the least entry that a problem is about, 0 without any */
+    uint64_t first;         /* the least entry that a problem is about, 0 without any, */
+    enum store_chain chain; /* and the chain that it is in */
 };
 
 struct store_erased { /* a subject that was erased, by a keyed hash of the id */

@@ -61,34 +61,50 @@ CREATE TABLE attempts (
     at_ms       BIGINT NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 );
 
--- The audit log: who did what, when, with what outcome.  Rows are only added.  No
--- biometrics, no tokens, no ids of subjects but a keyed hash of them.  Each entry's hash is
--- of its columns and of the hash before it (db/store_chain.h).
+-- The audit log: who did what, when, with what outcome, in two chains (db/store_chain.h):
+-- 0 the changes, which are kept for ever; 1 the uses (verifications, refusals, exports), of
+-- which the oldest may be cut off.  Rows are only added.  No biometrics, no tokens, no ids of
+-- subjects but a keyed hash of them.  Each entry's hash is of its columns and of the hash
+-- before it in its chain.  An entry of changes names the row that it leaves, by the object
+-- and the row's MAC, empty where the row is gone, and the end of the uses at that time.
 CREATE TABLE events (
-    seq         BIGINT PRIMARY KEY CHECK (seq >= 1),
+    event_key   BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of their coming
+    chain       BIGINT NOT NULL CHECK (chain IN (0, 1)),
+    seq         BIGINT NOT NULL CHECK (seq >= 1),
     at          TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
     kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
     actor       TEXT NOT NULL CHECK (length(actor) <= 64),
     subject     BYTEA NOT NULL CHECK (length(subject) IN (0, 16)),
     template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
     outcome     TEXT NOT NULL CHECK (length(outcome) <= 64),
-    hash        BYTEA NOT NULL CHECK (length(hash) = 32)
+    object      BYTEA NOT NULL CHECK (length(object) IN (0, 16)),
+    row_mac     BYTEA NOT NULL CHECK (length(row_mac) IN (0, 32)),
+    uses        BIGINT NOT NULL CHECK (uses >= 0),
+    uses_hash   BYTEA NOT NULL CHECK (length(uses_hash) IN (0, 32)),
+    hash        BYTEA NOT NULL CHECK (length(hash) = 32),
+    UNIQUE (chain, seq)
 );
 
--- The last event, so that none can be cut off: the MAC of its number and hash.
+-- The latest entry of an object, and of a subject's id.
+CREATE INDEX events_object ON events (object, seq) WHERE chain = 0;
+CREATE INDEX events_subject ON events (subject, seq) WHERE chain = 0;
+
+-- The last event of each chain, so that none can be cut off: the MAC of its number and hash.
 CREATE TABLE events_end (
-    events_key BIGINT PRIMARY KEY CHECK (events_key = 1),
-    seq        BIGINT NOT NULL CHECK (seq >= 0),
-    hash       BYTEA NOT NULL CHECK (length(hash) = 32),
-    mac        BYTEA NOT NULL CHECK (length(mac) = 32)
+    chain BIGINT PRIMARY KEY CHECK (chain IN (0, 1)),
+    seq   BIGINT NOT NULL CHECK (seq >= 0),
+    hash  BYTEA NOT NULL CHECK (length(hash) = 32),
+    mac   BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
 -- Signed events, for verifiers that have the public key alone.
 CREATE TABLE checkpoints (
-    seq       BIGINT PRIMARY KEY CHECK (seq >= 1),
+    chain     BIGINT NOT NULL CHECK (chain IN (0, 1)),
+    seq       BIGINT NOT NULL CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
     hash      BYTEA NOT NULL CHECK (length(hash) = 32),
-    signature BYTEA NOT NULL CHECK (length(signature) = 64)
+    signature BYTEA NOT NULL CHECK (length(signature) = 64),
+    PRIMARY KEY (chain, seq)
 );
 
 -- Rows on which decisions depend have a MAC (db/FORMAT.md): they cannot be changed without

@@ -15,7 +15,7 @@
 #include "store_receipt.h"
 #include "tempdb.h"
 
-#define ENTRIES 12 /* of the log that is tampered with; the sixth is signed */
+#define USES 11 /* of the log that is tampered with */
 
 static struct errinfo e;
 
@@ -24,10 +24,11 @@ struct found {
     unsigned n;
 };
 
-static void note(void *arg, uint64_t seq, const char *line)
+static void note(void *arg, enum store_chain chain, uint64_t seq, const char *line)
 {
     struct found *f = arg;
 
+    (void)chain;
     assert_true(seq > 0 || f->n > 0 || line[0] != '\0');
     if (f->n < 20)
         (void)snprintf(f->lines[f->n], sizeof f->lines[0], "%llu: %s",
@@ -53,17 +54,20 @@ static void event(struct store *s, const char *kind, const char *subject)
         fail_msg("%s", e.msg);
 }
 
-/* Entry 1 is the key's, the sixth a checkpoint. */
+/* Eleven uses; of the changes the first is the key's, the second and the fourth are checkpoints,
+ * when there were four uses, and eight. */
 static struct store *written(void)
 {
     struct store *s = tempdb_fresh();
+    struct store_subject alice = {.id = "alice"};
     struct store_audit_mark m;
 
-    for (int i = 2; i <= ENTRIES; i++) {
+    for (int i = 1; i <= USES; i++) {
+        event(s, "verify", i % 2 == 0 ? "alice" : "bob");
         if (i == 6)
+            assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
+        if (i == 4 || i == 8)
             assert_int_equal(store_audit_sign(s, "test", "checkpoint", &m, &e), ST_OK);
-        else
-            event(s, "verify", i % 2 == 0 ? "alice" : "bob");
     }
     return s;
 }
@@ -82,52 +86,179 @@ static void test_tampered(void **state)
 {
     static const struct {
         const char *sql;
+        enum store_chain chain;
         uint64_t first;
         const char *line; /* one of those that are reported */
     } cases[] = {
-        {"UPDATE events SET outcome = 'no_match' WHERE seq = 4", 4,
-         "entry 4 is not what was written"},
-        {"UPDATE events SET at = '2020-01-01T00:00:00.000Z' WHERE seq = 2", 2, NULL},
-        {"UPDATE events SET kind = 'compare' WHERE seq = 3", 3, NULL},
-        {"UPDATE events SET actor = 'nobody' WHERE seq = 8", 8, NULL},
-        {"UPDATE events SET subject = x'' WHERE seq = 8", 8, NULL},
-        {"UPDATE events SET template_id = 'x' WHERE seq = 12", 12, NULL},
-        {"UPDATE events SET outcome = '' WHERE seq = 12", 12, NULL},
-        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 1", 1,
-         "entry 1 is not what was written"},
-        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 7", 7, NULL},
-        {"UPDATE events SET hash = zeroblob(32) WHERE seq = 12", 12, NULL},
-        {"UPDATE events SET hash = zeroblob(31) WHERE seq = 7", 7, NULL},
-        {"UPDATE events SET outcome = 'x' WHERE seq BETWEEN 3 AND 5", 3,
-         "entries 3 to 5 are not what was written"},
-        {"DELETE FROM events WHERE seq = 1", 1, "entry 1 is missing"},
-        {"DELETE FROM events WHERE seq = 4", 4, "entry 4 is missing"},
-        {"DELETE FROM events WHERE seq BETWEEN 4 AND 8", 4, "entries 4 to 8 are missing"},
-        {"DELETE FROM events WHERE seq = 12", 12, "entry 12 is cut off the end"},
-        {"DELETE FROM events WHERE seq > 9", 10, "entries 10 to 12 are cut off the end"},
-        {"DELETE FROM events", 1, "entries 1 to 12 are cut off the end"},
-        {"DELETE FROM events WHERE seq = 4; UPDATE events SET seq = seq - 1 WHERE seq > 4",
-         4, "entries 4 to 11 are not what was written"},
-        {"UPDATE events SET seq = 99 WHERE seq = 4; UPDATE events SET seq = 4 WHERE seq = 9;"
-         "UPDATE events SET seq = 9 WHERE seq = 99",
+        {"UPDATE events SET outcome = 'x' WHERE chain = 1 AND seq = 3", STORE_CHAIN_USES,
+         3, "entry 3 is not what was written"},
+        {"UPDATE events SET at = '2020-01-01T00:00:00.000Z' WHERE "
+         "chain = 1 AND seq = 2",
+         STORE_CHAIN_USES, 2, NULL},
+        {"UPDATE events SET kind = 'compare' WHERE chain = 1 AND seq ="
+         " 3",
+         STORE_CHAIN_USES, 3, NULL},
+        {"UPDATE events SET actor = 'nobody' WHERE chain = 1 AND seq ="
+         " 1",
+         STORE_CHAIN_USES, 1, NULL},
+        {"UPDATE events SET subject = zeroblob(16) WHERE chain = 1 AND"
+         " seq = 3",
+         STORE_CHAIN_USES, 3, NULL},
+        {"UPDATE events SET template_id = 'x' WHERE chain = 1 AND seq "
+         "= 4",
+         STORE_CHAIN_USES, 4, NULL},
+        {"UPDATE events SET outcome = '?' WHERE chain = 1 AND seq = 11", STORE_CHAIN_USES,
+         11, NULL},
+        {"UPDATE events SET object = zeroblob(16) WHERE chain = 1 AND "
+         "seq = 2",
+         STORE_CHAIN_USES, 2, NULL},
+        {"UPDATE events SET row_mac = zeroblob(32) WHERE chain = 1 AND"
+         " seq = 2",
+         STORE_CHAIN_USES, 2, NULL},
+        {"UPDATE events SET uses = 3 WHERE chain = 1 AND seq = 2", STORE_CHAIN_USES, 2,
+         NULL},
+        {"UPDATE events SET uses_hash = zeroblob(32) WHERE chain = 1 "
+         "AND seq = 2",
+         STORE_CHAIN_USES, 2, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 1 AND "
+         "seq = 1",
+         STORE_CHAIN_USES, 1, "entry 1 is not what was written"},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 1 AND "
+         "seq = 3",
+         STORE_CHAIN_USES, 3, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 1 AND "
+         "seq = 11",
+         STORE_CHAIN_USES, 11, NULL},
+        {"UPDATE events SET hash = zeroblob(31) WHERE chain = 1 AND "
+         "seq = 3",
+         STORE_CHAIN_USES, 3, NULL},
+        {"UPDATE events SET outcome = 'x' WHERE chain = 1 AND seq "
+         "BETWEEN 2 AND 3",
+         STORE_CHAIN_USES, 2, "entries 2 to 3 are not what was written"},
+        {"DELETE FROM events WHERE chain = 1 AND seq = 1", STORE_CHAIN_USES, 1,
+         "entry 1 is missing"},
+        {"DELETE FROM events WHERE chain = 1 AND seq = 3", STORE_CHAIN_USES, 3,
+         "entry 3 is missing"},
+        {"DELETE FROM events WHERE chain = 1 AND seq = 11", STORE_CHAIN_USES, 11,
+         "entry 11 is cut off the end"},
+        {"DELETE FROM events WHERE chain = 1 AND seq > 2", STORE_CHAIN_USES, 3,
+         "entries 3 to 11 are cut off the end"},
+        {"DELETE FROM events WHERE chain = 1", STORE_CHAIN_USES, 1,
+         "entries 1 to 11 are cut off the end"},
+        {"UPDATE events SET seq = 99 WHERE chain = 1 AND seq = "
+         "2;UPDATE events SET seq = 2 WHERE chain = 1 AND seq = "
+         "3;UPDATE events SET seq = 3 WHERE chain = 1 AND seq = 99",
+         STORE_CHAIN_USES, 2, NULL},
+        {"INSERT INTO events SELECT NULL, chain, 12, at, kind, actor, "
+         "subject, template_id, outcome, object, row_mac, uses, "
+         "uses_hash, hash FROM events WHERE chain = 1 AND seq = 11",
+         STORE_CHAIN_USES, 12, "entry 12 is behind the end"},
+        {"DELETE FROM events_end WHERE chain = 1", STORE_CHAIN_USES, 11,
+         "the end of the audit log is missing"},
+        {"UPDATE events_end SET seq = 3 WHERE chain = 1", STORE_CHAIN_USES, 11,
+         "the end of the audit log is not"},
+        {"UPDATE events_end SET hash = zeroblob(32) WHERE chain = 1", STORE_CHAIN_USES,
+         11, NULL},
+        {"UPDATE events_end SET mac = zeroblob(32) WHERE chain = 1", STORE_CHAIN_USES, 11,
+         NULL},
+        {"DELETE FROM events WHERE chain = 1 AND seq > 3; UPDATE "
+         "events_end SET seq = 3, hash = (SELECT hash FROM events "
+         "WHERE chain = 1 AND seq = 3) WHERE chain = 1 AND chain = 1",
+         STORE_CHAIN_USES, 3, "the end of the audit log is not"},
+        {"UPDATE events SET outcome = 'x' WHERE chain = 0 AND seq = 3",
+         STORE_CHAIN_CHANGES, 3, "entry 3 is not what was written"},
+        {"UPDATE events SET at = '2020-01-01T00:00:00.000Z' WHERE "
+         "chain = 0 AND seq = 2",
+         STORE_CHAIN_CHANGES, 2, NULL},
+        {"UPDATE events SET kind = 'compare' WHERE chain = 0 AND seq ="
+         " 3",
+         STORE_CHAIN_CHANGES, 3, NULL},
+        {"UPDATE events SET actor = 'nobody' WHERE chain = 0 AND seq ="
+         " 1",
+         STORE_CHAIN_CHANGES, 1, NULL},
+        {"UPDATE events SET subject = zeroblob(16) WHERE chain = 0 AND"
+         " seq = 3",
+         STORE_CHAIN_CHANGES, 3, NULL},
+        {"UPDATE events SET template_id = 'x' WHERE chain = 0 AND seq "
+         "= 4",
+         STORE_CHAIN_CHANGES, 4, NULL},
+        {"UPDATE events SET outcome = '?' WHERE chain = 0 AND seq = 4",
+         STORE_CHAIN_CHANGES, 4, NULL},
+        {"UPDATE events SET object = zeroblob(16) WHERE chain = 0 AND "
+         "seq = 2",
+         STORE_CHAIN_CHANGES, 2, NULL},
+        {"UPDATE events SET row_mac = zeroblob(32) WHERE chain = 0 AND"
+         " seq = 2",
+         STORE_CHAIN_CHANGES, 2, NULL},
+        {"UPDATE events SET uses = 3 WHERE chain = 0 AND seq = 2", STORE_CHAIN_CHANGES, 2,
+         NULL},
+        {"UPDATE events SET uses_hash = zeroblob(32) WHERE chain = 0 "
+         "AND seq = 2",
+         STORE_CHAIN_CHANGES, 2, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 0 AND "
+         "seq = 1",
+         STORE_CHAIN_CHANGES, 1, "entry 1 is not what was written"},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 0 AND "
+         "seq = 3",
+         STORE_CHAIN_CHANGES, 3, NULL},
+        {"UPDATE events SET hash = zeroblob(32) WHERE chain = 0 AND "
+         "seq = 4",
+         STORE_CHAIN_CHANGES, 4, NULL},
+        {"UPDATE events SET hash = zeroblob(31) WHERE chain = 0 AND "
+         "seq = 3",
+         STORE_CHAIN_CHANGES, 3, NULL},
+        {"UPDATE events SET outcome = 'x' WHERE chain = 0 AND seq "
+         "BETWEEN 2 AND 3",
+         STORE_CHAIN_CHANGES, 2, "entries 2 to 3 are not what was written"},
+        {"DELETE FROM events WHERE chain = 0 AND seq = 1", STORE_CHAIN_CHANGES, 1,
+         "entry 1 is missing"},
+        {"DELETE FROM events WHERE chain = 0 AND seq = 3", STORE_CHAIN_CHANGES, 3,
+         "entry 3 is missing"},
+        {"DELETE FROM events WHERE chain = 0 AND seq = 4", STORE_CHAIN_CHANGES, 4,
+         "entry 4 is cut off the end"},
+        {"DELETE FROM events WHERE chain = 0 AND seq > 2", STORE_CHAIN_CHANGES, 3,
+         "entries 3 to 4 are cut off the end"},
+        {"DELETE FROM events WHERE chain = 0", STORE_CHAIN_CHANGES, 1,
+         "entries 1 to 4 are cut off the end"},
+        {"UPDATE events SET seq = 99 WHERE chain = 0 AND seq = "
+         "2;UPDATE events SET seq = 2 WHERE chain = 0 AND seq = "
+         "3;UPDATE events SET seq = 3 WHERE chain = 0 AND seq = 99",
+         STORE_CHAIN_CHANGES, 2, NULL},
+        {"INSERT INTO events SELECT NULL, chain, 5, at, kind, actor, "
+         "subject, template_id, outcome, object, row_mac, uses, "
+         "uses_hash, hash FROM events WHERE chain = 0 AND seq = 4",
+         STORE_CHAIN_CHANGES, 5, "entry 5 is behind the end"},
+        {"DELETE FROM events_end WHERE chain = 0", STORE_CHAIN_CHANGES, 4,
+         "the end of the audit log is missing"},
+        {"UPDATE events_end SET seq = 3 WHERE chain = 0", STORE_CHAIN_CHANGES, 4,
+         "the end of the audit log is not"},
+        {"UPDATE events_end SET hash = zeroblob(32) WHERE chain = 0", STORE_CHAIN_CHANGES,
          4, NULL},
-        {"INSERT INTO events SELECT 13, at, kind, actor, subject, template_id, outcome, "
-         "hash FROM events WHERE seq = 12",
-         13, "entry 13 is behind the end"},
-        {"DELETE FROM events_end", 12, "the end of the audit log is missing"},
-        {"UPDATE events_end SET seq = 11", 12, "the end of the audit log is not"},
-        {"UPDATE events_end SET hash = zeroblob(32)", 12, NULL},
-        {"UPDATE events_end SET mac = zeroblob(32)", 12, NULL},
-        {"DELETE FROM events WHERE seq > 9; UPDATE events_end SET seq = 9, "
-         "hash = (SELECT hash FROM events WHERE seq = 9)",
-         9, "the end of the audit log is not"},
-        {"DELETE FROM checkpoints", 6, "its checkpoint is missing"},
-        {"UPDATE checkpoints SET at = '2020-01-01T00:00:00.000Z'", 6, "not signed"},
-        {"UPDATE checkpoints SET hash = zeroblob(32)", 6, "not signed"},
-        {"UPDATE checkpoints SET signature = zeroblob(64)", 6, "not signed"},
-        {"UPDATE checkpoints SET seq = 7", 6, "its checkpoint is missing"},
-        {"UPDATE checkpoints SET seq = 40", 6, "not signed by this key"},
-        {"DELETE FROM events WHERE seq > 4", 5, "entry 6 was signed and is not there"},
+        {"UPDATE events_end SET mac = zeroblob(32) WHERE chain = 0", STORE_CHAIN_CHANGES,
+         4, NULL},
+        {"DELETE FROM events WHERE chain = 0 AND seq > 3; UPDATE "
+         "events_end SET seq = 3, hash = (SELECT hash FROM events "
+         "WHERE chain = 0 AND seq = 3) WHERE chain = 0 AND chain = 0",
+         STORE_CHAIN_CHANGES, 3, "the end of the audit log is not"},
+        {"UPDATE events SET chain = 1, seq = 12 WHERE chain = 0 AND "
+         "seq = 4",
+         STORE_CHAIN_CHANGES, 4, "entry 12 is behind the end"},
+        {"DELETE FROM checkpoints WHERE seq = 2", STORE_CHAIN_CHANGES, 2,
+         "its checkpoint is missing"},
+        {"UPDATE checkpoints SET at = '2020-01-01T00:00:00.000Z'", STORE_CHAIN_CHANGES, 2,
+         "not signed"},
+        {"UPDATE checkpoints SET hash = zeroblob(32)", STORE_CHAIN_CHANGES, 2,
+         "not signed"},
+        {"UPDATE checkpoints SET signature = zeroblob(64)", STORE_CHAIN_CHANGES, 2,
+         "not signed"},
+        {"UPDATE checkpoints SET seq = 3 WHERE seq = 2", STORE_CHAIN_CHANGES, 2,
+         "its checkpoint is missing"},
+        {"UPDATE checkpoints SET seq = 40 WHERE seq = 2", STORE_CHAIN_CHANGES, 2,
+         "not signed by this key"},
+        {"UPDATE checkpoints SET chain = 1 WHERE seq = 2", STORE_CHAIN_CHANGES, 2,
+         "not signed by this key"},
+        {"DELETE FROM events WHERE chain = 0 AND seq > 1", STORE_CHAIN_CHANGES, 2,
+         "entry 2 was signed and is not there"},
     };
 
     (void)state;
@@ -142,15 +273,15 @@ static void test_tampered(void **state)
         a = verify(s, &f);
         if (f.n > 0)
             fail_msg("before: %s", f.lines[0]);
-        assert_int_equal(a.entries, ENTRIES);
-        assert_int_equal(a.checkpoints, 1);
+        assert_int_equal(a.entries, USES + 4);
+        assert_int_equal(a.checkpoints, 2);
         tempdb_sql(cases[i].sql);
         a = verify(s, &f);
         for (unsigned k = 0; k < f.n && k < 20; k++)
             told = told || strstr(f.lines[k], cases[i].line) != NULL;
-        if (a.first != cases[i].first || !told)
-            fail_msg("%s: entry %llu: %s", cases[i].sql, (unsigned long long)a.first,
-                     f.n > 0 ? f.lines[0] : "nothing");
+        if (a.first != cases[i].first || a.chain != cases[i].chain || !told)
+            fail_msg("%s: %s, entry %llu: %s", cases[i].sql, store_chain_word(a.chain),
+                     (unsigned long long)a.first, f.n > 0 ? f.lines[0] : "nothing");
         if (strstr(cases[i].sql, "zeroblob(31)") == NULL) { /* the table forbids it too */
             assert_int_equal(store_check(s, count_line, &lines, &check, &e), ST_OK);
             assert_int_equal(check.problems, a.problems);
@@ -168,11 +299,11 @@ static void test_after(void **state)
     struct found f;
 
     (void)state;
-    tempdb_sql("DELETE FROM events WHERE seq > 9");
+    tempdb_sql("DELETE FROM events WHERE chain = 1 AND seq > 9");
     event(s, "verify", "alice");
     a = verify(s, &f);
     assert_int_equal(a.first, 10);
-    assert_non_null(strstr(f.lines[0], "entries 10 to 12 are missing"));
+    assert_non_null(strstr(f.lines[0], "entries 10 to 11 are missing"));
     assert_int_equal(f.n, 1);
     tempdb_sql("UPDATE events_end SET mac = zeroblob(32)");
     assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
@@ -187,17 +318,18 @@ static void test_after(void **state)
 static void test_made_anew(void **state)
 {
     unsigned char hash[STORE_CHAIN_HASH] = {0}, public[VAULT_KEY] = {1};
-    struct store_chain_entry entry = {.at = "now",
+    struct store_chain_entry entry = {.chain = STORE_CHAIN_USES,
+                                      .at = "now",
                                       .kind = "verify",
                                       .actor = "",
                                       .template_id = "",
                                       .outcome = "match"};
     struct store_chain_walk w;
-    struct store_chain_mark m = {.seq = 3};
+    struct store_chain_mark m = {.chain = STORE_CHAIN_USES, .seq = 3};
     struct found f = {0};
 
     (void)state;
-    store_chain_walk(&w, public, note, &f);
+    store_chain_walk(&w, STORE_CHAIN_USES, public, note, &f);
     for (entry.seq = 1; entry.seq <= 3; entry.seq++) {
         store_chain_next(hash, &entry, hash);
         store_chain_step(&w, &entry, hash);
@@ -228,17 +360,20 @@ static void test_signed(void **state)
     size_t n;
 
     (void)state;
-    for (int i = 1; i < 2 * STORE_CHAIN_EVERY + 10; i++)
+    for (int i = 0; i < 2 * STORE_CHAIN_EVERY + 10; i++)
         event(s, "verify", "alice");
     assert_int_equal(store_audit_sign(s, "test", "export_audit", &m, &e), ST_OK);
-    assert_int_equal(m.seq, 2 * STORE_CHAIN_EVERY + 11);
+    assert_int_equal(m.chain, STORE_CHAIN_CHANGES);
+    assert_int_equal(m.seq, 2);
     assert_int_equal(store_audit_sign(s, "test", "verify", &m, &e), ST_EINVAL);
     assert_int_equal(store_audit_marks(s, &marks, &n, &e), ST_OK);
     assert_int_equal(n, 3);
-    assert_int_equal(marks[0].seq, STORE_CHAIN_EVERY);
-    assert_int_equal(marks[2].seq, 2 * STORE_CHAIN_EVERY + 11);
+    assert_int_equal(marks[0].seq, 2);
+    assert_int_equal(marks[1].chain, STORE_CHAIN_USES);
+    assert_int_equal(marks[1].seq, STORE_CHAIN_EVERY);
+    assert_int_equal(marks[2].seq, 2 * STORE_CHAIN_EVERY);
     a = verify(s, &f);
-    assert_int_equal(a.entries, 2 * STORE_CHAIN_EVERY + 11);
+    assert_int_equal(a.entries, 2 * STORE_CHAIN_EVERY + 12);
     assert_int_equal(a.checkpoints, 3);
     assert_int_equal(f.n, 0);
 
@@ -247,14 +382,15 @@ static void test_signed(void **state)
     for (size_t i = 0; i < VAULT_KEY; i++)
     public[i] =
         (unsigned char)strtoul((char[]){text[2 * i], text[2 * i + 1], '\0'}, NULL, 16);
-    chain.seq = marks[0].seq;
-    memcpy(chain.at, marks[0].at, sizeof chain.at);
+    chain.chain = marks[1].chain;
+    chain.seq = marks[1].seq;
+    memcpy(chain.at, marks[1].at, sizeof chain.at);
     for (size_t i = 0; i < STORE_CHAIN_HASH; i++)
         chain.hash[i] = (unsigned char)strtoul(
-            (char[]){marks[0].hash[2 * i], marks[0].hash[2 * i + 1], '\0'}, NULL, 16);
+            (char[]){marks[1].hash[2 * i], marks[1].hash[2 * i + 1], '\0'}, NULL, 16);
     for (size_t i = 0; i < VAULT_SIGN; i++)
         chain.signature[i] = (unsigned char)strtoul(
-            (char[]){marks[0].signature[2 * i], marks[0].signature[2 * i + 1], '\0'},
+            (char[]){marks[1].signature[2 * i], marks[1].signature[2 * i + 1], '\0'},
             NULL, 16);
     assert_true(store_chain_signed(public, &chain));
     chain.seq++;
@@ -285,28 +421,34 @@ static void test_list(void **state)
     size_t n;
 
     (void)state;
-    assert_int_equal(store_subject_add(s, "token-1", &alice, &e), ST_OK); /* 2 */
+    const enum store_chain uses = STORE_CHAIN_USES;
+
+    assert_int_equal(store_subject_add(s, "token-1", &alice, &e), ST_OK);
     event(s, "verify", "alice");
     event(s, "verify", "bob"); /* no subject */
-    event(s, "compare", "");   /* 5 */
+    event(s, "compare", "");
     assert_int_equal(list(s, &(struct store_audit_filter){.names = true}, &a), 5);
     assert_string_equal(a[0].kind, "create_key");
     assert_string_equal(a[1].kind, "add_subject");
     assert_string_equal(a[1].actor, "token-1");
     assert_string_equal(a[1].subject, "alice");
+    assert_int_equal(a[1].chain, STORE_CHAIN_CHANGES);
+    assert_int_equal(a[1].seq, 2);
     assert_string_equal(a[2].ref, a[1].ref);
+    assert_int_equal(a[2].chain, uses);
     assert_string_not_equal(a[3].ref, a[2].ref);
     assert_string_equal(a[3].subject, "");
     assert_string_equal(a[4].ref, "");
-    assert_int_equal(a[4].seq, 5);
+    assert_int_equal(a[4].seq, 3);
     free(a);
-    assert_int_equal(list(s, &(struct store_audit_filter){.after = 3}, &a), 2);
-    assert_int_equal(a[0].seq, 4);
+    n = list(s, &(struct store_audit_filter){.chain = &uses, .after = 1}, &a);
+    assert_int_equal(n, 2);
+    assert_int_equal(a[0].seq, 2);
     assert_string_equal(a[0].subject, "");
     free(a);
     n = list(s, &(struct store_audit_filter){.newest = true, .limit = 2}, &a);
     assert_int_equal(n, 2);
-    assert_int_equal(a[0].seq, 4);
+    assert_int_equal(a[0].seq, 2);
     free(a);
     assert_int_equal(list(s, &(struct store_audit_filter){.limit = 2}, &a), 2);
     assert_int_equal(a[1].seq, 2);

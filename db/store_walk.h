@@ -1,0 +1,15 @@
+/* store_walk.h -- the audit log verified: every entry and checkpoint of both chains as it was
+ * written, in its place, none missing. */
+#ifndef DB_STORE_WALK_H
+#define DB_STORE_WALK_H
+#include "store_chain.h"
+
+/* store_audit_verify(s, report, arg, out, e): read-only.  report() is called once a problem,
+ * with the entry that it is about.  About 5 us an entry. */
+enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
+                               struct store_audit *out, struct errinfo *e);
+
+/* store_walk_add(out, w): what a walk that came to its end has found, but for its entries. */
+void store_walk_add(struct store_audit *out, const struct store_chain_walk *w);
+
+#endif
