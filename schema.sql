@@ -70,7 +70,9 @@ CREATE TABLE attempts (
 -- which the oldest may be cut off.  Rows are only added.  No biometrics, no tokens, no ids of
 -- subjects but a keyed hash of them.  Each entry's hash is of its columns and of the hash
 -- before it in its chain.  An entry of changes names the row that it leaves, by the object
--- and the row's MAC, empty where the row is gone, and the end of the uses at that time.
+-- and the row's MAC, empty where the row is gone, and the end of the uses at that time.  A
+-- row of subjects, templates, tokens or calibrations is good where it is the one that the
+-- latest entry of its object leaves.
 CREATE TABLE events (
     event_key   INTEGER PRIMARY KEY, -- the order of their coming
     chain       INTEGER NOT NULL CHECK (chain IN (0, 1)),
@@ -111,9 +113,6 @@ CREATE TABLE checkpoints (
     PRIMARY KEY (chain, seq)
 ) STRICT;
 
--- Rows on which decisions depend have a MAC (db/FORMAT.md): they cannot be changed without
--- the key.
-
 -- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
 -- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
 -- the secret that it had before it was rotated, while that is still accepted.
@@ -128,8 +127,7 @@ CREATE TABLE tokens (
     expires   TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
     used      TEXT CHECK (used IS NULL OR used GLOB '????-??-??T??:??:??.???Z'),
     old_hash  BLOB CHECK (old_hash IS NULL OR length(old_hash) = 32),
-    old_until TEXT CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z'),
-    mac       BLOB NOT NULL CHECK (length(mac) = 32)
+    old_until TEXT CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z')
 ) STRICT;
 
 CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
@@ -151,23 +149,5 @@ CREATE TABLE calibrations (
     genuine      INTEGER NOT NULL CHECK (genuine >= 0),
     halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
     knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
-                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
-    mac          BLOB NOT NULL CHECK (length(mac) = 32)
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
 ) STRICT;
-
--- The number of the newest calibration, so that the one in force cannot be deleted.
-CREATE TABLE calibrations_end (
-    calibrations_key INTEGER PRIMARY KEY CHECK (calibrations_key = 1),
-    version          INTEGER NOT NULL CHECK (version >= 0), -- 0: there never was one
-    mac              BLOB NOT NULL CHECK (length(mac) = 32)
-) STRICT;
-
--- Erased subjects, which no older backup or archive may bring back: by uid, since they may
--- have had another id then.  The lookup is of their last id.
-CREATE TABLE erased (
-    uid    BLOB PRIMARY KEY CHECK (length(uid) = 16),
-    lookup BLOB NOT NULL CHECK (length(lookup) = 32),
-    at     TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z')
-) STRICT, WITHOUT ROWID;
-
-CREATE INDEX erased_lookup ON erased (lookup);

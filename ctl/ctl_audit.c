@@ -520,9 +520,9 @@ static enum status erased(struct ctl *c)
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
         json_text(c->out, "erased_at", list[i].at);
-        json_text(c->out, "lookup", list[i].lookup);
+        json_text(c->out, "subject_ref", or_null(list[i].ref));
         json_close(c->out);
-        ctl_say(c, "%s  %s\n", list[i].at, list[i].lookup);
+        ctl_say(c, "%s  #%s\n", list[i].at, list[i].ref);
     }
     json_close(c->out);
     if (n == 0)

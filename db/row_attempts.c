@@ -96,14 +96,13 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     struct store_attempts *a = out;
     struct row_crypt_key k = {0};
     struct store_subject who;
-    const bool ok = row_subject_who(x, r, 2, &who, &k);
+    enum status st = row_subject_who(x, r, 2, &who, &k, e);
     int64_t at;
-    enum status st;
 
     memset(a, 0, sizeof *a);
     sodium_memzero(&k, sizeof k);
-    if (!ok)
-        return errinfo_set(e, ST_ECORRUPT, "attempts: a subject's row is damaged");
+    if (st != ST_OK)
+        return st;
     memcpy(a->subject, who.id, sizeof a->subject);
     if ((st = read_counts(r, a, &at, e)) == ST_OK)
         utc_print(at, a->at);

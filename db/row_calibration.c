@@ -1,16 +1,19 @@
 #include "row_calibration.h"
 
+#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "bytes.h"
 #include "errinfo.h"
+#include "row_event.h"
 #include "store_column.h"
 #include "store_mac.h"
 #include "store_txn.h"
 
 #define COLUMNS                                                                          \
     "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
-    "high_mm, subjects, impostors, genuine, halving_mm, knots, mac"
+    "high_mm, subjects, impostors, genuine, halving_mm, knots"
 
 enum { /* the columns of COLUMNS */
        COL_KEY,
@@ -27,14 +30,16 @@ enum { /* the columns of COLUMNS */
        COL_GENUINE,
        COL_HALVING,
        COL_KNOTS,
-       COL_MAC, /* of all before it */
        COLS
 };
 
 #define KNOT_BYTES 16
 #define MAX_MM     1e3
 
-static const char label[16] = "surface measure", label_end[16] = "surface newest";
+static const char label[16] = "surface measure";
+
+/* They are one object, whose latest row is in force; the others are rows that it had. */
+static const unsigned char object[STORE_CHAIN_OBJECT] = "calibrations";
 
 /* ---- rows */
 
@@ -63,11 +68,27 @@ static bool read_count(const struct sql_rows *r, int col, uint64_t *out)
     return ok;
 }
 
+static void left_of(const struct store_txn *t, const struct sql_rows *r,
+                    struct row_event_row *left)
+{
+    memcpy(left->object, object, sizeof object);
+    left->gone = false;
+    store_mac_row(t->vault, label, r, 0, COLS, left->mac);
+}
+
+static bool was_written(struct store_txn *t, const struct sql_rows *r)
+{
+    struct row_event_row row;
+    bool written = false;
+
+    left_of(t, r, &row);
+    return row_event_was(t, &row, &written, NULL) == ST_OK && written;
+}
+
 /* A forged threshold would open the door: all of it is looked at. */
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
-    const struct store_txn *t = x;
     struct store_calibration *k = out;
     struct decision *d = &k->decision;
     const char *bad = NULL;
@@ -93,7 +114,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
              !store_column_real(r, COL_HALVING, 0, MAX_MM, &d->halving_mm) ||
              !read_knots(r, d) || !decision_valid(d))
         bad = "table";
-    else if (!store_mac_right(t->vault, label, r, COL_MAC))
+    else if (!was_written(x, r))
         bad = "MAC";
     if (bad != NULL)
         return errinfo_set(e, ST_ECORRUPT, "calibration %lld: its row is damaged (%s)",
@@ -101,67 +122,89 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     return ST_OK;
 }
 
-/* ---- the end: the newest one is the newest */
+/* ---- the newest */
 
-static enum status set_end(struct store_txn *t, int64_t version, struct errinfo *e)
+static enum status read_newest(struct store_txn *t, const struct sql_rows *r,
+                               struct store_calibration *k, struct errinfo *e)
 {
-    const struct sql_value v = sql_int(version);
-    unsigned char mac[VAULT_HASH];
+    struct row_event_row now;
+    enum status st = list_row(t, r, k, e);
 
-    store_mac(t->vault, label_end, &v, 1, mac);
-    return SQL_RUN(t->sql, e,
-                   "INSERT INTO calibrations_end (calibrations_key, version, mac) "
-                   "VALUES (1, $1, $2) ON CONFLICT (calibrations_key) DO UPDATE "
-                   "SET version = excluded.version, mac = excluded.mac",
-                   v, sql_blob(mac, sizeof mac));
+    if (st != ST_OK)
+        return st;
+    left_of(t, r, &now);
+    if ((st = row_event_is(t, &now, e)) == ST_ECORRUPT)
+        (void)errinfo_set(e, st, "calibration %lld is not the one that was made last",
+                          (long long)k->version);
+    return st;
 }
 
-enum status row_calibration_begin(struct store_txn *t, struct errinfo *e)
+enum status row_calibration_get(struct store_txn *t, struct store_calibration *k,
+                                struct errinfo *e)
 {
-    return set_end(t, 0, e);
+    struct row_event_row latest;
+    struct sql_rows *r;
+    bool found;
+    enum status st = sql_query(t->sql,
+                               "SELECT " COLUMNS " FROM calibrations "
+                               "ORDER BY calibration_key DESC LIMIT 1",
+                               NULL, 0, &r, e);
+
+    if ((found = st == ST_OK && sql_next(r)))
+        st = read_newest(t, r, k, e);
+    if ((st = sql_done(r, st, e)) != ST_OK || found ||
+        (st = row_event_latest(t, object, &latest, e)) != ST_OK)
+        return st;
+    return latest.gone ? errinfo_set(e, ST_ENOTFOUND, "there is no calibration")
+                       : errinfo_set(e, ST_ECORRUPT,
+                                     "the calibration that was made last is missing");
 }
 
 enum status row_calibration_version(struct store_txn *t, int64_t *version,
                                     struct errinfo *e)
 {
-    struct sql_rows *r;
-    bool sound;
-    enum status st =
-        sql_query(t->sql, "SELECT version, mac FROM calibrations_end", NULL, 0, &r, e);
+    struct store_calibration k;
+    struct errinfo why;
+    const enum status st = row_calibration_get(t, &k, &why);
 
-    *version = 0;
-    sound = st == ST_OK && sql_next(r) && store_column_int(r, 0, 0, version) &&
-            store_mac_right(t->vault, label_end, r, 1);
-    if ((st = sql_done(r, st, e)) == ST_OK && !sound) {
-        *version = 0;
-        st = errinfo_set(e, ST_ECORRUPT,
-                         "calibrations: the record of the newest is damaged");
-    }
-    return st;
+    *version = st == ST_OK ? k.version : 0;
+    return st == ST_OK || st == ST_ENOTFOUND ? ST_OK : errinfo_set(e, st, "%s", why.msg);
 }
 
-static enum status not_newest(int64_t newest, struct errinfo *e)
+enum status row_calibration_tell(struct store_txn *t, const struct store_act *by,
+                                 int64_t version, struct errinfo *e)
 {
-    return errinfo_set(e, ST_ECORRUPT, "calibration %lld, the newest, is not there",
-                       (long long)newest);
+    struct row_event_row left = {.gone = true};
+    char outcome[32];
+    struct sql_rows *r;
+    enum status st = SQL_QUERY(
+        t->sql, &r, e, "SELECT " COLUMNS " FROM calibrations WHERE calibration_key = $1",
+        sql_int(version));
+
+    if (st == ST_OK && sql_next(r))
+        left_of(t, r, &left);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    (void)snprintf(outcome, sizeof outcome, "version %" PRId64, version);
+    return row_event_leave(t, by, "calibrate", "", "", outcome, &left, e);
 }
 
 /* ---- what the others do with them */
 
-/* The number of the next one: greater than any that was given, also where the record of the
- * newest is damaged, which a new one makes good. */
+/* The number of the next one: greater than any that was given, also where rows are missing. */
 static enum status next_version(struct store_txn *t, int64_t *version, struct errinfo *e)
 {
-    struct errinfo why;
     struct sql_rows *r;
-    enum status st = row_calibration_version(t, version, &why);
+    enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT (SELECT coalesce(max(calibration_key), 0) FROM calibrations), "
+                  "(SELECT count(*) FROM events WHERE chain = 0 AND object = $1)",
+                  sql_blob(object, sizeof object));
 
-    if (st != ST_OK && st != ST_ECORRUPT)
-        return errinfo_set(e, st, "%s", why.msg);
-    st = sql_query(t->sql, "SELECT coalesce(max(calibration_key), 0) FROM calibrations",
-                   NULL, 0, &r, e);
-    if (st == ST_OK && sql_next(r) && sql_column(r, 0).i > *version)
-        *version = sql_column(r, 0).i;
+    *version = 0;
+    if (st == ST_OK && sql_next(r))
+        *version = sql_column(r, 0).i > sql_column(r, 1).i ? sql_column(r, 0).i
+                                                           : sql_column(r, 1).i;
     if ((st = sql_done(r, st, e)) == ST_OK && *version == INT64_MAX)
         return errinfo_set(e, ST_ECORRUPT, "calibrations: their numbers are used up");
     *version += st == ST_OK;
@@ -172,7 +215,7 @@ enum status row_calibration_add(struct store_txn *t, struct store_calibration *k
                                 struct errinfo *e)
 {
     const struct decision *d = &k->decision;
-    unsigned char knots[DECISION_KNOTS * KNOT_BYTES], *to = knots, mac[VAULT_HASH];
+    unsigned char knots[DECISION_KNOTS * KNOT_BYTES], *to = knots;
     enum status st = next_version(t, &k->version, e);
 
     if (st != ST_OK)
@@ -182,52 +225,26 @@ enum status row_calibration_add(struct store_txn *t, struct store_calibration *k
         bytes_put_real(&to, d->knot[i].rate);
     }
     {
-        struct sql_value v[COLS] = {sql_int(k->version),
-                                    sql_text(k->created),
-                                    sql_text(k->actor),
-                                    sql_text(k->engine),
-                                    sql_int(k->shipped),
-                                    sql_real(k->fmr),
-                                    sql_real(d->threshold_mm),
-                                    sql_real(k->low_mm),
-                                    sql_real(k->high_mm),
-                                    sql_int((int64_t)k->subjects),
-                                    sql_int((int64_t)k->impostors),
-                                    sql_int((int64_t)k->genuine),
-                                    sql_real(d->halving_mm),
-                                    sql_blob(knots, (size_t)d->n * KNOT_BYTES)};
+        const struct sql_value v[COLS] = {sql_int(k->version),
+                                          sql_text(k->created),
+                                          sql_text(k->actor),
+                                          sql_text(k->engine),
+                                          sql_int(k->shipped),
+                                          sql_real(k->fmr),
+                                          sql_real(d->threshold_mm),
+                                          sql_real(k->low_mm),
+                                          sql_real(k->high_mm),
+                                          sql_int((int64_t)k->subjects),
+                                          sql_int((int64_t)k->impostors),
+                                          sql_int((int64_t)k->genuine),
+                                          sql_real(d->halving_mm),
+                                          sql_blob(knots, (size_t)d->n * KNOT_BYTES)};
 
-        store_mac(t->vault, label, v, COL_MAC, mac);
-        v[COL_MAC] = sql_blob(mac, sizeof mac);
-        st = sql_run(t->sql,
-                     "INSERT INTO calibrations (" COLUMNS ") VALUES ($1, $2, $3, $4, $5, "
-                     "$6, $7, $8, $9, $10, $11, $12, $13, $14, $15)",
-                     v, COLS, e);
+        return sql_run(t->sql,
+                       "INSERT INTO calibrations (" COLUMNS ") VALUES ($1, $2, $3, $4, "
+                       "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14)",
+                       v, COLS, e);
     }
-    return st == ST_OK ? set_end(t, k->version, e) : st;
-}
-
-enum status row_calibration_get(struct store_txn *t, struct store_calibration *k,
-                                struct errinfo *e)
-{
-    struct sql_rows *r;
-    int64_t newest;
-    bool found;
-    enum status st = row_calibration_version(t, &newest, e);
-
-    if (st != ST_OK)
-        return st;
-    st = sql_query(t->sql,
-                   "SELECT " COLUMNS
-                   " FROM calibrations ORDER BY calibration_key DESC LIMIT 1",
-                   NULL, 0, &r, e);
-    if ((found = st == ST_OK && sql_next(r)))
-        st = list_row(t, r, k, e);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    if (!found && newest == 0)
-        return errinfo_set(e, ST_ENOTFOUND, "there is no calibration");
-    return found && k->version == newest ? ST_OK : not_newest(newest, e);
 }
 
 enum status row_calibration_list(struct store_txn *t, struct store_calibration **out,
@@ -244,28 +261,21 @@ enum status row_calibration_list(struct store_txn *t, struct store_calibration *
     return st;
 }
 
-enum status row_calibration_check(struct store_txn *t,
-                                  void (*report)(void *arg, const char *line), void *arg,
-                                  struct errinfo *e)
+enum status row_calibration_each(struct store_txn *t, row_event_see *see, void *arg,
+                                 struct errinfo *e)
 {
-    struct store_calibration k = {0};
-    struct errinfo why;
+    struct row_event_row now = {.gone = false};
     struct sql_rows *r;
-    int64_t newest;
+    char name[48];
     enum status st =
         sql_query(t->sql, "SELECT " COLUMNS " FROM calibrations ORDER BY calibration_key",
                   NULL, 0, &r, e);
 
-    while (st == ST_OK && sql_next(r))
-        if (list_row(t, r, &k, &why) != ST_OK)
-            report(arg, why.msg);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    if ((st = row_calibration_version(t, &newest, &why)) == ST_OK && k.version != newest)
-        st = not_newest(newest, &why);
-    if (st != ST_OK && st != ST_ECORRUPT)
-        return errinfo_set(e, st, "%s", why.msg);
-    if (st != ST_OK)
-        report(arg, why.msg);
-    return ST_OK;
+    while (st == ST_OK && sql_next(r)) {
+        left_of(t, r, &now);
+        (void)snprintf(name, sizeof name, "calibration %lld",
+                       (long long)sql_column(r, COL_KEY).i);
+        st = see(arg, &now, name, e);
+    }
+    return sql_done(r, st, e);
 }

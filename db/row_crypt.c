@@ -8,6 +8,8 @@
 
 #define DIGEST 32
 
+enum { ABOUT = 'a', MODEL = 'm' }; /* the parts of a template that are encrypted */
+
 /* ---- finding */
 
 void row_crypt_lookup(const struct vault *v, const char *subject,
@@ -122,6 +124,8 @@ static size_t about_template(const struct row_crypt_key *k,
     bytes_put_text(&to, t->engine);
     bytes_put_number(&to, t->points, 4);
     bytes_put_number(&to, t->triangles, 4);
+    if (part == MODEL)
+        bytes_put_text(&to, t->digest);
     return (size_t)(to - out);
 }
 
@@ -130,7 +134,7 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
                                   unsigned char out[ROW_CRYPT_ABOUT])
 {
     unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT], digest[DIGEST];
-    const size_t n = about_template(k, t, 'a', about);
+    const size_t n = about_template(k, t, ABOUT, about);
     unsigned char *to = plain;
     size_t len;
 
@@ -151,7 +155,7 @@ bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, s
                                 struct store_template *t)
 {
     unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT], digest[DIGEST];
-    const size_t nabout = about_template(k, t, 'a', about);
+    const size_t nabout = about_template(k, t, ABOUT, about);
     struct bytes b = {plain, plain};
     bool ok;
 
@@ -175,7 +179,7 @@ void row_crypt_encrypt_model(const struct row_crypt_key *k,
                              unsigned char *out)
 {
     unsigned char about[ROW_CRYPT_ABOUT];
-    const size_t nabout = about_template(k, t, 'm', about);
+    const size_t nabout = about_template(k, t, MODEL, about);
 
     vault_encrypt(k->key, about, nabout, in, n, out);
 }
@@ -185,7 +189,7 @@ bool row_crypt_decrypt_model(const struct row_crypt_key *k,
                              unsigned char *out)
 {
     unsigned char about[ROW_CRYPT_ABOUT];
-    const size_t nabout = about_template(k, t, 'm', about);
+    const size_t nabout = about_template(k, t, MODEL, about);
 
     return vault_decrypt(k->key, about, nabout, in, n, out);
 }

@@ -53,7 +53,7 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
 bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, size_t n,
                                 struct store_template *t);
 
-/* The template's model, n bytes, authenticated with the same: n + VAULT_OVER bytes to out; and
+/* The template's model, n bytes, authenticated with the same and the digest: n + VAULT_OVER bytes to out; and
  * back, n - VAULT_OVER. */
 void row_crypt_encrypt_model(const struct row_crypt_key *k,
                              const struct store_template *t, const void *in, size_t n,

@@ -87,6 +87,8 @@ enum status row_event_begin(struct store_txn *t, struct errinfo *e)
 
 /* ---- adding */
 
+static const unsigned char none[1];
+
 static enum status add_mark(struct store_txn *t, const struct store_chain_entry *entry,
                             const unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
@@ -129,9 +131,9 @@ static enum status append(struct store_txn *t, struct store_chain_entry *entry,
     if (st != ST_OK)
         return st;
     entry->seq++;
-    entry->subject = ref;
     if (subject[0] != '\0') {
         row_crypt_ref(t->vault, subject, ref);
+        entry->subject = ref;
         entry->nsubject = sizeof ref;
     }
     store_chain_next(hash, entry, hash);
@@ -142,8 +144,6 @@ static enum status append(struct store_txn *t, struct store_chain_entry *entry,
         st = add_mark(t, entry, hash, e);
     return st;
 }
-
-static const unsigned char none[1];
 
 enum status row_event_leave(struct store_txn *t, const struct store_act *by,
                             const char *kind, const char *subject,
@@ -156,6 +156,8 @@ enum status row_event_leave(struct store_txn *t, const struct store_act *by,
         .at = by->at,
         .kind = kind,
         .actor = by->actor,
+        .subject = left != NULL && left->ref != NULL ? left->ref : none,
+        .nsubject = left != NULL && left->ref != NULL ? ROW_CRYPT_REF : 0,
         .template_id = template_id,
         .outcome = outcome,
         .object = left != NULL ? left->object : none,
@@ -185,6 +187,7 @@ enum status row_event_use(struct store_txn *t, const struct store_act *by,
                                       .at = by->at,
                                       .kind = kind,
                                       .actor = by->actor,
+                                      .subject = none,
                                       .template_id = template_id,
                                       .outcome = outcome,
                                       .object = none,
@@ -210,5 +213,76 @@ enum status row_event_latest(struct store_txn *t,
     memcpy(row->object, object, sizeof row->object);
     row->gone = st != ST_OK || !sql_next(r) ||
                 !store_column_bytes(r, 0, row->mac, sizeof row->mac);
+    return sql_done(r, st, e);
+}
+
+/* Entries of a subject's templates have its id too. */
+enum status row_event_named(struct store_txn *t, const char *subject,
+                            struct row_event_row *row, struct errinfo *e)
+{
+    unsigned char ref[ROW_CRYPT_REF];
+    struct sql_rows *r;
+    enum status st;
+
+    memset(row, 0, sizeof *row);
+    row->gone = true;
+    row_crypt_ref(t->vault, subject, ref);
+    st = SQL_QUERY(t->sql, &r, e,
+                   "SELECT object, row_mac FROM events WHERE chain = 0 AND subject = $1 "
+                   "AND template_id = '' AND length(object) = 16 "
+                   "ORDER BY seq DESC LIMIT 1",
+                   sql_blob(ref, sizeof ref));
+    if (st == ST_OK && sql_next(r) &&
+        store_column_bytes(r, 0, row->object, sizeof row->object))
+        row->gone = !store_column_bytes(r, 1, row->mac, sizeof row->mac);
+    return sql_done(r, st, e);
+}
+
+enum status row_event_was(struct store_txn *t, const struct row_event_row *row, bool *was,
+                          struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT 1 FROM events WHERE chain = 0 AND object = $1 AND row_mac = $2",
+        sql_blob(row->object, sizeof row->object), sql_blob(row->mac, sizeof row->mac));
+
+    *was = st == ST_OK && sql_next(r);
+    return sql_done(r, st, e);
+}
+
+enum status row_event_is(struct store_txn *t, const struct row_event_row *now,
+                         struct errinfo *e)
+{
+    struct row_event_row latest;
+    const enum status st = row_event_latest(t, now->object, &latest, e);
+
+    if (st != ST_OK)
+        return st;
+    return !latest.gone && sodium_memcmp(latest.mac, now->mac, sizeof now->mac) == 0
+               ? ST_OK
+               : ST_ECORRUPT;
+}
+
+enum status row_event_erased(struct store_txn *t, const unsigned char uid[STORE_UID],
+                             const char *subject, bool *erased, struct errinfo *e)
+{
+    unsigned char ref[ROW_CRYPT_REF];
+    struct sql_rows *r;
+    enum status st;
+
+    if (uid != NULL) {
+        st = SQL_QUERY(t->sql, &r, e,
+                       "SELECT 1 FROM events WHERE chain = 0 AND object = $1 "
+                       "AND kind = 'delete_subject'",
+                       sql_blob(uid, STORE_UID));
+    } else {
+        row_crypt_ref(t->vault, subject, ref);
+        st = SQL_QUERY(t->sql, &r, e,
+                       "SELECT 1 FROM events WHERE chain = 0 AND subject = $1 "
+                       "AND kind = 'delete_subject'",
+                       sql_blob(ref, sizeof ref));
+    }
+    *erased = st == ST_OK && sql_next(r);
     return sql_done(r, st, e);
 }

@@ -8,11 +8,16 @@ struct errinfo;
 struct store_act; /* store_rules.h */
 struct store_txn; /* store_txn.h */
 
-struct row_event_row { /* of a table whose rows an act changes */
+struct row_event_row { /* of a table whose rows the changes leave */
     unsigned char object[STORE_CHAIN_OBJECT];
-    unsigned char mac[VAULT_HASH]; /* row_state.h */
+    unsigned char mac[VAULT_HASH]; /* store_mac() of it */
     bool gone;                     /* there is none */
+    const unsigned char *ref; /* of the subject, where its id is not known; or NULL */
 };
+
+/* Receives a row; name: of it, for messages. */
+typedef enum status row_event_see(void *arg, const struct row_event_row *now,
+                                  const char *name, struct errinfo *e);
 
 /* row_event_begin(t, e): of a new database, which has none.
  * row_event_end(t, chain, seq, hash, e): number and hash of the chain's last event, 0 and zeros
@@ -44,9 +49,25 @@ enum status row_event_use(struct store_txn *t, const struct store_act *by,
                           const char *outcome, struct errinfo *e);
 
 /* row_event_latest(t, object, row, e): what the latest entry of an object leaves of its row;
- * gone where there is no entry. */
+ * gone also where there is no entry.
+ * row_event_named(t, subject, row, e): the same of the subject that has this id; row->object is
+ * 0 where none ever had.
+ * row_event_was(t, row, was, e): did any entry of its object leave this row?
+ * row_event_is(t, now, e): is this row what the latest entry of its object leaves of it?  Else
+ * ST_ECORRUPT, without a text. */
 enum status row_event_latest(struct store_txn *t,
                              const unsigned char object[STORE_CHAIN_OBJECT],
                              struct row_event_row *row, struct errinfo *e);
+enum status row_event_named(struct store_txn *t, const char *subject,
+                            struct row_event_row *row, struct errinfo *e);
+enum status row_event_was(struct store_txn *t, const struct row_event_row *row, bool *was,
+                          struct errinfo *e);
+enum status row_event_is(struct store_txn *t, const struct row_event_row *now,
+                         struct errinfo *e);
+
+/* row_event_erased(t, uid, subject, erased, e): was the subject of this uid, or one that had this
+ * id last, erased?  uid or subject is NULL. */
+enum status row_event_erased(struct store_txn *t, const unsigned char uid[STORE_UID],
+                             const char *subject, bool *erased, struct errinfo *e);
 
 #endif

@@ -1,23 +1,28 @@
 #include "row_subject.h"
 
 #include <sodium.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "errinfo.h"
 #include "store_column.h"
+#include "store_mac.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
 enum { /* the columns of ROW_SUBJECT_WHO, from the first of them on */
        COL_UID,
-       COL_KEY,
+       COL_LOOKUP,
        COL_ABOUT,
        COL_CREATED,
        COL_EXPIRES,
-       COL_SEEN,
        COL_HOLD,
-       COL_DISABLED
+       COL_DISABLED,
+       COL_KEY, /* the MAC is of all before it */
+       COL_SEEN
 };
+
+static const char label[16] = "surface subject";
 
 static bool read_key(const struct store_txn *t, const struct sql_rows *r, int col,
                      struct row_crypt_key *k)
@@ -29,7 +34,7 @@ static bool read_key(const struct store_txn *t, const struct sql_rows *r, int co
            row_crypt_key(t->vault, uid, wrapped, k);
 }
 
-bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int col,
+static bool read_who(const struct store_txn *t, const struct sql_rows *r, int col,
                      struct store_subject *s, struct row_crypt_key *k)
 {
     uint32_t hold = 0, disabled = 0;
@@ -51,10 +56,27 @@ bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int co
     return row_crypt_decrypt_subject(k, about, n, s);
 }
 
-static enum status damaged(int64_t row, struct errinfo *e)
+static void left_of(const struct store_txn *t, const struct sql_rows *r, int col,
+                    struct row_event_row *left)
 {
-    return errinfo_set(e, ST_ECORRUPT, "a subject's row is damaged (row %lld)",
-                       (long long)row);
+    memset(left, 0, sizeof *left);
+    left->gone = !store_column_bytes(r, col + COL_UID, left->object, sizeof left->object);
+    store_mac_row(t->vault, label, r, col, COL_KEY, left->mac);
+}
+
+enum status row_subject_who(struct store_txn *t, const struct sql_rows *r, int col,
+                            struct store_subject *s, struct row_crypt_key *k,
+                            struct errinfo *e)
+{
+    struct row_event_row now;
+    enum status st;
+
+    if (!read_who(t, r, col, s, k))
+        return errinfo_set(e, ST_ECORRUPT, "a subject's row is damaged");
+    left_of(t, r, col, &now);
+    if ((st = row_event_is(t, &now, e)) == ST_ECORRUPT)
+        (void)errinfo_set(e, st, "a subject's row is not the one that was written last");
+    return st;
 }
 
 enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
@@ -62,17 +84,57 @@ enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
 {
     struct store_subject *s = out;
     struct row_crypt_key k = {0};
-    uint32_t templates;
     const int64_t row = sql_column(r, 0).i;
-    const bool ok = row_subject_who(t, r, 2, s, &k) &&
-                    store_column_count(r, 1, UINT32_MAX, &templates);
+    struct errinfo why;
+    uint32_t templates = 0;
+    enum status st = row_subject_who(t, r, 2, s, &k, &why);
 
     sodium_memzero(&k, sizeof k);
-    if (!ok)
-        return damaged(row, e);
+    if (st == ST_OK && !store_column_count(r, 1, UINT32_MAX, &templates))
+        st = errinfo_set(&why, ST_ECORRUPT, "a subject's row is damaged");
+    if (st != ST_OK)
+        return errinfo_set(e, st, "%s (row %lld)", why.msg, (long long)row);
     s->key = row;
     s->templates = templates;
     return ST_OK;
+}
+
+enum status row_subject_tell(struct store_txn *t, const struct store_act *by,
+                             const char *kind, const char *subject,
+                             const struct row_subject *p, const char *outcome,
+                             struct errinfo *e)
+{
+    struct row_event_row left = {.gone = true};
+    struct sql_rows *r;
+    enum status st = SQL_QUERY(t->sql, &r, e,
+                               "SELECT " ROW_SUBJECT_WHO " FROM subjects s "
+                               "WHERE s.subject_key = $1",
+                               sql_int(p->row));
+
+    if (st == ST_OK && sql_next(r))
+        left_of(t, r, 0, &left);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    return row_event_leave(t, by, kind, subject, "", outcome, &left, e);
+}
+
+enum status row_subject_each(struct store_txn *t, row_event_see *see, void *arg,
+                             struct errinfo *e)
+{
+    struct row_event_row now;
+    struct sql_rows *r;
+    char name[48];
+    enum status st =
+        sql_query(t->sql, "SELECT s.subject_key, " ROW_SUBJECT_WHO " FROM subjects s",
+                  NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        left_of(t, r, 1, &now);
+        (void)snprintf(name, sizeof name, "a subject (row %lld)",
+                       (long long)sql_column(r, 0).i);
+        st = see(arg, &now, name, e);
+    }
+    return sql_done(r, st, e);
 }
 
 struct sql_value row_subject_lookup(const struct store_txn *t, const char *subject,
@@ -89,9 +151,19 @@ static enum status not_theirs(const char *subject, struct errinfo *e)
                        subject);
 }
 
-static enum status not_found(const char *subject, struct errinfo *e)
+/* Nobody erased one who is not found but should be there. */
+static enum status not_found(struct store_txn *t, const char *subject, struct errinfo *e)
 {
-    return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject);
+    struct row_event_row row;
+    const enum status st = row_event_named(t, subject, &row, e);
+
+    if (st != ST_OK)
+        return st;
+    return row.gone
+               ? errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject)
+               : errinfo_set(e, ST_ECORRUPT,
+                             "subject %s: its row is missing, although nobody erased it",
+                             subject);
 }
 
 enum status row_subject_find(struct store_txn *t, const char *subject,
@@ -99,6 +171,7 @@ enum status row_subject_find(struct store_txn *t, const char *subject,
 {
     unsigned char lookup[VAULT_HASH];
     struct store_subject who;
+    struct errinfo why;
     struct sql_rows *r;
     bool found;
     enum status st = SQL_QUERY(t->sql, &r, e,
@@ -108,15 +181,15 @@ enum status row_subject_find(struct store_txn *t, const char *subject,
 
     if ((found = st == ST_OK && sql_next(r))) {
         p->row = sql_column(r, 0).i;
-        if (!row_subject_who(t, r, 1, &who, &p->key)) {
-            st = errinfo_set(e, ST_ECORRUPT, "subject %s: its row is damaged", subject);
+        if ((st = row_subject_who(t, r, 1, &who, &p->key, &why)) != ST_OK) {
+            st = errinfo_set(e, st, "subject %s: %s", subject, why.msg);
         } else if (strcmp(who.id, subject) != 0) {
             p->row = 0;
             st = not_theirs(subject, e);
         }
     }
     st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : not_found(subject, e);
+    return st != ST_OK || found ? st : not_found(t, subject, e);
 }
 
 enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_UID],
@@ -133,10 +206,8 @@ enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_
     memset(who, 0, sizeof *who);
     if ((found = st == ST_OK && sql_next(r))) {
         p->row = sql_column(r, 0).i;
-        if (!row_subject_who(t, r, 1, who, &p->key)) {
+        if ((st = row_subject_who(t, r, 1, who, &p->key, e)) != ST_OK)
             memset(who, 0, sizeof *who);
-            st = damaged(p->row, e);
-        }
     }
     st = sql_done(r, st, e);
     return st != ST_OK || found
@@ -159,7 +230,7 @@ enum status row_subject_read(struct store_txn *t, const char *subject,
         (st = row_subject_row(t, r, out, e)) == ST_OK && strcmp(out->id, subject) != 0)
         st = not_theirs(subject, e);
     st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : not_found(subject, e);
+    return st != ST_OK || found ? st : not_found(t, subject, e);
 }
 
 enum status row_subject_add(struct store_txn *t, const struct store_subject *about,

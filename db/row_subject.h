@@ -3,26 +3,32 @@
 #define DB_ROW_SUBJECT_H
 #include "sql.h"
 #include "row_crypt.h"
+#include "row_event.h"
 #include "store_types.h"
 
+struct store_act; /* store_rules.h */
 struct store_txn; /* store_txn.h */
 
-/* The columns that row_subject_who() reads, of the table s. */
+/* The columns that row_subject_who() reads, of the table s.  Those before the key are what the
+ * audit log leaves of the row (row_event.h); the key is authenticated by itself, and when the
+ * subject was seen is not. */
 #define ROW_SUBJECT_WHO                                                                  \
-    "s.uid, s.key, s.about, s.created, s.expires, s.seen, s.hold, s.disabled"
-#define ROW_SUBJECT_WHO_N 8
+    "s.uid, s.lookup, s.about, s.created, s.expires, s.hold, s.disabled, s.key, s.seen"
+#define ROW_SUBJECT_WHO_N 9
 
 /* All that row_subject_read() and lists take. */
 #define ROW_SUBJECT_COLUMNS                                                              \
     "s.subject_key, (SELECT count(*) FROM templates t "                                  \
     "WHERE t.subject_key = s.subject_key), " ROW_SUBJECT_WHO
 
-/* row_subject_who(t, r, col, s, k): a subject and its key from the columns of ROW_SUBJECT_WHO,
- * which begin at col; s->key and s->templates are 0.  false: damaged.  *k is to be wiped.
+/* row_subject_who(t, r, col, s, k, e): a subject and its key from the columns of
+ * ROW_SUBJECT_WHO, which begin at col; s->key and s->templates are 0.  ST_ECORRUPT: damaged, or
+ * not the row that was written last.  *k is to be wiped.
  * row_subject_row(t, r, s, e): from a row of ROW_SUBJECT_COLUMNS; t is a void * for
  * store_column_list(). */
-bool row_subject_who(const struct store_txn *t, const struct sql_rows *r, int col,
-                     struct store_subject *s, struct row_crypt_key *k);
+enum status row_subject_who(struct store_txn *t, const struct sql_rows *r, int col,
+                            struct store_subject *s, struct row_crypt_key *k,
+                            struct errinfo *e);
 enum status row_subject_row(void *t, const struct sql_rows *r, void *s,
                             struct errinfo *e);
 
@@ -36,7 +42,8 @@ struct row_subject { /* a subject in a transaction; to be wiped */
 };
 
 /* row_subject_find(t, subject, p, e): ST_ENOTFOUND; ST_ECORRUPT: damaged; then *p has the row
- * all the same, unless it is another subject's.
+ * all the same, 0 where it is another subject's, or where it is missing although nobody erased
+ * it.
  * row_subject_same(t, uid, p, who, e): the one with this uid, under whatever id.  ST_ENOTFOUND;
  * ST_ECORRUPT as above, and *who is empty then.
  * row_subject_read(t, subject, out, e): all but whether it has expired. */
@@ -47,6 +54,17 @@ enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_
                              struct errinfo *e);
 enum status row_subject_read(struct store_txn *t, const char *subject,
                              struct store_subject *out, struct errinfo *e);
+
+/* row_subject_tell(t, by, kind, subject, p, outcome, e): append to the changes what an act leaves
+ * of the row, as it is now. */
+enum status row_subject_tell(struct store_txn *t, const struct store_act *by,
+                             const char *kind, const char *subject,
+                             const struct row_subject *p, const char *outcome,
+                             struct errinfo *e);
+
+/* row_subject_each(t, see, arg, e): every row as it is, not verified. */
+enum status row_subject_each(struct store_txn *t, row_event_see *see, void *arg,
+                             struct errinfo *e);
 
 /* row_subject_add(t, about, p, e): with about->uid, or where that is 0 a new one.
  * row_subject_write(t, p, one, e): all of it but created, seen and uid.

@@ -8,52 +8,84 @@
 #include "errinfo.h"
 #include "mesh.h"
 #include "store_column.h"
+#include "store_mac.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
-#define COLUMNS                                                                          \
-    "t.template_key, t.id, " ROW_SUBJECT_WHO                                             \
-    ", t.created, t.engine, t.points, t.triangles, t.about"
-#define FROM " FROM templates t JOIN subjects s USING (subject_key)"
+/* What the audit log leaves of a row; the model is authenticated with the digest, which is in
+ * about, and the engine. */
+#define LEFT    "t.id, s.uid, t.same, t.created, t.engine, t.points, t.triangles, t.about"
+#define COLUMNS "t.template_key, " LEFT ", " ROW_SUBJECT_WHO
+#define FROM    " FROM templates t JOIN subjects s USING (subject_key)"
 
 enum { /* the columns of COLUMNS */
        COL_ROW,
        COL_ID,
-       COL_WHO, /* of the subject */
-       COL_CREATED = COL_WHO + ROW_SUBJECT_WHO_N,
+       COL_UID,
+       COL_SAME,
+       COL_CREATED,
        COL_ENGINE,
        COL_POINTS,
        COL_TRIANGLES,
        COL_ABOUT,
-       COL_MODEL
+       COL_WHO, /* of the subject */
+       COL_MODEL = COL_WHO + ROW_SUBJECT_WHO_N
 };
+
+static const char label[16] = "surface face";
 
 /* ---- rows */
 
-/* Nothing of the row is trusted but what its subject's key authenticates; *k is that key. */
-static enum status read_row(const struct store_txn *x, const struct sql_rows *r,
+static void left_of(const struct store_txn *x, const struct sql_rows *r, int col,
+                    struct row_event_row *left)
+{
+    char id[STORE_ID_LEN + 1];
+
+    memset(left, 0, sizeof *left);
+    left->gone = !store_column_text(r, col, id, sizeof id) || !store_id_valid(id);
+    if (!left->gone)
+        store_rules_raw(id, left->object);
+    store_mac_row(x->vault, label, r, col, COL_WHO - COL_ID, left->mac);
+}
+
+static bool read_about(const struct sql_rows *r, struct store_template *t,
+                       const struct row_crypt_key *k)
+{
+    size_t n;
+    const void *about = store_column_blob(r, COL_ABOUT, 1, ROW_CRYPT_ABOUT, &n);
+
+    return store_column_text(r, COL_CREATED, t->created, sizeof t->created) &&
+           store_column_text(r, COL_ENGINE, t->engine, sizeof t->engine) &&
+           store_column_count(r, COL_POINTS, MESH_MAX_POINTS, &t->points) &&
+           store_column_count(r, COL_TRIANGLES, 2 * (int64_t)t->points, &t->triangles) &&
+           about != NULL && row_crypt_decrypt_template(k, about, n, t);
+}
+
+/* Nothing of the row is trusted but what its subject's key authenticates, and that not unless
+ * it was written last; *k is that key. */
+static enum status read_row(struct store_txn *x, const struct sql_rows *r,
                             struct store_template *t, struct row_crypt_key *k,
                             struct errinfo *e)
 {
+    struct row_event_row now;
     struct store_subject who;
-    const void *about;
-    size_t n;
-    bool ok;
+    struct errinfo why;
+    enum status st;
 
     memset(t, 0, sizeof *t);
-    ok = store_column_text(r, COL_ID, t->id, sizeof t->id) && store_id_valid(t->id) &&
-         store_column_text(r, COL_CREATED, t->created, sizeof t->created) &&
-         store_column_text(r, COL_ENGINE, t->engine, sizeof t->engine) &&
-         store_column_count(r, COL_POINTS, MESH_MAX_POINTS, &t->points) &&
-         store_column_count(r, COL_TRIANGLES, 2 * (int64_t)t->points, &t->triangles) &&
-         row_subject_who(x, r, COL_WHO, &who, k) &&
-         (about = store_column_blob(r, COL_ABOUT, 1, ROW_CRYPT_ABOUT, &n)) != NULL &&
-         row_crypt_decrypt_template(k, about, n, t);
-    if (!ok)
-        return errinfo_set(e, ST_ECORRUPT, "template %s: its row is damaged",
-                           store_id_valid(t->id) ? t->id : "?");
-    memcpy(t->subject, who.id, sizeof t->subject);
-    return ST_OK;
+    if (!store_column_text(r, COL_ID, t->id, sizeof t->id) || !store_id_valid(t->id))
+        return errinfo_set(e, ST_ECORRUPT, "template ?: its row is damaged");
+    if ((st = row_subject_who(x, r, COL_WHO, &who, k, &why)) != ST_OK)
+        return errinfo_set(e, st, "template %s: %s", t->id, why.msg);
+    if (!read_about(r, t, k))
+        return errinfo_set(e, ST_ECORRUPT, "template %s: its row is damaged", t->id);
+    left_of(x, r, COL_ID, &now);
+    if ((st = row_event_is(x, &now, e)) == ST_ECORRUPT)
+        return errinfo_set(
+            e, st, "template %s: its row is not the one that was written last", t->id);
+    if (st == ST_OK)
+        memcpy(t->subject, who.id, sizeof t->subject);
+    return st;
 }
 
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
@@ -90,9 +122,21 @@ static enum status use_model(const struct sql_rows *r, const struct store_templa
 
 /* ---- one */
 
-static enum status not_found(const char *id, struct errinfo *e)
+/* Nobody deleted one that is not found but should be there. */
+static enum status not_found(struct store_txn *x, const char *id, struct errinfo *e)
 {
-    return errinfo_set(e, ST_ENOTFOUND, "there is no template %s", id);
+    unsigned char object[STORE_CHAIN_OBJECT];
+    struct row_event_row row;
+    enum status st;
+
+    store_rules_raw(id, object);
+    if ((st = row_event_latest(x, object, &row, e)) != ST_OK)
+        return st;
+    return row.gone
+               ? errinfo_set(e, ST_ENOTFOUND, "there is no template %s", id)
+               : errinfo_set(
+                     e, ST_ECORRUPT,
+                     "template %s: its row is missing, although nobody deleted it", id);
 }
 
 enum status row_template_key(struct store_txn *x, const char *id,
@@ -108,7 +152,7 @@ enum status row_template_key(struct store_txn *x, const char *id,
     if ((found = st == ST_OK && sql_next(r)))
         st = read_row(x, r, t, k, e);
     st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : not_found(id, e);
+    return st != ST_OK || found ? st : not_found(x, id, e);
 }
 
 enum status row_template_get(struct store_txn *x, const char *id,
@@ -136,7 +180,7 @@ enum status row_template_load(struct store_txn *x, const char *id,
         st = use_model(r, t, &k, use, arg, e);
     sodium_memzero(&k, sizeof k);
     st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : not_found(id, e);
+    return st != ST_OK || found ? st : not_found(x, id, e);
 }
 
 /* ---- of a subject */
@@ -217,7 +261,46 @@ enum status row_template_same(struct store_txn *x, const struct row_subject *p,
     return sql_done(r, st, e);
 }
 
+enum status row_template_see(struct store_txn *x, row_event_see *see, void *arg,
+                             struct errinfo *e)
+{
+    struct row_event_row now;
+    struct sql_rows *r;
+    char name[80];
+    enum status st = sql_query(x->sql,
+                               "SELECT " LEFT " FROM templates t LEFT JOIN subjects s "
+                               "USING (subject_key)",
+                               NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        char id[STORE_ID_LEN + 1];
+
+        (void)store_column_text(r, 0, id, sizeof id);
+        left_of(x, r, 0, &now);
+        (void)snprintf(name, sizeof name, "template %s", now.gone ? "?" : id);
+        st = see(arg, &now, name, e);
+    }
+    return sql_done(r, st, e);
+}
+
 /* ---- changes */
+
+enum status row_template_tell(struct store_txn *x, const struct store_act *by,
+                              const char *kind, const char *subject, const char *id,
+                              const char *outcome, struct errinfo *e)
+{
+    struct row_event_row left = {.gone = true};
+    struct sql_rows *r;
+    enum status st =
+        SQL_QUERY(x->sql, &r, e, "SELECT " LEFT FROM " WHERE t.id = $1", sql_text(id));
+
+    store_rules_raw(id, left.object);
+    if (st == ST_OK && sql_next(r))
+        left_of(x, r, 0, &left);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    return row_event_leave(x, by, kind, subject, id, outcome, &left, e);
+}
 
 enum status row_template_add(struct store_txn *x, const struct row_subject *p,
                              const struct store_template *t, const void *model,

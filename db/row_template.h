@@ -5,6 +5,7 @@
 #include "store_types.h"
 
 struct sql_rows;  /* sql.h */
+struct store_act; /* store_rules.h */
 struct store_txn; /* store_txn.h */
 
 /* Receives one template; model is valid during the call only.  Its status ends the
@@ -38,6 +39,16 @@ enum status row_template_newest(struct store_txn *x, int64_t subject,
 enum status row_template_same(struct store_txn *x, const struct row_subject *p,
                               const char *digest, struct store_template *t, bool *found,
                               struct errinfo *e);
+
+/* row_template_tell(x, by, kind, subject, id, outcome, e): append to the changes what an act
+ * leaves of the row, as it is now: nothing where it was deleted. */
+enum status row_template_tell(struct store_txn *x, const struct store_act *by,
+                              const char *kind, const char *subject, const char *id,
+                              const char *outcome, struct errinfo *e);
+
+/* row_template_see(x, see, arg, e): every row as it is, not verified, without its model. */
+enum status row_template_see(struct store_txn *x, row_event_see *see, void *arg,
+                             struct errinfo *e);
 
 /* row_template_add(x, p, t, model, len, e): a new row, complete.
  * row_template_write(x, k, t, model, len, e): engine, triangles, quality and model of *t in the

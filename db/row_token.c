@@ -1,8 +1,10 @@
 #include "row_token.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "errinfo.h"
+#include "row_event.h"
 #include "store_column.h"
 #include "store_mac.h"
 #include "store_rules.h"
@@ -10,7 +12,7 @@
 #include "store_txn.h"
 
 #define COLUMNS                                                                          \
-    "id, name, created, revoked, scopes, expires, old_until, hash, old_hash, mac, used"
+    "id, name, created, revoked, scopes, expires, old_until, hash, old_hash, used"
 
 enum { /* the columns of COLUMNS */
        COL_ID,
@@ -22,21 +24,50 @@ enum { /* the columns of COLUMNS */
        COL_OLD_UNTIL,
        COL_HASH,
        COL_OLD_HASH,
-       COL_MAC, /* of all before it */
-       COL_USED,
-       COL_OLD /* row_token_find() alone */
+       COL_USED, /* the MAC is of all before it */
+       COL_OLD   /* row_token_find() alone */
 };
 
 static const char label[16] = "surface token";
 
 /* ---- reading */
 
+static void left_of(const struct store_txn *t, const struct sql_rows *r,
+                    struct row_event_row *left)
+{
+    char id[STORE_ID_LEN + 1];
+
+    memset(left, 0, sizeof *left);
+    left->gone = !store_column_text(r, COL_ID, id, sizeof id) || !store_id_valid(id);
+    if (!left->gone)
+        store_rules_raw(id, left->object);
+    store_mac_row(t->vault, label, r, 0, COL_USED, left->mac);
+}
+
+enum status row_token_tell(struct store_txn *t, const struct store_act *by,
+                           const char *kind, const char *id, struct errinfo *e)
+{
+    struct row_event_row left = {.gone = true};
+    struct sql_rows *r;
+    enum status st = SQL_QUERY(
+        t->sql, &r, e, "SELECT " COLUMNS " FROM tokens WHERE id = $1", sql_text(id));
+
+    store_rules_raw(id, left.object);
+    if (st == ST_OK && sql_next(r))
+        left_of(t, r, &left);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    return row_event_leave(t, by, kind, "", "", id, &left, e);
+}
+
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
-    const struct store_txn *t = x;
+    struct store_txn *t = x;
     struct store_token *k = out;
     char scopes[STORE_SCOPES_MAX];
+    struct row_event_row now;
+    enum status st;
 
     memset(k, 0, sizeof *k);
     if (!store_column_text(r, COL_ID, k->id, sizeof k->id) || !store_id_valid(k->id) ||
@@ -46,10 +77,15 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
         !store_scopes_read(scopes, &k->scopes) ||
         !store_column_text_or(r, COL_EXPIRES, k->expires, sizeof k->expires) ||
         !store_column_text_or(r, COL_USED, k->used, sizeof k->used) ||
-        !store_column_text_or(r, COL_OLD_UNTIL, k->old_until, sizeof k->old_until) ||
-        !store_mac_right(t->vault, label, r, COL_MAC))
+        !store_column_text_or(r, COL_OLD_UNTIL, k->old_until, sizeof k->old_until))
         return errinfo_set(e, ST_ECORRUPT, "token %s: its row is damaged",
                            store_id_valid(k->id) ? k->id : "?");
+    left_of(t, r, &now);
+    if ((st = row_event_is(t, &now, e)) == ST_ECORRUPT)
+        (void)errinfo_set(e, st, "token %s: its row is not the one that was written last",
+                          k->id);
+    if (st != ST_OK)
+        return st;
     k->revoked = sql_column(r, COL_REVOKED).type != SQL_NULL;
     return ST_OK;
 }
@@ -120,28 +156,31 @@ enum status row_token_list(struct store_txn *t, struct store_token **out, size_t
     return st;
 }
 
-enum status row_token_check(struct store_txn *t,
-                            void (*report)(void *arg, const char *line), void *arg,
-                            struct errinfo *e)
+enum status row_token_each(struct store_txn *t, row_event_see *see, void *arg,
+                           struct errinfo *e)
 {
-    struct store_token one;
-    struct errinfo why;
+    struct row_event_row now;
     struct sql_rows *r;
-    const enum status st = sql_query(
+    char name[80];
+    enum status st = sql_query(
         t->sql, "SELECT " COLUMNS " FROM tokens ORDER BY token_key", NULL, 0, &r, e);
 
-    while (st == ST_OK && sql_next(r))
-        if (list_row(t, r, &one, &why) != ST_OK)
-            report(arg, why.msg);
+    while (st == ST_OK && sql_next(r)) {
+        char id[STORE_ID_LEN + 1];
+
+        (void)store_column_text(r, COL_ID, id, sizeof id);
+        left_of(t, r, &now);
+        (void)snprintf(name, sizeof name, "token %s", now.gone ? "?" : id);
+        st = see(arg, &now, name, e);
+    }
     return sql_done(r, st, e);
 }
 
 /* ---- writing */
 
-/* What a row's MAC is of, and the MAC; the values point into *one and scopes. */
-static void set_values(const struct store_txn *t, const struct row_token *one,
-                       char scopes[STORE_SCOPES_MAX], unsigned char mac[VAULT_HASH],
-                       struct sql_value v[COL_MAC + 1])
+/* The values point into *one and scopes. */
+static void set_values(const struct row_token *one, char scopes[STORE_SCOPES_MAX],
+                       struct sql_value v[COL_USED])
 {
     const bool keep = one->token.old_until[0] != '\0';
 
@@ -155,63 +194,45 @@ static void set_values(const struct store_txn *t, const struct row_token *one,
     v[COL_OLD_UNTIL] = sql_text_or_null(one->token.old_until);
     v[COL_HASH] = sql_blob(one->hash, sizeof one->hash);
     v[COL_OLD_HASH] = keep ? sql_blob(one->old_hash, sizeof one->old_hash) : sql_null();
-    store_mac(t->vault, label, v, COL_MAC, mac);
-    v[COL_MAC] = sql_blob(mac, VAULT_HASH);
 }
 
 enum status row_token_add(struct store_txn *t, const struct row_token *one,
                           struct errinfo *e)
 {
-    unsigned char mac[VAULT_HASH];
     char scopes[STORE_SCOPES_MAX];
-    struct sql_value v[COL_MAC + 1];
+    struct sql_value v[COL_USED];
 
-    set_values(t, one, scopes, mac, v);
+    set_values(one, scopes, v);
     return SQL_RUN(t->sql, e,
-                   "INSERT INTO tokens (id, name, hash, created, scopes, expires, mac) "
-                   "VALUES ($1, $2, $3, $4, $5, $6, $7)",
+                   "INSERT INTO tokens (id, name, hash, created, scopes, expires) "
+                   "VALUES ($1, $2, $3, $4, $5, $6)",
                    v[COL_ID], v[COL_NAME], v[COL_HASH], v[COL_CREATED], v[COL_SCOPES],
-                   v[COL_EXPIRES], v[COL_MAC]);
+                   v[COL_EXPIRES]);
 }
 
 enum status row_token_rotate(struct store_txn *t, const struct row_token *one,
                              struct errinfo *e)
 {
-    unsigned char mac[VAULT_HASH];
     char scopes[STORE_SCOPES_MAX];
-    struct sql_value v[COL_MAC + 1];
+    struct sql_value v[COL_USED];
 
-    set_values(t, one, scopes, mac, v);
+    set_values(one, scopes, v);
     return SQL_RUN(t->sql, e,
                    "UPDATE tokens SET hash = $2, old_hash = $3, old_until = $4, "
-                   "expires = $5, scopes = $6, mac = $7 WHERE id = $1",
+                   "expires = $5, scopes = $6 WHERE id = $1",
                    v[COL_ID], v[COL_HASH], v[COL_OLD_HASH], v[COL_OLD_UNTIL],
-                   v[COL_EXPIRES], v[COL_SCOPES], v[COL_MAC]);
+                   v[COL_EXPIRES], v[COL_SCOPES]);
 }
 
-/* A revoked token is good for nothing, whatever else its row says: all of it gets a MAC as it
- * is. */
 enum status row_token_revoke(struct store_txn *t, const char *id, const char *at,
                              struct errinfo *e)
 {
-    unsigned char mac[VAULT_HASH];
-    struct sql_value v[COL_MAC];
-    struct sql_rows *r;
-    bool found;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e, "SELECT " COLUMNS " FROM tokens WHERE id = $1", sql_text(id));
+    enum status st = SQL_RUN(t->sql, e,
+                             "UPDATE tokens SET revoked = coalesce(revoked, $2) "
+                             "WHERE id = $1",
+                             sql_text(id), sql_text(at));
 
-    if ((found = st == ST_OK && sql_next(r))) {
-        for (int i = 0; i < COL_MAC; i++)
-            v[i] = sql_column(r, i);
-        if (v[COL_REVOKED].type == SQL_NULL)
-            v[COL_REVOKED] = sql_text(at);
-        store_mac(t->vault, label, v, COL_MAC, mac);
-        st = SQL_RUN(t->sql, e, "UPDATE tokens SET revoked = $2, mac = $3 WHERE id = $1",
-                     sql_text(id), v[COL_REVOKED], sql_blob(mac, sizeof mac));
-    }
-    st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : not_found(id, e);
+    return st != ST_OK || sql_changed(t->sql) > 0 ? st : not_found(id, e);
 }
 
 enum status row_token_used(struct store_txn *t, const char *id, const char *at,

@@ -24,11 +24,18 @@ static enum status one_template(struct store_txn *x, const char *id,
 static enum status read_calibration(struct store_txn *x, int64_t known,
                                     struct store_admission *out, struct errinfo *e)
 {
-    const enum status st = row_calibration_version(x, &out->calibration, e);
+    struct store_calibration k;
+    struct errinfo why;
+    const enum status st = row_calibration_get(x, &k, &why);
 
-    if (st != ST_OK || out->calibration == known || out->calibration == 0)
-        return st;
-    return row_calibration_get(x, &out->k, e);
+    if (st == ST_ENOTFOUND)
+        return ST_OK;
+    if (st != ST_OK)
+        return errinfo_set(e, st, "%s", why.msg);
+    out->calibration = k.version;
+    if (k.version != known)
+        out->k = k;
+    return ST_OK;
 }
 
 static enum status read_all(struct store_txn *x, const struct store_admit *what,

@@ -77,7 +77,7 @@ static int by_ref(const void *a, const void *b)
 static enum status read_name(void *arg, const struct sql_rows *r, void *out,
                              struct errinfo *e)
 {
-    const struct store_txn *t = arg;
+    struct store_txn *t = arg;
     unsigned char ref[ROW_CRYPT_REF];
     struct name *name = out;
     struct row_crypt_key k;
@@ -85,7 +85,7 @@ static enum status read_name(void *arg, const struct sql_rows *r, void *out,
 
     (void)e;
     memset(name, 0, sizeof *name);
-    if (row_subject_who(t, r, 0, &who, &k)) {
+    if (row_subject_who(t, r, 0, &who, &k, NULL) == ST_OK) {
         row_crypt_ref(t->vault, who.id, ref);
         (void)sodium_bin2hex(name->ref, sizeof name->ref, ref, sizeof ref);
         memcpy(name->subject, who.id, sizeof name->subject);
@@ -264,21 +264,21 @@ enum status store_audit_public(struct store *s, char public_key[65], struct erri
 static enum status read_erased(void *t, const struct sql_rows *r, void *out,
                                struct errinfo *e)
 {
-    unsigned char lookup[VAULT_HASH];
+    unsigned char ref[ROW_CRYPT_REF];
     struct store_erased *one = out;
+    const bool known = store_column_bytes(r, 0, ref, sizeof ref);
 
     (void)t;
-    if (!store_column_bytes(r, 0, lookup, sizeof lookup) ||
-        !store_column_text(r, 1, one->at, sizeof one->at))
-        return errinfo_set(e, ST_ECORRUPT, "the list of the erased is damaged");
-    (void)sodium_bin2hex(one->lookup, sizeof one->lookup, lookup, sizeof lookup);
+    if (!store_column_text(r, 1, one->at, sizeof one->at))
+        return errinfo_set(e, ST_ECORRUPT, "an entry of the audit log is damaged");
+    (void)sodium_bin2hex(one->ref, sizeof one->ref, ref, known ? sizeof ref : 0);
     return ST_OK;
 }
 
 enum status store_audit_erased(struct store *s, const char *subject,
                                struct store_erased **out, size_t *n, struct errinfo *e)
 {
-    unsigned char lookup[VAULT_HASH];
+    unsigned char ref[ROW_CRYPT_REF];
     struct sql_value who = sql_null();
     struct sql_rows *r;
     struct store_txn t;
@@ -290,11 +290,14 @@ enum status store_audit_erased(struct store *s, const char *subject,
     if ((subject != NULL && (st = store_rules_subject(subject, e)) != ST_OK) ||
         (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if (subject != NULL)
-        who = row_subject_lookup(&t, subject, lookup);
+    if (subject != NULL) {
+        row_crypt_ref(t.vault, subject, ref);
+        who = sql_blob(ref, sizeof ref);
+    }
     st = SQL_QUERY(t.sql, &r, e,
-                   "SELECT lookup, at FROM erased WHERE lookup = coalesce($1, lookup) "
-                   "ORDER BY at, lookup",
+                   "SELECT subject, at FROM events WHERE chain = 0 "
+                   "AND kind = 'delete_subject' AND subject = coalesce($1, subject) "
+                   "ORDER BY seq",
                    who);
     st = store_column_list(r, st, read_erased, &t, sizeof **out, &erased, n, e);
     *out = erased;

@@ -28,8 +28,8 @@ enum status store_audit_marks(struct store *s, struct store_audit_mark **out, si
                               struct errinfo *e);
 enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e);
 
-/* store_audit_erased(s, subject, out, n, e): every subject that was erased, in order of time,
- * or those that had this id last, where it is not NULL; a new array released by free(). */
+/* store_audit_erased(s, subject, out, n, e): every subject that was erased, one after the
+ * other, or those that had this id last, where it is not NULL; a new array released by free(). */
 enum status store_audit_erased(struct store *s, const char *subject,
                                struct store_erased **out, size_t *n, struct errinfo *e);
 

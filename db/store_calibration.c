@@ -1,11 +1,9 @@
 #include "store_calibration.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 
 #include "errinfo.h"
 #include "row_calibration.h"
-#include "row_event.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
@@ -19,7 +17,6 @@ static bool possible(const struct store_calibration *k)
 enum status store_calibration_add(struct store *s, const char *actor,
                                   struct store_calibration *k, struct errinfo *e)
 {
-    char outcome[32];
     struct store_act by;
     struct store_txn t;
     enum status st;
@@ -32,10 +29,8 @@ enum status store_calibration_add(struct store *s, const char *actor,
     (void)snprintf(k->created, sizeof k->created, "%s", by.at);
     (void)snprintf(k->actor, sizeof k->actor, "%s", actor);
     (void)snprintf(k->engine, sizeof k->engine, "%s", s->made_by);
-    if ((st = row_calibration_add(&t, k, e)) == ST_OK) {
-        (void)snprintf(outcome, sizeof outcome, "version %" PRId64, k->version);
-        st = row_event_add(&t, &by, "calibrate", "", "", outcome, e);
-    }
+    if ((st = row_calibration_add(&t, k, e)) == ST_OK)
+        st = row_calibration_tell(&t, &by, k->version, e);
     return store_txn_end(&t, st, e);
 }
 

@@ -223,6 +223,7 @@ void store_chain_stop(struct store_chain_walk *w, uint64_t seq,
                       const unsigned char hash[STORE_CHAIN_HASH])
 {
     end_run(w);
+    w->end = seq;
     if (w->seq < seq)
         tell(w, w->seq + 1, seq, "cut off the end");
     else if (w->seq > seq)

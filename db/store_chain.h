@@ -73,6 +73,7 @@ struct store_chain_walk {
     uint64_t seq;                         /* of the last entry, 0: there was none */
     unsigned char hash[STORE_CHAIN_HASH]; /* that it has, */
     unsigned char made[STORE_CHAIN_HASH]; /* and that it should have */
+    uint64_t end;      /* where it should end, once it has come there */
     bool lost;         /* neither is known: what was there is missing */
     uint64_t bad;      /* the first of the entries that are wrong just now, or 0 */
     uint64_t marked;   /* the last entry with a good mark, 0: none */

@@ -11,9 +11,7 @@
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mst.h"
-#include "row_calibration.h"
 #include "row_template.h"
-#include "row_token.h"
 #include "sql_file.h"
 #include "store_walk.h"
 #include "store_txn.h"
@@ -164,10 +162,8 @@ enum status store_check_rows(struct store *s, void (*report)(void *arg, const ch
 
     if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if ((st = sql_file_check(t.sql, report, arg, e)) == ST_OK &&
-        (st = sql_file_check_schema(t.sql, report, arg, e)) == ST_OK &&
-        (st = row_token_check(&t, report, arg, e)) == ST_OK)
-        st = row_calibration_check(&t, report, arg, e);
+    if ((st = sql_file_check(t.sql, report, arg, e)) == ST_OK)
+        st = sql_file_check_schema(t.sql, report, arg, e);
     return store_txn_end(&t, st, e);
 }
 

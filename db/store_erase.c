@@ -29,16 +29,23 @@ static enum status may_erase(struct store_txn *t, const struct store_act *by,
     return ST_OK;
 }
 
-/* Of a row that is still there. */
-static enum status remember(struct store_txn *t, const struct store_act *by, int64_t row,
+enum status store_erase_row(struct store_txn *t, const struct store_act *by,
+                            const char *subject, const char *outcome, int64_t row,
+                            const struct row_event_row *gone,
+                            char (**template_id)[STORE_ID_LEN + 1], size_t *n,
                             struct errinfo *e)
 {
-    return SQL_RUN(t->sql, e,
-                   "INSERT INTO erased (uid, lookup, at) "
-                   "SELECT uid, lookup, $2 FROM subjects WHERE subject_key = $1 "
-                   "ON CONFLICT (uid) DO UPDATE "
-                   "SET lookup = excluded.lookup, at = excluded.at",
-                   sql_int(row), sql_text(by->at));
+    enum status st = row_template_ids(t, row, template_id, n, e);
+
+    if (st != ST_OK || (st = row_subject_delete(t, row, e)) != ST_OK)
+        return st;
+    for (size_t i = 0; i < *n && st == ST_OK; i++)
+        if (store_id_valid((*template_id)[i]))
+            st = row_template_tell(t, by, "delete_template", subject, (*template_id)[i],
+                                   "deleted", e);
+    return st == ST_OK
+               ? row_event_leave(t, by, "delete_subject", subject, "", outcome, gone, e)
+               : st;
 }
 
 /* The receipt of what has just been done, while the transaction is open. */
@@ -62,6 +69,7 @@ static enum status erase_row(struct store_txn *t, const struct store_act *by,
                              const char *subject, bool due, struct store_receipt *out,
                              struct errinfo *e)
 {
+    struct row_event_row gone;
     struct row_subject p = {0};
     size_t n = 0;
     enum status st = row_subject_find(t, subject, &p, e);
@@ -69,14 +77,15 @@ static enum status erase_row(struct store_txn *t, const struct store_act *by,
     sodium_memzero(&p.key, sizeof p.key);
     if ((st != ST_OK && (st != ST_ECORRUPT || p.row == 0)) ||
         (st = may_erase(t, by, subject, due, e)) != ST_OK ||
-        (st = row_template_ids(t, p.row, &out->template_id, &n, e)) != ST_OK)
+        (st = row_event_named(t, subject, &gone, e)) != ST_OK)
         return st;
+    if (gone.gone) /* else who it was is the audit log's to say: the row may be damaged */
+        memcpy(gone.object, p.key.uid, sizeof gone.object);
+    gone.gone = true;
+    st = store_erase_row(t, by, subject, "deleted", p.row, &gone, &out->template_id, &n,
+                         e);
     out->templates = (uint32_t)n;
-    if ((st = remember(t, by, p.row, e)) != ST_OK ||
-        (st = row_subject_delete(t, p.row, e)) != ST_OK ||
-        (st = row_event_add(t, by, "delete_subject", subject, "", "deleted", e)) != ST_OK)
-        return st;
-    return give_receipt(t, by, subject, out, e);
+    return st == ST_OK ? give_receipt(t, by, subject, out, e) : st;
 }
 
 static enum status erase(struct store *s, const char *actor, const char *subject,

@@ -111,25 +111,12 @@ struct importing {
     bool left_out;            /* it was erased here */
 };
 
-/* Is there a row of this value among the erased? */
-static enum status is_erased(struct importing *m, const char *text, struct sql_value v,
-                             bool *erased, struct errinfo *e)
-{
-    struct sql_rows *r;
-    const enum status st = sql_query(m->t.sql, text, &v, 1, &r, e);
-
-    *erased = st == ST_OK && sql_next(r);
-    return sql_done(r, st, e);
-}
-
 /* The subject that the next templates are of: that of the same uid, whose id may be another by
  * now, or that of the id; ST_ENOTFOUND: neither, or it is left out. */
 static enum status find_subject(struct importing *m, const struct store_subject *s,
                                 struct errinfo *e)
 {
-    unsigned char lookup[VAULT_HASH];
-    enum status st = is_erased(m, "SELECT 1 FROM erased WHERE uid = $1",
-                               sql_blob(s->uid, STORE_UID), &m->left_out, e);
+    enum status st = row_event_erased(&m->t, s->uid, NULL, &m->left_out, e);
 
     if (st != ST_OK)
         return st;
@@ -141,8 +128,7 @@ static enum status find_subject(struct importing *m, const struct store_subject 
     m->who = *s;
     if ((st = row_subject_find(&m->t, s->id, &m->p, e)) != ST_ENOTFOUND)
         return st;
-    st = is_erased(m, "SELECT 1 FROM erased WHERE lookup = $1",
-                   row_subject_lookup(&m->t, s->id, lookup), &m->left_out, e);
+    st = row_event_erased(&m->t, NULL, s->id, &m->left_out, e);
     return st == ST_OK ? ST_ENOTFOUND : st;
 }
 
@@ -161,7 +147,7 @@ static enum status add_subject(struct importing *m, const struct store_subject *
     if ((st = row_subject_add(&m->t, s, &m->p, e)) != ST_OK)
         return st;
     m->out->new_subjects++;
-    return row_event_add(&m->t, m->by, "import", s->id, "", "created", e);
+    return row_subject_tell(&m->t, m->by, "import", s->id, &m->p, "created", e);
 }
 
 static enum status add_template(struct importing *m, const struct store_archive_item *i,
@@ -186,7 +172,7 @@ static enum status add_template(struct importing *m, const struct store_archive_
         (st = row_template_add(&m->t, &m->p, t, i->model, i->len, e)) != ST_OK)
         return st;
     m->out->new_templates++;
-    return row_event_add(&m->t, m->by, "import", m->who.id, t->id, "created", e);
+    return row_template_tell(&m->t, m->by, "import", m->who.id, t->id, "created", e);
 }
 
 /* Records that were verified, in one transaction. */

@@ -5,7 +5,6 @@
 
 #include "bytes.h"
 #include "sql.h"
-#include "store_column.h"
 
 #define BYTES_MAX   4096 /* no row that this program wrote has more */
 #define COLUMNS_MAX 16
@@ -68,16 +67,12 @@ void store_mac(const struct vault *v, const char what[16], const struct sql_valu
         randombytes_buf(out, VAULT_HASH);
 }
 
-bool store_mac_right(const struct vault *v, const char what[16], const struct sql_rows *r,
-                     int n)
+void store_mac_row(const struct vault *v, const char what[16], const struct sql_rows *r,
+                   int col, int n, unsigned char out[VAULT_HASH])
 {
-    unsigned char mac[VAULT_HASH], stored[VAULT_HASH];
     struct sql_value value[COLUMNS_MAX];
 
-    if (n > COLUMNS_MAX || !store_column_bytes(r, n, stored, sizeof stored))
-        return false;
-    for (int i = 0; i < n; i++)
-        value[i] = sql_column(r, i);
-    store_mac(v, what, value, (size_t)n, mac);
-    return sodium_memcmp(mac, stored, sizeof mac) == 0;
+    for (int i = 0; i < n && i < COLUMNS_MAX; i++)
+        value[i] = sql_column(r, col + i);
+    store_mac(v, what, value, (size_t)(n < COLUMNS_MAX ? n : COLUMNS_MAX), out);
 }

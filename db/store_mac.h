@@ -1,5 +1,5 @@
-/* store_mac.h -- rows that are not encrypted but authenticated: a keyed hash of their columns
- * is in the column after them.  Layout: db/FORMAT.md. */
+/* store_mac.h -- a keyed hash of a row's columns, for the entry of the audit log that leaves the
+ * row so (row_event.h).  Layout: db/FORMAT.md. */
 #ifndef DB_STORE_MAC_H
 #define DB_STORE_MAC_H
 #include <stdbool.h>
@@ -11,10 +11,11 @@ struct sql_value; /* sql.h */
 
 /* store_mac(v, what, value, n, out): of n columns; what: 16 bytes that keep one table from
  * another.  A MAC that no row can have where they are more than 4 KB.
- * store_mac_right(v, what, r, n): has the current row that of its first n columns in the next? */
+ * store_mac_row(v, what, r, col, n, out): of n columns of the current row, up to 16, from the
+ * column col on. */
 void store_mac(const struct vault *v, const char what[16], const struct sql_value *value,
                size_t n, unsigned char out[VAULT_HASH]);
-bool store_mac_right(const struct vault *v, const char what[16], const struct sql_rows *r,
-                     int n);
+void store_mac_row(const struct vault *v, const char what[16], const struct sql_rows *r,
+                   int col, int n, unsigned char out[VAULT_HASH]);
 
 #endif

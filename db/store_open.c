@@ -9,7 +9,6 @@
 #include "errinfo.h"
 #include "model.h"
 #include "newfile.h"
-#include "row_calibration.h"
 #include "row_event.h"
 #include "sql_file.h"
 #include "store_rules.h"
@@ -31,7 +30,6 @@ static enum status first_key(struct store_txn *t, struct errinfo *e)
         return st;
     t->vault = t->held->vault;
     if ((st = row_event_begin(t, e)) != ST_OK ||
-        (st = row_calibration_begin(t, e)) != ST_OK ||
         (st = store_rules_act(&by, "", e)) != ST_OK)
         return st;
     return row_event_add(t, &by, "create_key", "", "", kept[v->make], e);

@@ -28,7 +28,7 @@ static enum status write_row(struct store_txn *x, const struct store_act *by,
     if (st == ST_OK && strcmp(now.engine, t->engine) != 0) {
         *done = true;
         if ((st = row_template_write(x, &k, t, model, len, e)) == ST_OK)
-            st = row_event_add(x, by, "reencode", now.subject, t->id, "reencoded", e);
+            st = row_template_tell(x, by, "reencode", now.subject, t->id, "reencoded", e);
     }
     sodium_memzero(&k, sizeof k);
     return st;

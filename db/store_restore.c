@@ -17,9 +17,11 @@
 #include "newfile.h"
 #include "row_event.h"
 #include "row_subject.h"
+#include "row_token.h"
 #include "sql_file.h"
 #include "store_backup.h"
 #include "store_column.h"
+#include "store_erase.h"
 #include "store_open.h"
 #include "store_rules.h"
 #include "store_txn.h"
@@ -49,46 +51,53 @@ static enum status each(struct restoring *r, const char *text, restore_row *use,
 
 /* ---- who was erased */
 
-/* The subject of the copy with the uid of the first column: its row, 0 for none, and its id, ""
- * where the row is damaged, which does not keep it from being erased. */
-static enum status find(struct restoring *r, const struct sql_rows *held, int64_t *row,
-                        char id[STORE_SUBJECT_MAX + 1], struct errinfo *e)
+/* The subject of the copy with the uid of the first column, under its id, "" where the row is
+ * damaged, which does not keep it from being erased; row 0: there is none. */
+static enum status find(struct restoring *r, const struct sql_rows *held,
+                        struct row_subject *p, char id[STORE_SUBJECT_MAX + 1],
+                        struct errinfo *e)
 {
-    struct row_subject p = {0};
     struct store_subject who = {0};
     unsigned char uid[STORE_UID];
     enum status st;
 
-    *row = 0;
+    memset(p, 0, sizeof *p);
     id[0] = '\0';
     if (!store_column_bytes(held, 0, uid, sizeof uid))
         return errinfo_set(e, ST_ECORRUPT, "the database that is there is damaged");
-    st = row_subject_same(&r->t, uid, &p, &who, e);
-    *row = st == ST_ENOTFOUND ? 0 : p.row;
+    st = row_subject_same(&r->t, uid, p, &who, e);
+    memcpy(p->key.uid, uid, sizeof uid);
     memcpy(id, who.id, sizeof who.id);
-    sodium_memzero(&p, sizeof p);
+    sodium_memzero(p->key.key, sizeof p->key.key);
     sodium_memzero(&who, sizeof who);
-    return st == ST_ENOTFOUND || (st == ST_ECORRUPT && *row != 0) ? ST_OK : st;
+    return st == ST_ENOTFOUND || (st == ST_ECORRUPT && p->row != 0) ? ST_OK : st;
 }
 
-/* A row of `erased` for the copy too, and no subject there that it names. */
+/* The copy knows of the erasure too, and has no subject that it names. */
 static enum status was_erased(struct restoring *r, const struct sql_rows *held,
                               struct errinfo *e)
 {
-    char id[STORE_SUBJECT_MAX + 1];
-    int64_t row;
-    enum status st =
-        SQL_RUN(r->t.sql, e,
-                "INSERT INTO erased (uid, lookup, at) VALUES ($1, $2, $3) "
-                "ON CONFLICT (uid) DO UPDATE "
-                "SET lookup = excluded.lookup, at = excluded.at",
-                sql_column(held, 0), sql_column(held, 1), sql_column(held, 2));
+    unsigned char ref[ROW_CRYPT_REF];
+    struct row_event_row gone = {.gone = true};
+    char id[STORE_SUBJECT_MAX + 1], (*ids)[STORE_ID_LEN + 1] = NULL;
+    struct row_subject p;
+    bool erased = false;
+    size_t n = 0;
+    enum status st;
 
-    if (st != ST_OK || (st = find(r, held, &row, id, e)) != ST_OK)
+    if ((st = find(r, held, &p, id, e)) != ST_OK ||
+        (st = row_event_erased(&r->t, p.key.uid, NULL, &erased, e)) != ST_OK || erased)
         return st;
-    if (row != 0 && (st = row_subject_delete(&r->t, row, e)) == ST_OK) {
+    memcpy(gone.object, p.key.uid, sizeof gone.object);
+    if (store_column_bytes(held, 1, ref, sizeof ref))
+        gone.ref = ref;
+    if (p.row == 0) {
+        st = row_event_leave(&r->t, r->by, "delete_subject", "", "", "erased before",
+                             &gone, e);
+    } else {
         r->out->erased++;
-        st = row_event_add(&r->t, r->by, "delete_subject", id, "", "erased again", e);
+        st = store_erase_row(&r->t, r->by, id, "erased again", p.row, &gone, &ids, &n, e);
+        free(ids);
     }
     sodium_memzero(id, sizeof id);
     return st;
@@ -98,11 +107,11 @@ static enum status is_there(struct restoring *r, const struct sql_rows *held,
                             struct errinfo *e)
 {
     char id[STORE_SUBJECT_MAX + 1];
-    int64_t row;
-    const enum status st = find(r, held, &row, id, e);
+    struct row_subject p;
+    const enum status st = find(r, held, &p, id, e);
 
     r->out->had_subjects++;
-    if (st == ST_OK && row == 0)
+    if (st == ST_OK && p.row == 0)
         r->out->lost++;
     sodium_memzero(id, sizeof id);
     return st;
@@ -110,27 +119,35 @@ static enum status is_there(struct restoring *r, const struct sql_rows *held,
 
 /* ---- tokens */
 
-/* One that was revoked stays so, and a secret that was replaced stays replaced.  What else its
- * MAC is of never changes, so that the MAC is right here too. */
+/* One that was revoked stays so, and a secret that was replaced stays replaced.  One whose row
+ * is not what was written last is good for nothing any more. */
 static enum status token(struct restoring *r, const struct sql_rows *held,
                          struct errinfo *e)
 {
-    const struct sql_value id = sql_column(held, 0), revoked = sql_column(held, 1);
-    enum status st = ST_OK;
+    struct store_txn there = {.store = r->t.store, .sql = r->there, .vault = r->t.vault};
+    char id[STORE_ID_LEN + 1];
+    struct row_token now, then;
+    bool rotated, revoked;
+    enum status st;
 
-    if (revoked.type != SQL_NULL) {
-        st = SQL_RUN(r->t.sql, e,
-                     "UPDATE tokens SET revoked = $2 WHERE id = $1 AND revoked IS NULL",
-                     id, revoked);
-        r->out->revoked += sql_changed(r->t.sql);
-    }
-    if (st != ST_OK)
+    if (!store_column_text(held, 0, id, sizeof id))
+        return errinfo_set(e, ST_ECORRUPT, "the database that is there is damaged");
+    if ((st = row_token_get(&r->t, id, &then, e)) != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    if ((st = row_token_get(&there, id, &now, e)) != ST_OK && st != ST_ECORRUPT)
         return st;
-    return SQL_RUN(r->t.sql, e,
-                   "UPDATE tokens SET hash = $2, old_hash = $3, old_until = $4, "
-                   "expires = $5, mac = $6 WHERE id = $1",
-                   id, sql_column(held, 2), sql_column(held, 3), sql_column(held, 4),
-                   sql_column(held, 5), sql_column(held, 6));
+    revoked = (st != ST_OK || now.token.revoked) && !then.token.revoked;
+    rotated = st == ST_OK && sodium_memcmp(now.hash, then.hash, sizeof now.hash) != 0;
+    st = ST_OK;
+    if (rotated)
+        st = row_token_rotate(&r->t, &now, e);
+    if (revoked && st == ST_OK)
+        st = row_token_revoke(&r->t, id, r->by->at, e);
+    r->out->revoked += revoked;
+    if (st == ST_OK && (rotated || revoked))
+        st = row_token_tell(&r->t, r->by, revoked ? "revoke_token" : "rotate_token", id,
+                            e);
+    return st;
 }
 
 /* ---- all of it */
@@ -167,11 +184,12 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
         return st;
     if ((st = need_same(r, path, e)) == ST_OK &&
         (st = each(r, "SELECT count(*) FROM templates", count_templates, e)) == ST_OK &&
-        (st = each(r, "SELECT uid, lookup, at FROM erased", was_erased, e)) == ST_OK &&
+        (st = each(r,
+                   "SELECT object, subject FROM events WHERE chain = 0 "
+                   "AND kind = 'delete_subject' ORDER BY seq",
+                   was_erased, e)) == ST_OK &&
         (st = each(r, "SELECT uid FROM subjects", is_there, e)) == ST_OK)
-        st = each(r,
-                  "SELECT id, revoked, hash, old_hash, old_until, expires, mac "
-                  "FROM tokens",
+        st = each(r, "SELECT id, revoked, hash, old_hash, old_until, expires FROM tokens",
                   token, e);
     return sql_end(r->there, st, e);
 }

@@ -69,6 +69,12 @@ enum status store_rules_event(const char *kind, const char *subject,
                        "the event's kind, subject, template or outcome is malformed");
 }
 
+void store_rules_raw(const char *id, unsigned char out[16])
+{
+    memset(out, 0, 16);
+    (void)sodium_hex2bin(out, 16, id, strlen(id), NULL, NULL, NULL);
+}
+
 void store_rules_random(char *out, size_t bytes)
 {
     unsigned char raw[RANDOM_MAX];

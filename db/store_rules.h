@@ -33,6 +33,9 @@ enum status store_rules_event(const char *kind, const char *subject,
                               const char *template_id, const char *outcome,
                               struct errinfo *e);
 
+/* The 16 bytes of a template's or a token's id; zeros where it is none. */
+void store_rules_raw(const char *id, unsigned char out[16]);
+
 /* 2 * bytes random hexadecimal digits and a NUL; at most 32 bytes. */
 void store_rules_random(char *out, size_t bytes);
 

@@ -129,7 +129,7 @@ enum status store_subject_add(struct store *s, const char *actor,
     if ((st = row_subject_find(&t, about->id, &p, e)) == ST_OK)
         st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", about->id);
     else if (st == ST_ENOTFOUND && (st = row_subject_add(&t, about, &p, e)) == ST_OK)
-        st = row_event_add(&t, &by, "add_subject", about->id, "", "created", e);
+        st = row_subject_tell(&t, &by, "add_subject", about->id, &p, "created", e);
     sodium_memzero(&p, sizeof p);
     return store_txn_end(&t, st, e);
 }
@@ -182,6 +182,32 @@ static void apply(struct store_subject *one, const struct edit *edit)
         one->disabled = *edit->disabled;
 }
 
+/* The last entry leaves the row.  Of a subject that is renamed there is none any more under its
+ * former id; the events know it by its new id too from now on. */
+static enum status tell(struct store_txn *t, const struct store_act *by,
+                        const char *subject, const struct row_subject *p,
+                        const struct edit *edit, struct errinfo *e)
+{
+    const int last = edit->events - 1;
+    struct row_event_row gone = {.gone = true};
+    enum status st = ST_OK;
+
+    for (int i = 0; st == ST_OK && i < last; i++)
+        st = row_event_add(t, by, edit->event[i].kind, subject, "",
+                           edit->event[i].outcome, e);
+    if (st != ST_OK)
+        return st;
+    if (edit->id == NULL)
+        return row_subject_tell(t, by, edit->event[last].kind, subject, p,
+                                edit->event[last].outcome, e);
+    memcpy(gone.object, p->key.uid, sizeof gone.object);
+    st = row_event_leave(t, by, edit->event[last].kind, subject, "",
+                         edit->event[last].outcome, &gone, e);
+    return st == ST_OK
+               ? row_subject_tell(t, by, edit->event[last].kind, edit->id, p, "named", e)
+               : st;
+}
+
 static enum status edit_row(struct store_txn *t, const struct store_act *by,
                             const char *subject, const struct edit *edit,
                             struct errinfo *e)
@@ -195,13 +221,8 @@ static enum status edit_row(struct store_txn *t, const struct store_act *by,
         (edit->id != NULL && (st = need_free(t, edit->id, e)) != ST_OK))
         goto out;
     apply(&one, edit);
-    st = row_subject_write(t, &p, &one, e);
-    for (int i = 0; st == ST_OK && i < edit->events; i++)
-        st = row_event_add(t, by, edit->event[i].kind, subject, "",
-                           edit->event[i].outcome, e);
-    /* The events know it by its new id too from now on. */
-    if (st == ST_OK && edit->id != NULL)
-        st = row_event_add(t, by, edit->event[0].kind, one.id, "", "named", e);
+    if ((st = row_subject_write(t, &p, &one, e)) == ST_OK)
+        st = tell(t, by, subject, &p, edit, e);
     sodium_memzero(&one, sizeof one);
 out:
     sodium_memzero(&p, sizeof p);

@@ -32,7 +32,9 @@ static enum status need_subject(struct store_txn *x, const struct store_act *by,
     memcpy(about.id, subject, strlen(subject) + 1);
     memcpy(about.created, by->at, sizeof about.created);
     memcpy(about.seen, by->at, sizeof about.seen);
-    return row_subject_add(x, &about, p, e);
+    if ((st = row_subject_add(x, &about, p, e)) != ST_OK)
+        return st;
+    return row_subject_tell(x, by, "add_subject", subject, p, "created", e);
 }
 
 /* ST_EEXISTS unless the subject's newest template has this id ("": there is none). */
@@ -62,7 +64,7 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
         st = expect_newest(x, p.row, newest, e);
     if (st == ST_OK && !found &&
         (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
-        st = row_event_add(x, by, "enroll", t->subject, t->id, "created", e);
+        st = row_template_tell(x, by, "enroll", t->subject, t->id, "created", e);
     sodium_memzero(&p, sizeof p);
     if (st == ST_OK && found)
         *t = old;
@@ -245,8 +247,8 @@ static enum status delete_row(struct store_txn *x, const struct store_act *by,
         return errinfo_set(e, ST_EHELD, "subject %s is on hold", t.subject);
     if ((st = row_template_delete(x, id, e)) != ST_OK)
         return st;
-    return row_event_add(x, by, "delete_template", named ? t.subject : "", id, "deleted",
-                         e);
+    return row_template_tell(x, by, "delete_template", named ? t.subject : "", id,
+                             "deleted", e);
 }
 
 enum status store_template_delete(struct store *s, const char *actor, const char *id,

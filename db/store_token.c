@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "errinfo.h"
-#include "row_event.h"
 #include "row_token.h"
 #include "store_rules.h"
 #include "store_txn.h"
@@ -74,7 +73,7 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     new_secret(secret, one.hash);
     if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK) {
         if ((st = row_token_add(&x, &one, e)) == ST_OK)
-            st = row_event_add(&x, &by, "create_token", "", "", one.token.id, e);
+            st = row_token_tell(&x, &by, "create_token", one.token.id, e);
         st = store_txn_end(&x, st, e);
     }
     *t = one.token;
@@ -105,7 +104,7 @@ static enum status rotate(struct store_txn *x, const struct store_act *by, const
     memcpy(one.hash, hash, sizeof one.hash);
     if ((st = row_token_rotate(x, &one, e)) != ST_OK)
         return st;
-    return row_event_add(x, by, "rotate_token", "", "", id, e);
+    return row_token_tell(x, by, "rotate_token", id, e);
 }
 
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
@@ -144,7 +143,7 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
         (st = store_txn_begin(s, SQL_WRITE, &x, e)) != ST_OK)
         return st;
     if ((st = row_token_revoke(&x, id, by.at, e)) == ST_OK)
-        st = row_event_add(&x, &by, "revoke_token", "", "", id, e);
+        st = row_token_tell(&x, &by, "revoke_token", id, e);
     return store_txn_end(&x, st, e);
 }
 

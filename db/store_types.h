@@ -145,7 +145,7 @@ struct store_audit {
 };
 
 struct store_erased { /* a subject that was erased, by a keyed hash of the id */
-    char lookup[65];
+    char ref[33];
     char at[32];
 };
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "errinfo.h"
-#include "row_entry.h"
+#include "row_check.h"
 #include "row_event.h"
 #include "store_txn.h"
 
@@ -15,9 +15,15 @@ struct bound {
     unsigned char hash[STORE_CHAIN_HASH];
 };
 
-static void step(struct store_chain_walk *w, const struct sql_rows *from,
-                 struct bound *bound)
+struct walking {
+    struct store_chain_walk *w;
+    struct row_check *rows;
+    struct bound bound;
+};
+
+static enum status step(struct walking *x, const struct sql_rows *from, struct errinfo *e)
 {
+    struct store_chain_walk *w = x->w;
     struct store_chain_mark m;
     struct row_entry r;
     const bool sound = row_entry_read(from, &r);
@@ -28,8 +34,8 @@ static void step(struct store_chain_walk *w, const struct sql_rows *from,
     else
         store_chain_damaged(w, r.seq);
     if (sound && r.nuses_hash != 0) {
-        bound->seq = r.uses;
-        memcpy(bound->hash, r.uses_hash, sizeof bound->hash);
+        x->bound.seq = r.uses;
+        memcpy(x->bound.hash, r.uses_hash, sizeof x->bound.hash);
     }
     if (sql_column(from, COL_MARK).type != SQL_NULL) {
         if (row_entry_mark(from, COL_MARK, &m))
@@ -39,21 +45,22 @@ static void step(struct store_chain_walk *w, const struct sql_rows *from,
     } else if (sound && store_chain_due(r.seq, entry.kind)) {
         store_chain_problem(w, r.seq, "its checkpoint is missing");
     }
+    return w->chain == STORE_CHAIN_CHANGES ? row_check_add(x->rows, &r, e) : ST_OK;
 }
 
-static enum status walk(struct store_txn *t, struct store_chain_walk *w,
-                        struct bound *bound, uint64_t *entries, struct errinfo *e)
+static enum status walk(struct store_txn *t, struct walking *x, uint64_t *entries,
+                        struct errinfo *e)
 {
     struct sql_rows *r;
-    const enum status st = SQL_QUERY(
+    enum status st = SQL_QUERY(
         t->sql, &r, e,
         "SELECT " ROW_ENTRY_COLUMNS ", c.chain, c.seq, c.at, c.hash, c.signature "
         "FROM events e LEFT JOIN checkpoints c ON c.chain = e.chain AND c.seq = e.seq "
         "WHERE e.chain = $1 ORDER BY e.seq",
-        sql_int(w->chain));
+        sql_int(x->w->chain));
 
     while (st == ST_OK && sql_next(r)) {
-        step(w, r, bound);
+        st = step(x, r, e);
         ++*entries;
     }
     return sql_done(r, st, e);
@@ -112,38 +119,48 @@ void store_walk_add(struct store_audit *out, const struct store_chain_walk *w)
     }
 }
 
-static enum status verify(struct store_txn *t, const unsigned char public[VAULT_KEY],
-                          store_chain_report *report, void *arg, struct store_audit *out,
-                          struct errinfo *e)
+static void report_row(void *arg, uint64_t seq, const char *line)
 {
-    struct store_chain_walk w;
-    struct bound bound = {.seq = 0};
+    store_chain_problem(arg, seq, line);
+}
+
+static enum status verify(struct store_txn *t, struct walking *x,
+                          struct store_chain_walk w[STORE_CHAINS],
+                          struct store_audit *out, struct errinfo *e)
+{
+    struct store_chain_walk *changes = &w[STORE_CHAIN_CHANGES];
     bool has = true;
+    uint64_t first;
     enum status st;
 
-    store_chain_walk(&w, STORE_CHAIN_CHANGES, public, report, arg);
-    if ((st = walk(t, &w, &bound, &out->entries, e)) != ST_OK ||
-        (st = stop(t, &w, e)) != ST_OK)
-        return st;
-    store_walk_add(out, &w);
-    store_chain_walk(&w, STORE_CHAIN_USES, public, report, arg);
-    if ((st = walk(t, &w, &bound, &out->entries, e)) != ST_OK ||
-        (st = stop(t, &w, e)) != ST_OK ||
-        (st = row_event_has(t, STORE_CHAIN_USES, bound.seq, bound.hash, &has, e)) !=
-            ST_OK)
+    for (int i = 0; i < STORE_CHAINS; i++) {
+        x->w = &w[i];
+        if ((st = walk(t, x, &out->entries, e)) != ST_OK ||
+            (st = stop(t, &w[i], e)) != ST_OK)
+            return st;
+    }
+    if ((st = row_event_has(t, STORE_CHAIN_USES, x->bound.seq, x->bound.hash, &has, e)) !=
+        ST_OK)
         return st;
     if (!has)
-        store_chain_problem(&w, bound.seq,
+        store_chain_problem(&w[STORE_CHAIN_USES], x->bound.seq,
                             "it is not the one that was the last when the last change "
                             "was made");
-    store_walk_add(out, &w);
-    return ST_OK;
+    x->rows->last = changes->end;
+    first = changes->first;
+    st = row_check_rows(x->rows, t, report_row, changes, e);
+    if (first != 0) /* what is wrong with rows follows from what is wrong with entries */
+        changes->first = first;
+    return st;
 }
 
 enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e)
 {
     unsigned char public[VAULT_KEY];
+    struct store_chain_walk w[STORE_CHAINS];
+    struct row_check rows = {.n = 0};
+    struct walking x = {.rows = &rows};
     struct store_txn t;
     enum status st;
 
@@ -151,5 +168,11 @@ enum status store_audit_verify(struct store *s, store_chain_report *report, void
     if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     vault_public(t.vault, public);
-    return store_txn_end(&t, verify(&t, public, report, arg, out, e), e);
+    for (int i = 0; i < STORE_CHAINS; i++)
+        store_chain_walk(&w[i], (enum store_chain)i, public, report, arg);
+    st = store_txn_end(&t, verify(&t, &x, w, out, e), e);
+    row_check_free(&rows);
+    for (int i = 0; i < STORE_CHAINS; i++)
+        store_walk_add(out, &w[i]);
+    return st;
 }

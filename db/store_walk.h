@@ -1,11 +1,13 @@
-/* store_walk.h -- the audit log verified: every entry and checkpoint of both chains as it was
- * written, in its place, none missing. */
+/* store_walk.h -- the audit log verified, and the rows by it: every entry and checkpoint of both
+ * chains as it was written, in its place, none missing; every row of subjects, templates, tokens
+ * and calibrations what the changes leave of it (row_check.h). */
 #ifndef DB_STORE_WALK_H
 #define DB_STORE_WALK_H
 #include "store_chain.h"
 
 /* store_audit_verify(s, report, arg, out, e): read-only.  report() is called once a problem,
- * with the entry that it is about.  About 5 us an entry. */
+ * with the entry that it is about, the last for a row that no entry is about.  About 5 us an entry, and
+ * as much a row. */
 enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e);
 

@@ -66,7 +66,9 @@ CREATE TABLE attempts (
 -- which the oldest may be cut off.  Rows are only added.  No biometrics, no tokens, no ids of
 -- subjects but a keyed hash of them.  Each entry's hash is of its columns and of the hash
 -- before it in its chain.  An entry of changes names the row that it leaves, by the object
--- and the row's MAC, empty where the row is gone, and the end of the uses at that time.
+-- and the row's MAC, empty where the row is gone, and the end of the uses at that time.  A
+-- row of subjects, templates, tokens or calibrations is good where it is the one that the
+-- latest entry of its object leaves.
 CREATE TABLE events (
     event_key   BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of their coming
     chain       BIGINT NOT NULL CHECK (chain IN (0, 1)),
@@ -107,9 +109,6 @@ CREATE TABLE checkpoints (
     PRIMARY KEY (chain, seq)
 );
 
--- Rows on which decisions depend have a MAC (db/FORMAT.md): they cannot be changed without
--- the key.
-
 -- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
 -- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
 -- the secret that it had before it was rotated, while that is still accepted.
@@ -124,8 +123,7 @@ CREATE TABLE tokens (
     expires   TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
     used      TEXT CHECK (used IS NULL OR used LIKE '____-__-__T__:__:__.___Z'),
     old_hash  BYTEA CHECK (old_hash IS NULL OR length(old_hash) = 32),
-    old_until TEXT CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z'),
-    mac       BYTEA NOT NULL CHECK (length(mac) = 32)
+    old_until TEXT CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z')
 );
 
 CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
@@ -147,23 +145,5 @@ CREATE TABLE calibrations (
     genuine      BIGINT NOT NULL CHECK (genuine >= 0),
     halving_mm   DOUBLE PRECISION NOT NULL CHECK (halving_mm > 0),
     knots        BYTEA NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
-                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
-    mac          BYTEA NOT NULL CHECK (length(mac) = 32)
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
 );
-
--- The number of the newest calibration, so that the one in force cannot be deleted.
-CREATE TABLE calibrations_end (
-    calibrations_key BIGINT PRIMARY KEY CHECK (calibrations_key = 1),
-    version          BIGINT NOT NULL CHECK (version >= 0), -- 0: there never was one
-    mac              BYTEA NOT NULL CHECK (length(mac) = 32)
-);
-
--- Erased subjects, which no older backup or archive may bring back: by uid, since they may
--- have had another id then.  The lookup is of their last id.
-CREATE TABLE erased (
-    uid    BYTEA PRIMARY KEY CHECK (length(uid) = 16),
-    lookup BYTEA NOT NULL CHECK (length(lookup) = 32),
-    at     TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z')
-);
-
-CREATE INDEX erased_lookup ON erased (lookup);

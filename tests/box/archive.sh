@@ -129,9 +129,9 @@ DB=$T/faces.db
 rm -f "$TO"*
 on "$TO" init
 # The same id under another subject: what an import must not mix up.
-on "$TO" import "$T/a" --archive-key "$T/akey"
-on "$TO" subject erase --yes alice
-sqlite3 "$TO" "DELETE FROM erased; UPDATE templates SET id = '$template'"
+on "$DB" export bob -o "$T/bob" --archive-key "$T/akey"
+on "$TO" import "$T/bob" --archive-key "$T/akey"
+sqlite3 "$TO" "UPDATE templates SET id = '$template'"
 on "$TO" import "$T/a" --archive-key "$T/akey"
 is "an id that is another's" "$CODE" 65
 on "$TO" subject list

@@ -18,7 +18,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 ctl verify bob "$T/b.ply"
 ctl audit checkpoint
-is "signed" "$CODE $(said .checkpoint)" "0 8"
+is "signed" "$CODE $(said '[.chain, .checkpoint] | @csv')" '0 "changes",7'
 # As they are in the file: the subject's wrapped key, and some of the encrypted model.
 encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
     JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
@@ -39,30 +39,35 @@ ctl audit show
 is "who did what" "$(said '.entries[] | [.kind, .actor, .outcome] | join(" ")')" "\
 create_key  file
 create_token surfacectl $DOOR
+add_subject $DOOR created
 enroll $DOOR created
 verify $DOOR match
 verify $DOOR no_match
+add_subject $DOOR created
 enroll $DOOR created
 verify surfacectl match
 checkpoint surfacectl 
+delete_template $DOOR deleted
 delete_subject $DOOR deleted
 delete_template surfacectl deleted
 revoke_token surfacectl $DOOR"
-is "with which template" "$(said '.entries[2].template_id')" "$id"
-is "who is here is named" "$(said '.entries[5].subject')" bob
-is "who was erased is not" "$(said '.entries[2] | [.subject, (.subject_ref | length)] | @csv')" ',32'
+is "with which template" "$(said '.entries[3].template_id')" "$id"
+is "in which chain" "$(said '[.entries[] | "\(.chain[:1])\(.seq)"] | join(" ")')" \
+    "c1 c2 c3 c4 u1 u2 c5 c6 u3 c7 c8 c9 c10 c11"
+is "who is here is named" "$(said '.entries[7].subject')" bob
+is "who was erased is not" "$(said '.entries[3] | [.subject, (.subject_ref | length)] | @csv')" ',32'
 ctl audit show --subject alice
-is "but found by the id" "$(said '[.entries[].seq] | @csv')" 3,4,5,9
+is "but found by the id" "$(said '[.entries[].seq] | @csv')" 3,4,1,2,8,9
 ctl audit show --kind verify --limit 2
-is "of a kind, the newest" "$(said '[.entries[].seq] | @csv')" 5,7
+is "of a kind, the newest" "$(said '[.entries[].seq] | @csv')" 2,3
 ctl audit show --since 2999
 is "since then" "$CODE $(said '.entries | length')" "0 0"
 ctl audit show --since soon
 is "no such time" $CODE 65
 "$BUILD/surfacectl" --db "$DB" audit show >"$T/text"
-ok "as text" grep -q "   9  20.*delete_subject .*#[0-9a-f]\{12\} .*$DOOR\$" "$T/text"
+ok "as text" grep -q "^changes        9  20.*delete_subject .*#[0-9a-f]\{12\} .*$DOOR\$" "$T/text"
 ctl audit verify
-is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,11,1"
+is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,14,1"
 key=$(said .public_key)
 
 # ---- the receipt
@@ -122,7 +127,7 @@ is "no file" "$CODE" 66
 "$BUILD/surfacectl" --db "$T/third.db" --json audit receipt "$T/receipt" >"$T/ctl"
 is "another database's" "$? $(said '.problems | length')" '1 1'
 cp "$DB" "$T/copy.db"
-sqlite3 "$T/copy.db" "DELETE FROM erased; UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = 9"
+sqlite3 "$T/copy.db" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE chain = 0 AND seq = 9"
 "$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
 is "what the database does not know of it" "$? $(said '.problems | length')" '1 2'
 ctl subject erase bob --yes
@@ -134,7 +139,7 @@ is "with its digest" "$(receipt .digest)" \
 
 # ---- exported
 ctl audit export --out "$T/log"
-is "exported" "$CODE $(said '[.entries, .public_key] | @csv')" "0 13,\"$key\""
+is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 13,\"$key\""
 is "its owner's" "$(stat -c %a "$T/log")" 600
 is "what an entry is not about is null" \
     "$(jq -c 'select(.kind == "create_token") | [.subject_ref, .template_id]' "$T/log" | sort -u)" '[null,null]'
@@ -143,11 +148,11 @@ file() {
     CODE=$?
 }
 file "$T/log"
-is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 13,2"
+is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 16,2"
 "$BUILD/surfacectl" --db "$DB" audit export >"$T/log2" 2>"$T/err"
 is "to standard output" "$?" 0
 file "$T/log2"
-is "sound too" "$CODE $(said .entries)" "0 14"
+is "sound too" "$CODE $(said .entries)" "0 17"
 ok "nobody is named" sh -c "! grep -q 'alice\|bob' '$T/log2'"
 ctl audit export
 is "not as another JSON" $CODE 64
@@ -168,50 +173,62 @@ wrong() {
     file "$T/changed"
     is "file: $2" "$CODE $(said .first_entry)" "1 $1"
 }
-wrong 3 '/"seq":3,/d'
-wrong 4 '/"seq":4,/s/match/no_match/'
-wrong 5 '/"seq":5,/s/"actor":"./"actor":"x/'
-wrong 5 '/"seq":5,/{h;d};/"seq":6,/G'
-wrong 9 '/"seq":9,/s/.*/{}/'
-wrong 8 '/"checkpoint":8,/s/"signature":"..../"signature":"0000/'
-wrong 9 '/"checkpoint":13,/d'
-wrong 9 '/"seq":13,/d'
-wrong 9 '/"seq":9,/,/nothing/d'
+C='"chain":"changes"' U='"chain":"uses"'
+wrong 3 "/$C,\"seq\":3,/d"
+wrong 4 "/$C,\"seq\":4,/s/created/deleted/"
+wrong 4 "/$C,\"seq\":4,/s/\"row\":\"./\"row\":\"x/"
+wrong 4 "/$C,\"seq\":4,/s/\"object\":\"../\"object\":\"00/"
+wrong 4 "/$C,\"seq\":4,/s/\"uses\":0/\"uses\":1/"
+wrong 5 "/$C,\"seq\":5,/s/\"actor\":\"./\"actor\":\"x/"
+wrong 5 "/$C,\"seq\":5,/{h;d};/$C,\"seq\":6,/G"
+wrong 9 "/$C,\"seq\":9,/s/.*/{}/"
+wrong 7 "/\"checkpoint\":7,/s/\"signature\":\"..../\"signature\":\"0000/"
+wrong 8 '/"checkpoint":13,/d'
+wrong 8 "/$C,\"seq\":13,/d"
 wrong 2 '3s/.*/garbage/'
-wrong 14 '/"checkpoint":13,/s/.*/&\n{"seq":14}/'
+wrong 14 "/\"checkpoint\":13,/s/.*/&\n{$C,\"seq\":14}/"
+wrong 1 "/$U,\"seq\":1,/d"
+wrong 2 "/$U,\"seq\":2,/s/no_match/match/"
+wrong 2 "/$U,\"seq\":2,/{h;d};/$U,\"seq\":3,/G"
+wrong 3 "/$U,\"seq\":3,/d"
+wrong 1 "/$U/d"
 
 # ---- every row of the table, one after the other, in every way
 cp "$DB" "$T/whole"
 stop_daemon
 sqlite3 "$DB" 'PRAGMA wal_checkpoint(TRUNCATE)' >/dev/null
 cp "$DB" "$T/whole"
-last=$(sqlite3 "$DB" 'SELECT max(seq) FROM events')
-# tampered FIRST SQL
+# tampered CHAIN FIRST SQL
 tampered() {
     cp "$T/whole" "$DB"
-    sqlite3 "$DB" "$2"
+    sqlite3 "$DB" "$3"
     ctl audit verify
-    is "$2" "$CODE $(said .first_entry)" "1 $1"
+    is "$3" "$CODE $(said '[.first_chain, .first_entry] | join(" ")')" "1 $1 $2"
 }
-for seq in $(seq "$last"); do
-    tampered "$seq" "DELETE FROM events WHERE seq = $seq"
-    tampered "$seq" "UPDATE events SET outcome = outcome || '.' WHERE seq = $seq"
-    tampered "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE seq = $seq"
-    tampered "$seq" "UPDATE events SET hash = randomblob(32) WHERE seq = $seq"
+for chain in 0 1; do
+    last=$(sqlite3 "$DB" "SELECT max(seq) FROM events WHERE chain = $chain")
+    word=$([ $chain = 0 ] && echo changes || echo uses)
+    for seq in $(seq "$last"); do
+        of="chain = $chain AND seq"
+        tampered $word "$seq" "DELETE FROM events WHERE $of = $seq"
+        tampered $word "$seq" "UPDATE events SET outcome = outcome || '.' WHERE $of = $seq"
+        tampered $word "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE $of = $seq"
+        tampered $word "$seq" "UPDATE events SET hash = randomblob(32) WHERE $of = $seq"
+        [ "$seq" = "$last" ] ||
+            tampered $word "$seq" "UPDATE events SET seq = 99 WHERE $of = $seq;
+                UPDATE events SET seq = $seq WHERE $of = $seq + 1;
+                UPDATE events SET seq = $seq + 1 WHERE $of = 99"
+    done
 done
-for seq in $(seq $((last - 1))); do
-    tampered "$seq" "UPDATE events SET seq = 99 WHERE seq = $seq;
-        UPDATE events SET seq = $seq WHERE seq = $seq + 1; UPDATE events SET seq = $seq + 1 WHERE seq = 99"
-done
-tampered 5 "DELETE FROM events WHERE seq >= 5"
-tampered 8 "DELETE FROM checkpoints WHERE seq = 8"
+tampered changes 5 "DELETE FROM events WHERE chain = 0 AND seq >= 5"
+tampered changes 7 "DELETE FROM checkpoints WHERE seq = 7"
 ctl backup "$T/backup2"
 is "nor is it taken for a backup" "$CODE $(ls "$T/backup2" 2>/dev/null)" "65 "
 ctl check
 is "check finds it as well" "$CODE $(said '.problems | length')" "1 1"
 cp "$T/whole" "$DB"
 ctl check
-is "restored" "$CODE $(said .events)" "0 $last"
+is "restored" "$CODE $(said .problems)" "0 []"
 
 # ---- an id that was changed: what is told of the subject under its former ids is shown
 # too, and nothing of others who had them

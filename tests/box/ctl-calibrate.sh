@@ -90,8 +90,8 @@ is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE ki
 
 # A threshold that nothing is below: enrolment is judged by it too.
 "$BUILD/forge" "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold_mm, low_mm,
-    high_mm, subjects, impostors, genuine, halving_mm, knots, mac) SELECT created, actor, engine, shipped,
-    fmr, 0.0001, 0, 1, subjects, impostors, genuine, halving_mm, knots, mac FROM calibrations"
+    high_mm, subjects, impostors, genuine, halving_mm, knots) SELECT created, actor, engine, shipped,
+    fmr, 0.0001, 0, 1, subjects, impostors, genuine, halving_mm, knots FROM calibrations"
 send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
 problem "a sample, by a strict calibration" 409 sample_mismatch
 is "with its threshold" "$(get .threshold_mm)" 0.0001

@@ -105,7 +105,7 @@ AUTH=$enroll
 req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'
 is "created" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
     '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T00:00:00.000Z"]'
-is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '1 d@ora:1'
+is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '2 d@ora:1'
 req POST /v1/subjects -H "$JSON" -d '{"subject": "alice"}'
 problem "it exists" 409 exists
 for body in '{}' '{"subject": null}' '{"subject": "a b"}' '{"subject": "x", "hold": true}' \

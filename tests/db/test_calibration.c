@@ -241,9 +241,10 @@ static void test_damaged(void **state)
         "UPDATE calibrations SET threshold_mm = threshold_mm + 1",
         "UPDATE calibrations SET shipped = 1",
         "UPDATE calibrations SET actor = 'nobody'",
-        "UPDATE calibrations SET mac = zeroblob(31)",
+        "UPDATE events SET row_mac = zeroblob(32) WHERE kind = 'calibrate'",
+        "DELETE FROM events WHERE kind = 'calibrate'",
         "INSERT INTO calibrations SELECT 7, created, actor, engine, shipped, fmr, 8,"
-        " low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots, mac"
+        " low_mm, high_mm, subjects, impostors, genuine, halving_mm, knots"
         " FROM calibrations",
     };
 

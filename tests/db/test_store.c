@@ -182,14 +182,15 @@ static void test_events(void **state)
     assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
     assert_int_equal(store_stats(s, &stats, &e), ST_OK);
     assert_int_equal(stats.events,
-                     5); /* create_key, enroll, verify, compare, delete_subject */
+                     7); /* create_key, add_subject, enroll, verify, compare,
+                            delete_template, delete_subject */
     assert_int_equal(stats.subjects, 0);
     assert_int_equal(stats.templates, 0);
     assert_true(stats.file_bytes > 0);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(DISTINCT subject) FROM events"), 2);
     assert_int_equal(
-        tempdb_number("SELECT count(*) FROM events WHERE length(subject) = 16"), 3);
+        tempdb_number("SELECT count(*) FROM events WHERE length(subject) = 16"), 5);
 }
 
 static void test_bad_arguments(void **state)

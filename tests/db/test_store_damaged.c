@@ -246,7 +246,7 @@ static void test_full_disk(void **state)
             failures++;
             assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 1);
             assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
-            assert_int_equal(tempdb_number("SELECT count(*) FROM events"), 2);
+            assert_int_equal(tempdb_number("SELECT count(*) FROM events"), 3);
         }
     }
     print_message("%u enrolments failed: %s\n", failures, e.msg);

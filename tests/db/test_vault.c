@@ -283,8 +283,18 @@ static void test_rows(void **state)
 /* No two different entries have the same hash input. */
 static void test_chain(void **state)
 {
-    const struct store_chain_entry a = {1, "at", "kind", "actor", NULL, 0, "", "ok"};
-    const struct store_chain_entry b = {1, "at", "kinda", "ctor", NULL, 0, "", "ok"};
+    const struct store_chain_entry a = {.seq = 1,
+                                        .at = "at",
+                                        .kind = "kind",
+                                        .actor = "actor",
+                                        .template_id = "",
+                                        .outcome = "ok"};
+    const struct store_chain_entry b = {.seq = 1,
+                                        .at = "at",
+                                        .kind = "kinda",
+                                        .actor = "ctor",
+                                        .template_id = "",
+                                        .outcome = "ok"};
     unsigned char start[STORE_CHAIN_HASH] = {0}, x[STORE_CHAIN_HASH], y[STORE_CHAIN_HASH];
     struct vault_root root;
     struct vault *v, *w;
@@ -298,10 +308,10 @@ static void test_chain(void **state)
     assert_memory_not_equal(x, y, sizeof x);
     make(&root, &v);
     make(&root, &w);
-    store_chain_end(v, 1, x, start);
-    store_chain_end(v, 2, x, y);
+    store_chain_end(v, STORE_CHAIN_CHANGES, 1, x, start);
+    store_chain_end(v, STORE_CHAIN_CHANGES, 2, x, y);
     assert_memory_not_equal(start, y, sizeof y);
-    store_chain_end(w, 1, x, y); /* another database's */
+    store_chain_end(w, STORE_CHAIN_CHANGES, 1, x, y); /* another database's */
     assert_memory_not_equal(start, y, sizeof y);
     vault_free(v);
     vault_free(w);

@@ -1,13 +1,14 @@
-/* forge.h -- rows as no program writes them, with right MACs: for tests of past times and
- * of settings that cannot be reached otherwise.  It takes the database's key. */
+/* forge.h -- rows as no program writes them, which the audit log tells of all the same: for
+ * tests of past times and of settings that cannot be reached otherwise.  It takes the
+ * database's key. */
 #ifndef TESTS_FORGE_H
 #define TESTS_FORGE_H
 #include "status.h"
 
 struct errinfo;
 
-/* forge_sql(path, sql, e): run statements on a database, in one transaction, and set the
- * MACs of all tokens and calibrations as they are then. */
+/* forge_sql(path, sql, e): run statements on a database, and append to the changes what they
+ * leave of each row. */
 enum status forge_sql(const char *path, const char *sql, struct errinfo *e);
 
 #endif
