@@ -185,6 +185,7 @@ enum status store_open(const char *path, enum store_mode mode,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
     store_use_model(s, NULL);
+    store_head_init(&s->heads);
     if ((st = store_vault_init(&s->vaults, s->path, key != NULL ? key : &usual, e)) ==
             ST_OK &&
         sodium_init() < 0)
@@ -217,6 +218,7 @@ void store_close(struct store *s)
         return;
     sql_close(s->sql);
     store_vault_free(&s->vaults);
+    store_head_free(&s->heads);
     free(s->path);
     free(s);
 }

@@ -44,14 +44,17 @@ static void release(struct store_txn *t)
 enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_txn *t,
                             struct errinfo *e)
 {
+    struct store_head before;
     enum status st;
 
     *t = (struct store_txn){.store = s, .how = how};
     if (atomic_load(&s->refusal.stands))
         return errinfo_set(e, ST_EREFUSED, "%s", s->refusal.why.msg);
     t->held = store_vault_take(&s->vaults);
+    before = store_head_now(&s->heads);
     if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK &&
-        (st = use_vault(s, t, e)) != ST_OK)
+        ((st = use_vault(s, t, e)) != ST_OK ||
+         (st = store_head_see(t, &before, e)) != ST_OK))
         (void)sql_end(t->sql, st, NULL);
     if (st != ST_OK)
         release(t);

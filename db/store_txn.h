@@ -3,6 +3,7 @@
 #define DB_STORE_TXN_H
 #include <stdatomic.h>
 #include "sql.h"
+#include "store_head.h"
 #include "store_types.h"
 #include "store_vault.h"
 
@@ -12,6 +13,7 @@ struct store {
     const struct model *model; /* store_use_model() */
     char made_by[FACE_ENGINE_MAX + 1];
     struct store_vaults vaults;
+    struct store_heads heads;
     bool open;             /* store_open() has succeeded */
     struct store_refusal { /* of the database as a whole, until it is opened again */
         atomic_flag begun;
@@ -30,7 +32,7 @@ struct store_txn {
 };
 
 /* store_txn_begin(s, how, t, e): as sql_begin().  ST_EREFUSED: the database is not the one that
- * was opened (for good), or its key was changed and the new one is not known here.
+ * was opened, or an older one (for good), or its key was changed and the new one is not known here.
  * store_txn_end(t, st, e): as sql_end().  Where it sees that another process has erased, that
  * one's bytes are scrubbed too: it may have ended before it could.
  * store_txn_refuse(s, e): what e says of the database was found by a transaction: while the store

@@ -275,7 +275,9 @@ static void test_tampered(void **state)
             fail_msg("before: %s", f.lines[0]);
         assert_int_equal(a.entries, USES + 4);
         assert_int_equal(a.checkpoints, 2);
+        store_close(s); /* an open one would refuse another chain */
         tempdb_sql(cases[i].sql);
+        s = tempdb_open(STORE_WRITE);
         a = verify(s, &f);
         for (unsigned k = 0; k < f.n && k < 20; k++)
             told = told || strstr(f.lines[k], cases[i].line) != NULL;
@@ -309,7 +311,65 @@ static void test_after(void **state)
     assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
     assert_non_null(strstr(e.msg, "the end of the audit log"));
     tempdb_sql("DELETE FROM events_end; DELETE FROM events; DELETE FROM checkpoints");
-    assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_ECORRUPT);
+    assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_EREFUSED);
+    store_close(s);
+}
+
+/* An older copy of the file's content in the place of what an open store has seen, with every
+ * MAC right, is refused for good; so is another end of the same length. */
+static void test_back(void **state)
+{
+    static const char *const back[] = {
+        "UPDATE events_end SET seq = old.seq, hash = old.hash, mac = old.mac "
+        "FROM old WHERE events_end.chain = old.chain;"
+        "DELETE FROM events WHERE chain = 0 AND seq > (SELECT seq FROM old WHERE chain = 0)",
+        "UPDATE events_end SET hash = zeroblob(32) WHERE chain = 0",
+        "DELETE FROM events_end WHERE chain = 0",
+        "UPDATE events_end SET seq = seq + 1 WHERE chain = 0",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof back / sizeof *back; i++) {
+        struct store *s = tempdb_fresh();
+        struct store_subject alice = {.id = "alice"}, bob = {.id = "bob"};
+        struct errinfo why;
+
+        assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
+        tempdb_sql("CREATE TABLE old AS SELECT * FROM events_end");
+        assert_int_equal(store_subject_add(s, "test", &bob, &e), ST_OK);
+        assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
+        assert_false(store_refused(s, &why));
+        tempdb_sql(back[i]);
+        assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_EREFUSED);
+        assert_true(store_refused(s, &why));
+        assert_non_null(strstr(why.msg, "not as this program has seen it"));
+        tempdb_sql("INSERT INTO events_end SELECT * FROM old WHERE true "
+                   "ON CONFLICT (chain) DO NOTHING");
+        assert_int_equal(store_event(s, "verify", "door", "", "", "", &e), ST_EREFUSED);
+        store_close(s);
+    }
+}
+
+/* The end of the uses, with its MAC, from before the last change. */
+static void test_uses_cut(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_audit_mark m;
+    struct store_audit a;
+    struct found f;
+
+    (void)state;
+    event(s, "verify", "alice");
+    tempdb_sql("CREATE TABLE old AS SELECT * FROM events_end WHERE chain = 1");
+    event(s, "verify", "mallory");
+    assert_int_equal(store_audit_sign(s, "test", "checkpoint", &m, &e), ST_OK);
+    tempdb_sql("DELETE FROM events WHERE chain = 1 AND seq = 2;"
+               "UPDATE events_end SET seq = old.seq, hash = old.hash, mac = old.mac "
+               "FROM old WHERE events_end.chain = 1");
+    a = verify(s, &f);
+    assert_int_equal(a.chain, STORE_CHAIN_USES);
+    assert_int_equal(a.first, 2);
+    assert_non_null(strstr(f.lines[0], "the last when the last change was made"));
     store_close(s);
 }
 
@@ -531,6 +591,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tampered),  cmocka_unit_test(test_after),
+        cmocka_unit_test(test_back),      cmocka_unit_test(test_uses_cut),
         cmocka_unit_test(test_made_anew), cmocka_unit_test(test_signed),
         cmocka_unit_test(test_list),      cmocka_unit_test(test_receipt),
     };

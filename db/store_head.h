@@ -1,0 +1,33 @@
+/* store_head.h -- how far an open store has seen the chain of changes.  It never goes back:
+ * each transaction that finds it longer verifies what was added, and one that finds another
+ * chain refuses the database (store_txn_refuse()). */
+#ifndef DB_STORE_HEAD_H
+#define DB_STORE_HEAD_H
+#include <pthread.h>
+#include "store_chain.h"
+
+struct errinfo;
+struct store_txn; /* store_txn.h */
+
+struct store_head {
+    bool known;
+    uint64_t seq; /* of the last change, and its hash */
+    unsigned char hash[STORE_CHAIN_HASH];
+};
+
+struct store_heads {
+    pthread_mutex_t lock;
+    struct store_head newest;
+};
+
+void store_head_init(struct store_heads *h);
+void store_head_free(struct store_heads *h);
+
+/* store_head_now(h): to be asked before a transaction begins, which then sees as much at least.
+ * store_head_see(t, before, e): is the end that t sees that of the same chain?  ST_EREFUSED: it is
+ * not.  What is wrong with the end of a store that is just being opened is for others to find. */
+struct store_head store_head_now(struct store_heads *h);
+enum status store_head_see(struct store_txn *t, const struct store_head *before,
+                           struct errinfo *e);
+
+#endif
