@@ -1,5 +1,6 @@
 #include "store_walk.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 #include "errinfo.h"
@@ -124,38 +125,52 @@ static void report_row(void *arg, uint64_t seq, const char *line)
     store_chain_problem(arg, seq, line);
 }
 
-static enum status verify(struct store_txn *t, struct walking *x,
-                          struct store_chain_walk w[STORE_CHAINS],
-                          struct store_audit *out, struct errinfo *e)
+static enum status walk_chain(struct store_txn *t, struct walking *x,
+                              struct store_chain_walk *w, uint64_t *entries,
+                              struct errinfo *e)
 {
-    struct store_chain_walk *changes = &w[STORE_CHAIN_CHANGES];
-    bool has = true;
-    uint64_t first;
     enum status st;
 
-    for (int i = 0; i < STORE_CHAINS; i++) {
-        x->w = &w[i];
-        if ((st = walk(t, x, &out->entries, e)) != ST_OK ||
-            (st = stop(t, &w[i], e)) != ST_OK)
-            return st;
-    }
-    if ((st = row_event_has(t, STORE_CHAIN_USES, x->bound.seq, x->bound.hash, &has, e)) !=
-        ST_OK)
+    x->w = w;
+    st = walk(t, x, entries, e);
+    return st == ST_OK ? stop(t, w, e) : st;
+}
+
+/* The uses, which end where the last change says or later. */
+static enum status walk_uses(struct store_txn *t, struct walking *x,
+                             struct store_chain_walk *w, uint64_t *entries,
+                             struct errinfo *e)
+{
+    bool has = true;
+    enum status st = walk_chain(t, x, w, entries, e);
+
+    if (st != ST_OK || (st = row_event_has(t, STORE_CHAIN_USES, x->bound.seq,
+                                           x->bound.hash, &has, e)) != ST_OK)
         return st;
     if (!has)
-        store_chain_problem(&w[STORE_CHAIN_USES], x->bound.seq,
+        store_chain_problem(w, x->bound.seq,
                             "it is not the one that was the last when the last change "
                             "was made");
+    return ST_OK;
+}
+
+static enum status hold_rows(struct store_txn *t, struct walking *x,
+                             struct store_chain_walk *changes, struct errinfo *e)
+{
+    const uint64_t first = changes->first;
+    enum status st;
+
     x->rows->last = changes->end;
-    first = changes->first;
     st = row_check_rows(x->rows, t, report_row, changes, e);
     if (first != 0) /* what is wrong with rows follows from what is wrong with entries */
         changes->first = first;
     return st;
 }
 
-enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
-                               struct store_audit *out, struct errinfo *e)
+/* The changes, perhaps the uses, and the rows.  *broken: problems of the changes themselves. */
+static enum status verify(struct store *s, bool uses, store_chain_report *report,
+                          void *arg, struct store_audit *out, uint64_t *broken,
+                          struct errinfo *e)
 {
     unsigned char public[VAULT_KEY];
     struct store_chain_walk w[STORE_CHAINS];
@@ -170,9 +185,37 @@ enum status store_audit_verify(struct store *s, store_chain_report *report, void
     vault_public(t.vault, public);
     for (int i = 0; i < STORE_CHAINS; i++)
         store_chain_walk(&w[i], (enum store_chain)i, public, report, arg);
-    st = store_txn_end(&t, verify(&t, &x, w, out, e), e);
+    st = walk_chain(&t, &x, &w[STORE_CHAIN_CHANGES], &out->entries, e);
+    *broken = w[STORE_CHAIN_CHANGES].problems;
+    if (st == ST_OK && uses)
+        st = walk_uses(&t, &x, &w[STORE_CHAIN_USES], &out->entries, e);
+    if (st == ST_OK)
+        st = hold_rows(&t, &x, &w[STORE_CHAIN_CHANGES], e);
     row_check_free(&rows);
     for (int i = 0; i < STORE_CHAINS; i++)
         store_walk_add(out, &w[i]);
-    return st;
+    return store_txn_end(&t, st, e);
+}
+
+enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
+                               struct store_audit *out, struct errinfo *e)
+{
+    uint64_t broken;
+
+    return verify(s, true, report, arg, out, &broken, e);
+}
+
+enum status store_state_verify(struct store *s, store_chain_report *report, void *arg,
+                               struct store_audit *out, struct errinfo *e)
+{
+    uint64_t broken = 0;
+    const enum status st = verify(s, false, report, arg, out, &broken, e);
+
+    if (st != ST_OK || broken == 0)
+        return st;
+    return errinfo_set(e, ST_EREFUSED,
+                       "the audit log of changes is not what was written, from entry "
+                       "%" PRIu64 " on: surfacectl audit verify tells more, restore a "
+                       "backup",
+                       out->first);
 }

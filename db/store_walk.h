@@ -11,6 +11,12 @@
 enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e);
 
+/* store_state_verify(s, report, arg, out, e): the same but for the uses: all on which answers
+ * depend.  ST_EREFUSED: the changes themselves are not as they were written, so that rows may be
+ * older ones unnoticed. */
+enum status store_state_verify(struct store *s, store_chain_report *report, void *arg,
+                               struct store_audit *out, struct errinfo *e);
+
 /* store_walk_add(out, w): what a walk that came to its end has found, but for its entries. */
 void store_walk_add(struct store_audit *out, const struct store_chain_walk *w);
 

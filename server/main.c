@@ -28,7 +28,31 @@
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
 #define STALLED_MS 60000.0 /* without a response from any worker: something is wrong */
+#define TOLD       20      /* problems of a database in the log */
 #define FLUSH_MS   2000.0  /* for the responses that are ready by then */
+
+static void tell_row(void *arg, enum store_chain chain, uint64_t seq, const char *line)
+{
+    unsigned *told = arg;
+    struct log_entry l;
+
+    (void)chain;
+    if (++*told > TOLD)
+        return;
+    log_begin(&l, "error", "the database is not what was written");
+    log_count(&l, "change", seq);
+    log_text(&l, "problem", line);
+    log_end(&l);
+}
+
+/* A row that is not what was written last is an error where it is used; here it is told. */
+static enum status verify_state(struct store *s, struct errinfo *e)
+{
+    struct store_audit found;
+    unsigned told = 0;
+
+    return store_state_verify(s, tell_row, &told, &found, e);
+}
 
 static enum status start(const struct options *o, struct app *app, struct http **http,
                          char url[HTTP_URL_MAX], struct errinfo *e)
@@ -46,6 +70,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
         st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, &app->store,
                         e);
     if (st != ST_OK)
+        return st;
+    if ((st = verify_state(app->store, e)) != ST_OK)
         return st;
     store_use_model(app->store, app->model);
     app->cache = cache_new((size_t)o->cache_mb << 20);
