@@ -64,6 +64,8 @@ const struct setting options_table[] = {
      "for the client to take its response"},
     {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
      "N", "megabytes of decoded templates kept in memory; 0: none"},
+    {"audit-days", SETTING_NUMBER, "0", offsetof(struct options, audit_days), 0, 36500,
+     "N", "days that the audit log keeps verifications; 0: for ever"},
     {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,
      "logfmt|json", "how the log's lines are written"},
 };

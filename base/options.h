@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     21
+#define OPTIONS_ROWS     22
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -34,6 +34,7 @@ struct options {
     unsigned attempt_wait;      /* s */
     unsigned cache_mb;          /* of decoded templates; 0: none are kept */
     unsigned log_format;        /* enum log_format */
+    unsigned audit_days;        /* that uses are kept in the audit log; 0: for ever */
     const char *tls_cert, *tls_key, *tls_client_ca;
     bool plaintext;
     unsigned max_connections;

@@ -19,7 +19,7 @@
 #define LINE  4096 /* bytes of a file's line, at most */
 
 static const char *about, *kind, *since; /* --subject, --kind, --since */
-static uint32_t limit;                   /* --limit */
+static uint32_t limit, keep;             /* --limit, --keep */
 
 /* ---- show */
 
@@ -357,6 +357,7 @@ static bool walk_entry(struct review *review, struct store_chain_walk *w,
     if (w->chain == STORE_CHAIN_CHANGES) {
         review->uses = entry.uses;
         memcpy(review->uses_hash, uses_hash, sizeof uses_hash);
+        store_chain_base(&review->walk[STORE_CHAIN_USES], &entry);
     }
     store_chain_step(w, &entry, hash);
     review->entries++;
@@ -505,6 +506,25 @@ static enum status verify(struct ctl *c)
     return ST_OK;
 }
 
+/* ---- trim */
+
+static enum status trim(struct ctl *c)
+{
+    uint64_t cut = 0;
+    enum status st;
+
+    if (keep == 0)
+        return ctl_usage(c, "--keep DAYS is missing");
+    st = store_audit_trim(c->store, CTL_ACTOR, keep, c->dry_run, &cut, &c->e);
+    if (st != ST_OK)
+        return st;
+    json_number(c->out, "cut", (double)cut);
+    json_flag(c->out, "dry_run", c->dry_run);
+    ctl_say(c, "%" PRIu64 " uses are older than %" PRIu32 " days%s\n", cut, keep,
+            c->dry_run ? "" : " and were cut off");
+    return ST_OK;
+}
+
 /* ---- erased */
 
 static enum status erased(struct ctl *c)
@@ -585,6 +605,20 @@ const struct ctl_command ctl_audit_checkpoint = {
     .help =
         "Keep the output elsewhere: with it, an older log that was put back can be recognised.",
     .example = "surfacectl --db faces.db --json audit checkpoint"};
+
+const struct ctl_command ctl_audit_trim = {
+    .name = "audit trim",
+    .database = CTL_WRITES_DATABASE,
+    .shared = CTL_DRY_RUN,
+    .options = {CTL_OPTION("keep", "DAYS", ctl_option_whole, &keep,
+                           "how long entries are kept")},
+    .run = trim,
+    .summary = "cut off the oldest verifications of the audit log",
+    .help =
+        "Entries of uses (verifications, comparisons, refusals, exports) that are older than\n"
+        "--keep.  Changes are kept for ever; one of them says where the uses begin now, so that\n"
+        "audit verify finds every other loss.  surfaced does it by itself: audit-days.",
+    .example = "surfacectl --db faces.db audit trim --keep 400"};
 
 const struct ctl_command ctl_audit_erased = {
     .name = "audit erased",

@@ -10,6 +10,8 @@
 #include "row_crypt.h"
 #include "store_txn.h"
 
+const unsigned char row_event_uses[STORE_CHAIN_OBJECT] = "uses";
+
 static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
                             enum store_chain chain, uint64_t *seq,
                             unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)

@@ -15,6 +15,9 @@ struct row_event_row { /* of a table whose rows the changes leave */
     const unsigned char *ref; /* of the subject, where its id is not known; or NULL */
 };
 
+/* The object of changes that cut off uses (STORE_CHAIN_TRIM), which is no row. */
+extern const unsigned char row_event_uses[STORE_CHAIN_OBJECT];
+
 /* Receives a row; name: of it, for messages. */
 typedef enum status row_event_see(void *arg, const struct row_event_row *now,
                                   const char *name, struct errinfo *e);

@@ -30,6 +30,7 @@
 #include "store_subject.h"
 #include "store_template.h"
 #include "store_token.h"
+#include "store_trim.h"
 #include "store_types.h"
 #include "store_walk.h"
 

@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bytes.h"
@@ -155,6 +156,16 @@ static bool come_to(struct store_chain_walk *w, uint64_t seq)
         w->lost = true;
     }
     return true;
+}
+
+void store_chain_base(struct store_chain_walk *uses,
+                      const struct store_chain_entry *entry)
+{
+    if (strcmp(entry->kind, STORE_CHAIN_TRIM) != 0 || entry->nrow != sizeof uses->hash)
+        return;
+    uses->seq = strtoull(entry->outcome, NULL, 10);
+    memcpy(uses->hash, entry->row, sizeof uses->hash);
+    memcpy(uses->made, entry->row, sizeof uses->made);
 }
 
 void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,

@@ -18,6 +18,10 @@
 #define STORE_CHAIN_SIGN   "checkpoint"
 #define STORE_CHAIN_EXPORT "export_audit"
 
+/* The kind of a change that cuts off the oldest uses: outcome has the number of the last, row its
+ * hash, after which the chain begins from then on. */
+#define STORE_CHAIN_TRIM "trim_uses"
+
 struct store_chain_entry {
     enum store_chain chain;
     uint64_t seq; /* 1, 2, ... */
@@ -86,11 +90,15 @@ void store_chain_walk(struct store_chain_walk *w, enum store_chain chain,
                       const unsigned char public[VAULT_KEY], store_chain_report *report,
                       void *arg);
 
-/* store_chain_step(w, entry, hash): the next entry and the hash that it has.  Each is held
+/* store_chain_base(w, entry): where the chain of the uses begins by an entry of the changes, as the
+ * latest of them says.  Before the first step along it.
+ * store_chain_step(w, entry, hash): the next entry and the hash that it has.  Each is held
  * against the one before; a run of wrong ones is one report.
  * store_chain_damaged(w, seq): an entry that cannot be read.
  * store_chain_pass(w, m): a mark of the entry just stepped to.
  * store_chain_stop(w, seq, hash): the chain should end here (store_chain_end()). */
+void store_chain_base(struct store_chain_walk *uses,
+                      const struct store_chain_entry *entry);
 void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,
                       const unsigned char hash[STORE_CHAIN_HASH]);
 void store_chain_damaged(struct store_chain_walk *w, uint64_t seq);

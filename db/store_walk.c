@@ -17,6 +17,7 @@ struct bound {
 };
 
 struct walking {
+    struct store_chain_walk *uses; /* that of the other chain, for where it begins */
     struct store_chain_walk *w;
     struct row_check *rows;
     struct bound bound;
@@ -37,6 +38,7 @@ static enum status step(struct walking *x, const struct sql_rows *from, struct e
     if (sound && r.nuses_hash != 0) {
         x->bound.seq = r.uses;
         memcpy(x->bound.hash, r.uses_hash, sizeof x->bound.hash);
+        store_chain_base(x->uses, &entry);
     }
     if (sql_column(from, COL_MARK).type != SQL_NULL) {
         if (row_entry_mark(from, COL_MARK, &m))
@@ -136,16 +138,21 @@ static enum status walk_chain(struct store_txn *t, struct walking *x,
     return st == ST_OK ? stop(t, w, e) : st;
 }
 
-/* The uses, which end where the last change says or later. */
+/* The uses, which end where the last change says or later; there may have been none since it cut
+ * them off. */
 static enum status walk_uses(struct store_txn *t, struct walking *x,
                              struct store_chain_walk *w, uint64_t *entries,
                              struct errinfo *e)
 {
+    const bool none =
+        x->bound.seq == w->seq && memcmp(x->bound.hash, w->hash, sizeof w->hash) == 0;
     bool has = true;
     enum status st = walk_chain(t, x, w, entries, e);
 
-    if (st != ST_OK || (st = row_event_has(t, STORE_CHAIN_USES, x->bound.seq,
-                                           x->bound.hash, &has, e)) != ST_OK)
+    if (st != ST_OK || none)
+        return st;
+    st = row_event_has(t, STORE_CHAIN_USES, x->bound.seq, x->bound.hash, &has, e);
+    if (st != ST_OK)
         return st;
     if (!has)
         store_chain_problem(w, x->bound.seq,
@@ -175,7 +182,7 @@ static enum status verify(struct store *s, bool uses, store_chain_report *report
     unsigned char public[VAULT_KEY];
     struct store_chain_walk w[STORE_CHAINS];
     struct row_check rows = {.n = 0};
-    struct walking x = {.rows = &rows};
+    struct walking x = {.rows = &rows, .uses = &w[STORE_CHAIN_USES]};
     struct store_txn t;
     enum status st;
 

@@ -13,6 +13,7 @@ struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
 struct model;       /* model.h */
 struct queue;       /* queue.h */
+struct retention;   /* retention.h */
 struct route;       /* route.h */
 struct store;       /* store.h */
 struct throttle;    /* throttle.h */
@@ -26,8 +27,9 @@ struct app {
     struct attempts *attempts;
     struct throttle *throttle;
     struct queue *queue;
-    struct guard *guard;        /* of the connections; http.c's */
-    const struct route *routes; /* [nroutes] */
+    struct retention *retention; /* NULL: uses are kept for ever */
+    struct guard *guard;         /* of the connections; http.c's */
+    const struct route *routes;  /* [nroutes] */
     size_t nroutes;
     bool no_auth;
     size_t max_body; /* bytes */

@@ -19,6 +19,7 @@
 #include "modelfile.h"
 #include "options.h"
 #include "queue.h"
+#include "retention.h"
 #include "routes.h"
 #include "service.h"
 #include "settings.h"
@@ -80,8 +81,11 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
     app->attempts = attempts_new(o->attempts, o->attempt_wait);
     app->throttle = throttle_new(o->rate_limit_tokens);
-    if (app->cache == NULL || app->metrics == NULL || app->idempotency == NULL ||
-        app->attempts == NULL || app->throttle == NULL)
+    if (o->audit_days > 0)
+        app->retention = retention_start(app->store, o->audit_days);
+    if ((app->retention == NULL && o->audit_days > 0) || app->cache == NULL ||
+        app->metrics == NULL || app->idempotency == NULL || app->attempts == NULL ||
+        app->throttle == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -96,6 +100,7 @@ static void stop(struct app *app, struct http *http)
         queue_stop(app->queue);
     http_stop(http);
     queue_free(app->queue);
+    retention_stop(app->retention);
     cache_free(app->cache);
     metrics_free(app->metrics);
     idempotency_free(app->idempotency);

@@ -230,6 +230,35 @@ cp "$T/whole" "$DB"
 ctl check
 is "restored" "$CODE $(said .problems)" "0 []"
 
+# ---- the oldest uses cut off: the chain and exports go on from there
+ctl audit trim
+is "for how long?" "$CODE" 64
+ctl audit trim --keep 30
+is "none is as old" "$CODE $(said .cut)" "0 0"
+if command -v faketime >/dev/null && [ -z "${SANITIZED:-}" ]; then
+    later() {
+        faketime -f +400d "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
+        CODE=$?
+    }
+    later audit trim --keep 399 --dry-run
+    is "they would be" "$CODE $(said '[.cut, .dry_run] | @csv')" "0 3,true"
+    later audit trim --keep 399
+    is "they are" "$CODE $(said .cut)" "0 3"
+    is "no use is left" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE chain = 1")" 0
+    ctl audit show --kind trim_uses
+    is "a change says so" "$(said '.entries[] | [.actor, .outcome] | @csv')" '"surfacectl","3"'
+    ctl verify carol "$T/b.ply" # nobody: refused, and no use of it
+    ctl template export "$(sqlite3 "$DB" 'SELECT id FROM templates LIMIT 1')" --out "$T/t.ply"
+    ctl audit verify
+    is "all as it was written" "$CODE $(said .ok)" "0 true"
+    ctl audit export --out "$T/log3"
+    file "$T/log3"
+    is "so is the export" "$CODE $(said .ok)" "0 true"
+    sed '/"kind":"trim_uses"/s/"outcome":"3"/"outcome":"2"/' "$T/log3" >"$T/changed"
+    file "$T/changed"
+    is "which must say where" "$CODE" 1
+fi
+
 # ---- an id that was changed: what is told of the subject under its former ids is shown
 # too, and nothing of others who had them
 DB=$T/renamed.db

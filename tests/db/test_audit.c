@@ -1,3 +1,4 @@
+#define _DEFAULT_SOURCE /* syscall() */
 /* The audit log: a change of its rows by another program is found, with its place;
  * signatures can be verified without the database. */
 #include <setjmp.h>
@@ -7,6 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 #include <cmocka.h>
 
 #include "errinfo.h"
@@ -48,6 +52,19 @@ static struct store_audit verify(struct store *s, struct found *f)
     return a;
 }
 
+/* The wall clock of this program: forty days ago while the first uses are written. */
+static bool long_ago;
+static int old_uses; /* written() writes so many then */
+
+int clock_gettime(clockid_t clock, struct timespec *ts)
+{
+    const int done = (int)syscall(SYS_clock_gettime, clock, ts);
+
+    if (clock == CLOCK_REALTIME && long_ago)
+        ts->tv_sec -= 40 * 86400;
+    return done;
+}
+
 static void event(struct store *s, const char *kind, const char *subject)
 {
     if (store_event(s, kind, "door", subject, "", "match", &e) != ST_OK)
@@ -63,12 +80,14 @@ static struct store *written(void)
     struct store_audit_mark m;
 
     for (int i = 1; i <= USES; i++) {
+        long_ago = i <= old_uses;
         event(s, "verify", i % 2 == 0 ? "alice" : "bob");
         if (i == 6)
             assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
         if (i == 4 || i == 8)
             assert_int_equal(store_audit_sign(s, "test", "checkpoint", &m, &e), ST_OK);
     }
+    long_ago = false;
     return s;
 }
 
@@ -373,6 +392,52 @@ static void test_uses_cut(void **state)
     store_close(s);
 }
 
+/* The oldest uses are cut off; the chain goes on from there, and every other loss is found. */
+static void test_trim(void **state)
+{
+    struct store *s = written();
+    struct store_audit a;
+    struct found f;
+    uint64_t cut;
+
+    (void)state;
+    assert_int_equal(store_audit_trim(s, "test", 0, false, &cut, &e), ST_EINVAL);
+    assert_int_equal(store_audit_trim(s, "test", 30, false, &cut, &e), ST_OK);
+    assert_int_equal(cut, 0); /* none is as old, and nothing is said */
+    assert_int_equal(tempdb_number("SELECT count(*) FROM events"), USES + 4);
+    store_close(s);
+    for (int left = USES; left >= 0; left--) { /* so many are younger */
+        char text[400];
+
+        old_uses = USES - left;
+        s = written();
+        old_uses = 0;
+        assert_int_equal(store_audit_trim(s, "test", 30, true, &cut, &e), ST_OK);
+        assert_int_equal(cut, USES - left);
+        assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE chain = 1"),
+                         USES);
+        assert_int_equal(store_audit_trim(s, "test", 30, false, &cut, &e), ST_OK);
+        assert_int_equal(cut, USES - left);
+        assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE chain = 1"),
+                         left);
+        a = verify(s, &f);
+        if (f.n > 0)
+            fail_msg("%d left: %s", left, f.lines[0]);
+        event(s, "verify", "alice");
+        a = verify(s, &f);
+        assert_int_equal(f.n, 0);
+        assert_int_equal(a.entries, left + 1 + 4 + (left < USES));
+        (void)snprintf(text, sizeof text,
+                       "DELETE FROM events WHERE chain = 1 AND seq = %d",
+                       USES - left + 1);
+        tempdb_sql(text); /* the next one goes too, without a word */
+        a = verify(s, &f);
+        assert_int_equal(a.chain, STORE_CHAIN_USES);
+        assert_int_equal(a.first, USES - left + 1);
+        store_close(s);
+    }
+}
+
 /* Entries replaced, with hashes that fit, but without the keys: the signature is
  * wrong. */
 static void test_made_anew(void **state)
@@ -590,10 +655,11 @@ static void test_receipt(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tampered),  cmocka_unit_test(test_after),
-        cmocka_unit_test(test_back),      cmocka_unit_test(test_uses_cut),
-        cmocka_unit_test(test_made_anew), cmocka_unit_test(test_signed),
-        cmocka_unit_test(test_list),      cmocka_unit_test(test_receipt),
+        cmocka_unit_test(test_tampered), cmocka_unit_test(test_after),
+        cmocka_unit_test(test_back),     cmocka_unit_test(test_uses_cut),
+        cmocka_unit_test(test_trim),     cmocka_unit_test(test_made_anew),
+        cmocka_unit_test(test_signed),   cmocka_unit_test(test_list),
+        cmocka_unit_test(test_receipt),
     };
 
     return cmocka_run_group_tests_name("audit", tests, tempdb_begin, tempdb_end);
