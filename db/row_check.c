@@ -10,6 +10,7 @@
 #include "row_subject.h"
 #include "row_template.h"
 #include "row_token.h"
+#include "store_latest.h"
 
 struct row_check_left { /* by an entry */
     unsigned char object[STORE_CHAIN_OBJECT], mac[VAULT_HASH];
@@ -40,6 +41,15 @@ enum status row_check_add(struct row_check *c, const struct row_entry *r,
     one->gone = r->nrow == 0;
     one->seen = false;
     return ST_OK;
+}
+
+bool row_check_latest(const struct row_check *c, struct store_latest *l)
+{
+    bool done = store_latest_begin(l);
+
+    for (size_t i = 0; i < c->n && done; i++)
+        done = store_latest_add(l, c->left[i].object, c->left[i].seq);
+    return done;
 }
 
 void row_check_free(struct row_check *c)

@@ -5,6 +5,8 @@
 #include "row_entry.h"
 #include "row_event.h"
 
+struct store_latest; /* store_latest.h */
+
 struct row_check { /* all zero at first */
     struct row_check_left *left;
     size_t n, room;
@@ -21,6 +23,9 @@ enum status row_check_add(struct row_check *c, const struct row_entry *r,
 enum status row_check_rows(struct row_check *c, struct store_txn *t,
                            void (*report)(void *arg, uint64_t seq, const char *line),
                            void *arg, struct errinfo *e);
+
+/* row_check_latest(c, l): of each object, once all rows are held; false: no memory. */
+bool row_check_latest(const struct row_check *c, struct store_latest *l);
 void row_check_free(struct row_check *c);
 
 #endif

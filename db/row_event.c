@@ -201,21 +201,36 @@ enum status row_event_use(struct store_txn *t, const struct store_act *by,
 
 /* ---- rows */
 
+/* A store that serves knows of no later one; but what it knows may be from after this
+ * transaction's moment. */
+static bool is_latest(struct store_txn *t, const unsigned char object[STORE_CHAIN_OBJECT],
+                      uint64_t seq)
+{
+    const uint64_t known = store_latest_find(&t->store->latest, object);
+
+    return seq >= known || known > t->head;
+}
+
 enum status row_event_latest(struct store_txn *t,
                              const unsigned char object[STORE_CHAIN_OBJECT],
                              struct row_event_row *row, struct errinfo *e)
 {
     struct sql_rows *r;
-    const enum status st =
+    enum status st =
         SQL_QUERY(t->sql, &r, e,
-                  "SELECT row_mac FROM events WHERE chain = 0 AND object = $1 "
+                  "SELECT seq, row_mac FROM events WHERE chain = 0 AND object = $1 "
                   "ORDER BY seq DESC LIMIT 1",
                   sql_blob(object, STORE_CHAIN_OBJECT));
+    const bool found = st == ST_OK && sql_next(r);
+    const uint64_t seq = found ? (uint64_t)sql_column(r, 0).i : 0;
 
     memcpy(row->object, object, sizeof row->object);
-    row->gone = st != ST_OK || !sql_next(r) ||
-                !store_column_bytes(r, 0, row->mac, sizeof row->mac);
-    return sql_done(r, st, e);
+    row->gone = !found || !store_column_bytes(r, 1, row->mac, sizeof row->mac);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    return is_latest(t, object, seq)
+               ? ST_OK
+               : errinfo_set(e, ST_ECORRUPT, "a later entry of the audit log is missing");
 }
 
 /* Entries of a subject's templates have its id too. */

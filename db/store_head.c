@@ -74,6 +74,9 @@ static enum status follow(struct store_txn *t, const struct store_head *before,
             store_chain_next(at.hash, &hashed, at.hash);
             at.seq = entry.seq;
             *follows = memcmp(at.hash, entry.hash, sizeof at.hash) == 0;
+            if (entry.nobject != 0 &&
+                !store_latest_add(&t->store->latest, entry.object, at.seq))
+                return sql_done(r, errinfo_set(e, ST_ENOMEM, "out of memory"), e);
         }
     }
     *follows =
@@ -102,6 +105,7 @@ enum status store_head_see(struct store_txn *t, const struct store_head *before,
     bool follows = false;
     enum status st = read_end(t, &end, e);
 
+    t->head = end.seq;
     if (st != ST_OK || (before->known && end.known && end.seq == before->seq &&
                         memcmp(end.hash, before->hash, sizeof end.hash) == 0))
         return st;

@@ -186,6 +186,7 @@ enum status store_open(const char *path, enum store_mode mode,
     }
     store_use_model(s, NULL);
     store_head_init(&s->heads);
+    store_latest_init(&s->latest);
     if ((st = store_vault_init(&s->vaults, s->path, key != NULL ? key : &usual, e)) ==
             ST_OK &&
         sodium_init() < 0)
@@ -219,6 +220,7 @@ void store_close(struct store *s)
     sql_close(s->sql);
     store_vault_free(&s->vaults);
     store_head_free(&s->heads);
+    store_latest_free(&s->latest);
     free(s->path);
     free(s);
 }

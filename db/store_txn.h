@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 #include "sql.h"
 #include "store_head.h"
+#include "store_latest.h"
 #include "store_types.h"
 #include "store_vault.h"
 
@@ -14,6 +15,7 @@ struct store {
     char made_by[FACE_ENGINE_MAX + 1];
     struct store_vaults vaults;
     struct store_heads heads;
+    struct store_latest latest;
     bool open;             /* store_open() has succeeded */
     struct store_refusal { /* of the database as a whole, until it is opened again */
         atomic_flag begun;
@@ -29,6 +31,9 @@ struct store_txn {
     const struct vault *vault; /* held->vault */
     struct store_vault *held;
     enum sql_begin how;
+    uint64_t head; /* the last change that it sees; 0: not known */
+    unsigned char
+        good[VAULT_HASH]; /* MAC of the subject's row found good last, or zeros */
 };
 
 /* store_txn_begin(s, how, t, e): as sql_begin().  ST_EREFUSED: the database is not the one that

@@ -174,8 +174,9 @@ static enum status hold_rows(struct store_txn *t, struct walking *x,
     return st;
 }
 
-/* The changes, perhaps the uses, and the rows.  *broken: problems of the changes themselves. */
-static enum status verify(struct store *s, bool uses, store_chain_report *report,
+/* The changes, the uses unless the store is to serve, and the rows.  *broken: problems of the
+ * changes themselves. */
+static enum status verify(struct store *s, bool serves, store_chain_report *report,
                           void *arg, struct store_audit *out, uint64_t *broken,
                           struct errinfo *e)
 {
@@ -194,10 +195,12 @@ static enum status verify(struct store *s, bool uses, store_chain_report *report
         store_chain_walk(&w[i], (enum store_chain)i, public, report, arg);
     st = walk_chain(&t, &x, &w[STORE_CHAIN_CHANGES], &out->entries, e);
     *broken = w[STORE_CHAIN_CHANGES].problems;
-    if (st == ST_OK && uses)
+    if (st == ST_OK && !serves)
         st = walk_uses(&t, &x, &w[STORE_CHAIN_USES], &out->entries, e);
     if (st == ST_OK)
         st = hold_rows(&t, &x, &w[STORE_CHAIN_CHANGES], e);
+    if (st == ST_OK && serves && *broken == 0 && !row_check_latest(&rows, &s->latest))
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
     row_check_free(&rows);
     for (int i = 0; i < STORE_CHAINS; i++)
         store_walk_add(out, &w[i]);
@@ -209,14 +212,14 @@ enum status store_audit_verify(struct store *s, store_chain_report *report, void
 {
     uint64_t broken;
 
-    return verify(s, true, report, arg, out, &broken, e);
+    return verify(s, false, report, arg, out, &broken, e);
 }
 
 enum status store_state_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e)
 {
     uint64_t broken = 0;
-    const enum status st = verify(s, false, report, arg, out, &broken, e);
+    const enum status st = verify(s, true, report, arg, out, &broken, e);
 
     if (st != ST_OK || broken == 0)
         return st;

@@ -13,7 +13,9 @@ enum status store_audit_verify(struct store *s, store_chain_report *report, void
 
 /* store_state_verify(s, report, arg, out, e): the same but for the uses: all on which answers
  * depend.  ST_EREFUSED: the changes themselves are not as they were written, so that rows may be
- * older ones unnoticed. */
+ * older ones unnoticed.  From then on the store remembers the latest change of each object: also
+ * one that is deleted while the store is open is missed (store_latest.h).  Before other threads
+ * use the store. */
 enum status store_state_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e);
 

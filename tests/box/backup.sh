@@ -102,7 +102,7 @@ is "all is well" "$CODE" 0
 ctl verify alice "$T/s1.ply"
 is "alice is alice" "$CODE" 0
 is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outcome, ' ')
-    FROM (SELECT * FROM events WHERE kind != 'verify' ORDER BY seq DESC LIMIT 3)")" \
+    FROM (SELECT * FROM events WHERE kind != 'verify' ORDER BY event_key DESC LIMIT 3)")" \
     "restore:restored revoke_token:$id delete_subject:erased again"
 is "a revoked token stays so" \
     "$("$BUILD/surfacectl" --db "$DB" --json token list | jq -r '.tokens[0].revoked')" true

@@ -180,7 +180,7 @@ send POST /v1/compare "$JSON" "$T/aa.json" -H "$MIN"
 only "compare" match null null
 is "the minimal disparity is not computed" "$(minima)" "$before"
 is "each is recorded" "$(sqlite3 "$DB" "SELECT group_concat(kind || ' ' || outcome) FROM
-    (SELECT * FROM events ORDER BY seq DESC LIMIT 3)")" 'compare match,verify no_match,verify match'
+    (SELECT * FROM events ORDER BY event_key DESC LIMIT 3)")" 'compare match,verify no_match,verify match'
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H 'Prefer: return=representation'
 is "representation" "$STATUS $(get '.minimal_mm > 0') $(field Preference-Applied)" "200 true "
 is "it is computed" "$(minima)" $((before + 1))
@@ -269,8 +269,7 @@ problem "a late retry" 404 not_found 'deleted since'
 is "no response is replayed" "$(field Idempotent-Replayed)" ""
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
 is "another subject's response stays" "$STATUS" 201
-"$BUILD/surfacectl" --db "$DB" template delete "$(get .template_id)" >/dev/null 2>&1 ||
-    sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
+ctl_exits 0 template delete "$(get .template_id)" --yes
 send POST /v1/subjects/together/templates "$PLY" "$T/c.ply" -H 'Idempotency-Key: together'
 problem "deleted by another process" 404 not_found
 enroll "$T/a.ply" -H 'Idempotency-Key: new'

@@ -117,6 +117,35 @@ is "an entry removed" "$CODE $(said .first_chain)" "1 changes"
 start_fails "an entry removed" 1 'the audit log of changes is not what was written' \
     --db "$DB" --listen 127.0.0.1:0
 
+# ---- the same under a running daemon, which knows what it has seen
+for what in token subject template; do
+    case $what in
+    token) sql="DELETE FROM main.tokens; INSERT INTO main.tokens SELECT * FROM old.tokens;
+        DELETE FROM main.events WHERE kind = 'revoke_token'" ;;
+    subject) sql="DELETE FROM main.subjects; INSERT INTO main.subjects SELECT * FROM old.subjects;
+        DELETE FROM main.events WHERE kind IN ('disable_subject', 'delete_subject')" ;;
+    template) sql="DELETE FROM main.templates; INSERT INTO main.templates
+        SELECT * FROM old.templates WHERE subject_key = 1;
+        DELETE FROM main.events WHERE kind = 'delete_template'" ;;
+    esac
+    back
+    start_daemon
+    sqlite3 "$DB" "PRAGMA foreign_keys = OFF; ATTACH '$T/old.db' AS old; $sql" ||
+        ok "$what and its entry: it can be written" false
+    safe "$what and its entry"
+    # What was done while it runs is known to it too.
+    back
+    start_daemon
+    ctl subject enable alice
+    ctl subject disable alice
+    req GET /v1/subjects/alice
+    is "$what: disabled again" "$(get .disabled)" true
+    sqlite3 "$DB" "ATTACH '$T/old.db' AS old; UPDATE main.subjects SET disabled = 0,
+        about = (SELECT about FROM old.subjects o WHERE o.uid = main.subjects.uid)
+        WHERE subject_key = 1; DELETE FROM main.events WHERE kind = 'disable_subject'"
+    safe "$what: disabled again"
+done
+
 # ---- the whole file, or the audit log's end, under a running daemon: 503 until it is started again
 for what in file end; do
     back
