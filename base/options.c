@@ -19,6 +19,8 @@ const struct setting options_table[] = {
      "the database; surfacectl init makes it"},
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
      "the database's key or passphrase (PATH.key)"},
+    {"anchor", SETTING_PATH, NULL, offsetof(struct options, anchor), 0, 0, "FILE",
+     "what an older copy of the database is found by (KEY.anchor)"},
     {"plaintext-database", SETTING_BOOL, "0",
      offsetof(struct options, plaintext_database), 0, 0, NULL,
      "the database has no key: whoever has the file can read it"},

@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     22
+#define OPTIONS_ROWS     23
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -22,6 +22,7 @@ extern const struct setting options_table[OPTIONS_ROWS];
 struct options {
     const char *db;
     const char *key;         /* its master key; NULL: beside it */
+    const char *anchor;      /* how far it has come; NULL: beside the key */
     bool plaintext_database; /* it has none */
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */

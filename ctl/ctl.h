@@ -64,6 +64,7 @@ struct ctl {
     const char *db;
     const char *config;      /* the daemon's file; NULL: where it looks for one */
     const char *key;         /* its file; NULL: the database's path and ".key" */
+    const char *anchor;      /* NULL: beside the key; "none": it is a copy, only read */
     bool plaintext;          /* --plaintext-database: it has no key */
     bool passphrase;         /* instead of a file, for a new database or key */
     const char *archive_key; /* a file with its key or passphrase; NULL: asked for */

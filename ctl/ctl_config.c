@@ -81,6 +81,8 @@ enum status ctl_config_database(struct ctl *c, bool model)
         c->db = c->settings->db;
     if (c->key == NULL)
         c->key = c->settings->key;
+    if (c->anchor == NULL)
+        c->anchor = c->settings->anchor;
     c->plaintext = c->plaintext || c->settings->plaintext_database;
     if (c->model_path == NULL && model)
         c->model_path = c->settings->model;

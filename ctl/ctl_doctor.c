@@ -179,7 +179,7 @@ static bool look_at_schema(struct doctor *d)
 static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
 {
     const struct store_key key = {
-        .path = path, .make = VAULT_FILE, .plaintext = d->c->plaintext};
+        .path = path, .make = VAULT_FILE, .plaintext = d->c->plaintext, .copy = true};
     struct store *s = NULL;
     const enum status st = store_open(d->c->db, STORE_READ, &key, &s, e);
 
@@ -239,6 +239,26 @@ static bool look_at_key(struct doctor *d)
     return st == ST_OK;
 }
 
+/* Is it the newest? */
+static void look_at_anchor(struct doctor *d)
+{
+    const struct store_key key = {.path = d->c->key,
+                                  .make = VAULT_FILE,
+                                  .plaintext = d->c->plaintext,
+                                  .anchor = d->c->anchor};
+    struct store *s = NULL;
+    struct errinfo e;
+    const enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+
+    store_close(s);
+    if (st == ST_OK)
+        say(d, FINE, "anchor", "", "the database has what its anchor says");
+    else
+        say(d, TROUBLE, "anchor",
+            "find out who put it back; operation.md, \"A rollback was found\"", "%s",
+            e.msg);
+}
+
 struct tally {
     struct store *store;
     uint64_t all, others;
@@ -263,8 +283,10 @@ static enum status count_others(void *arg, const struct store_subject *one,
 
 static void look_at_templates(struct doctor *d)
 {
-    const struct store_key key = {
-        .path = d->c->key, .make = VAULT_FILE, .plaintext = d->c->plaintext};
+    const struct store_key key = {.path = d->c->key,
+                                  .make = VAULT_FILE,
+                                  .plaintext = d->c->plaintext,
+                                  .copy = true};
     struct tally t = {.all = 0};
     struct errinfo e;
     enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);
@@ -302,8 +324,10 @@ static enum status run(struct ctl *c)
         look_at_left(&d);
         if (look_at_schema(&d)) {
             look_at_next(&d);
-            if (look_at_key(&d))
+            if (look_at_key(&d)) {
+                look_at_anchor(&d);
                 look_at_templates(&d);
+            }
         }
     }
     json_close(c->out);
@@ -321,6 +345,6 @@ const struct ctl_command ctl_doctor = {
     .summary = "find what is wrong around a database",
     .help =
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
-        "right key, and one that rekey left behind; the schema; the WAL; free space on the disk;\n"
-        "templates of another engine.  Nothing is changed.",
+        "right key, and one that rekey left behind; whether the database is older than its anchor;\n"
+        "the schema; the WAL; free space on the disk; templates of another engine.  Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

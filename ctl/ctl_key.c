@@ -76,8 +76,13 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
 
     if (c->plaintext && c->key != NULL)
         return ctl_usage(c, "--plaintext-database contradicts --key");
-    *key =
-        (struct store_key){.path = c->key, .make = VAULT_FILE, .plaintext = c->plaintext};
+    *key = (struct store_key){
+        .path = c->key,
+        .make = VAULT_FILE,
+        .plaintext = c->plaintext,
+        .anchor = c->anchor,
+        .copy = c->anchor != NULL && strcmp(c->anchor, "none") == 0,
+    };
     if (c->plaintext)
         key->make = VAULT_PLAINTEXT;
     else if (c->passphrase)

@@ -152,6 +152,9 @@ static const struct ctl_option shared_options[] = {
            "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
+    SHARED("anchor", "FILE", ctl_option_text, anchor, 0,
+           "the database's anchor (KEY.anchor), or none for a copy that is only\n"
+           "read; or set SURFACED_ANCHOR"),
     SHARED("plaintext-database", NULL, ctl_option_flag, plaintext, 0,
            "the database has no key: whoever has the file can read it; or set\n"
            "SURFACED_PLAINTEXT_DATABASE=1"),

@@ -31,30 +31,31 @@ enum ctl_shared {
     CTL_DB = 1 << 0,
     CTL_CONFIG = 1 << 1,
     CTL_KEY = 1 << 2,
-    CTL_PLAINTEXT = 1 << 3,
-    CTL_UNITS = 1 << 4,
-    CTL_AXES = 1 << 5,
-    CTL_CAMERA = 1 << 6,
-    CTL_MODEL = 1 << 7,
-    CTL_THRESHOLD = 1 << 8,
-    CTL_FMR = 1 << 9,
-    CTL_LABEL = 1 << 10,
-    CTL_OUT = 1 << 11,
-    CTL_THREADS = 1 << 12,
-    CTL_PASSPHRASE = 1 << 13,
-    CTL_ARCHIVE_KEY = 1 << 14,
-    CTL_PUBLIC_KEY = 1 << 15,
-    CTL_EXPIRES = 1 << 16,
-    CTL_DRY_RUN = 1 << 17,
-    CTL_YES = 1 << 18,
-    CTL_JSON = 1 << 19,
-    CTL_HELP = 1 << 20,
-    CTL_VERSION = 1 << 21
+    CTL_ANCHOR = 1 << 3,
+    CTL_PLAINTEXT = 1 << 4,
+    CTL_UNITS = 1 << 5,
+    CTL_AXES = 1 << 6,
+    CTL_CAMERA = 1 << 7,
+    CTL_MODEL = 1 << 8,
+    CTL_THRESHOLD = 1 << 9,
+    CTL_FMR = 1 << 10,
+    CTL_LABEL = 1 << 11,
+    CTL_OUT = 1 << 12,
+    CTL_THREADS = 1 << 13,
+    CTL_PASSPHRASE = 1 << 14,
+    CTL_ARCHIVE_KEY = 1 << 15,
+    CTL_PUBLIC_KEY = 1 << 16,
+    CTL_EXPIRES = 1 << 17,
+    CTL_DRY_RUN = 1 << 18,
+    CTL_YES = 1 << 19,
+    CTL_JSON = 1 << 20,
+    CTL_HELP = 1 << 21,
+    CTL_VERSION = 1 << 22
 };
 
 /* Of commands that read scans. */
 #define CTL_SCANS    (CTL_UNITS | CTL_AXES | CTL_CAMERA)
-#define CTL_DATABASE (CTL_DB | CTL_CONFIG | CTL_KEY | CTL_PLAINTEXT)
+#define CTL_DATABASE (CTL_DB | CTL_CONFIG | CTL_KEY | CTL_ANCHOR | CTL_PLAINTEXT)
 #define CTL_COMMON   (CTL_JSON | CTL_HELP | CTL_VERSION) /* every command takes them */
 
 /* ctl_option_at(shared, own, i): option i of those shared ones and of the list own, which

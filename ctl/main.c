@@ -181,6 +181,8 @@ static bool read_environment(struct line *l)
         c->model_path = environment("SURFACED_MODEL");
     if (c->key == NULL)
         c->key = environment("SURFACED_KEY");
+    if (c->anchor == NULL)
+        c->anchor = environment("SURFACED_ANCHOR");
     if (environment("SURFACED_PLAINTEXT_DATABASE") != NULL)
         c->plaintext = strcmp(environment("SURFACED_PLAINTEXT_DATABASE"), "1") == 0;
     if (l->cmd->database == CTL_TAKES_DATABASE && c->config == NULL) {

@@ -26,6 +26,7 @@
 #include "store_restore.h"
 #include "store_rules.h"
 #include "store_scopes.h"
+#include "store_serve.h"
 #include "store_settle.h"
 #include "store_subject.h"
 #include "store_template.h"

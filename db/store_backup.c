@@ -97,12 +97,16 @@ static enum status verify_store(struct store *s, struct store_copied *found,
 enum status store_backup_verify(const char *path, const struct store_key *key,
                                 struct store_copied *found, struct errinfo *e)
 {
+    struct store_key by = {.make = VAULT_FILE};
     struct errinfo why = {ST_OK, ""};
     struct store *s;
     enum status st;
 
     memset(found, 0, sizeof *found);
-    if ((st = store_open(path, STORE_READ, key, &s, e)) != ST_OK)
+    if (key != NULL)
+        by = *key;
+    by.copy = true;
+    if ((st = store_open(path, STORE_READ, &by, &s, e)) != ST_OK)
         return st;
     st = verify_store(s, found, &why);
     store_close(s);

@@ -37,6 +37,15 @@ static void remember(struct store_heads *h, const struct store_head *seen)
     (void)pthread_mutex_unlock(&h->lock);
 }
 
+void store_head_made(struct store_heads *h, uint64_t seq,
+                     const unsigned char hash[STORE_CHAIN_HASH])
+{
+    struct store_head end = {.known = true, .seq = seq};
+
+    memcpy(end.hash, hash, sizeof end.hash);
+    remember(h, &end);
+}
+
 /* As it stands there: its MAC is looked at where it is another than before. */
 static enum status read_end(struct store_txn *t, struct store_head *out,
                             struct errinfo *e)

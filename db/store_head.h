@@ -25,9 +25,13 @@ void store_head_free(struct store_heads *h);
 
 /* store_head_now(h): to be asked before a transaction begins, which then sees as much at least.
  * store_head_see(t, before, e): is the end that t sees that of the same chain?  ST_EREFUSED: it is
- * not.  What is wrong with the end of a store that is just being opened is for others to find. */
+ * not.  What is wrong with the end of a store that is just being opened is for others to find.
+ * store_head_made(h, seq, hash): a transaction of this store has committed this end, after which
+ * none may see less. */
 struct store_head store_head_now(struct store_heads *h);
 enum status store_head_see(struct store_txn *t, const struct store_head *before,
                            struct errinfo *e);
+void store_head_made(struct store_heads *h, uint64_t seq,
+                     const unsigned char hash[STORE_CHAIN_HASH]);
 
 #endif

@@ -35,6 +35,23 @@ static enum status first_key(struct store_txn *t, struct errinfo *e)
     return row_event_add(t, &by, "create_key", "", "", kept[v->make], e);
 }
 
+/* It is announced before the database is there, so that neither is without the other. */
+static enum status first_anchor(struct store_txn *t, struct anchor_end *end,
+                                struct errinfo *e)
+{
+    const char *path = t->store->anchor.path;
+    enum status st;
+
+    if (anchor_used(path))
+        return errinfo_set(
+            e, ST_EEXISTS,
+            "there is an anchor %.160s, but not its database: restore a backup "
+            "(surfacectl restore); if a new one is meant, remove the anchor",
+            path);
+    st = store_anchor_end(t, end, e);
+    return st == ST_OK ? anchor_announce(path, t->vault, end, e) : st;
+}
+
 static enum status verify_copy(const char *path, int version, struct errinfo *e);
 
 /* A verified copy of the database of that version, for PATH.vVERSION.bak. */
@@ -97,8 +114,9 @@ static enum status make_schema(struct store *s, struct errinfo *e)
 {
     struct newfile old = NEWFILE_NONE;
     struct store_txn t = {.store = s, .how = SQL_SCHEMA};
+    struct anchor_end end;
     int version = 0;
-    bool kept = false;
+    bool kept = false, announced = false;
     enum status st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e);
 
     if (st != ST_OK)
@@ -109,12 +127,17 @@ static enum status make_schema(struct store *s, struct errinfo *e)
         if (st == ST_OK)
             st = sql_upgrade(t.sql, e);
         if (st == ST_OK && version == 0)
-            st = first_key(&t, e);
+            announced = (st = first_key(&t, e)) == ST_OK &&
+                        (st = first_anchor(&t, &end, e)) == ST_OK;
         else if (st == ST_OK)
             kept = (st = newfile_commit(&old, e)) == ST_OK;
     }
     if ((st = sql_end(t.sql, st, e)) != ST_OK && kept)
         (void)unlink(old.path);
+    if (announced && st == ST_OK)
+        st = anchor_set(s->anchor.path, t.vault, &end, false, e);
+    else if (announced)
+        (void)unlink(s->anchor.path);
     store_vault_release(&s->vaults, t.held);
     newfile_close(&old);
     if (st != ST_OK)
@@ -124,15 +147,25 @@ static enum status make_schema(struct store *s, struct errinfo *e)
 
 /* ---- opening */
 
+/* What is left of a database, or is there for one: its key or its anchor; NULL: neither. */
+static const char *find_trace(const struct store *s)
+{
+    if (s->anchor.path != NULL && access(s->anchor.path, F_OK) == 0)
+        return s->anchor.path;
+    return access(s->vaults.path, F_OK) == 0 ? s->vaults.path : NULL;
+}
+
 /* There is no database, and this program may not make one.  Where it had one, that is lost. */
 static enum status nothing_there(const struct store *s, struct errinfo *e)
 {
-    if (store_vault_traces(&s->vaults))
+    const char *trace = find_trace(s);
+
+    if (trace != NULL)
         return errinfo_set(
             e, ST_ENOTFOUND,
-            "there is no database %.150s, but its key %.150s is there: restore "
+            "there is no database %.150s, but its %s %.150s is there: restore "
             "a backup (surfacectl restore), or make a new one (surfacectl init)",
-            s->path, s->vaults.path);
+            s->path, trace == s->anchor.path ? "anchor" : "key", trace);
     return errinfo_set(e, ST_ENOTFOUND,
                        "there is no database %.200s: surfacectl init makes one", s->path);
 }
@@ -143,8 +176,8 @@ static enum status need_version(struct store *s, enum store_mode mode, struct er
 
     if (version == sql_newest())
         return ST_OK;
-    if (version == 0 && (mode == STORE_CREATE ||
-                         (mode == STORE_BEGIN && !store_vault_traces(&s->vaults))))
+    if (version == 0 &&
+        (mode == STORE_CREATE || (mode == STORE_BEGIN && find_trace(s) == NULL)))
         return make_schema(s, e);
     if (version == 0)
         return nothing_there(s, e);
@@ -167,7 +200,11 @@ static enum status try_it(struct store *s, enum store_mode mode, struct errinfo 
             return st;
         (void)store_txn_end(&t, ST_EDENIED, NULL); /* rolled back */
     }
-    return store_txn_seen(s, e);
+    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    st = store_anchor_check(&t, mode != STORE_READ, e);
+    st = store_txn_end(&t, st, e);
+    return st == ST_OK ? store_txn_seen(s, e) : st;
 }
 
 enum status store_open(const char *path, enum store_mode mode,
@@ -187,14 +224,17 @@ enum status store_open(const char *path, enum store_mode mode,
     store_use_model(s, NULL);
     store_head_init(&s->heads);
     store_latest_init(&s->latest);
-    if ((st = store_vault_init(&s->vaults, s->path, key != NULL ? key : &usual, e)) ==
-            ST_OK &&
+    if (key == NULL)
+        key = &usual;
+    s->anchor.serving = -1;
+    if ((st = store_vault_init(&s->vaults, s->path, key, e)) == ST_OK &&
+        (st = store_anchor_init(&s->anchor, key, s->vaults.path,
+                                key->of != NULL ? key->of : path, e)) == ST_OK &&
         sodium_init() < 0)
         st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
     if (mode == STORE_READ)
         how = SQL_OPEN_READ;
-    else if (mode == STORE_CREATE ||
-             (mode == STORE_BEGIN && !store_vault_traces(&s->vaults)))
+    else if (mode == STORE_CREATE || (mode == STORE_BEGIN && find_trace(s) == NULL))
         how = SQL_OPEN_CREATE;
     if (st == ST_OK && (st = sql_open(path, how, &s->sql, e)) == ST_ENOTFOUND)
         st = nothing_there(s, e);
@@ -217,7 +257,10 @@ void store_close(struct store *s)
 {
     if (s == NULL)
         return;
+    if (s->open)
+        (void)store_anchor_mark(s, false, NULL);
     sql_close(s->sql);
+    store_anchor_free(&s->anchor);
     store_vault_free(&s->vaults);
     store_head_free(&s->heads);
     store_latest_free(&s->latest);

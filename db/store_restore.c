@@ -194,20 +194,38 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
     return sql_end(r->there, st, e);
 }
 
+/* Before the copy takes the database's place its anchor takes either. */
+static enum status announce(struct restoring *r, const char *path,
+                            const struct store_key *key, struct errinfo *e)
+{
+    struct store_anchor a;
+    struct anchor_end end;
+    enum status st = store_anchor_init(&a, key, r->t.store->vaults.path, path, e);
+
+    if (st == ST_OK && (st = store_anchor_end(&r->t, &end, e)) == ST_OK)
+        st = anchor_announce(a.path, r->t.vault, &end, e);
+    store_anchor_free(&a);
+    return st;
+}
+
 /* What the copy has to take over, in one transaction. */
 static enum status amend(struct restoring *r, const char *path, const char *part,
-                         const struct store_key *key, struct errinfo *e)
+                         const struct store_key *key, bool dry, struct errinfo *e)
 {
+    struct store_key by = *key;
     struct store *s;
     enum status st;
 
-    if ((st = store_open(part, STORE_WRITE, key, &s, e)) != ST_OK)
+    by.copy = true;
+    if ((st = store_open(part, STORE_WRITE, &by, &s, e)) != ST_OK)
         return st;
     if ((st = store_txn_begin(s, SQL_WRITE, &r->t, e)) == ST_OK) {
         if (r->held != NULL)
             st = carry(r, path, e);
         if (st == ST_OK)
             st = row_event_add(&r->t, r->by, "restore", "", "", "restored", e);
+        if (st == ST_OK && !dry)
+            st = announce(r, path, key, e);
         st = store_txn_end(&r->t, st, e);
     }
     store_close(s);
@@ -262,11 +280,13 @@ static enum status copy_backup(const char *from, const struct store_key *key,
                                const struct newfile *n, struct store_copied *found,
                                struct errinfo *e)
 {
+    struct store_key by = *key;
     struct store_txn t;
     struct store *s;
     enum status st;
 
-    if ((st = store_open(from, STORE_READ, key, &s, e)) != ST_OK)
+    by.copy = true;
+    if ((st = store_open(from, STORE_READ, &by, &s, e)) != ST_OK)
         return st;
     if ((st = store_txn_begin(s, SQL_READ, &t, e)) == ST_OK) {
         if ((st = is_whole(t.sql, from, e)) == ST_OK)
@@ -394,6 +414,8 @@ enum status store_restore(const char *path, const char *from, const struct store
     struct restoring r = {.out = out};
     struct newfile n = NEWFILE_NONE;
     struct store_act by;
+    struct store *s;
+    bool placed = false;
     char *aside;
     enum status st;
 
@@ -410,14 +432,17 @@ enum status store_restore(const char *path, const char *from, const struct store
         (st = hold(path, dry, &r.held, e)) != ST_OK ||
         (!dry && (st = clear_aside(r.held, aside, e)) != ST_OK) ||
         (st = copy_backup(from, key, &n, &out->backup, e)) != ST_OK ||
-        (st = amend(&r, path, n.part, key, e)) != ST_OK)
+        (st = amend(&r, path, n.part, key, dry, e)) != ST_OK)
         goto out;
     out->was_there = r.held != NULL;
     if (!dry)
         st = r.held != NULL ? replace(r.held, n.part, aside, e) : place(&n, e);
+    placed = !dry && st == ST_OK;
 out:
     sql_close(r.held); /* NULL is allowed; brings in the WAL */
     newfile_close(&n);
     free(aside);
+    if (placed && (st = store_open(path, STORE_WRITE, key, &s, e)) == ST_OK)
+        store_close(s); /* its anchor knows now that it is in its place */
     return st;
 }

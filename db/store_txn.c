@@ -86,7 +86,8 @@ static enum status find_erasures(struct store_txn *t, int64_t after, int64_t *la
 enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e)
 {
     struct store *s = t->store;
-    bool erased = false;
+    struct anchor_end end;
+    bool erased = false, changed = false;
     int64_t last = -1;
 
     if (t->how == SQL_READ) {
@@ -94,12 +95,18 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
         release(t);
         return st;
     }
+    if (st == ST_OK && t->how == SQL_WRITE)
+        changed = store_anchor_end(t, &end, NULL) == ST_OK;
     if (st == ST_OK)
         (void)find_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
     if ((st = sql_end(t->sql, st, e)) == ST_OK && last >= 0)
         atomic_store(&s->scrubbed, last);
     if (st == ST_OK && erased)
         sql_file_scrub_later(s->sql);
+    if (st == ST_OK && changed) {
+        store_head_made(&s->heads, end.seq, end.hash);
+        store_anchor_tell(t, &end);
+    }
     release(t);
     return st;
 }

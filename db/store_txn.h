@@ -3,6 +3,7 @@
 #define DB_STORE_TXN_H
 #include <stdatomic.h>
 #include "sql.h"
+#include "store_anchor.h"
 #include "store_head.h"
 #include "store_latest.h"
 #include "store_types.h"
@@ -16,6 +17,7 @@ struct store {
     struct store_vaults vaults;
     struct store_heads heads;
     struct store_latest latest;
+    struct store_anchor anchor;
     bool open;             /* store_open() has succeeded */
     struct store_refusal { /* of the database as a whole, until it is opened again */
         atomic_flag begun;

@@ -36,6 +36,8 @@ struct store_key {               /* where the master key of vault.h comes from *
     enum vault_kind make;        /* of a database that is made or gets its first key */
     bool
         plaintext; /* the database is plaintext, which is refused otherwise; and no other */
+    const char *anchor; /* its file; NULL: beside the key (store_anchor.h) */
+    bool copy;          /* the anchor is not asked: the file is a copy of the database */
 };
 
 struct store_look {

@@ -43,11 +43,6 @@ void store_vault_free(struct store_vaults *v)
     free(v->path);
 }
 
-bool store_vault_traces(const struct store_vaults *v)
-{
-    return access(v->path, F_OK) == 0;
-}
-
 /* ---- the row */
 
 enum status store_vault_read(struct sql_txn *t, struct vault_root *r, struct errinfo *e)

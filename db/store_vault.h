@@ -38,9 +38,6 @@ enum status store_vault_init(struct store_vaults *v, const char *db,
                              const struct store_key *key, struct errinfo *e);
 void store_vault_free(struct store_vaults *v);
 
-/* store_vault_traces(v): is there a key's file, so that there was a database, or should be? */
-bool store_vault_traces(const struct store_vaults *v);
-
 /* store_vault_take(v): the newest vault, in use until store_vault_release(v, it); NULL: none is
  * known yet.
  * store_vault_use(v, t, held, e): the vault of what the transaction sees instead of *held, which

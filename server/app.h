@@ -34,7 +34,7 @@ struct app {
     bool no_auth;
     size_t max_body; /* bytes */
     atomic_bool stopping;
-    atomic_flag refusal_told;
+    atomic_flag refusal_told, anchor_told;
 };
 
 #endif

@@ -60,6 +60,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
 {
     const struct store_key key = {
         .path = o->key,
+        .anchor = o->anchor,
         .make = o->plaintext_database ? VAULT_PLAINTEXT : VAULT_FILE,
         .plaintext = o->plaintext_database,
     };
@@ -70,9 +71,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
     if (st == ST_OK)
         st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, &app->store,
                         e);
-    if (st != ST_OK)
-        return st;
-    if ((st = verify_state(app->store, e)) != ST_OK)
+    if (st != ST_OK || (st = verify_state(app->store, e)) != ST_OK ||
+        (st = store_serve(app->store, e)) != ST_OK)
         return st;
     store_use_model(app->store, app->model);
     app->cache = cache_new((size_t)o->cache_mb << 20);
@@ -152,6 +152,22 @@ static void say_listening(const struct options *o, const struct store *s, const 
     log_count(&l, "max_body", o->max_body);
     log_count(&l, "cache_mb", o->cache_mb);
     log_text(&l, "auth", o->no_auth ? "none" : "token");
+    log_end(&l);
+}
+
+/* The newest state, outside of the database and of its anchor: by this an older copy of both is
+ * found. */
+static void say_last_change(struct store *s)
+{
+    struct log_entry l;
+    char hash[65];
+    uint64_t seq;
+
+    if (store_last_change(s, &seq, hash, NULL) != ST_OK)
+        return;
+    log_begin(&l, "info", "last change of the database");
+    log_count(&l, "seq", seq);
+    log_text(&l, "hash", hash);
     log_end(&l);
 }
 
@@ -248,6 +264,7 @@ int main(int argc, char **argv)
         goto out;
     }
     say_listening(&o, app.store, url);
+    say_last_change(app.store);
     warn_of_calibration(app.store);
     warn_of_outdated(app.store);
     d.http = http;
@@ -258,6 +275,7 @@ int main(int argc, char **argv)
     http_quiesce(http, GRACE_MS);
     queue_stop(app.queue); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
+    say_last_change(app.store);
     stop(&app, http);
     log_line("info", "stopped");
     status = 0;

@@ -28,14 +28,22 @@ bool refusal_found(struct request *r)
     return true;
 }
 
-void refusal_tell(struct app *app)
+static void tell(const char *level, const char *what, const struct errinfo *e)
 {
     struct log_entry l;
+
+    log_begin(&l, level, what);
+    log_text(&l, "reason", e->msg);
+    log_end(&l);
+}
+
+void refusal_tell(struct app *app)
+{
     struct errinfo e;
 
-    if (!store_refused(app->store, &e) || atomic_flag_test_and_set(&app->refusal_told))
-        return;
-    log_begin(&l, "error", "the database is refused until the daemon is started again");
-    log_text(&l, "reason", e.msg);
-    log_end(&l);
+    if (store_refused(app->store, &e) && !atomic_flag_test_and_set(&app->refusal_told))
+        tell("error", "the database is refused until the daemon is started again", &e);
+    if (store_anchor_fault(app->store, &e) &&
+        !atomic_flag_test_and_set(&app->anchor_told))
+        tell("warn", "the database's anchor is not up to date", &e);
 }

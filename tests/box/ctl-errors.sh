@@ -113,6 +113,7 @@ ok "a full output is told" [ $? -eq 74 ]
 # bytes changed in the middle of the model: told by check and by verify, as text and JSON
 cp f.db damaged.db
 cp f.db.key damaged.db.key
+cp f.db.key.anchor damaged.db.key.anchor
 sqlite3 damaged.db "UPDATE templates SET model =
     CAST(substr(model, 1, 5000) || x'78787878' || substr(model, 5005) AS BLOB)"
 "$ctl" --db damaged.db check >out 2>err

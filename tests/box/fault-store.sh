@@ -76,6 +76,7 @@ if $as "$BUILD/surfaced" --version >/dev/null 2>&1 && $as test -x "$T"; then
     mkdir "$T/ro"
     cp "$DB" "$T/ro/faces.db"
     cp "$DB.key" "$T/ro/faces.db.key"
+    cp "$DB.key.anchor" "$T/ro/faces.db.key.anchor"
 
     # refused TITLE PATTERN: the daemon does not start, and says so.
     refused() {

@@ -31,6 +31,13 @@ back() {
     PID=''
     rm -f "$DB-wal" "$DB-shm"
     cp "$T/whole.db" "$DB"
+    cp "$T/whole.anchor" "$DB.key.anchor"
+}
+
+# keep: what it is.
+keep() {
+    cp "$DB" "$T/whole.db"
+    cp "$DB.key.anchor" "$T/whole.anchor"
 }
 
 # no_start TITLE OPTION...: the daemon does not start with this database.
@@ -97,7 +104,7 @@ done
 cp "$DB.key" "$T/credential"
 for given in '--no-auth' "--key $T/credential"; do
     for with in evil keyed first phrase; do
-        cp "$DB" "$T/whole.db"
+        keep
         # shellcheck disable=SC2086 # an option and its value
         start_daemon $given
         AUTH=''
@@ -119,7 +126,7 @@ AUTH=''
 
 # ---- the key record alone, also if it is the first thing that a request meets
 for with in evil keyed first phrase; do
-    cp "$DB" "$T/whole.db"
+    keep
     start_daemon --no-auth
     replace "$T/$with.db" root
     send POST /v1/check "$PLY" "$T/mallory.ply"
@@ -129,7 +136,7 @@ for with in evil keyed first phrase; do
 done
 
 # ---- an older key record of this database: its key is known, but nothing goes back to it
-cp "$DB" "$T/whole.db"
+keep
 cp "$DB.key" "$T/old.key"
 start_daemon --no-auth
 cp "$DB" "$T/older.db"

@@ -296,7 +296,7 @@ static void test_tampered(void **state)
         assert_int_equal(a.checkpoints, 2);
         store_close(s); /* an open one would refuse another chain */
         tempdb_sql(cases[i].sql);
-        s = tempdb_open(STORE_WRITE);
+        s = tempdb_copy(STORE_WRITE);
         a = verify(s, &f);
         for (unsigned k = 0; k < f.n && k < 20; k++)
             told = told || strstr(f.lines[k], cases[i].line) != NULL;

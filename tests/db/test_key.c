@@ -48,7 +48,7 @@ static void assert_reads(struct store_txn *t)
     unsigned char hash[STORE_CHAIN_HASH];
     uint64_t seq;
 
-    if (row_event_end(t, &seq, hash, &e) != ST_OK)
+    if (row_event_end(t, STORE_CHAIN_CHANGES, &seq, hash, &e) != ST_OK)
         fail_msg("%s", e.msg);
 }
 

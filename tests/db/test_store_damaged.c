@@ -75,7 +75,11 @@ static void test_refused(void **state)
     assert_refused(tempdb_path, STORE_WRITE, ST_EVERSION, "newer");
     assert_refused(tempdb_path, STORE_READ, ST_EVERSION, "2");
     assert_int_equal(tempdb_number("PRAGMA user_version"), 2); /* left as it was */
-    write_file(tempdb_path, "", 0); /* an empty file may be initialised */
+    write_file(tempdb_path, "",
+               0); /* an empty file may be initialised, but not a lost one */
+    (void)snprintf(name, sizeof name, "%s.key.anchor", tempdb_path);
+    assert_refused(tempdb_path, STORE_CREATE, ST_EEXISTS, name);
+    assert_int_equal(unlink(name), 0);
     store_close(tempdb_open(STORE_CREATE));
     store_close(tempdb_open(STORE_WRITE));
 }
@@ -119,6 +123,8 @@ static void test_unwritable(void **state)
         assert_int_equal(chown(tempdb_dir, NOBODY, NOBODY), 0);
         assert_int_equal(chown(tempdb_path, NOBODY, NOBODY), 0);
         (void)snprintf(name, sizeof name, "%s.key", tempdb_path);
+        assert_int_equal(chown(name, NOBODY, NOBODY), 0);
+        (void)snprintf(name, sizeof name, "%s.key.anchor", tempdb_path);
         assert_int_equal(chown(name, NOBODY, NOBODY), 0);
         assert_int_equal(seteuid(NOBODY), 0);
     }

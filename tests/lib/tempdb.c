@@ -82,14 +82,25 @@ int tempdb_end_faces(void **state)
     return tempdb_end(state);
 }
 
-struct store *tempdb_open(enum store_mode mode)
+static struct store *open_as(enum store_mode mode, bool copy)
 {
+    const struct store_key key = {.make = VAULT_FILE, .copy = copy};
     struct store *s = NULL;
     struct errinfo e;
 
-    if (store_open(tempdb_path, mode, NULL, &s, &e) != ST_OK)
+    if (store_open(tempdb_path, mode, &key, &s, &e) != ST_OK)
         fail_msg("%s", e.msg);
     return s;
+}
+
+struct store *tempdb_open(enum store_mode mode)
+{
+    return open_as(mode, false);
+}
+
+struct store *tempdb_copy(enum store_mode mode)
+{
+    return open_as(mode, true);
 }
 
 struct store *tempdb_fresh(void)

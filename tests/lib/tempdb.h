@@ -26,10 +26,11 @@ int tempdb_end_faces(void **state);
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
  * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
- * there. */
+ * there.  tempdb_copy(mode): the same without asking its anchor. */
 void tempdb_remove(void);
 struct store *tempdb_fresh(void);
 struct store *tempdb_open(enum store_mode mode);
+struct store *tempdb_copy(enum store_mode mode);
 
 /* tempdb_sql(text): run statements on the file, as another program would, which does not
  * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.
