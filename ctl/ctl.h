@@ -67,6 +67,7 @@ struct ctl {
     const char *anchor;      /* NULL: beside the key; "none": it is a copy, only read */
     bool plaintext;          /* --plaintext-database: it has no key */
     bool passphrase;         /* instead of a file, for a new database or key */
+    bool short_passphrase;   /* a new one may have few characters */
     const char *archive_key; /* a file with its key or passphrase; NULL: asked for */
     struct ctl_scans scans;
     const char *label;

@@ -232,8 +232,8 @@ static bool look_at_key(struct doctor *d)
         say(d, TROUBLE, "key", "put the copy of it there, or name it with --key", "%s",
             e.msg);
     else if (st == ST_EDENIED)
-        say(d, TROUBLE, "key", "chmod 600 it, or name the right one with --key", "%s",
-            e.msg);
+        say(d, TROUBLE, "key", "chmod 600 and chown it, or name the right one with --key",
+            "%s", e.msg);
     else
         say(d, TROUBLE, "key", "surfacectl check says more", "%s", e.msg);
     return st == ST_OK;
@@ -345,6 +345,7 @@ const struct ctl_command ctl_doctor = {
     .summary = "find what is wrong around a database",
     .help =
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
-        "right key, and one that rekey left behind; whether the database is older than its anchor;\n"
-        "the schema; the WAL; free space on the disk; templates of another engine.  Nothing is changed.",
+        "right key, and one that rekey left behind; whether the database is older than its\n"
+        "anchor; the schema; the WAL; free space on the disk; templates of another engine.\n"
+        "Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

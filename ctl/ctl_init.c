@@ -92,7 +92,7 @@ static enum status migrate(struct ctl *c)
 const struct ctl_command ctl_init = {
     .name = "init",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_PASSPHRASE,
+    .shared = CTL_PASSPHRASE | CTL_SHORT,
     .run = init,
     .summary = "make a new database",
     .help =

@@ -81,6 +81,7 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
         .make = VAULT_FILE,
         .plaintext = c->plaintext,
         .anchor = c->anchor,
+        .weak = c->short_passphrase,
         .copy = c->anchor != NULL && strcmp(c->anchor, "none") == 0,
     };
     if (c->plaintext)
@@ -106,9 +107,13 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
 {
     static const char option[] = "--archive-key";
 
+    enum status st;
+
     *out = NULL;
     if (c->archive_key != NULL)
-        return keyfile_read(c->archive_key, out, &c->e);
-    return make ? ctl_key_new(c, option, out)
-                : ask(c, "Passphrase of the archive", option, out);
+        st = keyfile_read(c->archive_key, out, &c->e);
+    else
+        st = make ? ctl_key_new(c, option, out)
+                  : ask(c, "Passphrase of the archive", option, out);
+    return st == ST_OK && make && !c->short_passphrase ? keyfile_strong(*out, &c->e) : st;
 }

@@ -181,6 +181,8 @@ static const struct ctl_option shared_options[] = {
            "compute on N threads (one a core)"),
     SHARED("passphrase", NULL, ctl_option_flag, passphrase, 0,
            "encrypt with a passphrase: it is asked for, or read from --key"),
+    SHARED("short-passphrase", NULL, ctl_option_flag, short_passphrase, 0,
+           "accept a new passphrase of fewer than 12 characters"),
     SHARED("archive-key", "FILE", ctl_option_text, archive_key, 0,
            "a file with the archive's key or passphrase, instead of asking"),
     SHARED("public-key", "HEX", ctl_option_text, public_key, 0,

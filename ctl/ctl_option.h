@@ -43,14 +43,15 @@ enum ctl_shared {
     CTL_OUT = 1 << 12,
     CTL_THREADS = 1 << 13,
     CTL_PASSPHRASE = 1 << 14,
-    CTL_ARCHIVE_KEY = 1 << 15,
-    CTL_PUBLIC_KEY = 1 << 16,
-    CTL_EXPIRES = 1 << 17,
-    CTL_DRY_RUN = 1 << 18,
-    CTL_YES = 1 << 19,
-    CTL_JSON = 1 << 20,
-    CTL_HELP = 1 << 21,
-    CTL_VERSION = 1 << 22
+    CTL_SHORT = 1 << 15,
+    CTL_ARCHIVE_KEY = 1 << 16,
+    CTL_PUBLIC_KEY = 1 << 17,
+    CTL_EXPIRES = 1 << 18,
+    CTL_DRY_RUN = 1 << 19,
+    CTL_YES = 1 << 20,
+    CTL_JSON = 1 << 21,
+    CTL_HELP = 1 << 22,
+    CTL_VERSION = 1 << 23
 };
 
 /* Of commands that read scans. */

@@ -18,7 +18,8 @@ static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfil
     enum status st = ST_OK;
 
     *owned = NULL;
-    *to = (struct store_rekey){.kind = VAULT_FILE, .keep = keep_old};
+    *to = (struct store_rekey){
+        .kind = VAULT_FILE, .keep = keep_old, .weak = c->short_passphrase};
     if (to_plaintext && new_key != NULL)
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     if (to_plaintext)
@@ -97,7 +98,7 @@ static enum status rekey(struct ctl *c)
 const struct ctl_command ctl_rekey = {
     .name = "rekey",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_PASSPHRASE | CTL_YES,
+    .shared = CTL_PASSPHRASE | CTL_SHORT | CTL_YES,
     .options = {CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
                            "a file with the new key or passphrase"),
                 CTL_OPTION("plaintext", NULL, ctl_option_flag, &to_plaintext,

@@ -121,6 +121,12 @@ enum status keyfile_read(const char *path, struct keyfile **out, struct errinfo 
                          "the key %.160s may be read or changed by others "
                          "(mode %03o): chmod 600",
                          path, (unsigned)sb.st_mode & 0777);
+    else if (S_ISREG(sb.st_mode) && sb.st_uid != 0 && sb.st_uid != geteuid())
+        st = errinfo_set(
+            e, ST_EDENIED,
+            "the key %.160s belongs to user %u, who may exchange it: it must be "
+            "root's, or this user's (%u)",
+            path, (unsigned)sb.st_uid, (unsigned)geteuid());
     else if ((k = sodium_malloc(sizeof *k)) == NULL)
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     else
@@ -137,6 +143,21 @@ enum status keyfile_read(const char *path, struct keyfile **out, struct errinfo 
 void keyfile_free(struct keyfile *k)
 {
     sodium_free(k);
+}
+
+enum status keyfile_strong(const struct keyfile *k, struct errinfo *e)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < k->len; i++) /* the bytes that begin a character of UTF-8 */
+        n += ((unsigned char)k->text[i] & 0xc0) != 0x80;
+    return n >= KEYFILE_LEAST
+               ? ST_OK
+               : errinfo_set(
+                     e, ST_EINVAL,
+                     "the passphrase has %zu characters, fewer than %d: take a longer "
+                     "one, or say --short-passphrase",
+                     n, KEYFILE_LEAST);
 }
 
 enum status keyfile_key(const struct keyfile *k, const char *path,

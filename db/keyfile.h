@@ -28,10 +28,15 @@ enum status keyfile_lock(const char *path, int *fd, struct errinfo *e);
 enum status keyfile_move(const char *from, const char *to, struct errinfo *e);
 
 /* keyfile_read(path, out, e): the file's one line; *out is released by keyfile_free().
- * A file that strangers may read or change is refused: ST_EDENIED.  ST_ENOTFOUND; ST_EINVAL:
- * empty, too long or more than a line; ST_EIO, ST_ENOMEM. */
+ * ST_EDENIED: strangers may read or change it, or it belongs neither to root nor to this
+ * process's user.  ST_ENOTFOUND; ST_EINVAL: empty, too long or more than a line; ST_EIO,
+ * ST_ENOMEM. */
 enum status keyfile_read(const char *path, struct keyfile **out, struct errinfo *e);
 void keyfile_free(struct keyfile *k); /* wiped; NULL is allowed */
+
+/* keyfile_strong(k, e): ST_EINVAL: fewer characters than a new passphrase should have. */
+#define KEYFILE_LEAST 12
+enum status keyfile_strong(const struct keyfile *k, struct errinfo *e);
 
 /* keyfile_open(k, path, root, out, e): the vault of a root by what the file says, as
  * vault_open(); the text names the file. */

@@ -215,6 +215,9 @@ enum status store_rekey(struct store *s, const char *actor, const struct store_r
     if ((to->kind == VAULT_PASSPHRASE && to->given == NULL) ||
         (to->kind == VAULT_PLAINTEXT && to->given != NULL))
         return errinfo_set(e, ST_EINVAL, "a key of another kind");
+    if (to->kind == VAULT_PASSPHRASE && !to->weak &&
+        (st = keyfile_strong(to->given, e)) != ST_OK)
+        return st;
     if ((st = store_rules_act(&by, actor, e)) != ST_OK)
         return st;
     if ((st = name_files(&s->vaults, to, &f, e)) == ST_OK &&

@@ -38,6 +38,7 @@ struct store_key {               /* where the master key of vault.h comes from *
         plaintext; /* the database is plaintext, which is refused otherwise; and no other */
     const char *anchor; /* its file; NULL: beside the key (store_anchor.h) */
     bool copy;          /* the anchor is not asked: the file is a copy of the database */
+    bool weak;          /* a passphrase of few characters may be made */
 };
 
 struct store_look {
@@ -50,6 +51,7 @@ struct store_rekey {             /* another master key */
     const struct keyfile *given; /* it, or the passphrase; NULL: a random key, or none */
     bool in_file; /* given is kept in the key's file, in place of the old */
     bool keep;    /* the old key's file stays, as PATH.old */
+    bool weak;    /* a passphrase may have few characters */
 };
 
 struct store_template { /* everything about a template but its model */

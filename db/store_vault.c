@@ -23,6 +23,7 @@ enum status store_vault_init(struct store_vaults *v, const char *db,
     v->db = db;
     v->given = key->given;
     v->plaintext = key->plaintext;
+    v->weak = key->weak;
     v->make = key->make;
     (void)pthread_mutex_init(&v->lock, NULL);
     if (key->path != NULL)
@@ -331,6 +332,15 @@ enum status store_vault_use(struct store_vaults *v, struct sql_txn *t,
 
 /* ---- a first key */
 
+static enum status make_by_phrase(const struct store_vaults *v, const struct keyfile *k,
+                                  struct vault_root *r, struct vault **out,
+                                  struct errinfo *e)
+{
+    const enum status st = v->weak ? ST_OK : keyfile_strong(k, e);
+
+    return st == ST_OK ? vault_make(v->make, k->text, k->len, r, out, e) : st;
+}
+
 /* The root of a database that had none, by a key's file that is there, or is made. */
 static enum status make_root(struct store_vaults *v, struct vault_root *r,
                              struct vault **out, struct errinfo *e)
@@ -349,14 +359,14 @@ static enum status make_root(struct store_vaults *v, struct vault_root *r,
         return vault_make(v->make, NULL, 0, r, out, e);
     }
     if (v->make == VAULT_PASSPHRASE && v->given != NULL)
-        return vault_make(v->make, v->given->text, v->given->len, r, out, e);
+        return make_by_phrase(v, v->given, r, out, e);
     if ((st = keyfile_read(v->path, &k, e)) == ST_ENOTFOUND && v->make == VAULT_FILE &&
         (st = keyfile_make(v->path, e)) == ST_OK) {
         v->made = true;
         st = keyfile_read(v->path, &k, e);
     }
     if (st == ST_OK && v->make == VAULT_PASSPHRASE)
-        st = vault_make(v->make, k->text, k->len, r, out, e);
+        st = make_by_phrase(v, k, r, out, e);
     else if (st == ST_OK && (st = keyfile_key(k, v->path, key, e)) == ST_OK)
         st = vault_make(v->make, key, sizeof key, r, out, e);
     sodium_memzero(key, sizeof key);

@@ -71,16 +71,27 @@ is "no kept key is overwritten" "$CODE" 65
 rm "$DB.key.old"
 
 # ---- other kinds: a key of one's own, a passphrase, none, and a first one
-printf 'open sesame\n' >"$T/phrase"
+printf 'open sesame, open wide\n' >"$T/phrase"
+printf 'tĥis ĥas 11\n' >"$T/short"
 printf '%064d\n' 7 >"$T/own"
-chmod 600 "$T/phrase" "$T/own"
+chmod 600 "$T/phrase" "$T/own" "$T/short"
 ctl rekey --yes --new-key "$T/own"
 is "a key of one's own" "$CODE" 0
 ok "is in the key's place" cmp -s "$DB.key" "$T/own"
 ctl rekey --yes --new-key "$T/phrase"
 is "a passphrase is no key" "$CODE" 65
 ok "nothing is left of that" test ! -e "$DB.key.new"
-ctl rekey --yes --passphrase --new-key "$T/phrase"
+ctl rekey --yes --passphrase --new-key "$T/short"
+is "a short passphrase" "$CODE" 65
+ok "it says what to do" matches "$(said .error.detail)" '11 characters, fewer than 12.*--short-pass'
+ctl rekey --yes --passphrase --new-key "$T/short" --short-passphrase
+is "unless that is wanted" "$CODE $(said .kind)" "0 passphrase"
+"$BUILD/surfacectl" --db "$T/new" init --passphrase --key "$T/short" >"$T/ctl" 2>&1
+is "nor for a new database" $? 65
+ok "which is not there" test ! -e "$T/new"
+ctl export --key "$DB.key" --all --archive-key "$T/short" -o "$T/archive"
+is "nor for an archive" "$CODE" 65
+ctl rekey --yes --key "$DB.key" --passphrase --new-key "$T/phrase"
 is "a passphrase" "$CODE $(said .kind)" "0 passphrase"
 ctl verify s2 "$T/s2.ply" --key "$T/phrase"
 is "opens it" "$CODE" 0

@@ -210,6 +210,17 @@ static void test_keyfile(void **state)
         assert_int_equal(keyfile_read(path, &k, &e), harmless ? ST_OK : ST_EDENIED);
         keyfile_free(k);
     }
+    if (geteuid() == 0) { /* another user's */
+        write_key("secret", 6, 0600);
+        assert_int_equal(chown(path, 65534, 65534), 0);
+        assert_int_equal(keyfile_read(path, &k, &e), ST_EDENIED);
+        assert_non_null(strstr(e.msg, "belongs to user 65534"));
+        assert_int_equal(chown(path, 0, 65534),
+                         0); /* root's, for a group: as credentials are */
+        assert_int_equal(chmod(path, 0440), 0);
+        assert_int_equal(keyfile_read(path, &k, &e), ST_OK);
+        keyfile_free(k);
+    }
     assert_int_equal(keyfile_read(dir, &k, &e), ST_EIO);
     (void)unlink(path);
 }
