@@ -113,6 +113,10 @@ ok "the library installs beside it" install_deb /surface.deb
 ok "there is a system user" run getent passwd surfaced
 ok "it cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
 ok "it owns the state folder" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
+for file in surfaced.db surfaced.db.key surfaced.db.key.anchor; do
+    ok "it made $file" is "$(run stat -c '%U %a' /var/lib/surfaced/$file)" "surfaced 600"
+done
+ok "the unit does not say --create" no run grep -rq '^ExecStart.*create' /lib/systemd/system/surfaced.service
 ok "surfacectl runs" run surfacectl --version
 ok "the settings are valid" run runuser -u surfaced -- surfaced --check-config
 ok "the service is enabled" run systemctl is-enabled surfaced.service
@@ -155,6 +159,21 @@ before=$(pid)
 run sh -c "kill -KILL $before"
 ok "systemd restarts it after a crash" in_time another_pid "$before"
 ok "the daemon verifies again" in_time probe
+
+echo "== lost, and put back"
+run systemctl stop surfaced.service
+ok "the anchor is good after a crash and a stop" surfacectl check
+run mv $db /var/lib/surfaced/away
+ok "the service does not start without its database" no run systemctl start surfaced.service
+ok "and makes none" no run test -e $db
+run sh -c "cp /var/lib/surfaced/away $db; chown surfaced: $db; chmod 600 $db"
+surfacectl token create later >"$log" 2>&1
+run mv /var/lib/surfaced/away $db
+ok "nor with an older one" no run systemctl start surfaced.service
+ok "unless it is accepted" surfacectl accept-rollback --yes
+run systemctl reset-failed surfaced.service
+ok "then it starts" run systemctl start surfaced.service
+ok "the daemon verifies once more" in_time probe
 
 echo "== upgraded"
 run sh -c 'echo "queue = 77" >>/etc/surfaced.conf'
