@@ -45,9 +45,9 @@ tls="--tls-cert $T/one.pem --tls-key $T/one.key"
 refuse() {
     r_title=$1 r_status=$2 r_pattern=$3
     shift 3
-    start_fails "$r_title" "$r_status" "$r_pattern" --db "$DB" "$@"
+    start_fails "$r_title" "$r_status" "$r_pattern" --create --db "$DB" "$@"
 }
-timeout 20 "$BUILD/surfaced" --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
+timeout 20 "$BUILD/surfaced" --create --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
     --check-config >"$T/out" 2>&1
 is "--check-config, another certificate's key: exit status" $? 2
 ok "--check-config reports it" grep -q 'tls-cert .*two.key: not the key' "$T/out"
