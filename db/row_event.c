@@ -206,7 +206,7 @@ enum status row_event_use(struct store_txn *t, const struct store_act *by,
 static bool is_latest(struct store_txn *t, const unsigned char object[STORE_CHAIN_OBJECT],
                       uint64_t seq)
 {
-    const uint64_t known = store_latest_find(&t->store->latest, object);
+    const uint64_t known = store_latest_find(&t->store->heads.latest, object);
 
     return seq >= known || known > t->head;
 }

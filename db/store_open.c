@@ -223,7 +223,6 @@ enum status store_open(const char *path, enum store_mode mode,
     }
     store_use_model(s, NULL);
     store_head_init(&s->heads);
-    store_latest_init(&s->latest);
     if (key == NULL)
         key = &usual;
     s->anchor.serving = -1;
@@ -263,7 +262,6 @@ void store_close(struct store *s)
     store_anchor_free(&s->anchor);
     store_vault_free(&s->vaults);
     store_head_free(&s->heads);
-    store_latest_free(&s->latest);
     free(s->path);
     free(s);
 }

@@ -189,8 +189,7 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
                    "AND kind = 'delete_subject' ORDER BY seq",
                    was_erased, e)) == ST_OK &&
         (st = each(r, "SELECT uid FROM subjects", is_there, e)) == ST_OK)
-        st = each(r, "SELECT id, revoked, hash, old_hash, old_until, expires FROM tokens",
-                  token, e);
+        st = each(r, "SELECT id FROM tokens", token, e);
     return sql_end(r->there, st, e);
 }
 

@@ -34,6 +34,19 @@ static enum status use_vault(struct store *s, struct store_txn *t, struct errinf
     return errinfo_set(e, st, "%s", why.msg);
 }
 
+static enum status see_head(struct store_txn *t, const struct store_head *before,
+                            struct errinfo *e)
+{
+    struct store *s = t->store;
+    struct errinfo why;
+    const enum status st =
+        store_head_see(&s->heads, t->sql, t->vault, before, &t->head, &why);
+
+    if (st == ST_EREFUSED)
+        (void)store_txn_refuse(s, &why);
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
+}
+
 static void release(struct store_txn *t)
 {
     store_vault_release(&t->store->vaults, t->held);
@@ -53,8 +66,7 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
     t->held = store_vault_take(&s->vaults);
     before = store_head_now(&s->heads);
     if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK &&
-        ((st = use_vault(s, t, e)) != ST_OK ||
-         (st = store_head_see(t, &before, e)) != ST_OK))
+        ((st = use_vault(s, t, e)) != ST_OK || (st = see_head(t, &before, e)) != ST_OK))
         (void)sql_end(t->sql, st, NULL);
     if (st != ST_OK)
         release(t);
@@ -104,7 +116,7 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
     if (st == ST_OK && erased)
         sql_file_scrub_later(s->sql);
     if (st == ST_OK && changed) {
-        store_head_made(&s->heads, end.seq, end.hash);
+        store_head_made(&s->heads, end.seq);
         store_anchor_tell(t, &end);
     }
     release(t);

@@ -5,7 +5,6 @@
 #include "sql.h"
 #include "store_anchor.h"
 #include "store_head.h"
-#include "store_latest.h"
 #include "store_types.h"
 #include "store_vault.h"
 
@@ -16,7 +15,6 @@ struct store {
     char made_by[FACE_ENGINE_MAX + 1];
     struct store_vaults vaults;
     struct store_heads heads;
-    struct store_latest latest;
     struct store_anchor anchor;
     bool open;             /* store_open() has succeeded */
     struct store_refusal { /* of the database as a whole, until it is opened again */

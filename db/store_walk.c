@@ -199,7 +199,8 @@ static enum status verify(struct store *s, bool serves, store_chain_report *repo
         st = walk_uses(&t, &x, &w[STORE_CHAIN_USES], &out->entries, e);
     if (st == ST_OK)
         st = hold_rows(&t, &x, &w[STORE_CHAIN_CHANGES], e);
-    if (st == ST_OK && serves && *broken == 0 && !row_check_latest(&rows, &s->latest))
+    if (st == ST_OK && serves && *broken == 0 &&
+        !row_check_latest(&rows, &s->heads.latest))
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     row_check_free(&rows);
     for (int i = 0; i < STORE_CHAINS; i++)
