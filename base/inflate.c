@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <zlib.h>
@@ -12,6 +11,7 @@
 #include <zstd_errors.h>
 
 #include "errinfo.h"
+#include "mem.h"
 
 #define FIRST_ROOM      65536
 #define ZSTD_WINDOW_LOG 23        /* 8 MB: what RFC 9659 allows a sender */
@@ -37,7 +37,7 @@ static enum status grow(struct sink *s)
         return ST_ESIZE;
     if (size > s->limit)
         size = s->limit + 1;
-    data = realloc(s->data, size);
+    data = mem_grow(s->data, s->len, size);
     if (data == NULL)
         return ST_ENOMEM;
     s->data = data;
@@ -174,7 +174,7 @@ enum status inflate_body(enum inflate_coding coding, const unsigned char *in, si
     if (st == ST_OK)
         st = s.len > limit ? ST_ESIZE : grow(&s); /* for the final 0 */
     if (st != ST_OK) {
-        free(s.data);
+        mem_free(s.data);
         if (st == ST_ESIZE)
             return errinfo_set(e, st, "the limit is %zu bytes when unpacked", limit);
         if (st == ST_EINVAL)

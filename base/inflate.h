@@ -21,7 +21,7 @@ enum inflate_coding {
 enum inflate_coding inflate_coding(const char *value);
 
 /* inflate_body(coding, in, len, limit, out, outlen, e): undo gzip or zstd.
- * out    heap, released by free(); out[outlen] is 0; NULL on failure.
+ * out    heap, released by mem_free(); out[outlen] is 0; NULL on failure.
  * limit  bytes; the memory taken is never more than that, one byte and the decoder's own:
  *        a window of 32 KB for gzip, of at most 8 MB for zstd (RFC 9659).
  * Cost   linear in what was read and written; at most limit bytes are written.

@@ -9,6 +9,7 @@
 
 #include "errinfo.h"
 #include "json_text.h"
+#include "mem.h"
 #include "utf8.h"
 
 /* The library reports a lack of memory as malformed text: this tells them apart. */
@@ -24,7 +25,7 @@ static void *take_memory(size_t size)
 
 static void watch_memory(void)
 {
-    cJSON_Hooks hooks = {.malloc_fn = take_memory, .free_fn = free};
+    cJSON_Hooks hooks = {.malloc_fn = take_memory, .free_fn = mem_free};
 
     cJSON_InitHooks(&hooks);
 }
@@ -341,7 +342,7 @@ static enum status parse(const struct json_text *t, cJSON **doc, struct errinfo 
     else if (*doc == NULL)
         st = errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu",
                          end == NULL ? 0 : json_text_place(t, (size_t)(end - rest)));
-    free(rest);
+    mem_free(rest);
     return st;
 }
 

@@ -1,8 +1,8 @@
 #include "json_points.h"
 
 #include <math.h>
-#include <stdlib.h>
 
+#include "mem.h"
 #include "number.h"
 
 #define FIRST_ROOM 64
@@ -54,7 +54,7 @@ static bool add(struct json_points *points, size_t *room, struct dvec3 point)
 {
     if (points->n == *room) {
         const size_t n = *room == 0 ? FIRST_ROOM : 2 * *room;
-        struct dvec3 *at = realloc(points->at, n * sizeof *at);
+        struct dvec3 *at = mem_grow(points->at, points->n * sizeof *at, n * sizeof *at);
 
         if (at == NULL)
             return false;
@@ -68,7 +68,7 @@ static bool add(struct json_points *points, size_t *room, struct dvec3 point)
 /* points is empty again; returns st. */
 static enum status drop(struct json_points *points, enum status st)
 {
-    free(points->at);
+    mem_free(points->at);
     *points = (struct json_points){0};
     return st;
 }

@@ -8,7 +8,7 @@
 #include "vec.h"
 
 struct json_points {
-    struct dvec3 *at; /* by free(); NULL: none */
+    struct dvec3 *at; /* by mem_free(); NULL: none */
     size_t n;
 };
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "errinfo.h"
+#include "mem.h"
 #include "utf8.h"
 
 static enum status too_many(const struct json_text *t, struct errinfo *e)
@@ -119,5 +120,5 @@ size_t json_text_place(const struct json_text *t, size_t at)
 void json_text_free(struct json_text *t)
 {
     for (size_t i = 0; i < t->cuts; i++)
-        free(t->cut[i].points.at);
+        mem_free(t->cut[i].points.at);
 }

@@ -33,7 +33,7 @@ struct json_text {
  * objects.  Returns ST_OK, ST_EINVAL, ST_ELIMIT, ST_ENOMEM. */
 enum status json_text_check(struct json_text *t, struct errinfo *e);
 
-/* json_text_rest(t, len): the text without what was cut out of it, for free(); NULL: no
+/* json_text_rest(t, len): the text without what was cut out of it, for mem_free(); NULL: no
  * memory.  An array of points is empty there, unless there is more in it. */
 char *json_text_rest(const struct json_text *t, size_t *len);
 

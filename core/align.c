@@ -343,6 +343,12 @@ void align_work_free(struct align_work *w)
     scratch_free(&w->fit);
 }
 
+void align_work_wipe(struct align_work *w, size_t keep)
+{
+    scratch_wipe(&w->field, keep);
+    scratch_wipe(&w->fit, keep);
+}
+
 enum status align_search(const struct surface *tmpl, const struct surface *probe,
                          const struct align_how *how, struct align_work *w,
                          struct align_result *out)

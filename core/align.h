@@ -58,7 +58,8 @@ struct align_work {
     struct scratch field, fit;
 };
 
-void align_work_free(struct align_work *w); /* w is empty again */
+void align_work_free(struct align_work *w);              /* w is empty again */
+void align_work_wipe(struct align_work *w, size_t keep); /* as measure_work_wipe() */
 
 /* align_search(tmpl, probe, how, w, out): the pose of probe over tmpl.
  * tmpl, probe  lattice units at LATTICE_PER_MM; both need their spanning-tree order; tmpl is

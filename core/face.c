@@ -106,6 +106,16 @@ void face_work_free(struct face_work *w)
     mem_free(w);
 }
 
+void face_work_wipe(struct face_work *w)
+{
+    measure_work_wipe(&w->measure, FACE_WORK_KEEP);
+    align_work_wipe(&w->align, FACE_WORK_KEEP);
+    surface_free(&w->upright);
+    face_free(&w->mirrored);
+    if (w->shape != NULL)
+        shape_work_wipe(w->shape, FACE_WORK_KEEP);
+}
+
 void face_free(struct face *f)
 {
     if (f == NULL)

@@ -54,6 +54,12 @@ struct face_work;
 struct face_work *face_work_new(const struct model *m);
 void face_work_free(struct face_work *w);
 
+/* face_work_wipe(w): nothing of the faces that w has worked on stays in its memory, and what
+ * more than FACE_WORK_KEEP bytes in a block were needed for is given back: faces of up to
+ * 10,000 points are worked on without allocating again.  O(bytes used since the last time). */
+#define FACE_WORK_KEEP ((size_t)4 << 20)
+void face_work_wipe(struct face_work *w);
+
 /* face_work_decide(w, d): from now on decide by the calibration d (copied); NULL: by the
  * model's own. */
 void face_work_decide(struct face_work *w, const struct decision *d);

@@ -19,6 +19,19 @@ void measure_work_free(struct measure_work *w)
     memset(w, 0, sizeof *w);
 }
 
+void measure_work_wipe(struct measure_work *w, size_t keep)
+{
+    struct measure_work empty = {
+        .scratch = w->scratch, .points = w->points, .arrays = w->arrays};
+
+    scratch_wipe(&empty.scratch, keep);
+    scratch_wipe(&empty.points, keep);
+    scratch_wipe(&empty.arrays, keep);
+    surface_free(&w->moved);
+    mesh_free(&w->general);
+    *w = empty;
+}
+
 /* layout(w, na, nb, block): w's arrays for a template of na points and a probe of nb;
  * returns the bytes needed. */
 static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char *block)

@@ -33,6 +33,10 @@ struct measure_work {
 
 void measure_work_free(struct measure_work *w); /* w is empty again; NULL is allowed */
 
+/* measure_work_wipe(w, keep): nothing of the last faces stays in it; of each scratch at most
+ * keep bytes are kept (scratch_wipe()). */
+void measure_work_wipe(struct measure_work *w, size_t keep);
+
 /* measure_gaps(tmpl, probe, transform, w): the gap between tmpl and probe moved by transform
  * (mm, row-major 4 x 4, a rigid motion or a reflection) at the vertices of either: w->moved,
  * the locations, the gaps and what they count.

@@ -1,4 +1,4 @@
-/* mem.h -- the only place where core asks for memory.
+/* mem.h -- the only place where core asks for memory, and where what holds a face is freed.
  * Sizes are checked for overflow; a failed call returns NULL and changes nothing. */
 #ifndef CORE_MEM_H
 #define CORE_MEM_H
@@ -7,13 +7,20 @@
 /* mem_array(n, size): n objects of size bytes, uninitialised, 64-byte aligned; NULL when
  * out of memory or on overflow.  n == 0 gives a valid pointer.  Release with mem_free(). */
 void *mem_array(size_t n, size_t size);
-void mem_free(void *p); /* NULL is allowed */
+
+/* mem_free(p): wiped, then freed; p is of mem_array() or of malloc(), or NULL.  Some 5 us for
+ * 100 KB. */
+void mem_free(void *p);
+
+/* mem_grow(p, used, bytes): a block of bytes with the first used bytes of p, which is wiped
+ * and freed; unlike realloc() it leaves no copy behind.  NULL: out of memory, p is as before. */
+void *mem_grow(void *p, size_t used, size_t bytes);
 
 /* A block that a worker owns and reuses, so that in the long run nothing is allocated.  All
  * zero is an empty one. */
 struct scratch {
     unsigned char *block;
-    size_t size;
+    size_t size, used; /* used: of size, since the last wipe */
 };
 
 /* scratch_need(s, bytes): a 64-byte aligned block of at least bytes, owned by s, valid
@@ -21,6 +28,10 @@ struct scratch {
  * out of memory: then s is as before. */
 void *scratch_need(struct scratch *s, size_t bytes);
 void scratch_free(struct scratch *s); /* s is empty again */
+
+/* scratch_wipe(s, keep): its content is wiped, as far as it was used, and the block freed if
+ * it is of more than keep bytes. */
+void scratch_wipe(struct scratch *s, size_t keep);
 
 /* mem_round(bytes): bytes rounded up so that the next array begins on a cache line. */
 static inline size_t mem_round(size_t bytes)

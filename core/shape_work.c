@@ -58,3 +58,9 @@ void shape_work_free(struct shape_work *w)
     scratch_free(&w->points);
     scratch_free(&w->solve);
 }
+
+void shape_work_wipe(struct shape_work *w, size_t keep)
+{
+    scratch_wipe(&w->points, keep);
+    scratch_wipe(&w->solve, keep);
+}

@@ -11,6 +11,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
+#include "mem.h"
 #include "mesh.h"
 #include "mesh_link.h"
 
@@ -278,6 +279,6 @@ enum status codec_digest(const struct mesh *m, char hex[65])
     }
     (void)crypto_hash_sha256_final(&state, hash);
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
-    free(pts);
+    mem_free(pts);
     return ST_OK;
 }

@@ -1,6 +1,5 @@
 #include "cloudfile.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "clouddepth.h"
@@ -16,6 +15,7 @@
 #include "errinfo.h"
 #include "inflate.h"
 #include "json.h"
+#include "mem.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -195,7 +195,7 @@ enum status cloudfile_read(const void *bytes, size_t len,
     st = inflate_body(INFLATE_GZIP, bytes, len, o->max_bytes, &unpacked, &n, e);
     if (st == ST_OK)
         st = read_plain((const char *)unpacked, n, o, out, e);
-    free(unpacked);
+    mem_free(unpacked);
     return st;
 }
 

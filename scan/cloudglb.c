@@ -69,7 +69,7 @@ static enum status read_document(struct scene *s, const char *text, size_t len)
     while (len > 0 && copy[len - 1] == '\0')
         len--; /* some pad with it, though the format has blanks for that */
     st = json_read(copy, len, CLOUDGLB_VALUES, &s->doc, &e);
-    free(copy);
+    mem_free(copy);
     return st == ST_OK ? ST_OK : errinfo_set(s->e, st, "GLB: %.200s", e.msg);
 }
 

@@ -62,7 +62,7 @@ static void sample(int k, int side, const struct facegen_face face[2],
 static double general(const struct mesh *a, const struct mesh *b, uint32_t *cells)
 {
     const size_t n = (size_t)a->nv + b->nv;
-    struct scratch scratch = {NULL, 0};
+    struct scratch scratch = {0};
     struct mesh g = {0};
     struct location *la = lab_alloc(a->nv, sizeof *la),
                     *lb = lab_alloc(b->nv, sizeof *lb);

@@ -1,4 +1,4 @@
-/* link: -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc */
+/* link: -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=aligned_alloc */
 /* Points read in one pass: the same values, messages and places in them as those of a
  * document that is read with a value for each number. */
 #include <math.h>
@@ -21,8 +21,8 @@ void *__real_malloc(size_t size);
 void *__wrap_malloc(size_t size);
 void *__real_calloc(size_t n, size_t size);
 void *__wrap_calloc(size_t n, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__wrap_realloc(void *p, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
 static unsigned long asked, failing; /* the allocation that fails; 0: none */
 static size_t bytes;                 /* of all that succeeded */
@@ -43,9 +43,9 @@ void *__wrap_calloc(size_t n, size_t size)
     return fails(n * size) ? NULL : __real_calloc(n, size);
 }
 
-void *__wrap_realloc(void *p, size_t size)
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
 {
-    return fails(size) ? NULL : __real_realloc(p, size);
+    return fails(size) ? NULL : __real_aligned_alloc(alignment, size);
 }
 
 typedef enum status read_function(const char *, size_t, size_t, struct json_value **,

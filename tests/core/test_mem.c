@@ -1,7 +1,8 @@
 /* Allocation: alignment, overflow, and that a failed one changes nothing. */
-/* link: -Wl,--wrap=aligned_alloc */
+/* link: -Wl,--wrap=aligned_alloc -Wl,--wrap=free */
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -50,6 +51,84 @@ static void test_fail(void **state)
     mem_free(p);
 }
 
+static void test_grow(void **state)
+{
+    unsigned char *p = mem_array(100, 1), *q;
+
+    (void)state;
+    memset(p, 7, 100);
+    q = mem_grow(p, 100, 5000);
+    assert_non_null(q);
+    for (int i = 0; i < 100; i++)
+        assert_int_equal(q[i], 7);
+    fail_alloc_at(1);
+    assert_null(mem_grow(q, 100, 9000));
+    assert_int_equal(q[99], 7);
+    fail_alloc_at(0);
+    mem_free(q);
+    q = mem_grow(NULL, 0, 64);
+    assert_non_null(q);
+    mem_free(q);
+}
+
+/* What is freed is wiped first: here it is looked at just before. */
+static const unsigned char *watched;
+static bool wiped;
+
+void __real_free(void *p);
+void __wrap_free(void *p);
+void __wrap_free(void *p)
+{
+    if (p != NULL && p == watched) {
+        wiped = true;
+        for (size_t i = 0; i < 10000; i++)
+            wiped = wiped && watched[i] == 0;
+    }
+    __real_free(p);
+}
+
+static void test_wiped(void **state)
+{
+    struct scratch s = {0};
+    unsigned char *p = mem_array(10000, 1);
+
+    (void)state;
+    watched = memset(p, 7, 10000);
+    wiped = false;
+    mem_free(p);
+    assert_true(wiped);
+
+    watched = memset(p = mem_array(10000, 1), 7, 10000);
+    wiped = false;
+    p = mem_grow(p, 10000, 20000);
+    assert_true(wiped);
+    watched = NULL;
+    mem_free(p);
+
+    watched =
+        memset(scratch_need(&s, 10000), 7, 10000); /* a larger one takes its place */
+    wiped = false;
+    (void)scratch_need(&s, 20000);
+    assert_true(wiped);
+
+    watched = memset(scratch_need(&s, 10000), 7, 10000);
+    scratch_wipe(&s, 20000); /* kept */
+    for (size_t i = 0; i < 10000; i++)
+        assert_int_equal(s.block[i], 0);
+    assert_int_equal(s.used, 0);
+    (void)scratch_need(&s, 300); /* as far as it was used alone */
+    memset(s.block, 7, 1000);
+    scratch_wipe(&s, 20000);
+    assert_int_equal(s.block[299], 0);
+    assert_int_equal(s.block[300], 7);
+    (void)scratch_need(&s, 10000);
+    wiped = false;
+    scratch_wipe(&s, 19999); /* not kept */
+    assert_true(wiped);
+    assert_null(s.block);
+    watched = NULL;
+}
+
 static void test_scratch(void **state)
 {
     struct scratch s = {0};
@@ -96,7 +175,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_aligned), cmocka_unit_test(test_overflow),
-        cmocka_unit_test(test_fail),    cmocka_unit_test(test_scratch),
+        cmocka_unit_test(test_fail),    cmocka_unit_test(test_grow),
+        cmocka_unit_test(test_wiped),   cmocka_unit_test(test_scratch),
         cmocka_unit_test(test_round),
     };
 
