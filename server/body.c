@@ -1,14 +1,15 @@
 #include "body.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "inflate.h"
+#include "mem.h"
 #include "request.h"
 #include "route.h"
+#include "upload.h"
 
 /* NULL, or the values of Content-Type of which the route wants one. */
 static const char *wants(const struct request *r)
@@ -46,7 +47,7 @@ void body_check(struct request *r, bool has_length, uint64_t length)
 {
     const char *types = wants(r);
 
-    if (length != BODY_LENGTH_UNKNOWN && length > r->app->max_body)
+    if (length != UPLOAD_LENGTH_UNKNOWN && length > r->app->max_body)
         body_refuse_size(r);
     else if (r->route->body == ROUTE_NO_BODY)
         return;
@@ -70,6 +71,9 @@ void body_check(struct request *r, bool has_length, uint64_t length)
 
 static bool decompress(struct request *r)
 {
+    const bool kept = r->max_points > 0;
+    const size_t limit =
+        kept && r->app->max_body > QUOTA_SMALL ? QUOTA_SMALL : r->app->max_body;
     struct errinfo e = {0};
     unsigned char *body;
     size_t len;
@@ -77,8 +81,10 @@ static bool decompress(struct request *r)
 
     if (r->coding == INFLATE_NONE || r->len == 0)
         return true;
-    st = inflate_body(r->coding, r->body, r->len, r->app->max_body, &body, &len, &e);
-    free(r->body); /* its bytes stay counted in http.c until the request ends */
+    st = inflate_body(r->coding, r->body, r->len, limit, &body, &len, &e);
+    if ((r->larger = st == ST_ESIZE && limit < r->app->max_body))
+        return false;
+    mem_free(r->body); /* its bytes stay counted until there is a response */
     r->body = body;
     r->len = len;
     r->coding = INFLATE_NONE;

@@ -7,9 +7,7 @@
 
 struct request;
 
-#define BODY_LENGTH_UNKNOWN UINT64_MAX /* it comes in chunks */
-
-/* body_check(r, has_length, length): sets r->response if r->route does not accept a body of
+/* body_check(r, has_length, length): as in upload.h.  Sets r->response if r->route does not accept a body of
  * this length and of r's media type and coding.  has_length: the headers give a length or
  * announce chunks. */
 void body_check(struct request *r, bool has_length, uint64_t length);
@@ -19,7 +17,7 @@ void body_refuse_size(struct request *r);
 
 /* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
  * form (multipart.h) its one file becomes the body, with its media type and coding.  On a
- * worker: it computes.  False: r->response is set: damaged, too large, empty. */
+ * worker: it computes.  False: r->response is set: damaged, too large, empty; or r->larger. */
 bool body_unpack(struct request *r);
 
 #endif

@@ -77,6 +77,13 @@ void builder_wait(struct builder *b)
     (void)pthread_mutex_unlock(&b->lock);
 }
 
+void builder_wipe(struct builder *b)
+{
+    (void)pthread_mutex_lock(&b->lock);
+    face_work_wipe(b->work);
+    (void)pthread_mutex_unlock(&b->lock);
+}
+
 void builder_stop(struct builder *b)
 {
     if (b == NULL)

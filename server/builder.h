@@ -15,6 +15,7 @@ struct builder *builder_start(const struct model *m); /* NULL: out of memory */
 void builder_begin(struct builder *b, void (*build)(void *arg, struct face_work *w),
                    void *arg);
 void builder_wait(struct builder *b);
+void builder_wipe(struct builder *b); /* face_work_wipe(), between two */
 void builder_stop(struct builder *b); /* after builder_wait(); NULL is allowed */
 
 #endif

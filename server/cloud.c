@@ -1,14 +1,15 @@
 #include "cloud.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "app.h"
 #include "cloudfile.h"
 #include "errinfo.h"
 #include "face.h"
+#include "mem.h"
 #include "params.h"
 #include "parse.h"
+#include "quota.h"
 #include "request.h"
 #include "sample.h"
 
@@ -16,18 +17,24 @@
 static bool take_options(struct request *r, struct cloudfile_options *o, bool *as_scanned)
 {
     *as_scanned = false;
-    *o = (struct cloudfile_options){.format = r->format,
-                                    .max_points = FACE_MAX_POINTS,
-                                    .max_bytes = r->app->max_body,
-                                    .camera = CLOUDDEPTH_NO_CAMERA};
+    *o = (struct cloudfile_options){
+        .format = r->format,
+        .max_points = r->max_points > 0 ? r->max_points : FACE_MAX_POINTS,
+        .max_bytes = r->max_points > 0 && r->app->max_body > QUOTA_SMALL
+                         ? QUOTA_SMALL
+                         : r->app->max_body,
+        .camera = CLOUDDEPTH_NO_CAMERA};
     return params_units(r, &o->unit_mm) && params_axes(r, as_scanned) &&
            params_camera(r, &o->camera);
 }
 
-/* After the reading: the body is not needed any more. */
+/* After the reading: the body is not needed any more, unless another worker takes over. */
 static enum status settle(struct request *r, enum status st, struct errinfo *e)
 {
-    free(r->body);
+    r->larger = (st == ST_ELIMIT || st == ST_ESIZE) && r->max_points > 0;
+    if (r->larger)
+        return errinfo_set(e, ST_EBUSY, "for another worker");
+    mem_free(r->body);
     r->body = NULL;
     r->len = 0;
     if (st != ST_EVERSION) /* another format, or a variant of one */
@@ -50,7 +57,7 @@ enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinf
     enum status st;
 
     *out = (struct cloudpoints){0};
-    if (!take_options(r, &o, &as_scanned))
+    if (request_gone(r) || !take_options(r, &o, &as_scanned))
         return ST_EINVAL;
     st = cloudfile_read(r->body, r->len, &o, out, e);
     out->as_scanned = out->as_scanned || as_scanned;
@@ -73,7 +80,7 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
     enum status st;
 
     *a = *b = (struct cloudpoints){0};
-    if (!take_options(r, &o, &as_scanned))
+    if (request_gone(r) || !take_options(r, &o, &as_scanned))
         return ST_EINVAL;
     st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
     a->as_scanned = a->as_scanned || as_scanned;
@@ -88,6 +95,8 @@ enum status cloud_build(struct request *r, struct cloudpoints *c, const char *na
     const struct scan_options o = {.enrolment = enrolment};
     struct errinfo e = {0};
 
+    if (request_gone(r))
+        return ST_EBUSY;
     return fail(r, sample_build(name, c, &o, w, out, found, &e), &e);
 }
 

@@ -35,6 +35,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_TARGET] = {414, "uri_too_long", "The path and query are too long"},
     [ERRMAP_HEADERS] = {431, "headers_too_large", "The headers are too large"},
     [ERRMAP_VERSION] = {505, "http_version", "The version of HTTP is not served"},
+    [ERRMAP_TRANSFER] = {501, "unsupported_transfer_encoding",
+                         "Unsupported Transfer-Encoding"},
     [ERRMAP_NO_LENGTH] = {411, "length_required", "Length required"},
     [ERRMAP_MEDIA_TYPE] = {415, "unsupported_media_type", "Unsupported media type"},
     [ERRMAP_CODING] = {415, "unsupported_content_encoding",

@@ -11,6 +11,7 @@ enum errmap_kind {
     ERRMAP_TARGET,           /* the path and query are too long */
     ERRMAP_HEADERS,          /* the headers are too large */
     ERRMAP_VERSION,          /* not HTTP/1.0 or 1.1 */
+    ERRMAP_TRANSFER,         /* a transfer coding other than chunked */
     ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
     ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */

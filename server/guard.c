@@ -1,6 +1,9 @@
+#define _GNU_SOURCE /* POLLRDHUP */
 #include "guard.h"
 
+#include <math.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +18,7 @@
 #define OTHER_FILES 256
 #define TICK_MS     200
 #define REPORT_MS   10000.0
+#define SETTLED_MS  1000.0 /* how long a connection is safe from guard_admit() */
 #define NO_END      1e300
 
 /* Where a connection comes from; length 0: a Unix socket. */
@@ -29,7 +33,10 @@ struct guard_peer {
     struct origin origin;
     int fd;
     enum guard_step step;
-    double end_ms;
+    double begin_ms, end_ms;
+    void (*gone)(void *arg); /* of GUARD_WORK; NULL: called already */
+    void *arg;
+    bool ended; /* shut down here, and not yet closed by libmicrohttpd */
 };
 
 struct guard {
@@ -39,6 +46,7 @@ struct guard {
     pthread_cond_t wake;
     struct guard_peer *peers;
     struct guard_state state;
+    unsigned ended;    /* of the open ones */
     uint64_t reported; /* of refused and late */
     double report_ms;
     bool stopping;
@@ -79,6 +87,33 @@ static bool same(const struct origin *a, const struct origin *b)
     return a->len == b->len && memcmp(a->bytes, b->bytes, sizeof a->bytes) == 0;
 }
 
+static void end(struct guard *l, struct guard_peer *p)
+{
+    (void)shutdown(p->fd, SHUT_RDWR);
+    p->ended = true;
+    l->ended++;
+}
+
+/* The one that has sent no whole request for the longest time makes room.  False: there is
+ * none. */
+static bool crowd_out(struct guard *l)
+{
+    const double now = log_clock_ms();
+    struct guard_peer *oldest = NULL;
+
+    for (struct guard_peer *p = l->peers; p != NULL; p = p->next)
+        if ((p->step == GUARD_IDLE || p->step == GUARD_REQUEST ||
+             p->step == GUARD_HEADERS) &&
+            now - p->begin_ms > SETTLED_MS && !p->ended &&
+            (oldest == NULL || p->begin_ms < oldest->begin_ms))
+            oldest = p;
+    if (oldest == NULL)
+        return false;
+    end(l, oldest);
+    l->state.crowded_out++;
+    return true;
+}
+
 bool guard_admit(struct guard *l, const struct sockaddr *addr)
 {
     const struct origin o = origin_of(addr);
@@ -88,7 +123,7 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
     bool ok = true;
 
     (void)pthread_mutex_lock(&l->lock);
-    if (l->state.open >= l->rules.connections) {
+    if (l->state.open - l->ended >= l->rules.connections && !crowd_out(l)) {
         l->state.refused_total++;
         ok = false;
     } else if (counted) {
@@ -110,10 +145,12 @@ static void begin(struct guard *l, struct guard_peer *p, enum guard_step step)
     if (step == GUARD_HEADERS && p->step == GUARD_REQUEST)
         return;
     p->step = step;
+    p->gone = NULL;
+    p->begin_ms = log_clock_ms();
     if (step == GUARD_WORK)
         p->end_ms = NO_END;
     else
-        p->end_ms = log_clock_ms() + ms * (step == GUARD_IDLE ? GUARD_IDLE_FACTOR : 1);
+        p->end_ms = p->begin_ms + ms * (step == GUARD_IDLE ? GUARD_IDLE_FACTOR : 1);
 }
 
 struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *addr)
@@ -147,6 +184,7 @@ void guard_close(struct guard *l, struct guard_peer *p)
     if (p->next != NULL)
         p->next->prev = p->prev;
     l->state.open--;
+    l->ended -= p->ended;
     (void)pthread_mutex_unlock(&l->lock);
     free(p);
 }
@@ -158,10 +196,20 @@ void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step)
     (void)pthread_mutex_unlock(&l->lock);
 }
 
+void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg), void *arg)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    begin(l, p, GUARD_WORK);
+    p->gone = gone;
+    p->arg = arg;
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
 {
     (void)pthread_mutex_lock(&l->lock);
-    p->end_ms += 1000.0 * (double)bytes / GUARD_BYTES_PER_S;
+    p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
+                     log_clock_ms() + 1000.0 * l->rules.timeout_s);
     (void)pthread_mutex_unlock(&l->lock);
 }
 
@@ -183,7 +231,7 @@ static void report(struct guard *l)
 
     for (int i = 0; i < GUARD_NSTEPS; i++)
         late += s->late[i];
-    sum = late + s->refused_total + s->refused_address;
+    sum = late + s->refused_total + s->refused_address + s->crowded_out;
     if (sum == l->reported || log_clock_ms() < l->report_ms)
         return;
     l->reported = sum;
@@ -192,8 +240,18 @@ static void report(struct guard *l)
     log_count(&line, "open", s->open);
     log_count(&line, "late", late);
     log_count(&line, "too_many", s->refused_total);
+    log_count(&line, "crowded_out", s->crowded_out);
     log_count(&line, "too_many_of_one_address", s->refused_address);
     log_end(&line);
+}
+
+/* A client that closes its side before it has the response is taken to have gone, as every
+ * HTTP client that gives up looks like that; what it sent before may still be unread. */
+static bool has_gone(int fd)
+{
+    struct pollfd p = {.fd = fd, .events = POLLRDHUP};
+
+    return poll(&p, 1, 0) > 0;
 }
 
 static void sweep(struct guard *l)
@@ -201,10 +259,14 @@ static void sweep(struct guard *l)
     double now = log_clock_ms();
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next) {
-        if (now < p->end_ms)
+        if (p->gone != NULL && !p->ended && has_gone(p->fd)) {
+            p->gone(p->arg);
+            p->gone = NULL;
+            l->state.gone++;
+        }
+        if (now < p->end_ms || p->ended)
             continue;
-        (void)shutdown(p->fd, SHUT_RDWR);
-        p->end_ms = NO_END;
+        end(l, p);
         if (p->step != GUARD_IDLE) /* whose time is over as a matter of course */
             l->state.late[p->step]++;
     }

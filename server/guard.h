@@ -2,7 +2,8 @@
  * each may take over what it does.  libmicrohttpd's own timeout starts again with every byte,
  * so a client that sends or reads one now and then could stay for ever; here each step of a
  * request has a deadline.  A thread shuts down the sockets that are past theirs, and
- * libmicrohttpd then closes them as if the client had gone. */
+ * libmicrohttpd then closes them as if the client had gone.  It also finds out which clients
+ * have gone while the daemon works for them, which libmicrohttpd does not look at then. */
 #ifndef SERVER_GUARD_H
 #define SERVER_GUARD_H
 #include <stdbool.h>
@@ -22,7 +23,8 @@ struct guard_rules {
     unsigned timeout_s;
 };
 
-/* A body and a response may take timeout_s, and a second more for each: */
+/* A body and a response may take timeout_s, and a second more for each so many bytes, but are
+ * never more than timeout_s ahead: who has sent much and then nothing is closed like others. */
 #define GUARD_BYTES_PER_S 8192.0
 /* An open connection without a request is kept this many times timeout_s. */
 #define GUARD_IDLE_FACTOR 3
@@ -42,6 +44,8 @@ struct guard_state {
     uint64_t refused_total;      /* closed at once: too many in all */
     uint64_t refused_address;    /* too many from one address */
     uint64_t late[GUARD_NSTEPS]; /* closed past a deadline, by step */
+    uint64_t crowded_out;        /* closed to make room for a new one */
+    uint64_t gone;               /* gone while the daemon worked for them */
 };
 
 /* guard_start(rules, out, e): the limit of open files is raised to what is needed; where that
@@ -50,7 +54,9 @@ struct guard_state {
 enum status guard_start(const struct guard_rules *rules, struct guard **out,
                         struct errinfo *e);
 
-/* guard_admit(l, addr): may a connection from there be taken?  O(connections).
+/* guard_admit(l, addr): may a connection from there be taken?  O(connections).  Where there are
+ * too many in all, the one that has sent no whole request for the longest time, and for more
+ * than a second, is closed to make room.
  * addr: of any family; NULL as for a Unix socket. */
 bool guard_admit(struct guard *l, const struct sockaddr *addr);
 
@@ -63,8 +69,14 @@ void guard_close(struct guard *l, struct guard_peer *p);
  * after GUARD_REQUEST changes nothing. */
 void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step);
 
-/* guard_more(l, p, bytes): the step transfers so many bytes more. */
+/* guard_more(l, p, bytes): the step has transferred so many bytes more. */
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes);
+
+/* guard_work(l, p, gone, arg): GUARD_WORK begins; gone(arg) is called once, on the guard's
+ * thread and before the next guard_begin() of p returns, if the client goes meanwhile: if it
+ * closes its side of the connection.  gone must not call the guard. */
+void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg),
+                void *arg);
 
 void guard_look(struct guard *l, struct guard_state *out);
 

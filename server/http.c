@@ -9,7 +9,6 @@
 #include <string.h>
 #include <strings.h>
 #include <time.h>
-#include <unistd.h>
 #include <microhttpd.h>
 
 #include "access.h"
@@ -23,19 +22,22 @@
 #include "drain.h"
 #include "guard.h"
 #include "headers.h"
-#include "inflate.h"
 #include "listen.h"
 #include "log.h"
+#include "malformed.h"
 #include "metrics.h"
 #include "options.h"
 #include "peer.h"
 #include "queue.h"
+#include "quota.h"
 #include "refusal.h"
 #include "request.h"
 #include "route.h"
 #include "service.h"
 #include "throttle.h"
 #include "tls.h"
+#include "upload.h"
+#include "worker.h"
 
 /* libmicrohttpd's own buffer for a connection, where a request's headers must fit in.  It
  * clears all of it after every request, so that an idle connection costs that much: a
@@ -48,8 +50,12 @@
  * send its next request. */
 #define BACKLOG_MS 1000.0
 #define QUIET_MS   100.0
-/* The bodies of all requests together take at most this many times the limit of one. */
-#define BODIES_AT_ONCE 8
+/* Large bodies and responses together take at most so many times the limit of one body, and a
+ * token's or an address's so many. */
+#define LARGE_AT_ONCE 8
+#define LARGE_OF_ONE  2
+/* Small ones: more than a thousand of 10,000 points, and half of it for a token or an address. */
+#define SMALL_AT_ONCE ((size_t)256 << 20)
 
 enum state {
     ARRIVED,  /* the headers are there, nothing has been decided */
@@ -66,13 +72,13 @@ struct exchange {
     struct MHD_Connection *conn;
     struct peer *peer;
     enum state state;
-    uint64_t length;  /* Content-Length, or BODY_LENGTH_UNKNOWN */
-    bool has_length;  /* it gives a length, or sends chunks */
-    bool ambiguous;   /* its headers say in two ways where the body ends */
-    bool body_sent;   /* the client sends a body, or says so */
-    size_t cap;       /* of r.body */
-    double queued_ms; /* log_clock_ms() when it was last handed to the workers */
-    int drain_fd;     /* responded to before the body was read; -1: not */
+    struct upload upload;
+    bool has_length;   /* it gives a length, or sends chunks */
+    bool ambiguous;    /* its headers say in two ways where the body ends */
+    bool other_coding; /* a transfer coding other than chunked, whose end nobody knows */
+    bool body_sent;    /* the client sends a body, or says so */
+    double queued_ms;  /* log_clock_ms() when it was last handed to the workers */
+    int drain_fd;      /* responded to before the body was read; -1: not */
 };
 
 struct http {
@@ -83,7 +89,7 @@ struct http {
     struct peer_host host;
     unsigned connections;
     atomic_uint exchanges;
-    size_t buffered; /* bytes of bodies, until their requests end; I/O thread only */
+    struct quota *quota; /* I/O thread only */
     unsigned long serial;
 };
 
@@ -91,12 +97,13 @@ struct http {
 
 static bool closing(const struct exchange *x)
 {
-    return x->ambiguous || atomic_load(&x->http->app->stopping);
+    return x->ambiguous || x->other_coding || atomic_load(&x->http->app->stopping);
 }
 
 static enum MHD_Result send_response(struct exchange *x)
 {
     x->state = RESPONDED;
+    upload_respond(&x->upload);
     return peer_respond(x->peer, &x->r.response, x->r.id, closing(x)) ? MHD_YES : MHD_NO;
 }
 
@@ -150,36 +157,12 @@ static void finish(struct exchange *x)
     access_log(&x->r, http, ms);
     if (x->drain_fd >= 0)
         drain_adopt(h->drain, x->drain_fd);
-    peer_begin(x->peer, GUARD_IDLE, 0);
-    h->buffered -= x->cap;
+    peer_begin(x->peer, GUARD_IDLE);
+    upload_end(&x->upload);
     request_free(&x->r);
 }
 
 /* ---- requests that libmicrohttpd refuses by itself */
-
-static void explain(struct request *r, unsigned status)
-{
-    switch (status) {
-    case MHD_HTTP_URI_TOO_LONG:
-        request_problem(r, ERRMAP_TARGET, "the path and query have at most some 11 KB");
-        break;
-    case MHD_HTTP_REQUEST_HEADER_FIELDS_TOO_LARGE:
-        request_problem(r, ERRMAP_HEADERS, "the headers have at most some 11 KB in all");
-        break;
-    case MHD_HTTP_HTTP_VERSION_NOT_SUPPORTED:
-        request_problem(r, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0");
-        break;
-    case MHD_HTTP_CONTENT_TOO_LARGE:
-        body_refuse_size(r);
-        break;
-    case MHD_HTTP_BAD_REQUEST:
-        request_problem(r, ST_EINVAL,
-                        "a header, Content-Length or a chunk is not as HTTP has it");
-        break;
-    default:
-        request_problem(r, ST_EINTERNAL, "libmicrohttpd gave up with %u", status);
-    }
-}
 
 /* See peer_host. */
 static void on_refusal(void *arg, struct peer *p, void *current, unsigned status)
@@ -194,7 +177,7 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
     }
     if (x->r.id[0] == '\0')
         request_set_id(&x->r, NULL, ++h->serial);
-    explain(&x->r, status);
+    malformed_explain(&x->r, status);
     (void)send_amid(x);
     if (x == &none)
         finish(x);
@@ -202,32 +185,82 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
 
 /* ---- workers */
 
+/* Who takes turns in the queue: a token, or an address as long as there is none. */
+static uint64_t sender_of(const struct request *r)
+{
+    uint64_t h = 0;
+
+    if (r->actor[0] != '\0')
+        return strtoull(r->actor + STORE_ID_LEN - 16, NULL, 16);
+    for (int i = 0; i < THROTTLE_ADDRESS; i++)
+        h = h * 257 + r->address[i];
+    return h;
+}
+
+/* x is suspended.  On any thread; x may be done when it returns. */
+static void queue_up(struct exchange *x, enum queue_kind kind)
+{
+    struct app *app = x->http->app;
+    struct request *out;
+
+    x->queued_ms = log_clock_ms();
+    out = queue_push(app->queue, &x->r, kind, sender_of(&x->r));
+    if (out == NULL)
+        return;
+    request_problem(out, ERRMAP_OVERLOAD, "%s",
+                    atomic_load(&app->stopping) ? "the daemon is stopping"
+                                                : "the queue is full");
+    MHD_resume_connection(((struct exchange *)out)->conn);
+}
+
+static void handle(struct worker *w, struct request *r)
+{
+    if (!request_gone(r) && body_unpack(r) && !refusal_found(r))
+        r->route->handle(r, w);
+}
+
 void http_run(struct worker *w, struct request *r)
 {
     struct exchange *x = (struct exchange *)r;
 
     request_stage(r, REQUEST_QUEUE, log_clock_ms() - x->queued_ms);
-    if (x->state == ADMITTED)
+    if (x->state == ADMITTED) {
         auth_check(r);
-    else if (body_unpack(r) && !refusal_found(r))
-        r->route->handle(r, w);
+    } else {
+        const bool kept = w->kept && !atomic_load(&x->http->app->stopping);
+
+        r->max_points = kept ? WORKER_SMALL_POINTS : 0;
+        w->large = w->large || !kept;
+        handle(w, r);
+        if (r->larger) {
+            request_again(r);
+            queue_up(x, QUEUE_LARGE);
+            return;
+        }
+    }
     refusal_tell(r->app);
     MHD_resume_connection(x->conn);
+}
+
+/* The client has gone (guard_work()).  A worker that has x finds out by itself. */
+static void on_gone(void *arg)
+{
+    struct exchange *x = arg;
+
+    atomic_store(&x->r.gone, true);
+    if (queue_drop(x->http->app->queue, &x->r))
+        MHD_resume_connection(x->conn);
 }
 
 /* Hand x over to a worker; on_request() is called again when it is done. */
 static void to_worker(struct exchange *x, enum state state)
 {
     x->state = state;
-    x->queued_ms = log_clock_ms();
-    peer_begin(x->peer, GUARD_WORK, 0);
+    peer_work(x->peer, on_gone, x);
     MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
-    if (!queue_push(x->http->app->queue, &x->r)) {
-        request_problem(&x->r, ERRMAP_OVERLOAD, "%s",
-                        atomic_load(&x->http->app->stopping) ? "the daemon is stopping"
-                                                             : "the queue is full");
-        MHD_resume_connection(x->conn);
-    }
+    queue_up(x, state == ADMITTED             ? QUEUE_TOKEN
+                : upload_is_large(&x->upload) ? QUEUE_LARGE
+                                              : QUEUE_SMALL);
 }
 
 /* ---- the body */
@@ -238,61 +271,31 @@ static void look_at_body(struct exchange *x)
     const char *length = header(x, "Content-Length");
     const char *coding = header(x, "Transfer-Encoding");
 
-    x->length = 0;
+    x->upload.length = 0;
     if (coding != NULL)
-        x->length = BODY_LENGTH_UNKNOWN;
+        x->upload.length = UPLOAD_LENGTH_UNKNOWN;
     else if (length != NULL)
-        x->length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
-    x->body_sent = x->length > 0;
+        x->upload.length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
+    x->body_sent = x->upload.length > 0;
     x->r.media = request_media(header(x, "Content-Type"), &x->r.format);
     if (x->r.media == REQUEST_FORM)
         (void)multipart_boundary(header(x, "Content-Type"), x->r.boundary);
 }
 
-/* Room for n more bytes and a final 0 in r.body. */
-static bool make_room(struct exchange *x, size_t n)
-{
-    size_t need = x->r.len + n + 1, cap = x->cap;
-    unsigned char *body;
-
-    if (need <= cap)
-        return true;
-    if (cap == 0 && x->length != BODY_LENGTH_UNKNOWN && x->length < (1 << 20))
-        cap = (size_t)x->length + 1; /* as announced, if that costs little */
-    while (cap < need)
-        cap = cap < 65536 ? 65536 : 2 * cap;
-    if (x->http->buffered - x->cap + cap > BODIES_AT_ONCE * (x->http->app->max_body + 1))
-        return false;
-    body = realloc(x->r.body, cap);
-    if (body == NULL)
-        return false;
-    x->http->buffered += cap - x->cap;
-    x->r.body = body;
-    x->cap = cap;
-    return true;
-}
-
 static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)
 {
-    struct request *r = &x->r;
-
     peer_more(x->peer, *size);
-    if (*size > x->http->app->max_body - r->len) {
-        body_refuse_size(r);
-        return send_amid(x);
+    switch (upload_add(&x->upload, data, *size)) {
+    case ST_OK:
+        *size = 0;
+        return MHD_YES;
+    case ST_ESIZE:
+        body_refuse_size(&x->r);
+        break;
+    default:
+        request_problem(&x->r, ERRMAP_OVERLOAD, "no room for the body now");
     }
-    if (r->route->body == ROUTE_NO_BODY) {
-        r->len += *size; /* counted against the limit, and not kept */
-    } else if (make_room(x, *size)) {
-        memcpy(r->body + r->len, data, *size);
-        r->len += *size;
-        r->body[r->len] = 0;
-    } else {
-        request_problem(r, ERRMAP_OVERLOAD, "no room for the body now");
-        return send_amid(x);
-    }
-    *size = 0;
-    return MHD_YES;
+    return send_amid(x);
 }
 
 static enum MHD_Result body_complete(struct exchange *x)
@@ -318,11 +321,11 @@ static enum MHD_Result admit(struct exchange *x)
     if (x->r.response.http == 0)
         route_check_query(&x->r);
     if (x->r.response.http == 0)
-        body_check(&x->r, x->has_length, x->length);
+        body_check(&x->r, x->has_length, x->upload.length);
     if (x->r.response.http != 0)
         return send_early(x);
     x->state = COLLECTING;
-    peer_begin(x->peer, GUARD_BODY, 0);
+    peer_begin(x->peer, GUARD_BODY);
     return MHD_YES;
 }
 
@@ -339,6 +342,8 @@ static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char 
         strcasecmp(name, "Transfer-Encoding") == 0) {
         x->ambiguous = x->ambiguous || x->has_length;
         x->has_length = true;
+        x->other_coding = x->other_coding || (strcasecmp(name, "Content-Length") != 0 &&
+                                              strcasecmp(value, "chunked") != 0);
     }
     headers_take(&x->r, name, value);
     return MHD_YES;
@@ -350,11 +355,15 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
 
     request_set_id(r, header(x, "X-Request-Id"), ++x->http->serial);
     r->method = request_method(method);
+    throttle_address(client_address(x), r->address);
     look_at_body(x);
     (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
-    if (x->ambiguous) {
-        request_problem(r, ST_EINVAL,
-                        "more than one Content-Length or Transfer-Encoding");
+    if (x->ambiguous || x->other_coding) {
+        if (x->ambiguous)
+            request_problem(r, ST_EINVAL,
+                            "more than one Content-Length or Transfer-Encoding");
+        else
+            request_problem(r, ERRMAP_TRANSFER, "Transfer-Encoding may be chunked");
         x->body_sent = true; /* whatever the one that was taken says */
         return send_early(x);
     }
@@ -363,7 +372,6 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
         return send_early(x);
     if (r->route->scope == 0 || x->http->app->no_auth)
         return admit(x);
-    throttle_address(client_address(x), r->address);
     auth_take(r, header(x, "Authorization"));
     if (r->response.http != 0 || !auth_admit(r))
         return send_early(x);
@@ -389,11 +397,13 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const 
     case ARRIVED:
         return arrive(x, method);
     case ADMITTED:
+        if (atomic_load(&x->r.gone))
+            return MHD_NO;
         return x->r.response.http != 0 ? send_early(x) : admit(x);
     case COLLECTING:
         return *size > 0 ? collect(x, data, size) : body_complete(x);
     case WORKING:
-        return send_response(x);
+        return atomic_load(&x->r.gone) ? MHD_NO : send_response(x);
     case RESPONDED:
         break;
     }
@@ -416,13 +426,14 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     x->drain_fd = -1;
     x->r.app = h->app;
     x->r.start_ms = log_clock_ms();
+    upload_begin(&x->upload, &x->r, h->quota);
     x->r.target = strdup(uri);
     if (x->r.target == NULL) {
         free(x);
         return NULL;
     }
     peer_set_current(p, x);
-    peer_begin(x->peer, GUARD_HEADERS, 0);
+    peer_begin(x->peer, GUARD_HEADERS);
     (void)atomic_fetch_add(&h->exchanges, 1);
     return x;
 }
@@ -477,25 +488,6 @@ static void on_connection(void *cls, struct MHD_Connection *conn, void **context
 
 /* ---- start and stop */
 
-/* The one that was passed, or one at the address of the options.  They have been checked
- * to go together; where a socket was passed, its address is known only now. */
-static enum status open_socket(const struct options *o, struct listen_socket *s,
-                               struct errinfo *e)
-{
-    int fd;
-    enum status st = service_socket(&fd, e);
-
-    if (st != ST_OK || fd < 0)
-        return st != ST_OK ? st : listen_open(&o->listen, o->listen_len, s, e);
-    st = listen_adopt(fd, s, e);
-    if (st == ST_OK && !address_is_local(&s->ss) &&
-        (o->no_auth || (o->tls_cert == NULL && !o->plaintext)))
-        st = errinfo_set(e, ST_EINVAL,
-                         "the socket that was passed is reached from other machines: "
-                         "that needs tokens, and --tls-cert or --plaintext");
-    return st;
-}
-
 enum status http_listen(const struct options *o, struct http **out,
                         char url[HTTP_URL_MAX], struct errinfo *e)
 {
@@ -503,6 +495,9 @@ enum status http_listen(const struct options *o, struct http **out,
                                 .per_address = o->max_connections_per_address,
                                 .local_too = true,
                                 .timeout_s = o->timeout_s};
+    const struct quota_limits limits = {
+        .all = {SMALL_AT_ONCE, LARGE_AT_ONCE * (o->max_body + 1)},
+        .one = {SMALL_AT_ONCE / 2, LARGE_OF_ONE * (o->max_body + 1)}};
     struct tls_names names = {o->tls_cert, o->tls_key, o->tls_client_ca};
     struct http *h = calloc(1, sizeof *h);
     enum status st = ST_OK;
@@ -516,12 +511,15 @@ enum status http_listen(const struct options *o, struct http **out,
         rules.per_address = PER_ADDRESS;
         rules.local_too = false;
     }
-    if (names.cert != NULL)
+    h->quota = quota_new(&limits);
+    if (h->quota == NULL)
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK && names.cert != NULL)
         st = tls_open(&names, &h->host.tls, e);
     if (st == ST_OK)
         st = guard_start(&rules, &h->host.guard, e);
     if (st == ST_OK)
-        st = open_socket(o, &h->socket, e);
+        st = listen_start(o, &h->socket, e);
     if (st != ST_OK) {
         http_stop(h);
         return st;
@@ -600,5 +598,6 @@ void http_stop(struct http *h)
     listen_close(&h->socket);
     guard_stop(h->host.guard);
     tls_close(h->host.tls);
+    quota_free(h->quota);
     free(h);
 }

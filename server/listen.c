@@ -8,6 +8,8 @@
 
 #include "address.h"
 #include "errinfo.h"
+#include "options.h"
+#include "service.h"
 
 #define BACKLOG   1024
 #define UNIX_MODE 0660
@@ -80,6 +82,25 @@ enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e)
         return ST_OK;
     listen_close(out);
     return errinfo_set(e, ST_EIO, "the socket that was passed: %s", strerror(errno));
+}
+
+/* The one that was passed, or one at the address of the options.  They have been checked
+ * to go together; where a socket was passed, its address is known only now. */
+enum status listen_start(const struct options *o, struct listen_socket *s,
+                         struct errinfo *e)
+{
+    int fd;
+    enum status st = service_socket(&fd, e);
+
+    if (st != ST_OK || fd < 0)
+        return st != ST_OK ? st : listen_open(&o->listen, o->listen_len, s, e);
+    st = listen_adopt(fd, s, e);
+    if (st == ST_OK && !address_is_local(&s->ss) &&
+        (o->no_auth || (o->tls_cert == NULL && !o->plaintext)))
+        st = errinfo_set(e, ST_EINVAL,
+                         "the socket that was passed is reached from other machines: "
+                         "that needs tokens, and --tls-cert or --plaintext");
+    return st;
 }
 
 void listen_close(struct listen_socket *s)

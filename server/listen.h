@@ -7,6 +7,7 @@
 #include "status.h"
 
 struct errinfo;
+struct options;
 
 struct listen_socket {
     int fd;                     /* -1: none */
@@ -27,6 +28,11 @@ enum status listen_open(const struct sockaddr_storage *ss, socklen_t len,
 /* listen_adopt(fd, out, e): take over a socket that listens already; a Unix socket's file
  * stays when it is closed, for it is another's.  Returns as listen_open(). */
 enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e);
+
+/* listen_start(o, s, e): the socket that was passed to the process (service.h), or one at the
+ * address of the options.  Returns as listen_open(); ST_EINVAL. */
+enum status listen_start(const struct options *o, struct listen_socket *s,
+                         struct errinfo *e);
 
 /* listen_close(s): a Unix socket's file is removed, if it is still the one that was made.
  * Closing twice is allowed. */

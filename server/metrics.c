@@ -286,11 +286,13 @@ static void print_connections(FILE *f, const struct app *app)
         uint64_t n;
     } closed[] = {
         {"too_many", g.refused_total},
+        {"crowded_out", g.crowded_out},
         {"too_many_of_one_address", g.refused_address},
         {"idle", g.late[GUARD_IDLE]},
         {"slow_headers", g.late[GUARD_REQUEST] + g.late[GUARD_HEADERS]},
         {"slow_body", g.late[GUARD_BODY]},
         {"slow_reader", g.late[GUARD_RESPONSE]},
+        {"client_gone", g.gone},
     };
 
     print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");

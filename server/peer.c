@@ -4,14 +4,18 @@
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/socket.h>
 #include <microhttpd.h>
 
 #include "auth.h"
 #include "errinfo.h"
 #include "inflate.h"
+#include "mem.h"
 #include "request.h"
 #include "tls.h"
+
+#define PART ((size_t)64 << 10)
 
 struct peer {
     const struct peer_host *host;
@@ -58,10 +62,14 @@ void peer_close(struct peer *p)
     free(p);
 }
 
-void peer_begin(struct peer *p, enum guard_step step, size_t bytes)
+void peer_begin(struct peer *p, enum guard_step step)
 {
     guard_begin(p->host->guard, p->place, step);
-    guard_more(p->host->guard, p->place, bytes);
+}
+
+void peer_work(struct peer *p, void (*gone)(void *arg), void *arg)
+{
+    guard_work(p->host->guard, p->place, gone, arg);
 }
 
 void peer_more(struct peer *p, size_t bytes)
@@ -111,12 +119,54 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
     return MHD_NO; /* so that the connection is closed */
 }
 
-static struct MHD_Response *make_response(struct response *a, const char *id, bool close)
+/* A body that is handed over a part at a time, so that the guard sees how the client takes it. */
+struct parts {
+    struct peer *peer;
+    char *body;
+};
+
+static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)
+{
+    const struct parts *s = arg;
+
+    memcpy(to, s->body + pos, max);
+    peer_more(s->peer, max);
+    return (ssize_t)max;
+}
+
+static void free_parts(void *arg)
+{
+    struct parts *s = arg;
+
+    mem_free(s->body);
+    free(s);
+}
+
+/* Takes the body, unless it returns NULL. */
+static struct MHD_Response *make_body(struct peer *p, const struct response *a)
+{
+    struct MHD_Response *resp;
+    struct parts *s;
+
+    if (a->body == NULL)
+        return MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT);
+    if (a->len <= PART)
+        return MHD_create_response_from_buffer_with_free_callback(a->len, a->body,
+                                                                  mem_free);
+    if ((s = malloc(sizeof *s)) == NULL)
+        return NULL;
+    *s = (struct parts){p, a->body};
+    resp = MHD_create_response_from_callback(a->len, PART, read_part, s, free_parts);
+    if (resp == NULL)
+        free(s);
+    return resp;
+}
+
+static struct MHD_Response *make_response(struct peer *p, struct response *a,
+                                          const char *id, bool close)
 {
     char number[16], challenge[AUTH_CHALLENGE_MAX];
-    struct MHD_Response *resp = MHD_create_response_from_buffer(
-        a->len, a->body,
-        a->body == NULL ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_FREE);
+    struct MHD_Response *resp = make_body(p, a);
 
     if (resp == NULL)
         return NULL;
@@ -153,13 +203,12 @@ static struct MHD_Response *make_response(struct response *a, const char *id, bo
 
 bool peer_respond(struct peer *p, struct response *a, const char *id, bool close)
 {
-    const size_t len = a->len;
-    struct MHD_Response *resp = make_response(a, id, close);
+    struct MHD_Response *resp = make_response(p, a, id, close);
     enum MHD_Result sent;
 
     if (resp == NULL)
         return false;
-    peer_begin(p, GUARD_RESPONSE, len);
+    peer_begin(p, GUARD_RESPONSE);
     sent = queue_response(p->conn, (unsigned)a->http, resp);
     MHD_destroy_response(resp);
     return sent == MHD_YES;

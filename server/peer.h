@@ -31,10 +31,13 @@ struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn
  * allowed. */
 void peer_close(struct peer *p);
 
-/* peer_begin(p, step, bytes): the step begins, with so many bytes to go; peer_more(): that
- * many more than was known.  See guard_begin(), guard_more(). */
-void peer_begin(struct peer *p, enum guard_step step, size_t bytes);
+/* peer_begin(p, step): the step begins; peer_more(): so many bytes more were transferred.  See
+ * guard_begin(), guard_more(). */
+void peer_begin(struct peer *p, enum guard_step step);
 void peer_more(struct peer *p, size_t bytes);
+
+/* peer_work(p, gone, arg): GUARD_WORK, as guard_work(). */
+void peer_work(struct peer *p, void (*gone)(void *arg), void *arg);
 
 int peer_socket(const struct peer *p);
 

@@ -1,4 +1,7 @@
-/* queue.h -- a bounded queue of requests, and the workers that serve it. */
+/* queue.h -- a bounded queue of requests, and the workers that serve it.
+ * Those who send many take turns with those who send few: each sender's requests are served in
+ * order, and of all senders' first ones the one that has waited for the fewest others of its
+ * own.  Where there are two or more workers, one of them takes no large requests. */
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>
@@ -11,6 +14,12 @@ struct queue;
 struct request;
 struct worker;
 
+enum queue_kind {
+    QUEUE_TOKEN, /* a token is checked, which takes no time: before all others */
+    QUEUE_SMALL,
+    QUEUE_LARGE
+};
+
 /* queue_start(app, workers, limit, run, out): limit: requests that may wait.
  * run(w, r) is called on a worker; when it returns, r is no longer the queue's.
  * Returns ST_OK, ST_ENOMEM. */
@@ -18,8 +27,15 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         void (*run)(struct worker *w, struct request *r),
                         struct queue **out);
 
-/* queue_push(q, r): false at once when the queue is full or closed. */
-bool queue_push(struct queue *q, struct request *r);
+/* queue_push(q, r, kind, sender): returns NULL; or the request for which there is no place: r, or,
+ * where the queue is full, one whose sender has more waiting than r's, and which r replaces;
+ * it is no longer the queue's.  A queue that is closed takes none.
+ * sender: any number that is the same for those who share turns.  O(waiting). */
+struct request *queue_push(struct queue *q, struct request *r, enum queue_kind kind,
+                           uint64_t sender);
+
+/* queue_drop(q, r): true: it was waiting, and is no longer the queue's.  O(waiting). */
+bool queue_drop(struct queue *q, const struct request *r);
 
 /* queue_stop(q): no more is taken, what waits is served, the workers end. */
 void queue_stop(struct queue *q);

@@ -10,6 +10,7 @@
 
 #include "errinfo.h"
 #include "errmap.h"
+#include "mem.h"
 #include "render.h"
 #include "utf8.h"
 
@@ -134,7 +135,7 @@ const char *request_stage_name(enum request_stage stage)
 
 static void set_body(struct request *r, int http, const char *type, char *body)
 {
-    free(r->response.body);
+    mem_free(r->response.body);
     r->response.http = http;
     r->response.problem = 0;
     r->response.type = type;
@@ -227,10 +228,27 @@ void request_mismatch(struct request *r, const char *detail,
              render_problem(m, detail, r->id, result));
 }
 
+bool request_gone(struct request *r)
+{
+    if (!atomic_load_explicit(&r->gone, memory_order_relaxed))
+        return false;
+    request_problem(r, ERRMAP_OVERLOAD, "the client has gone");
+    return true;
+}
+
+void request_again(struct request *r)
+{
+    mem_free(r->response.body);
+    r->response = (struct response){0};
+    r->larger = false;
+    r->failed = ST_OK;
+    r->fault[0] = '\0';
+}
+
 void request_free(struct request *r)
 {
     free(r->target);
-    free(r->body);
-    free(r->response.body);
+    mem_free(r->body);
+    mem_free(r->response.body);
     sodium_memzero(r->token, sizeof r->token);
 }

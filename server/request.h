@@ -3,6 +3,7 @@
  * queued (queue.h) until its worker is done: never to two threads at once. */
 #ifndef SERVER_REQUEST_H
 #define SERVER_REQUEST_H
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include "cloudformat.h"
@@ -87,7 +88,10 @@ struct request {
     enum inflate_coding coding;                /* of the body as it is now */
     unsigned char *body;                       /* heap; body[len] is 0 */
     size_t len;
-    double start_ms; /* log_clock_ms() at the request line */
+    size_t max_points; /* 0: FACE_MAX_POINTS; else it is on the worker for small bodies */
+    bool larger;       /* it is no small body: to be handled again, by another worker */
+    atomic_bool gone;  /* the client has gone: what is done for it may be given up */
+    double start_ms;   /* log_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
@@ -146,6 +150,12 @@ void request_fail(struct request *r, const struct errinfo *e);
  * inconclusive), the score and the threshold. */
 void request_mismatch(struct request *r, const char *detail,
                       const struct face_result *result);
+
+/* request_gone(r): the client has gone, and r->response says so to the log. */
+bool request_gone(struct request *r);
+
+/* request_again(r): r is to be handled again, by another worker: it has no response. */
+void request_again(struct request *r);
 
 /* request_free(r): what r points to. */
 void request_free(struct request *r);

@@ -1,5 +1,7 @@
 #include "worker.h"
 
+#include <malloc.h>
+
 #include "app.h"
 #include "builder.h"
 #include "cache.h"
@@ -46,10 +48,11 @@ static void pass_over(void *arg, const struct errinfo *e)
     log_end(&l);
 }
 
-enum status worker_open(struct worker *w, struct app *app)
+enum status worker_open(struct worker *w, struct app *app, bool kept)
 {
     *w = (struct worker){
         .app = app,
+        .kept = kept,
         .compare = {.store = app->store,
                     .work = face_work_new(app->model),
                     .clock_ms = log_clock_ms,
@@ -62,6 +65,17 @@ enum status worker_open(struct worker *w, struct app *app)
     };
     w->builder = builder_start(app->model);
     return w->compare.work != NULL && w->builder != NULL ? ST_OK : ST_ENOMEM;
+}
+
+void worker_wipe(struct worker *w)
+{
+    face_work_wipe(w->compare.work);
+    builder_wipe(w->builder);
+    face_free(&w->probe);
+    face_free(&w->other);
+    if (w->large)
+        (void)malloc_trim(0);
+    w->large = false;
 }
 
 void worker_close(struct worker *w)

@@ -59,12 +59,21 @@ let_go
 ok "served again after they are closed" soon serves
 stop_daemon
 start_daemon --no-auth --max-connections 8
-hold 8 "$idle"
-held "eight in all" answered
+hold 8 "$body"
+held "eight in all, amid their bodies" sent
+sleep 1.2
 req GET /healthz
 is "a ninth" "$STATUS" 000
 let_go
 ok "served again after they are closed" soon serves
+hold 8 "$idle"
+held "eight in all, idle" answered
+sleep 1.2 # until then they are safe
+req GET /healthz
+is "a ninth takes the place of the one that is idle for longest" "$STATUS" 200
+held "which is closed" 'closed 1'
+let_go
+ok "the metrics count it" counts crowded_out
 req GET /metrics
 ok "the metrics count it" counts too_many
 ok "and the open ones" grep -Eq '^surfaced_connections [1-8]$' "$T/body"

@@ -53,8 +53,8 @@ refused "a negative chunk" 400 "${post}Transfer-Encoding: chunked\r\n\r\n-1\r\n{
 refused "a chunk size as in C" 400 "${post}Transfer-Encoding: chunked\r\n\r\n0x2\r\n{}\r\n0\r\n\r\n"
 refused "an endless chunk" 413 "${post}Transfer-Encoding: chunked\r\n\r\nffffffffffffffffff\r\n{}"
 refused "a chunk longer than its size" 400 "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}XX0\r\n\r\n"
-for coding in 'gzip, chunked' xchunked; do
-    refused "Transfer-Encoding '$coding': closed" '' "${post}Transfer-Encoding: $coding\r\n\r\n$chunks"
+for coding in 'gzip, chunked' 'chunked, gzip' identity xchunked; do
+    refused "Transfer-Encoding '$coding'" 501 "${post}Transfer-Encoding: $coding\r\n\r\n$chunks"
 done
 
 # ---- paths and headers

@@ -1,14 +1,16 @@
-/* Connections: their number in all and by address, and that connections past their time
- * limit are shut down. */
+/* Connections: their number in all and by address, that connections past their time limit are
+ * shut down, and that clients are noticed which go while the daemon works for them. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 #include <cmocka.h>
 
@@ -113,19 +115,24 @@ static void test_by_address(void **state)
     }
 }
 
-/* The other side reads the end of the connection; if it never ends, the test times out. */
-static void wait_for_end(int fd)
-{
-    char c;
-
-    assert_int_equal(read(fd, &c, 1), 0);
-}
-
+/* Has the other side read the end of the connection? */
 static bool has_ended(int fd)
 {
     char c;
 
     return recv(fd, &c, 1, MSG_DONTWAIT) == 0;
+}
+
+/* The same for one that sends as much as it must, until *other* has ended. */
+static void keep_up(struct guard_peer *p, int other)
+{
+    const struct timespec pause = {0, 50 * 1000 * 1000};
+
+    for (int i = 0; i < 600 && !has_ended(other); i++) {
+        guard_more(g, p, (size_t)(0.1 * GUARD_BYTES_PER_S));
+        (void)nanosleep(&pause, NULL);
+    }
+    assert_true(has_ended(other));
 }
 
 static void test_late(void **state)
@@ -148,10 +155,11 @@ static void test_late(void **state)
         assert_true(late != NULL && work != NULL && patient != NULL);
         guard_begin(g, work, GUARD_WORK);
         guard_begin(g, patient, GUARD_BODY);
-        guard_more(g, patient, (size_t)(3600 * GUARD_BYTES_PER_S));
         guard_begin(g, late, GUARD_IDLE); /* a request is complete */
         guard_begin(g, late, steps[i]);
-        wait_for_end(a[1]);
+        if (steps[i] != GUARD_IDLE) /* much at once earns no more than little */
+            guard_more(g, late, (size_t)(3600 * GUARD_BYTES_PER_S));
+        keep_up(patient, a[1]);
         assert_false(has_ended(b[1]));
         assert_false(has_ended(c[1]));
         guard_look(g, &s);
@@ -169,12 +177,95 @@ static void test_late(void **state)
     }
 }
 
+static void count_gone(void *arg)
+{
+    atomic_uint *n = arg;
+
+    (void)atomic_fetch_add(n, 1);
+}
+
+static void test_gone(void **state)
+{
+    const struct timespec pause = {0, 20 * 1000 * 1000};
+    struct guard_peer *p[3];
+    struct guard_state s;
+    atomic_uint gone[3];
+    int fd[3][2];
+
+    (void)state;
+    start(100, 0, false);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
+        p[i] = guard_open(g, fd[i][0], NULL);
+        assert_non_null(p[i]);
+        atomic_init(&gone[i], 0);
+    }
+    guard_work(g, p[0], count_gone, &gone[0]);
+    guard_work(g, p[1], count_gone, &gone[1]);
+    guard_begin(g, p[2], GUARD_RESPONSE);
+    (void)shutdown(fd[1][1], SHUT_WR); /* as far as it is seen from here, it has closed */
+    (void)send(fd[0][1], "x", 1, 0);   /* the next request is not yet the end */
+    (void)close(fd[2][1]);
+    for (int i = 0; i < 500 && atomic_load(&gone[1]) == 0; i++)
+        (void)nanosleep(&pause, NULL);
+    for (int i = 0; i < 25; i++) /* another look or two */
+        (void)nanosleep(&pause, NULL);
+    assert_int_equal(atomic_load(&gone[1]), 1);
+    assert_int_equal(atomic_load(&gone[0]), 0);
+    guard_look(g, &s);
+    assert_int_equal(s.gone, 1);
+    for (int i = 0; i < 3; i++) {
+        guard_close(g, p[i]);
+        (void)close(fd[i][0]);
+    }
+    (void)close(fd[0][1]);
+    (void)close(fd[1][1]);
+    guard_stop(g);
+}
+
+/* Of connections without a whole request the one that is so for the longest time makes room; one
+ * that has just come does not, nor one that is being served. */
+static void test_crowded(void **state)
+{
+    const struct timespec while_ = {1, 100 * 1000 * 1000};
+    const struct guard_rules rules = {3, 0, false, 100};
+    struct guard_peer *p[3];
+    struct guard_state s;
+    struct errinfo e = {0};
+    int fd[3][2];
+
+    (void)state;
+    assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
+        p[i] = guard_open(g, fd[i][0], NULL);
+        assert_non_null(p[i]);
+    }
+    guard_begin(g, p[0], GUARD_BODY);
+    assert_false(guard_admit(g, NULL)); /* all have just come */
+    (void)nanosleep(&while_, NULL);
+    guard_begin(g, p[1], GUARD_IDLE);
+    assert_true(guard_admit(g, NULL));
+    assert_false(has_ended(fd[0][1]));
+    assert_false(has_ended(fd[1][1]));
+    assert_true(has_ended(fd[2][1]));
+    guard_look(g, &s);
+    assert_int_equal(s.crowded_out, 1);
+    assert_int_equal(s.refused_total, 1);
+    for (int i = 0; i < 3; i++) {
+        guard_close(g, p[i]);
+        (void)close(fd[i][0]);
+        (void)close(fd[i][1]);
+    }
+    guard_stop(g);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_in_all),
-        cmocka_unit_test(test_by_address),
-        cmocka_unit_test(test_late),
+        cmocka_unit_test(test_in_all),  cmocka_unit_test(test_by_address),
+        cmocka_unit_test(test_late),    cmocka_unit_test(test_gone),
+        cmocka_unit_test(test_crowded),
     };
 
     return cmocka_run_group_tests_name("guard", tests, NULL, NULL);
