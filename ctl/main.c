@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "keyfile.h"
+#include "nodump.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_help.h"
@@ -228,6 +229,7 @@ int main(int argc, char **argv)
     bool ok = read_line(argc, argv, &l);
     int code = EXIT_USAGE;
 
+    nodump_begin();
     if (ok && (c->help || c->version)) {
         ctl_help_print(c->version, l.cmd, l.group);
         return EXIT_FINE;

@@ -121,3 +121,19 @@ enum status store_subject_purge(struct store *s, const char *actor, const char *
     store_receipt_free(&r);
     return st;
 }
+
+enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
+                               struct errinfo *e)
+{
+    struct store_txn t;
+    int64_t last = *since;
+    enum status st = store_txn_begin(s, SQL_READ, &t, e);
+
+    *erased = false;
+    if (st != ST_OK)
+        return st;
+    st = store_txn_end(&t, store_txn_erasures(&t, *since, &last, erased, e), e);
+    *erased = *erased || last < *since; /* a database that was restored */
+    *since = last;
+    return st;
+}

@@ -26,4 +26,10 @@ enum status store_erase_row(struct store_txn *t, const struct store_act *by,
                             char (**template_id)[STORE_ID_LEN + 1], size_t *n,
                             struct errinfo *e);
 
+/* store_erased_since(s, since, erased, e): has any process erased a subject or a template since
+ * the last call with this *since, at first 0?  What is kept of them in memory is to be
+ * dropped then.  O(events since). */
+enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
+                               struct errinfo *e);
+
 #endif

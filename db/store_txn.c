@@ -73,9 +73,8 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
     return st;
 }
 
-/* Were there erasures after the change `after`?  *last: of all changes, 0 where there are none. */
-static enum status find_erasures(struct store_txn *t, int64_t after, int64_t *last,
-                                 bool *erased, struct errinfo *e)
+enum status store_txn_erasures(struct store_txn *t, int64_t after, int64_t *last,
+                               bool *erased, struct errinfo *e)
 {
     struct sql_rows *r;
     const enum status st =
@@ -110,7 +109,7 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
     if (st == ST_OK && t->how == SQL_WRITE)
         changed = store_anchor_end(t, &end, NULL) == ST_OK;
     if (st == ST_OK)
-        (void)find_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
+        (void)store_txn_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
     if ((st = sql_end(t->sql, st, e)) == ST_OK && last >= 0)
         atomic_store(&s->scrubbed, last);
     if (st == ST_OK && erased)
@@ -137,7 +136,7 @@ enum status store_txn_seen(struct store *s, struct errinfo *e)
 
     if (st != ST_OK)
         return st;
-    st = find_erasures(&t, INT64_MAX, &last, &erased, e);
+    st = store_txn_erasures(&t, INT64_MAX, &last, &erased, e);
     atomic_store(&s->scrubbed, last);
     return store_txn_end(&t, st, e);
 }

@@ -47,6 +47,11 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
 enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e);
 enum status store_txn_refuse(struct store *s, struct errinfo *e);
 
+/* store_txn_erasures(t, after, last, erased, e): were there any after the event `after`?  *last: of
+ * all events, 0 where there are none. */
+enum status store_txn_erasures(struct store_txn *t, int64_t after, int64_t *last,
+                               bool *erased, struct errinfo *e);
+
 /* store_txn_scrub(s): deleted bytes leave the file and its WAL, after an erasure.
  * store_txn_seen(s, e): erasures up to now are not for store_txn_end() to see. */
 void store_txn_scrub(struct store *s);

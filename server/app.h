@@ -8,6 +8,7 @@
 
 struct attempts;    /* attempts.h */
 struct cache;       /* cache.h */
+struct erasures;    /* erasures.h */
 struct guard;       /* guard.h */
 struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
@@ -28,6 +29,7 @@ struct app {
     struct throttle *throttle;
     struct queue *queue;
     struct retention *retention; /* NULL: uses are kept for ever */
+    struct erasures *erasures;
     struct guard *guard;         /* of the connections; http.c's */
     const struct route *routes;  /* [nroutes] */
     size_t nroutes;

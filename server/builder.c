@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <sodium.h>
 
 #include "face.h"
 
@@ -77,11 +78,17 @@ void builder_wait(struct builder *b)
     (void)pthread_mutex_unlock(&b->lock);
 }
 
+static void wipe(void *arg, struct face_work *w)
+{
+    (void)arg;
+    face_work_wipe(w);
+    sodium_stackzero(BUILDER_STACK);
+}
+
 void builder_wipe(struct builder *b)
 {
-    (void)pthread_mutex_lock(&b->lock);
-    face_work_wipe(b->work);
-    (void)pthread_mutex_unlock(&b->lock);
+    builder_begin(b, wipe, NULL);
+    builder_wait(b);
 }
 
 void builder_stop(struct builder *b)

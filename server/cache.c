@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store_types.h"
-
 #define NBUCKETS 4096
 
 /* A model: in a bucket's list and in that of all by last use, newest first.  refs counts its
@@ -204,6 +202,20 @@ void cache_forget(struct cache *c, const char *id)
     if (x != NULL)
         drop(c, x);
     (void)pthread_mutex_unlock(&c->lock);
+}
+
+char (*cache_list(struct cache *c, size_t *n))[STORE_ID_LEN + 1]
+{
+    char(*ids)[STORE_ID_LEN + 1];
+
+    *n = 0;
+    (void)pthread_mutex_lock(&c->lock);
+    c->forgets++;
+    ids = calloc(c->state.entries + 1, sizeof *ids);
+    for (const struct entry *x = c->newest; ids != NULL && x != NULL; x = x->older)
+        memcpy(ids[(*n)++], x->id, sizeof *ids);
+    (void)pthread_mutex_unlock(&c->lock);
+    return ids;
 }
 
 void cache_look(struct cache *c, struct cache_state *out)

@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "face.h"
+#include "store_types.h"
 
 struct cache;
 
@@ -36,6 +37,11 @@ void cache_release(struct cache *c, const struct face *f); /* NULL is allowed */
 /* cache_forget(c, id): drops the model, and releases its memory once nobody holds it.  To be
  * called after the store has deleted the template: nobody who reads it just then brings it back. */
 void cache_forget(struct cache *c, const char *id);
+
+/* cache_list(c, n): the ids of all that is there, by free(), for whoever finds out which of them
+ * others have deleted, and calls cache_forget() for those; what is read at this moment is not
+ * kept, as in cache_forget().  NULL: out of memory, or *n is 0. */
+char (*cache_list(struct cache *c, size_t *n))[STORE_ID_LEN + 1];
 
 struct cache_state {
     size_t bytes, limit, entries;

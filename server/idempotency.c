@@ -265,3 +265,20 @@ void idempotency_erase(struct idempotency *m, const char *subject)
     }
     (void)pthread_mutex_unlock(&m->lock);
 }
+
+char (*idempotency_list(struct idempotency *m, size_t *n))[STORE_SUBJECT_MAX + 1]
+{
+    char(*subjects)[STORE_SUBJECT_MAX + 1];
+
+    *n = 0;
+    (void)pthread_mutex_lock(&m->lock);
+    subjects = calloc(m->used + 1, sizeof *subjects);
+    for (uint32_t i = 0; subjects != NULL && i < m->used; i++) {
+        const struct entry *x = &m->entry[(m->oldest + i) % m->room];
+
+        if (x->state == DONE && x->subject[0] != '\0')
+            memcpy(subjects[(*n)++], x->subject, sizeof *subjects);
+    }
+    (void)pthread_mutex_unlock(&m->lock);
+    return subjects;
+}

@@ -7,7 +7,9 @@
 #ifndef SERVER_IDEMPOTENCY_H
 #define SERVER_IDEMPOTENCY_H
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+#include "store_types.h"
 
 struct idempotency;
 struct request;
@@ -30,7 +32,9 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
 void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket);
 
 /* idempotency_erase(m, subject): keeps nothing of the subject but that the key was used: a
- * successful response loses its body, any other is forgotten. */
+ * successful response loses its body, any other is forgotten.
+ * idempotency_list(m, n): the subjects of which it keeps a response, as cache_list(). */
 void idempotency_erase(struct idempotency *m, const char *subject);
+char (*idempotency_list(struct idempotency *m, size_t *n))[STORE_SUBJECT_MAX + 1];
 
 #endif

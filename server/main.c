@@ -9,6 +9,7 @@
 #include "attempts.h"
 #include "cache.h"
 #include "calibration.h"
+#include "erasures.h"
 #include "errinfo.h"
 #include "face.h"
 #include "flags.h"
@@ -18,6 +19,7 @@
 #include "metrics.h"
 #include "modelfile.h"
 #include "options.h"
+#include "process.h"
 #include "queue.h"
 #include "retention.h"
 #include "routes.h"
@@ -90,6 +92,8 @@ static enum status start(const struct options *o, struct app *app, struct http *
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
         return errinfo_set(e, st, "cannot start %u workers", o->workers);
+    if ((app->erasures = erasures_start(app)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = http_listen(o, http, url, e);
     return st == ST_OK ? http_start(*http, app, e) : st;
 }
@@ -101,6 +105,7 @@ static void stop(struct app *app, struct http *http)
     http_stop(http);
     queue_free(app->queue);
     retention_stop(app->retention);
+    erasures_stop(app->erasures);
     cache_free(app->cache);
     metrics_free(app->metrics);
     idempotency_free(app->idempotency);
@@ -254,6 +259,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
         goto out;
     }
+    process_begin();
     log_use((enum log_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;

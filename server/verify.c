@@ -171,6 +171,8 @@ static bool compare(struct verification *v)
     enum status st =
         nearest_find(&v->w->compare, &v->admission, &v->w->probe, &v->best, &e);
 
+    if (st == ST_OK && request_gone(v->r))
+        return false;
     if (st == ST_OK)
         st = minimal(v, &e);
     if (st == ST_OK)
@@ -266,7 +268,7 @@ static void verify(struct request *r, struct worker *w, const char *subject,
 
     if (!params_detail(r, &v.detail))
         return;
-    if (admit(&v, subject, template_id) && compare(&v) && settle(&v))
+    if (admit(&v, subject, template_id) && compare(&v) && !request_gone(r) && settle(&v))
         respond(&v);
     admission_free(&w->compare, &v.admission);
     mem_free(v.gap);

@@ -1,6 +1,7 @@
 #include "worker.h"
 
 #include <malloc.h>
+#include <sodium.h>
 
 #include "app.h"
 #include "builder.h"
@@ -73,6 +74,7 @@ void worker_wipe(struct worker *w)
     builder_wipe(w->builder);
     face_free(&w->probe);
     face_free(&w->other);
+    sodium_stackzero(BUILDER_STACK);
     if (w->large)
         (void)malloc_trim(0);
     w->large = false;
