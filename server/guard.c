@@ -18,7 +18,7 @@
 #define OTHER_FILES 256
 #define TICK_MS     200
 #define REPORT_MS   10000.0
-#define SETTLED_MS  1000.0 /* how long a connection is safe from guard_admit() */
+#define SETTLED_MS  1000.0 /* how long a connection is safe from others of its address */
 #define NO_END      1e300
 
 /* Where a connection comes from; length 0: a Unix socket. */
@@ -94,20 +94,45 @@ static void end(struct guard *l, struct guard_peer *p)
     l->ended++;
 }
 
-/* The one that has sent no whole request for the longest time makes room.  False: there is
- * none. */
-static bool crowd_out(struct guard *l)
+static bool is_waited_for(const struct guard_peer *p)
 {
-    const double now = log_clock_ms();
+    return !p->ended && (p->step == GUARD_IDLE || p->step == GUARD_REQUEST ||
+                         p->step == GUARD_HEADERS);
+}
+
+/* Whose connections are waited for most: the majority vote of Boyer and Moore, which finds an
+ * address that has more than half of them. */
+static const struct origin *crowd(const struct guard *l)
+{
+    const struct origin *most = NULL;
+    unsigned lead = 0;
+
+    for (const struct guard_peer *p = l->peers; p != NULL; p = p->next) {
+        if (!is_waited_for(p))
+            continue;
+        if (lead == 0)
+            most = &p->origin;
+        if (same(most, &p->origin))
+            lead++;
+        else
+            lead--;
+    }
+    return most;
+}
+
+/* The oldest of the crowd's makes room, at once for another address, and for its own only when it
+ * has had its time.  False: there is none. */
+static bool crowd_out(struct guard *l, const struct origin *for_)
+{
+    const struct origin *most = crowd(l);
     struct guard_peer *oldest = NULL;
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next)
-        if ((p->step == GUARD_IDLE || p->step == GUARD_REQUEST ||
-             p->step == GUARD_HEADERS) &&
-            now - p->begin_ms > SETTLED_MS && !p->ended &&
+        if (is_waited_for(p) && same(&p->origin, most) &&
             (oldest == NULL || p->begin_ms < oldest->begin_ms))
             oldest = p;
-    if (oldest == NULL)
+    if (oldest == NULL ||
+        (same(most, for_) && log_clock_ms() - oldest->begin_ms < SETTLED_MS))
         return false;
     end(l, oldest);
     l->state.crowded_out++;
@@ -123,7 +148,7 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
     bool ok = true;
 
     (void)pthread_mutex_lock(&l->lock);
-    if (l->state.open - l->ended >= l->rules.connections && !crowd_out(l)) {
+    if (l->state.open - l->ended >= l->rules.connections && !crowd_out(l, &o)) {
         l->state.refused_total++;
         ok = false;
     } else if (counted) {

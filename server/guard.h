@@ -55,8 +55,8 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
                         struct errinfo *e);
 
 /* guard_admit(l, addr): may a connection from there be taken?  O(connections).  Where there are
- * too many in all, the one that has sent no whole request for the longest time, and for more
- * than a second, is closed to make room.
+ * too many in all, one that has no whole request is closed to make room: the oldest of the
+ * address that has most of them, and for another of that address only after a second.
  * addr: of any family; NULL as for a Unix socket. */
 bool guard_admit(struct guard *l, const struct sockaddr *addr);
 

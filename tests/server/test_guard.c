@@ -61,6 +61,7 @@ static void test_in_all(void **state)
     for (int i = 0; i < 3; i++) {
         assert_true(guard_admit(g, from("192.0.2.1")));
         p[i] = open_from("192.0.2.1");
+        guard_begin(g, p[i], GUARD_BODY); /* none is waited for */
     }
     assert_false(guard_admit(g, from("192.0.2.2")));
     assert_false(guard_admit(g, NULL));
@@ -242,7 +243,7 @@ static void test_crowded(void **state)
         assert_non_null(p[i]);
     }
     guard_begin(g, p[0], GUARD_BODY);
-    assert_false(guard_admit(g, NULL)); /* all have just come */
+    assert_false(guard_admit(g, NULL)); /* all have just come, from there */
     (void)nanosleep(&while_, NULL);
     guard_begin(g, p[1], GUARD_IDLE);
     assert_true(guard_admit(g, NULL));
@@ -252,6 +253,11 @@ static void test_crowded(void **state)
     guard_look(g, &s);
     assert_int_equal(s.crowded_out, 1);
     assert_int_equal(s.refused_total, 1);
+    guard_close(g, p[2]);
+    p[2] = guard_open(g, fd[2][0], from("192.0.2.1"));
+    guard_begin(g, p[0], GUARD_IDLE); /* two of one address, one of another */
+    assert_true(guard_admit(g, from("192.0.2.2")));
+    assert_true(has_ended(fd[1][1])); /* it was idle before p[0] */
     for (int i = 0; i < 3; i++) {
         guard_close(g, p[i]);
         (void)close(fd[i][0]);
