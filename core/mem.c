@@ -26,8 +26,11 @@ void mem_free(void *p)
 
 void *mem_grow(void *p, size_t used, size_t bytes)
 {
-    void *to = mem_array(bytes, 1);
+    void *to;
 
+    if (p != NULL && malloc_usable_size(p) >= MEM_MAPPED)
+        return realloc(p, bytes);
+    to = mem_array(bytes, 1);
     if (to != NULL && p != NULL) {
         memcpy(to, p, used);
         mem_free(p);

@@ -43,6 +43,11 @@ void body_refuse_size(struct request *r)
     request_problem(r, ST_ESIZE, "the limit is %zu bytes", r->app->max_body);
 }
 
+void body_refuse_room(struct request *r)
+{
+    request_problem(r, ERRMAP_OVERLOAD, "no room for the body now");
+}
+
 void body_check(struct request *r, bool has_length, uint64_t length)
 {
     const char *types = wants(r);

@@ -15,6 +15,9 @@ void body_check(struct request *r, bool has_length, uint64_t length);
 /* body_refuse_size(r): the response to a body over the limit. */
 void body_refuse_size(struct request *r);
 
+/* body_refuse_room(r): the response to one that there is no room for now. */
+void body_refuse_room(struct request *r);
+
 /* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
  * form (multipart.h) its one file becomes the body, with its media type and coding.  On a
  * worker: it computes.  False: r->response is set: damaged, too large, empty; or r->larger. */

@@ -185,18 +185,6 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
 
 /* ---- workers */
 
-/* Who takes turns in the queue: a token, or an address as long as there is none. */
-static uint64_t sender_of(const struct request *r)
-{
-    uint64_t h = 0;
-
-    if (r->actor[0] != '\0')
-        return strtoull(r->actor + STORE_ID_LEN - 16, NULL, 16);
-    for (int i = 0; i < THROTTLE_ADDRESS; i++)
-        h = h * 257 + r->address[i];
-    return h;
-}
-
 /* x is suspended.  On any thread; x may be done when it returns. */
 static void queue_up(struct exchange *x, enum queue_kind kind)
 {
@@ -204,7 +192,7 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
     struct request *out;
 
     x->queued_ms = log_clock_ms();
-    out = queue_push(app->queue, &x->r, kind, sender_of(&x->r));
+    out = queue_push(app->queue, &x->r, kind, request_sender(&x->r));
     if (out == NULL)
         return;
     request_problem(out, ERRMAP_OVERLOAD, "%s",
@@ -293,7 +281,7 @@ static enum MHD_Result collect(struct exchange *x, const char *data, size_t *siz
         body_refuse_size(&x->r);
         break;
     default:
-        request_problem(&x->r, ERRMAP_OVERLOAD, "no room for the body now");
+        body_refuse_room(&x->r);
     }
     return send_amid(x);
 }
@@ -322,6 +310,8 @@ static enum MHD_Result admit(struct exchange *x)
         route_check_query(&x->r);
     if (x->r.response.http == 0)
         body_check(&x->r, x->has_length, x->upload.length);
+    if (x->r.response.http == 0 && !upload_has_room(&x->upload))
+        body_refuse_room(&x->r);
     if (x->r.response.http != 0)
         return send_early(x);
     x->state = COLLECTING;

@@ -8,18 +8,18 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "mem.h"
 #include "nodump.h"
 
-/* An ordinary request allocates no block as large as this; and what it frees is kept, up to so
- * much in each arena, instead of being asked for again. */
-#define LARGE_BLOCK (1 << 20)
-#define KEPT_FREE   (8 << 20)
+/* An ordinary request allocates no block of MEM_MAPPED; and what it frees is kept, up to so much
+ * in each arena, instead of being asked for again. */
+#define KEPT_FREE (8 << 20)
 
 void process_begin(void)
 {
     nodump_begin();
     (void)mallopt(M_PERTURB, 1); /* what libraries free is overwritten, too */
-    (void)mallopt(M_MMAP_THRESHOLD, LARGE_BLOCK);
+    (void)mallopt(M_MMAP_THRESHOLD, (int)MEM_MAPPED);
     (void)mallopt(M_TRIM_THRESHOLD, KEPT_FREE);
 }
 

@@ -154,6 +154,17 @@ bool quota_hold(struct quota_share *s, enum quota_size size, size_t bytes)
     return false;
 }
 
+bool quota_fits(const struct quota_share *s, enum quota_size size, size_t bytes)
+{
+    struct quota_share same = *s;
+    const bool had = s->holder[0] != NULL;
+    const bool fit = bytes == 0 || (take_holders(&same) && fits(&same, size, bytes));
+
+    for (int i = 0; i < 2 && !had; i++)
+        give_back(s->q, same.holder[i]);
+    return fit;
+}
+
 size_t quota_held(const struct quota *q, enum quota_size size)
 {
     return q->bytes[size];

@@ -41,6 +41,9 @@ struct quota_share {
 bool quota_hold(struct quota_share *s, enum quota_size size, size_t bytes);
 bool quota_owe(struct quota_share *s, enum quota_size size, size_t bytes);
 
+/* quota_fits(s, size, bytes): would quota_hold() do it?  It changes nothing. */
+bool quota_fits(const struct quota_share *s, enum quota_size size, size_t bytes);
+
 /* quota_held(q, size): by all. */
 size_t quota_held(const struct quota *q, enum quota_size size);
 

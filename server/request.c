@@ -119,6 +119,17 @@ enum status request_query(const struct request *r, const char *name, char *out,
     return ST_ENOTFOUND;
 }
 
+uint64_t request_sender(const struct request *r)
+{
+    uint64_t h = 0;
+
+    if (r->actor[0] != '\0')
+        return strtoull(r->actor + STORE_ID_LEN - 16, NULL, 16);
+    for (int i = 0; i < THROTTLE_ADDRESS; i++)
+        h = h * 257 + r->address[i];
+    return h;
+}
+
 void request_stage(struct request *r, enum request_stage stage, double ms)
 {
     r->stage_ms[stage] += ms;

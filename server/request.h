@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include "cloudformat.h"
 #include "inflate.h"
 #include "multipart.h"
@@ -118,6 +119,10 @@ enum status request_decode(const char *s, size_t len, bool plus, char *out, size
  * Returns ST_OK; ST_ENOTFOUND: there is none (out is ""); ST_EINVAL, ST_ELIMIT. */
 enum status request_query(const struct request *r, const char *name, char *out,
                           size_t size);
+
+/* request_sender(r): the same number for those who take turns in the queue: a token, or an
+ * address as long as none is known. */
+uint64_t request_sender(const struct request *r);
 
 /* request_stage(r, stage, ms): ms more were spent on it. */
 void request_stage(struct request *r, enum request_stage stage, double ms);

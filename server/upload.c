@@ -32,6 +32,13 @@ bool upload_is_large(const struct upload *u)
            (u->length != UPLOAD_LENGTH_UNKNOWN && u->length >= QUOTA_SMALL);
 }
 
+bool upload_has_room(const struct upload *u)
+{
+    return u->length == UPLOAD_LENGTH_UNKNOWN ||
+           quota_fits(&u->share, upload_is_large(u) ? QUOTA_IS_LARGE : QUOTA_IS_SMALL,
+                      (size_t)u->length + 1);
+}
+
 /* Room for n more bytes and a final 0. */
 static bool make_room(struct upload *u, size_t n)
 {
@@ -43,8 +50,9 @@ static bool make_room(struct upload *u, size_t n)
         return true;
     if (cap == 0 && u->length < QUOTA_SMALL)
         cap = (size_t)u->length + 1; /* as announced, for that costs little */
-    while (cap < need)
-        cap = cap < FIRST_ROOM ? FIRST_ROOM : 2 * cap;
+    while (cap <
+           need) /* a large one is moved at no cost, and what is unused is to be wiped */
+        cap = cap < FIRST_ROOM ? FIRST_ROOM : cap < QUOTA_SMALL ? 2 * cap : cap + cap / 8;
     if (cap > most)
         cap = most;
     if (!quota_hold(&u->share,

@@ -27,6 +27,11 @@ static void test_one(void **state)
     (void)state;
     assert_true(quota_hold(&a, QUOTA_IS_LARGE, 200));
     assert_false(quota_hold(&a, QUOTA_IS_LARGE, 301));
+    assert_false(quota_fits(&a, QUOTA_IS_LARGE, 301));
+    assert_true(quota_fits(&a, QUOTA_IS_LARGE, 300));
+    assert_false(quota_fits(&same, QUOTA_IS_LARGE, 101));
+    assert_true(quota_fits(&same, QUOTA_IS_LARGE, 100));
+    assert_int_equal(quota_held(q, QUOTA_IS_LARGE), 200);
     assert_int_equal(a.bytes, 200); /* as before */
     assert_true(quota_hold(&a, QUOTA_IS_LARGE, 300));
     assert_false(quota_hold(&same, QUOTA_IS_LARGE, 1)); /* the token's are held */
