@@ -18,5 +18,11 @@ while IFS="$(printf '\t')" read -r name lost refused told; do
     is "$name: lost and refused beside it (the attacker: $told)" "$lost $refused" '0 {}'
 done <"$T/list"
 ok "all attacks ran" test "$(wc -l <"$T/list")" -ge 18
+req GET /metrics
+for reason in client_gone crowded_out; do
+    ok "the metrics count $reason" \
+        grep -Eq "^surfaced_connections_closed_total\\{reason=\"$reason\"\\} [1-9]" "$T/body"
+done
+is "what the daemon could not do for want of something" "$(grep -Ec 'status=500' "$LOG")" 0
 alive "all of it"
 finish

@@ -9,6 +9,7 @@ start_daemon --no-auth --timeout 2
 raw() {
     # shellcheck disable=SC2059 # with \r\n in it
     printf "$1" | curl -sS -m 60 "telnet://${URL#http://}" >"$T/answer" 2>/dev/null
+    ok "no page of libmicrohttpd's own" sh -c "! grep -aqi '<html' '$T/answer'"
 }
 
 # statuses: of the responses, in order.
