@@ -212,6 +212,40 @@ static void test_removed(void **state)
     store_close(s);
 }
 
+/* A store that serves knows which changes there were, before it and by itself: an older row is no
+ * good where the change that replaced it is deleted as well. */
+static void test_serving(void **state)
+{
+    static const bool yes = true;
+    const struct store_subject_change disable = {.disabled = &yes};
+
+    (void)state;
+    for (int by_itself = 0; by_itself < 2; by_itself++) {
+        struct store *s = tempdb_fresh();
+        struct store_subject one = {.id = "ann"};
+        struct store_audit audit;
+        struct found f = {.n = 0};
+
+        must(store_subject_add(s, "test", &one, &e));
+        tempdb_sql("CREATE TABLE was AS SELECT * FROM subjects");
+        if (by_itself == 0)
+            must(store_subject_set(s, "test", "ann", &disable, &e));
+        must(store_state_verify(s, note, &f, &audit, &e));
+        assert_int_equal(f.n, 0);
+        if (by_itself == 1)
+            must(store_subject_set(s, "test", "ann", &disable, &e));
+        must(store_subject_get(s, "ann", &one, &e));
+        assert_true(one.disabled);
+        tempdb_sql("UPDATE subjects SET disabled = 0, about = (SELECT about FROM was);"
+                   "DELETE FROM events WHERE kind = 'disable_subject'");
+        assert_int_equal(store_subject_get(s, "ann", &one, &e), ST_ECORRUPT);
+        store_close(s);
+        s = tempdb_open(STORE_WRITE);
+        assert_int_equal(store_state_verify(s, note, &f, &audit, &e), ST_EREFUSED);
+        store_close(s);
+    }
+}
+
 /* After a rename the former id is free. */
 static void test_renamed(void **state)
 {
@@ -234,6 +268,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_attacks),
         cmocka_unit_test(test_removed),
+        cmocka_unit_test(test_serving),
         cmocka_unit_test(test_renamed),
     };
 
