@@ -281,6 +281,33 @@ static enum status count_others(void *arg, const struct store_subject *one,
     return ST_OK;
 }
 
+static void ignore_problem(void *arg, enum store_chain chain, uint64_t seq,
+                           const char *line)
+{
+    (void)arg;
+    (void)chain;
+    (void)seq;
+    (void)line;
+}
+
+/* Whether each row is what was written last, as the daemon looks when it starts. */
+static void look_at_state(struct doctor *d, struct store *s)
+{
+    struct store_audit found;
+    struct errinfo e;
+    const enum status st = store_state_verify(s, ignore_problem, NULL, &found, &e);
+
+    if (st != ST_OK)
+        say(d, TROUBLE, "state", "restore a backup from before", "%s", e.msg);
+    else if (found.problems > 0)
+        say(d, TROUBLE, "state", "surfacectl audit verify lists them; restore a backup",
+            "%llu rows are not what was written last",
+            (unsigned long long)found.problems);
+    else
+        say(d, FINE, "state", "", "every row is what was written last, by %llu changes",
+            (unsigned long long)found.entries);
+}
+
 static void look_at_templates(struct doctor *d)
 {
     const struct store_key key = {.path = d->c->key,
@@ -292,6 +319,7 @@ static void look_at_templates(struct doctor *d)
     enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);
 
     if (st == ST_OK) {
+        look_at_state(d, t.store);
         store_use_model(t.store, d->c->model);
         st = ctl_each_subject(t.store, count_others, &t, &e);
     }
@@ -346,6 +374,6 @@ const struct ctl_command ctl_doctor = {
     .help =
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
         "right key, and one that rekey left behind; whether the database is older than its\n"
-        "anchor; the schema; the WAL; free space on the disk; templates of another engine.\n"
-        "Nothing is changed.",
+        "anchor; the schema; the WAL; free space on the disk; rows that are not what was written\n"
+        "last; templates of another engine.  Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

@@ -74,6 +74,8 @@ attack() {
     is "$1: audit verify" "$CODE $(said .ok)" "1 false"
     ctl check
     ok "$1: check" [ "$CODE" != 0 ]
+    ctl doctor
+    ok "$1: doctor" jq_true '.findings[] | select(.about == "state" and .level == "trouble")' "$T/ctl"
     ctl backup "$T/backup"
     is "$1: no backup of it" "$CODE" 65
     start_daemon
