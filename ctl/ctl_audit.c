@@ -297,7 +297,8 @@ static bool take_bytes(const struct json_value *v, const char *key, unsigned cha
 
 struct review { /* of a file: both chains, one after the other */
     struct store_chain_walk walk[STORE_CHAINS];
-    uint64_t uses; /* by the last change, the last of them, */
+    unsigned char signer[VAULT_KEY]; /* as given */
+    uint64_t uses;                   /* by the last change, the last of them, */
     unsigned char uses_hash[STORE_CHAIN_HASH];
     uint64_t changes, entries; /* that there should be, that there are */
 };
@@ -360,6 +361,7 @@ static bool walk_entry(struct review *review, struct store_chain_walk *w,
         store_chain_base(&review->walk[STORE_CHAIN_USES], &entry);
     }
     store_chain_step(w, &entry, hash);
+    store_chain_keys(&review->walk[STORE_CHAIN_USES], &review->walk[STORE_CHAIN_CHANGES]);
     review->entries++;
     return true;
 }
@@ -414,6 +416,8 @@ static void walk_ends(struct review *v)
     store_chain_stop(w, v->changes > w->seq ? v->changes : w->seq, w->hash);
     if (w->marked < w->seq)
         store_chain_problem(w, w->marked + 1, "no checkpoint follows: it is not signed");
+    if (!store_chain_signs(w, v->signer))
+        store_chain_problem(w, w->seq, "the key that signs it is not the one given");
     store_chain_stop(&v->walk[STORE_CHAIN_USES], v->uses, v->uses_hash);
 }
 
@@ -456,6 +460,7 @@ static enum status verify_file(struct ctl *c, struct store_audit *out)
         return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
     for (int i = 0; i < STORE_CHAINS; i++)
         store_chain_walk(&review.walk[i], (enum store_chain)i, public, tell_problem, c);
+    memcpy(review.signer, public, sizeof public);
     st = walk_file(c, in, &review);
     (void)fclose(in);
     out->entries = review.entries;

@@ -11,6 +11,7 @@
 static const char *new_key; /* --new-key */
 static bool keep_old;       /* --keep-old */
 static bool to_plaintext;   /* --plaintext */
+static bool compromised;    /* --compromised */
 
 /* What the command line says of the new key; *owned is to be freed. */
 static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfile **owned)
@@ -18,8 +19,10 @@ static enum status read_new(struct ctl *c, struct store_rekey *to, struct keyfil
     enum status st = ST_OK;
 
     *owned = NULL;
-    *to = (struct store_rekey){
-        .kind = VAULT_FILE, .keep = keep_old, .weak = c->short_passphrase};
+    *to = (struct store_rekey){.kind = VAULT_FILE,
+                               .keep = keep_old,
+                               .weak = c->short_passphrase,
+                               .compromised = compromised};
     if (to_plaintext && new_key != NULL)
         return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
     if (to_plaintext)
@@ -104,6 +107,8 @@ const struct ctl_command ctl_rekey = {
                 CTL_OPTION("plaintext", NULL, ctl_option_flag, &to_plaintext,
                            "the new key lies in the database: whoever has the file can\n"
                            "read it"),
+                CTL_OPTION("compromised", NULL, ctl_option_flag, &compromised,
+                           "others may know the old key: every secret anew"),
                 CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
                            "keep the file of the old key, as FILE.old")},
     .run = rekey,
@@ -113,5 +118,8 @@ const struct ctl_command ctl_rekey = {
         "--new-key does.  With --passphrase a passphrase is asked for, or read from --new-key;\n"
         "with --plaintext the key lies in the database.  A running daemon reads the new key from\n"
         "the file by itself.  Older backups still need the key that they were made with: unless\n"
-        "--keep-old keeps its file, that has to be confirmed.",
+        "--keep-old keeps its file, that has to be confirmed.  With --compromised each subject's\n"
+        "key and those of hashes, MACs and signatures are new too, and everything is encrypted\n"
+        "again, which takes as much room on the disk as the database has; the old signing key\n"
+        "signs the new one.",
     .example = "surfacectl --db faces.db rekey --keep-old"};

@@ -23,7 +23,8 @@ enum status row_check_add(struct row_check *c, const struct row_entry *r,
 {
     struct row_check_left *one;
 
-    if (r->nobject == 0 || memcmp(r->object, row_event_uses, sizeof r->object) == 0)
+    if (r->nobject == 0 || memcmp(r->object, row_event_uses, sizeof r->object) == 0 ||
+        memcmp(r->object, store_chain_key, sizeof r->object) == 0)
         return ST_OK;
     if (c->n == c->room) {
         const size_t room = c->room != 0 ? 2 * c->room : 1024;

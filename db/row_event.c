@@ -199,6 +199,35 @@ enum status row_event_use(struct store_txn *t, const struct store_act *by,
     return append(t, &entry, subject, e);
 }
 
+enum status row_event_signs(struct store_txn *t, const struct store_act *by,
+                            const char *kind, const struct vault *v, const char *outcome,
+                            struct errinfo *e)
+{
+    struct row_event_row key = {.gone = false};
+
+    memcpy(key.object, store_chain_key, sizeof key.object);
+    vault_public(v, key.mac);
+    return row_event_leave(t, by, kind, "", "", outcome, &key, e);
+}
+
+enum status row_event_renew(struct store_txn *t, const struct vault *next,
+                            struct errinfo *e)
+{
+    unsigned char hash[STORE_CHAIN_HASH];
+    struct store_txn by_next = *t;
+    enum status st = ST_OK;
+    uint64_t seq;
+
+    by_next.vault = next;
+    for (int i = 0; i < STORE_CHAINS && st == ST_OK; i++) {
+        const enum store_chain chain = (enum store_chain)i;
+
+        if ((st = row_event_end(t, chain, &seq, hash, e)) == ST_OK)
+            st = set_end(&by_next, chain, seq, hash, e);
+    }
+    return st;
+}
+
 /* ---- rows */
 
 /* A store that serves knows of no later one; but what it knows may be from after this

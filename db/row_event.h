@@ -35,6 +35,15 @@ enum status row_event_has(struct store_txn *t, enum store_chain chain, uint64_t 
                           const unsigned char hash[STORE_CHAIN_HASH], bool *has,
                           struct errinfo *e);
 
+/* row_event_signs(t, by, kind, v, outcome, e): append to the changes that the vault's key signs them
+ * from then on.
+ * row_event_renew(t, next, e): the ends, which have MACs of t's vault, get those of the next. */
+enum status row_event_signs(struct store_txn *t, const struct store_act *by,
+                            const char *kind, const struct vault *v, const char *outcome,
+                            struct errinfo *e);
+enum status row_event_renew(struct store_txn *t, const struct vault *next,
+                            struct errinfo *e);
+
 /* row_event_add(t, by, kind, subject, template_id, outcome, e): append to the changes, and sign
  * where that is due.  subject: "" for none.
  * row_event_leave(t, by, ..., left, e): the same of an act on a row, and what it leaves of it.

@@ -277,6 +277,19 @@ enum status row_subject_write(struct store_txn *t, const struct row_subject *p,
                    sql_int(one->disabled));
 }
 
+enum status row_subject_renew(struct store_txn *t, const struct row_subject *p,
+                              const struct store_subject *one,
+                              const unsigned char wrapped[VAULT_WRAPPED],
+                              struct errinfo *e)
+{
+    const enum status st = row_subject_write(t, p, one, e);
+
+    return st == ST_OK
+               ? SQL_RUN(t->sql, e, "UPDATE subjects SET key = $2 WHERE subject_key = $1",
+                         sql_int(p->row), sql_blob(wrapped, VAULT_WRAPPED))
+               : st;
+}
+
 enum status row_subject_seen(struct store_txn *t, const char *subject, const char *at,
                              struct errinfo *e)
 {

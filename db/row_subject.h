@@ -68,12 +68,17 @@ enum status row_subject_each(struct store_txn *t, row_event_see *see, void *arg,
 
 /* row_subject_add(t, about, p, e): with about->uid, or where that is 0 a new one.
  * row_subject_write(t, p, one, e): all of it but created, seen and uid.
+ * row_subject_renew(t, p, one, wrapped, e): the same under another key, p's, wrapped.
  * row_subject_seen(t, subject, at, e): it was seen.
  * row_subject_delete(t, row, e): with its templates and attempts. */
 enum status row_subject_add(struct store_txn *t, const struct store_subject *about,
                             struct row_subject *p, struct errinfo *e);
 enum status row_subject_write(struct store_txn *t, const struct row_subject *p,
                               const struct store_subject *one, struct errinfo *e);
+enum status row_subject_renew(struct store_txn *t, const struct row_subject *p,
+                              const struct store_subject *one,
+                              const unsigned char wrapped[VAULT_WRAPPED],
+                              struct errinfo *e);
 enum status row_subject_seen(struct store_txn *t, const char *subject, const char *at,
                              struct errinfo *e);
 enum status row_subject_delete(struct store_txn *t, int64_t row, struct errinfo *e);

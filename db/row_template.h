@@ -53,11 +53,16 @@ enum status row_template_see(struct store_txn *x, row_event_see *see, void *arg,
 /* row_template_add(x, p, t, model, len, e): a new row, complete.
  * row_template_write(x, k, t, model, len, e): engine, triangles, quality and model of *t in the
  * place of what is there.
+ * row_template_renew(x, k, t, model, len, e): the same under another key of its subject, and what
+ * it is found by.
  * row_template_delete(x, id, e). */
 enum status row_template_add(struct store_txn *x, const struct row_subject *p,
                              const struct store_template *t, const void *model,
                              size_t len, struct errinfo *e);
 enum status row_template_write(struct store_txn *x, const struct row_crypt_key *k,
+                               const struct store_template *t, const void *model,
+                               size_t len, struct errinfo *e);
+enum status row_template_renew(struct store_txn *x, const struct row_crypt_key *k,
                                const struct store_template *t, const void *model,
                                size_t len, struct errinfo *e);
 enum status row_template_delete(struct store_txn *x, const char *id, struct errinfo *e);

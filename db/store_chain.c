@@ -82,7 +82,7 @@ static size_t mark_text(const struct store_chain_mark *m, char out[MARK_TEXT])
 bool store_chain_due(uint64_t seq, const char *kind)
 {
     return seq % STORE_CHAIN_EVERY == 0 || strcmp(kind, STORE_CHAIN_SIGN) == 0 ||
-           strcmp(kind, STORE_CHAIN_EXPORT) == 0;
+           strcmp(kind, STORE_CHAIN_EXPORT) == 0 || strcmp(kind, STORE_CHAIN_RENEW) == 0;
 }
 
 void store_chain_sign(const struct vault *v, struct store_chain_mark *m)
@@ -168,6 +168,57 @@ void store_chain_base(struct store_chain_walk *uses,
     memcpy(uses->made, entry->row, sizeof uses->made);
 }
 
+/* ---- by which key */
+
+const unsigned char store_chain_key[STORE_CHAIN_OBJECT] = "signing key";
+
+static void turn(struct store_chain_walk *w)
+{
+    if (w->turns)
+        memcpy(w->public, w->publics[w->npublics - 1].key, VAULT_KEY);
+    w->turns = false;
+}
+
+static void take_key(struct store_chain_walk *w, const struct store_chain_entry *entry)
+{
+    if (entry->nobject != sizeof store_chain_key || entry->nrow != VAULT_KEY ||
+        memcmp(entry->object, store_chain_key, sizeof store_chain_key) != 0 ||
+        w->npublics == STORE_CHAIN_KEYS)
+        return;
+    w->publics[w->npublics].uses = entry->uses;
+    memcpy(w->publics[w->npublics].key, entry->row, VAULT_KEY);
+    w->turns = true;
+    if (w->npublics++ == 0) /* the first, which none was before */
+        turn(w);
+}
+
+void store_chain_keys(struct store_chain_walk *uses,
+                      const struct store_chain_walk *changes)
+{
+    memcpy(uses->publics, changes->publics, sizeof uses->publics);
+    uses->npublics = changes->npublics;
+}
+
+bool store_chain_signs(const struct store_chain_walk *changes,
+                       const unsigned char public[VAULT_KEY])
+{
+    return changes->npublics == 0 ||
+           memcmp(changes->publics[changes->npublics - 1].key, public, VAULT_KEY) == 0;
+}
+
+/* Of changes the one at that entry, of uses the last that was there before it. */
+static const unsigned char *key_of(const struct store_chain_walk *w, uint64_t seq)
+{
+    const unsigned char *key = w->public;
+
+    for (unsigned i = 0; w->chain == STORE_CHAIN_USES && i < w->npublics; i++)
+        if (w->publics[i].uses < seq)
+            key = w->publics[i].key;
+    return key;
+}
+
+/* ---- steps */
+
 void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,
                       const unsigned char hash[STORE_CHAIN_HASH])
 {
@@ -176,6 +227,8 @@ void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry
 
     if (!come_to(w, entry->seq))
         return;
+    turn(w);
+    take_key(w, entry);
     store_chain_next(w->hash, entry, made);
     follows = w->lost || memcmp(made, hash, sizeof made) == 0;
     if (!follows) {
@@ -209,7 +262,7 @@ void store_chain_pass(struct store_chain_walk *w, const struct store_chain_mark 
 {
     char line[160];
 
-    if (!store_chain_signed(w->public, m)) {
+    if (!store_chain_signed(key_of(w, m->seq), m)) {
         (void)snprintf(line, sizeof line,
                        "the checkpoint of entry %" PRIu64 " is not signed by this key",
                        m->seq);
@@ -225,6 +278,7 @@ void store_chain_pass(struct store_chain_walk *w, const struct store_chain_mark 
     } else {
         w->marks++;
         w->marked = m->seq;
+        turn(w); /* it was signed by the key before */
         return;
     }
     store_chain_problem(w, m->seq, line);

@@ -22,6 +22,13 @@
  * hash, after which the chain begins from then on. */
 #define STORE_CHAIN_TRIM "trim_uses"
 
+/* The kind of a change by which the log is signed with another key from then on.  It is signed
+ * with the old one; its object is store_chain_key, and row the new public key.  The first change
+ * has the first key so. */
+#define STORE_CHAIN_RENEW "renew_key"
+#define STORE_CHAIN_KEYS  64 /* at most */
+extern const unsigned char store_chain_key[STORE_CHAIN_OBJECT];
+
 struct store_chain_entry {
     enum store_chain chain;
     uint64_t seq; /* 1, 2, ... */
@@ -77,7 +84,13 @@ struct store_chain_walk {
     uint64_t seq;                         /* of the last entry, 0: there was none */
     unsigned char hash[STORE_CHAIN_HASH]; /* that it has, */
     unsigned char made[STORE_CHAIN_HASH]; /* and that it should have */
-    uint64_t end;      /* where it should end, once it has come there */
+    uint64_t end;               /* where it should end, once it has come there */
+    struct store_chain_public { /* by the changes */
+        uint64_t uses;          /* the last that the key before it signed */
+        unsigned char key[VAULT_KEY];
+    } publics[STORE_CHAIN_KEYS];
+    unsigned npublics;
+    bool turns;        /* the last one holds from the next entry on */
     bool lost;         /* neither is known: what was there is missing */
     uint64_t bad;      /* the first of the entries that are wrong just now, or 0 */
     uint64_t marked;   /* the last entry with a good mark, 0: none */
@@ -90,13 +103,20 @@ void store_chain_walk(struct store_chain_walk *w, enum store_chain chain,
                       const unsigned char public[VAULT_KEY], store_chain_report *report,
                       void *arg);
 
-/* store_chain_base(w, entry): where the chain of the uses begins by an entry of the changes, as the
+/* store_chain_keys(uses, changes): by which keys the uses are signed, as a walk along the changes
+ * has found it.
+ * store_chain_signs(w, public): does this key sign from the end on?
+ * store_chain_base(w, entry): where the chain of the uses begins by an entry of the changes, as the
  * latest of them says.  Before the first step along it.
  * store_chain_step(w, entry, hash): the next entry and the hash that it has.  Each is held
  * against the one before; a run of wrong ones is one report.
  * store_chain_damaged(w, seq): an entry that cannot be read.
  * store_chain_pass(w, m): a mark of the entry just stepped to.
  * store_chain_stop(w, seq, hash): the chain should end here (store_chain_end()). */
+void store_chain_keys(struct store_chain_walk *uses,
+                      const struct store_chain_walk *changes);
+bool store_chain_signs(const struct store_chain_walk *changes,
+                       const unsigned char public[VAULT_KEY]);
 void store_chain_base(struct store_chain_walk *uses,
                       const struct store_chain_entry *entry);
 void store_chain_step(struct store_chain_walk *w, const struct store_chain_entry *entry,

@@ -32,7 +32,7 @@ static enum status first_key(struct store_txn *t, struct errinfo *e)
     if ((st = row_event_begin(t, e)) != ST_OK ||
         (st = store_rules_act(&by, "", e)) != ST_OK)
         return st;
-    return row_event_add(t, &by, "create_key", "", "", kept[v->make], e);
+    return row_event_signs(t, &by, "create_key", t->vault, kept[v->make], e);
 }
 
 /* It is announced before the database is there, so that neither is without the other. */

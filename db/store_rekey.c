@@ -11,9 +11,12 @@
 
 #include "errinfo.h"
 #include "keyfile.h"
+#include "anchor.h"
 #include "row_event.h"
 #include "sql_file.h"
 #include "store_column.h"
+#include "store_anchor.h"
+#include "store_renew.h"
 #include "store_rules.h"
 #include "row_crypt.h"
 #include "store_txn.h"
@@ -76,6 +79,10 @@ static enum status make_vault(struct store_txn *t, const struct store_rekey *to,
                               struct vault_root *root, struct vault **out,
                               struct errinfo *e)
 {
+    enum status (*const make)(const struct vault *, const struct vault_root *,
+                              enum vault_kind, const void *, size_t, struct vault_root *,
+                              struct vault **, struct errinfo *) =
+        to->compromised ? vault_renew : vault_change;
     unsigned char key[VAULT_KEY];
     const struct keyfile *k = to->given;
     struct keyfile *read = NULL;
@@ -89,10 +96,10 @@ static enum status make_vault(struct store_txn *t, const struct store_rekey *to,
     }
     if (st == ST_OK && to->kind == VAULT_FILE) {
         if ((st = keyfile_key(k, f->next, key, e)) == ST_OK)
-            st = vault_change(t->vault, from, to->kind, key, sizeof key, root, out, e);
+            st = make(t->vault, from, to->kind, key, sizeof key, root, out, e);
     } else if (st == ST_OK) {
-        st = vault_change(t->vault, from, to->kind, k != NULL ? k->text : NULL,
-                          k != NULL ? k->len : 0, root, out, e);
+        st = make(t->vault, from, to->kind, k != NULL ? k->text : NULL,
+                  k != NULL ? k->len : 0, root, out, e);
     }
     sodium_memzero(key, sizeof key);
     keyfile_free(read);
@@ -152,29 +159,66 @@ static void take_back(const struct files *f)
         (void)unlink(f->next);
 }
 
+/* What the anchor says has a MAC of the database's key, which is another one from the commit on:
+ * whichever is in force then finds its own. */
+static enum status announce(struct store_txn *t, const struct vault *before,
+                            struct anchor_end *end, bool *served, struct errinfo *e)
+{
+    const char *path = t->store->anchor.path;
+    struct anchor a;
+    enum status st = store_anchor_end(t, end, e);
+
+    if (st != ST_OK || path == NULL)
+        return st;
+    if ((st = anchor_read(path, before, &a, e)) != ST_OK ||
+        (st = anchor_set(path, before, a.said ? &a.last : &a.next, a.served, e)) != ST_OK)
+        return st;
+    *served = a.served;
+    return anchor_announce(path, t->vault, end, e);
+}
+
+/* The subjects' keys under the next vault, or everything. */
+static enum status write_rows(struct store_txn *t, const struct store_act *by,
+                              const struct store_rekey *to, const struct vault *next,
+                              struct errinfo *e)
+{
+    static const char *const word[] = {"plaintext", "file", "passphrase"};
+    enum status st;
+
+    if (to->compromised)
+        return store_renew(t, by, next, word[to->kind], e);
+    st = wrap_all(t, next, e);
+    return st == ST_OK ? row_event_add(t, by, "rekey", "", "", word[to->kind], e) : st;
+}
+
 /* The database's part, as one transaction.  *plain: it was plaintext before. */
 static enum status change(struct store *s, const struct store_act *by,
                           const struct store_rekey *to, struct files *f, bool *plain,
                           struct errinfo *e)
 {
-    static const char *const word[] = {"plaintext", "file", "passphrase"};
     struct vault_root from, root;
     struct vault *next = NULL;
+    const struct vault *before;
+    struct anchor_end end;
     struct store_txn t;
     struct errinfo why;
+    bool served = false;
     enum status st, committed;
 
     if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
         return st;
+    before = t.vault;
     if ((st = store_vault_read(t.sql, &from, e)) == ST_OK &&
         (st = settle(f, &from, to, e)) == ST_OK &&
         (st = make_vault(&t, to, &from, f, &root, &next, e)) == ST_OK &&
-        (st = wrap_all(&t, next, e)) == ST_OK &&
+        (st = write_rows(&t, by, to, next, e)) == ST_OK &&
         (st = store_vault_write(t.sql, &root, e)) == ST_OK &&
-        (st = row_event_add(&t, by, "rekey", "", "", word[to->kind], e)) == ST_OK)
+        (!to->compromised || (st = announce(&t, before, &end, &served, e)) == ST_OK))
         st = set_aside(f, e);
     *plain = st == ST_OK && from.kind == VAULT_PLAINTEXT;
     committed = store_txn_end(&t, st, &why);
+    if (committed == ST_OK && to->compromised && s->anchor.path != NULL)
+        (void)anchor_set(s->anchor.path, next, &end, served, NULL);
     if (committed == ST_OK)
         return store_vault_keep(&s->vaults, next, &root, e);
     if (st == ST_OK) /* it may be on the disk all the same */
@@ -228,7 +272,8 @@ enum status store_rekey(struct store *s, const char *actor, const struct store_r
         (void)close(lock);
     free(f.next);
     free(f.old);
-    if (st == ST_OK && plain && (st = sql_file_compact(s->sql, &why)) != ST_OK)
+    if (st == ST_OK && (plain || to->compromised) &&
+        (st = sql_file_compact(s->sql, &why)) != ST_OK)
         (void)errinfo_set(e, st, "the key was changed, but the old one may be left: %s",
                           why.msg);
     store_txn_scrub(s);

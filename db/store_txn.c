@@ -77,13 +77,13 @@ enum status store_txn_erasures(struct store_txn *t, int64_t after, int64_t *last
                                bool *erased, struct errinfo *e)
 {
     struct sql_rows *r;
-    const enum status st =
-        SQL_QUERY(t->sql, &r, e,
-                  "SELECT (SELECT coalesce(max(seq), 0) FROM events WHERE chain = 0), "
-                  "CASE WHEN EXISTS (SELECT 1 FROM events WHERE chain = 0 "
-                  "AND seq > $1 AND kind IN "
-                  "('delete_subject', 'delete_template', 'rekey')) THEN 1 ELSE 0 END",
-                  sql_int(after));
+    const enum status st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT (SELECT coalesce(max(seq), 0) FROM events WHERE chain = 0), "
+        "CASE WHEN EXISTS (SELECT 1 FROM events WHERE chain = 0 "
+        "AND seq > $1 AND kind IN "
+        "('delete_subject', 'delete_template', 'rekey', 'renew_key')) THEN 1 ELSE 0 END",
+        sql_int(after));
 
     if (st == ST_OK && sql_next(r)) {
         *last = sql_column(r, 0).i;

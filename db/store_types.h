@@ -52,6 +52,7 @@ struct store_rekey {             /* another master key */
     bool in_file; /* given is kept in the key's file, in place of the old */
     bool keep;    /* the old key's file stays, as PATH.old */
     bool weak;    /* a passphrase may have few characters */
+    bool compromised; /* every other secret anew too: others know the old ones */
 };
 
 struct store_template { /* everything about a template but its model */

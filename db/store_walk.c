@@ -194,6 +194,10 @@ static enum status verify(struct store *s, bool serves, store_chain_report *repo
     for (int i = 0; i < STORE_CHAINS; i++)
         store_chain_walk(&w[i], (enum store_chain)i, public, report, arg);
     st = walk_chain(&t, &x, &w[STORE_CHAIN_CHANGES], &out->entries, e);
+    if (st == ST_OK && !store_chain_signs(&w[STORE_CHAIN_CHANGES], public))
+        store_chain_problem(&w[STORE_CHAIN_CHANGES], w[STORE_CHAIN_CHANGES].seq,
+                            "the key that signs it is not the database's");
+    store_chain_keys(&w[STORE_CHAIN_USES], &w[STORE_CHAIN_CHANGES]);
     *broken = w[STORE_CHAIN_CHANGES].problems;
     if (st == ST_OK && !serves)
         st = walk_uses(&t, &x, &w[STORE_CHAIN_USES], &out->entries, e);

@@ -178,6 +178,19 @@ enum status vault_change(const struct vault *v, const struct vault_root *from,
     return make(kind, from->version + 1, &v->secrets, v, secret, len, root, out, e);
 }
 
+enum status vault_renew(const struct vault *v, const struct vault_root *from,
+                        enum vault_kind kind, const void *secret, size_t len,
+                        struct vault_root *root, struct vault **out, struct errinfo *e)
+{
+    struct secrets s;
+    enum status st;
+
+    randombytes_buf(&s, sizeof s);
+    st = make(kind, from->version + 1, &s, v, secret, len, root, out, e);
+    sodium_memzero(&s, sizeof s);
+    return st;
+}
+
 enum status vault_open(const struct vault_root *root, const void *secret, size_t len,
                        struct vault **out, struct errinfo *e)
 {

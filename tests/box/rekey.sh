@@ -70,6 +70,66 @@ ctl rekey --keep-old
 is "no kept key is overwritten" "$CODE" 65
 rm "$DB.key.old"
 
+# ---- after a theft: every secret anew, beside a daemon
+id=$(ctl subject show s1; said '.templates[0].template_id')
+ctl token create door
+AUTH=$(said .token)
+ctl subject set s2 --consent C
+ctl subject set s4 --consent D
+ctl subject erase s4 --yes
+ctl audit verify
+public=$(said .public_key)
+cp "$DB" "$T/stolen.db"
+cp "$DB.key" "$T/stolen.key"
+secrets() {
+    sqlite3 "$DB" "SELECT hex(key), hex(lookup), hex(about) FROM subjects UNION ALL
+        SELECT hex(same), hex(about), hex(substr(model, 1, 40)) FROM templates" | tr '|' '\n'
+}
+secrets >"$T/before"
+start_daemon
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "before the theft is answered" "$STATUS $(get .decision)" "200 match"
+ctl rekey --yes --compromised
+is "every secret anew" "$CODE" 0
+send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+is "the daemon goes on with it" "$STATUS $(get .decision)" "200 match"
+secrets >"$T/after"
+is "nothing is encrypted or found as it was" "$(sort "$T/before" "$T/after" | uniq -d | wc -l)" 0
+ctl audit verify
+is "the log is whole" "$CODE $(said .ok)" "0 true"
+ok "another key signs it" [ "$(said .public_key)" != "$public" ]
+new=$(said .public_key)
+ctl audit show --subject s2
+ok "who was called so before is found" jq_true '[.entries[].kind] | index("set_subject")' "$T/ctl"
+ctl audit export --out "$T/log.jsonl"
+"$BUILD/surfacectl" audit verify "$T/log.jsonl" --public-key "$new" >"$T/text"
+is "an export is verified by the new key" $? 0
+"$BUILD/surfacectl" audit verify "$T/log.jsonl" --public-key "$public" >"$T/text"
+is "and by the old one not" $? 1
+sed '/"kind":"renew_key"/s/"row":"....../"row":"000000/' "$T/log.jsonl" >"$T/forged.jsonl"
+"$BUILD/surfacectl" audit verify "$T/forged.jsonl" --public-key "$new" >"$T/text"
+is "which the old one has signed" $? 1
+ctl check
+is "every template is there" "$CODE $(said .templates)" "0 3"
+stop_daemon
+ctl subject show s1
+is "the same template" "$(said '.templates[0].template_id')" "$id"
+# What was stolen opens nothing and forges nothing: rows as they were are not what was written.
+ctl subject list --key "$T/stolen.key"
+is "the stolen key opens nothing" "$CODE" 77
+sqlite3 "$DB" "ATTACH '$T/stolen.db' AS old; UPDATE main.subjects SET key =
+    (SELECT key FROM old.subjects o WHERE o.uid = main.subjects.uid)"
+ctl subject show s1
+is "nor do its subjects' keys" "$CODE" 65
+sqlite3 "$DB" "ATTACH '$T/stolen.db' AS old; DELETE FROM main.root; INSERT INTO main.root
+    SELECT * FROM old.root"
+ctl subject list --key "$T/stolen.key"
+ok "nor the record with it" [ "$CODE" != 0 ]
+rm -f "$DB"* && cp "$T/stolen.db" "$DB" && cp "$T/stolen.key" "$DB.key"
+ctl accept-rollback --yes
+ctl audit verify
+is "as it was" "$CODE" 0
+
 # ---- other kinds: a key of one's own, a passphrase, none, and a first one
 printf 'open sesame, open wide\n' >"$T/phrase"
 printf 'tĥis ĥas 11\n' >"$T/short"
