@@ -261,6 +261,22 @@ enum status store_audit_public(struct store *s, char public_key[65], struct erri
     return store_txn_end(&t, ST_OK, e);
 }
 
+enum status store_audit_signer(struct store *s, const char *public_key, bool *was,
+                               struct errinfo *e)
+{
+    struct row_event_row key = {.gone = false};
+    struct store_txn t;
+    enum status st;
+
+    *was = false;
+    if (sodium_hex2bin(key.mac, sizeof key.mac, public_key, strlen(public_key), NULL,
+                       NULL, NULL) != 0)
+        return ST_OK;
+    memcpy(key.object, store_chain_key, sizeof key.object);
+    st = store_txn_begin(s, SQL_READ, &t, e);
+    return st == ST_OK ? store_txn_end(&t, row_event_was(&t, &key, was, e), e) : st;
+}
+
 static enum status read_erased(void *t, const struct sql_rows *r, void *out,
                                struct errinfo *e)
 {

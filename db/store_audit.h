@@ -21,11 +21,14 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
 /* store_audit_sign(s, actor, kind, out, e): add an event of this kind ("checkpoint" or
  * "export_audit") and sign it.
  * store_audit_marks(s, out, n, e): all that there are, in their order; released by free().
- * store_audit_public(s, public_key, e): what signatures are verified with. */
+ * store_audit_public(s, public_key, e): what signatures are verified with.
+ * store_audit_signer(s, public_key, was, e): is it that key, or was it before (rekey)? */
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
                              struct store_audit_mark *out, struct errinfo *e);
 enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
                               struct errinfo *e);
+enum status store_audit_signer(struct store *s, const char *public_key, bool *was,
+                               struct errinfo *e);
 enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e);
 
 /* store_audit_erased(s, subject, out, n, e): every subject that was erased, one after the

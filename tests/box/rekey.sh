@@ -77,6 +77,7 @@ AUTH=$(said .token)
 ctl subject set s2 --consent C
 ctl subject set s4 --consent D
 ctl subject erase s4 --yes
+cp "$T/ctl" "$T/receipt"
 ctl audit verify
 public=$(said .public_key)
 cp "$DB" "$T/stolen.db"
@@ -109,6 +110,8 @@ is "and by the old one not" $? 1
 sed '/"kind":"renew_key"/s/"row":"....../"row":"000000/' "$T/log.jsonl" >"$T/forged.jsonl"
 "$BUILD/surfacectl" audit verify "$T/forged.jsonl" --public-key "$new" >"$T/text"
 is "which the old one has signed" $? 1
+ctl audit receipt "$T/receipt"
+is "a receipt of before is true" "$CODE $(said .ok)" "0 true"
 ctl check
 is "every template is there" "$CODE $(said .templates)" "0 3"
 stop_daemon
