@@ -14,6 +14,7 @@ struct idempotency; /* idempotency.h */
 struct metrics;     /* metrics.h */
 struct model;       /* model.h */
 struct queue;       /* queue.h */
+struct quota;       /* quota.h */
 struct retention;   /* retention.h */
 struct route;       /* route.h */
 struct store;       /* store.h */
@@ -30,8 +31,9 @@ struct app {
     struct queue *queue;
     struct retention *retention; /* NULL: uses are kept for ever */
     struct erasures *erasures;
-    struct guard *guard;         /* of the connections; http.c's */
-    const struct route *routes;  /* [nroutes] */
+    struct guard *guard;        /* of the connections; http.c's */
+    struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
+    const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
     size_t max_body; /* bytes */

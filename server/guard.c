@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
@@ -36,6 +37,7 @@ struct guard_peer {
     double begin_ms, end_ms;
     void (*gone)(void *arg); /* of GUARD_WORK; NULL: called already */
     void *arg;
+    bool cut; /* amid a body the client had gone at the last look, with nothing unread */
     bool ended; /* shut down here, and not yet closed by libmicrohttpd */
 };
 
@@ -171,6 +173,7 @@ static void begin(struct guard *l, struct guard_peer *p, enum guard_step step)
         return;
     p->step = step;
     p->gone = NULL;
+    p->cut = false;
     p->begin_ms = log_clock_ms();
     if (step == GUARD_WORK)
         p->end_ms = NO_END;
@@ -233,6 +236,7 @@ void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg), 
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
 {
     (void)pthread_mutex_lock(&l->lock);
+    p->cut = false;
     p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
                      log_clock_ms() + 1000.0 * l->rules.timeout_s);
     (void)pthread_mutex_unlock(&l->lock);
@@ -279,6 +283,20 @@ static bool has_gone(int fd)
     return poll(&p, 1, 0) > 0;
 }
 
+/* libmicrohttpd (0.9.75) does not always see that a client goes amid a body, and would hold what
+ * came until its time is over.  At the second look in a row it has had the time to. */
+static void look_at_body(struct guard *l, struct guard_peer *p)
+{
+    const bool was_cut = p->cut;
+    int unread = 0;
+
+    p->cut = has_gone(p->fd) && ioctl(p->fd, FIONREAD, &unread) == 0 && unread == 0;
+    if (was_cut && p->cut) {
+        end(l, p);
+        l->state.gone++;
+    }
+}
+
 static void sweep(struct guard *l)
 {
     double now = log_clock_ms();
@@ -289,6 +307,8 @@ static void sweep(struct guard *l)
             p->gone = NULL;
             l->state.gone++;
         }
+        if (p->step == GUARD_BODY && !p->ended)
+            look_at_body(l, p);
         if (now < p->end_ms || p->ended)
             continue;
         end(l, p);

@@ -45,7 +45,7 @@ struct guard_state {
     uint64_t refused_address;    /* too many from one address */
     uint64_t late[GUARD_NSTEPS]; /* closed past a deadline, by step */
     uint64_t crowded_out;        /* closed to make room for a new one */
-    uint64_t gone;               /* gone while the daemon worked for them */
+    uint64_t gone; /* clients that went while they sent a body or were worked for */
 };
 
 /* guard_start(rules, out, e): the limit of open files is raised to what is needed; where that

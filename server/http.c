@@ -535,6 +535,7 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
 {
     h->app = app;
     app->guard = h->host.guard;
+    app->quota = h->quota;
     h->host.refuse = on_refusal;
     h->host.arg = h;
     if (peer_init(e) != ST_OK)

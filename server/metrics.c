@@ -11,6 +11,7 @@
 #include "errmap.h"
 #include "guard.h"
 #include "process.h"
+#include "quota.h"
 #include "queue.h"
 #include "request.h"
 #include "route.h"
@@ -296,6 +297,11 @@ static void print_connections(FILE *f, const struct app *app)
     };
 
     print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");
+    head(f, "surfaced_held_bytes", "gauge",
+         "Bodies and responses in memory, by the room that they are in.");
+    for (int i = 0; i < QUOTA_SIZES; i++)
+        fprintf(f, "surfaced_held_bytes{size=\"%s\"} %zu\n",
+                i == QUOTA_IS_LARGE ? "large" : "small", quota_held(app->quota, i));
     head(f, "surfaced_connections_closed_total", "counter",
          "Connections closed by a limit, of their number or of time.");
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)

@@ -188,14 +188,16 @@ static void count_gone(void *arg)
 static void test_gone(void **state)
 {
     const struct timespec pause = {0, 20 * 1000 * 1000};
-    struct guard_peer *p[3];
+    struct guard_peer *p[5];
     struct guard_state s;
-    atomic_uint gone[3];
-    int fd[3][2];
+    atomic_uint gone[5];
+    int fd[5][2];
 
     (void)state;
-    start(100, 0, false);
-    for (int i = 0; i < 3; i++) {
+    assert_int_equal(
+        guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
+        ST_OK);
+    for (int i = 0; i < 5; i++) {
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
         p[i] = guard_open(g, fd[i][0], NULL);
         assert_non_null(p[i]);
@@ -204,6 +206,11 @@ static void test_gone(void **state)
     guard_work(g, p[0], count_gone, &gone[0]);
     guard_work(g, p[1], count_gone, &gone[1]);
     guard_begin(g, p[2], GUARD_RESPONSE);
+    guard_begin(g, p[3], GUARD_BODY);
+    guard_begin(g, p[4], GUARD_BODY);
+    (void)send(fd[4][1], "x", 1, 0); /* is still to be read */
+    (void)shutdown(fd[4][1], SHUT_WR);
+    (void)shutdown(fd[3][1], SHUT_WR);
     (void)shutdown(fd[1][1], SHUT_WR); /* as far as it is seen from here, it has closed */
     (void)send(fd[0][1], "x", 1, 0);   /* the next request is not yet the end */
     (void)close(fd[2][1]);
@@ -214,13 +221,16 @@ static void test_gone(void **state)
     assert_int_equal(atomic_load(&gone[1]), 1);
     assert_int_equal(atomic_load(&gone[0]), 0);
     guard_look(g, &s);
-    assert_int_equal(s.gone, 1);
-    for (int i = 0; i < 3; i++) {
+    assert_int_equal(s.gone, 2);
+    assert_true(has_ended(fd[3][1]));
+    assert_false(has_ended(fd[4][1]));
+    assert_false(has_ended(fd[0][1]));
+    for (int i = 0; i < 5; i++) {
         guard_close(g, p[i]);
         (void)close(fd[i][0]);
+        if (i != 2)
+            (void)close(fd[i][1]);
     }
-    (void)close(fd[0][1]);
-    (void)close(fd[1][1]);
     guard_stop(g);
 }
 
