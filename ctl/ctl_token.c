@@ -6,6 +6,8 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 
+#define LIFE_S (INT64_C(365) * 86400) /* of a token without --expires */
+
 static unsigned scopes; /* --scope; 0: not given */
 static int64_t grace_s; /* --grace */
 
@@ -65,17 +67,22 @@ static enum status open_for_secret(struct ctl *c)
     return ctl_model_open(c, STORE_WRITE);
 }
 
+/* A token that may do everything, or for ever, is one that somebody asked for. */
 static enum status create(struct ctl *c)
 {
     struct store_token t;
-    char secret[65];
+    char secret[65], all[STORE_SCOPES_MAX];
     const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
-    enum status st = open_for_secret(c);
+    const int64_t life_s = c->expires.given ? c->expires.life_s : LIFE_S;
+    enum status st;
 
-    if (st == ST_OK)
-        st = store_token_create(c->store, CTL_ACTOR, name,
-                                scopes != 0 ? scopes : STORE_SCOPE_ALL, c->expires.life_s,
-                                secret, &t, &c->e);
+    if (scopes == 0) {
+        store_scopes_write(STORE_SCOPE_ALL, all);
+        return ctl_usage(c, "token create needs --scope: one or more of %s", all);
+    }
+    if ((st = open_for_secret(c)) == ST_OK)
+        st = store_token_create(c->store, CTL_ACTOR, name, scopes, life_s, secret, &t,
+                                &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
     return st;
@@ -194,15 +201,15 @@ const struct ctl_command ctl_token_create = {
     .shared = CTL_EXPIRES,
     .options = {CTL_OPTION(
         "scope", "LIST", ctl_option_scopes, &scopes,
-        "what the token may do: enroll,verify,identify,read,delete,manage,\n"
-        "detail (all)")},
+        "what the token may do: some of enroll,verify,identify,read,delete,\n"
+        "manage,detail")},
     .run = create,
     .summary = "make a Bearer token for the daemon",
     .help =
         "The token is printed once, on standard output; only a hash of it is stored.  It may do\n"
-        "everything, for ever, unless --scope and --expires say otherwise.",
+        "what --scope says, for a year, unless --expires says otherwise.",
     .example =
-        "surfacectl --db faces.db token create --scope verify --expires 90d front-door"};
+        "surfacectl --db faces.db token create front-door --scope verify --expires 90d"};
 
 const struct ctl_command ctl_token_list = {
     .name = "token list",

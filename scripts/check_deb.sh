@@ -132,7 +132,7 @@ ok "not root, no capabilities, filtered system calls" run sh -c "
     grep -q '^CapBnd:	0*\$' /proc/$first/status
     grep -q '^NoNewPrivs:	1' /proc/$first/status
     grep -q '^Seccomp:	2' /proc/$first/status"
-token=$(surfacectl token create check 2>/dev/null)
+token=$(surfacectl token create check --scope enroll,verify,read 2>/dev/null)
 ok "surfacectl enrolls beside the daemon" run sh -c \
     "cat /alice-0.ply | runuser -u surfaced -- surfacectl --db $db enroll alice -"
 probe() {

@@ -9,7 +9,7 @@ scan 1 0 "$T/a.ply"
 scan 2 0 "$T/b.ply"
 AUTH=
 start_daemon
-ctl token create door
+ctl token create door --scope "$ALL"
 AUTH=$(said .token) DOOR=$(said .id)
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 id=$(get .template_id)

@@ -17,7 +17,7 @@ ctl init
 ctl enroll alice "$T/s1.ply"
 ctl enroll bob "$T/s2.ply"
 ctl enroll carol "$T/s3.ply"
-token=$("$BUILD/surfacectl" --db "$DB" --json token create front)
+token=$("$BUILD/surfacectl" --db "$DB" --json token create front --scope "$ALL")
 AUTH=$(printf '%s' "$token" | jq -r .token)
 id=$(printf '%s' "$token" | jq -r '.id // .token_id')
 

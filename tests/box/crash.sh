@@ -28,7 +28,7 @@ db=$T/full/db
 admin "$db" init
 admin "$db" enroll alice "$T/s1.ply"
 admin "$db" enroll bob "$T/s2.ply"
-admin "$db" token create gate
+admin "$db" token create gate --scope verify
 admin "$db" backup "$T/full/copy"
 cp "$T/full/copy" "$T/backup"
 cp "$db.key" "$T/lost/"

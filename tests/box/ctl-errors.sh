@@ -47,8 +47,9 @@ refuse 64 'token rotate NAME|ID' "$ctl" --db f.db token rotate
 for list in '' admin 'enroll,' 'enroll verify' Enroll; do
     refuse 64 'scope takes a list' "$ctl" --db f.db token create --scope "$list" a
 done
+refuse 64 "needs --scope: one or more of $ALL" "$ctl" --db f.db token create a
 for time in 0d 90 1w -1d 1.5h 99999999d 99999999999999999999d d '' '90 d'; do
-    refuse 64 '--expires takes' "$ctl" --db f.db token create --expires "$time" a
+    refuse 64 '--expires takes' "$ctl" --db f.db token create --scope read --expires "$time" a
 done
 refuse 64 '--grace takes' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a

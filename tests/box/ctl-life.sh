@@ -77,15 +77,15 @@ has out '"templates_removed":.*1'
 expect 66 "no such subject" "$ctl" verify alice a1.ply
 has err 'no subject alice'
 
-expect 0 "make a token without a name" "$ctl" token create
+expect 0 "make a token without a name" "$ctl" token create --scope verify
 ok "it has 64 characters too" [ "$(wc -c <out)" -eq 65 ]
-expect 0 "make a token" "$ctl" token create 'front door'
+expect 0 "make a token" "$ctl" token create 'front door' --scope read
 secret=$(cat out)
 ok "the token has 64 characters" [ ${#secret} -eq 64 ]
 ok "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
 expect 0 "list tokens" "$ctl" token list
 has out 'valid .*front door'
-expect 0 "another of that name" "$ctl" token create 'front door'
+expect 0 "another of that name" "$ctl" token create 'front door' --scope read
 expect 65 "which of them" "$ctl" token revoke 'front door'
 has err '2 tokens have this name.*: [0-9a-f]\{32\} [0-9a-f]\{32\}$'
 token=$(awk '{ print $NF }' err)

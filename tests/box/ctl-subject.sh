@@ -11,7 +11,7 @@ scan 2 0 "$T/b.ply"
 start_daemon
 ctl_exits 0 enroll alice "$T/a.ply" --label first
 ctl_exits 0 enroll bob "$T/b.ply"
-ctl_exits 0 token create test
+ctl_exits 0 token create test --scope "$ALL"
 AUTH=$(said .token)
 
 # ---- the consent

@@ -33,7 +33,7 @@ rm "$T/big"
 req GET /v1/nothing
 problem "no such route" 404 no_such_route
 
-ctl token create tests
+ctl token create tests --scope "$ALL"
 is "token create" $? 0
 AUTH=$(jq -r '.secret // .token' "$T/ctl")
 token_id=$(jq -r '.id // .token_id' "$T/ctl")
@@ -116,7 +116,7 @@ req GET /v1/subjects/a%20b
 problem "a wrong scope, a malformed id" 403 insufficient_scope
 
 # ---- expired
-ctl token create --expires 1h short
+ctl token create --scope read --expires 1h short
 AUTH=$(jq -r .token "$T/ctl")
 req GET /v1/subjects
 is "before it expires" "$STATUS" 200

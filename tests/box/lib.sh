@@ -11,6 +11,8 @@ PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
 BYTES='Content-Type: application/octet-stream'
 # The tests must not read the machine's own configuration.
 export SURFACED_CONFIG=/dev/null
+# Every scope that a token may have.
+ALL=enroll,verify,identify,read,delete,manage,detail
 
 for tool in curl jq sqlite3; do
     command -v "$tool" >/dev/null 2>&1 || {
@@ -89,8 +91,13 @@ said() {
     jq -r "$1" "$T/ctl"
 }
 
-# new_token NAME [OPTION...]: makes a token and prints its secret.
+# new_token NAME [OPTION...]: makes a token and prints its secret; with every scope, unless an
+# option says otherwise.
 new_token() {
+    case " $* " in
+    *' --scope '*) ;;
+    *) set -- "$@" --scope "$ALL" ;;
+    esac
     "$BUILD/surfacectl" --db "$DB" token create "$@" 2>/dev/null
 }
 
