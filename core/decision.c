@@ -76,11 +76,14 @@ struct decision_terms decision_terms(double t, const struct decision_pair *p)
     const double factor = 1 - DECISION_HIDDEN_LESS * hidden;
     struct decision_terms out = {.threshold_mm = factor * t + noise,
                                  .doubt_mm = DECISION_HIDDEN_DOUBT * hidden * t,
+                                 .rise_mm = noise,
+                                 .factor = factor,
                                  .calibrated_mm =
                                      fmax(0, (p->score_mm - noise) / factor)};
 
     if (decision_open(t, p) && p->part_mm <= DECISION_PART * t + noise) {
         out.threshold_mm += DECISION_PART_RISE * t;
+        out.factor = 0;
         out.calibrated_mm = t;
     }
     return out;

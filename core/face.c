@@ -346,6 +346,8 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->threshold_mm = terms.threshold_mm;
     out->score_mm = score.mm;
     out->calibrated_mm = terms.calibrated_mm;
+    out->rise_mm = terms.rise_mm;
+    out->factor = terms.factor;
     out->weight_overlap = score.weight;
     out->fmr_at_score =
         score.weight > 0 ? decision_fmr(&w->decision, out->calibrated_mm) : 1;
@@ -355,6 +357,17 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     out->comparable = comparable(out);
     out->decision = decide(out, terms.doubt_mm);
     return ST_OK;
+}
+
+void face_round(struct face_result *r, const struct face_work *w)
+{
+    r->score_mm = round(r->score_mm * 1e3) / 1e3;
+    r->overlap = round(r->overlap * 1e2) / 1e2;
+    if (r->factor > 0) {
+        r->calibrated_mm = fmax(0, (r->score_mm - r->rise_mm) / r->factor);
+        if (r->weight_overlap > 0)
+            r->fmr_at_score = decision_fmr(&w->decision, r->calibrated_mm);
+    }
 }
 
 enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,

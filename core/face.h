@@ -110,10 +110,11 @@ struct face_result {
     double
         calibrated_mm; /* the score as if that had not changed: to compare with scores of
                              other pairs and with the calibration's threshold */
-    double fmr_at_score;   /* false match rate at a threshold of it (decision.h) */
-    double overlap;        /* share of the template's measured area covered, 0..1 */
-    double weight_overlap; /* share of a whole face's weight in the common area, 0..1 */
-    double change_mm;      /* root mean square of the change taken out (score.h) */
+    double rise_mm, factor; /* how that follows from the score (decision.h) */
+    double fmr_at_score;    /* false match rate at a threshold of it (decision.h) */
+    double overlap;         /* share of the template's measured area covered, 0..1 */
+    double weight_overlap;  /* share of a whole face's weight in the common area, 0..1 */
+    double change_mm;       /* root mean square of the change taken out (score.h) */
     double region_mm[GRID_REGIONS];     /* score of each region alone; NAN: not covered */
     double region_weight[GRID_REGIONS]; /* its share of a whole face's weight, 0..1 */
     struct align_result align;          /* transform probe -> template, certainty */
@@ -129,6 +130,11 @@ struct face_result {
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out);
+
+/* face_round(r, w): the score is rounded to 0.001 mm, the overlap to 0.01, and fmr_at_score is
+ * that of the rounded score, by w's calibration (that of the comparison): for who may be told
+ * the decision, and should not learn a face from many scores.  The decision stays. */
+void face_round(struct face_result *r, const struct face_work *w);
 
 /* face_compare_mirrored(tmpl, probe, clock_ms, w, out): face_compare() with the mirror image of
  * the probe (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The

@@ -46,11 +46,16 @@ bool auth_admit(struct request *r)
     return false;
 }
 
+bool auth_has(const struct request *r, unsigned scopes)
+{
+    return r->app->no_auth || (r->scopes & scopes) != 0;
+}
+
 bool auth_may(struct request *r, unsigned scopes)
 {
     char has[STORE_SCOPES_MAX], lacks[STORE_SCOPES_MAX];
 
-    if (r->app->no_auth || (r->scopes & scopes) != 0)
+    if (auth_has(r, scopes))
         return true;
     store_scopes_write(r->scopes, has);
     store_scopes_write(scopes, lacks);

@@ -19,8 +19,12 @@ bool auth_admit(struct request *r);
  * is its id, else r->response is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
-/* auth_may(r, scopes): has r's token one of these scopes, or is no token needed?  False:
- * r->response is a 403 that names them.  After auth_check(). */
+/* auth_has(r, scopes): has r's token one of these scopes, or is no token needed?  After
+ * auth_check(). */
+bool auth_has(const struct request *r, unsigned scopes);
+
+/* auth_may(r, scopes): auth_has(); where it is false, r->response is a 403 that names
+ * the scopes. */
 bool auth_may(struct request *r, unsigned scopes);
 
 #define AUTH_CHALLENGE_MAX 160

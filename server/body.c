@@ -48,12 +48,21 @@ void body_refuse_room(struct request *r)
     request_problem(r, ERRMAP_OVERLOAD, "no room for the body now");
 }
 
+/* Whoever sends one means something by it, which must not be ignored. */
+void body_refuse_any(struct request *r)
+{
+    request_problem(r, ST_EINVAL, "this method of this path takes no body");
+}
+
 void body_check(struct request *r, bool has_length, uint64_t length)
 {
     const char *types = wants(r);
 
     if (length != UPLOAD_LENGTH_UNKNOWN && length > r->app->max_body)
         body_refuse_size(r);
+    else if (r->route->body == ROUTE_NO_BODY && length != UPLOAD_LENGTH_UNKNOWN &&
+             length > 0)
+        body_refuse_any(r);
     else if (r->route->body == ROUTE_NO_BODY)
         return;
     else if (!has_length)

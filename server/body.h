@@ -18,6 +18,9 @@ void body_refuse_size(struct request *r);
 /* body_refuse_room(r): the response to one that there is no room for now. */
 void body_refuse_room(struct request *r);
 
+/* body_refuse_any(r): the response to a body where r->route has none. */
+void body_refuse_any(struct request *r);
+
 /* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
  * form (multipart.h) its one file becomes the body, with its media type and coding.  On a
  * worker: it computes.  False: r->response is set: damaged, too large, empty; or r->larger. */

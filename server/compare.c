@@ -115,6 +115,7 @@ static void respond(struct comparison *c)
                                          .minimal = c->least.ms,
                                          .total = log_clock_ms() - c->r->start_ms};
 
+    verify_round(c->r, c->w, &c->result, &c->least);
     verify_respond(c->r, &(struct describe_comparison){
                              .result = &c->result,
                              .minimal = c->detail == PARAMS_DECISION ? NULL : &c->least,

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "app.h"
+#include "attempts.h"
+#include "auth.h"
 #include "cloud.h"
 #include "enrolment.h"
 #include "errinfo.h"
@@ -20,6 +22,13 @@
 
 #define LOCATION "/v1/templates/" /* and the template's id */
 
+static bool may(void *arg, const struct store_attempts *now)
+{
+    struct request *r = arg;
+
+    return attempts_admit(r->app->attempts, r, now);
+}
+
 static void enroll(struct request *r, struct worker *w, const char *label, bool force,
                    const struct scan_found *found)
 {
@@ -27,7 +36,9 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
                                 .subject = r->subject,
                                 .label = label,
                                 .face = &w->probe,
-                                .force = force};
+                                .force = force,
+                                .may = attempts_limited(r->app->attempts) ? may : NULL,
+                                .arg = r};
     struct enrolment_outcome out;
     struct errinfo e = {0};
     enum status st = enrolment_add(&w->compare, &x, &out, &e);
@@ -36,14 +47,13 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         request_stage(r, REQUEST_ALIGN, out.nearest.align_ms);
         request_stage(r, REQUEST_MEASURE, out.nearest.measure_ms);
     }
-    if (!verify_admitted(r, out.admit, &e))
+    if (out.lost.code != ST_OK)
+        verify_event_lost(r, "enroll_mismatch", &out.lost);
+    if (out.locked || !verify_admitted(r, out.admit, &e)) /* r->response is set */
         return;
-    if (st == ST_EMISMATCH) {
-        metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
-        request_mismatch(r, e.msg, &out.nearest.result);
-        return;
-    }
     if (st != ST_OK) {
+        if (st == ST_EMISMATCH)
+            metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
         request_fail(r, &e);
         return;
     }
@@ -69,7 +79,8 @@ static void read_and_enroll(struct request *r, struct worker *w)
                         STORE_LABEL_MAX);
         return;
     }
-    if (!params_flag(r, "force", &force) || cloud_read(r, &c) != ST_OK)
+    if (!params_flag(r, "force", &force) || (force && !auth_may(r, STORE_SCOPE_MANAGE)) ||
+        cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);

@@ -273,6 +273,10 @@ static void look_at_body(struct exchange *x)
 static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)
 {
     peer_more(x->peer, *size);
+    if (x->r.route->body == ROUTE_NO_BODY) { /* in chunks */
+        body_refuse_any(&x->r);
+        return send_amid(x);
+    }
     switch (upload_add(&x->upload, data, *size)) {
     case ST_OK:
         *size = 0;

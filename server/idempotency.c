@@ -242,7 +242,8 @@ void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ti
         return;
     (void)pthread_mutex_lock(&m->lock);
     x = &m->entry[ticket];
-    if (r->response.http < 500 && copy_response(&r->response, &x->response))
+    if (r->response.http < 500 && r->response.http != 429 &&
+        copy_response(&r->response, &x->response))
         x->state = DONE;
     else
         forget(m, x);

@@ -5,9 +5,7 @@
 #include "decision.h"
 #include "describe.h"
 #include "errmap.h"
-#include "face.h"
 #include "json.h"
-#include "verdict.h"
 
 char *render_comparison(const struct describe_comparison *c)
 {
@@ -37,8 +35,7 @@ char *render_trial(const struct trial *t, const struct face *f,
     return json_compact(j);
 }
 
-char *render_problem(const struct errmap *m, const char *detail, const char *request_id,
-                     const struct face_result *mismatch)
+char *render_problem(const struct errmap *m, const char *detail, const char *request_id)
 {
     struct json *j = json_new();
     char type[96];
@@ -50,11 +47,6 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
     json_text(j, "detail", detail);
     json_text(j, "code", m->code);
     json_text(j, "request_id", request_id);
-    if (mismatch != NULL) {
-        json_text(j, "decision", verdict_decision(mismatch->decision));
-        json_number(j, "disparity_mm", mismatch->score_mm);
-        json_number(j, "threshold_mm", mismatch->threshold_mm);
-    }
     return json_compact(j);
 }
 

@@ -12,15 +12,12 @@ struct describe_comparison;
 struct describe_times;
 struct errmap;
 struct face;
-struct face_result;
 struct frame;
 struct scan_found;
 struct trial;
 
-/* render_problem(m, detail, request_id, mismatch): RFC 9457; mismatch: the comparison behind
- * it, or NULL. */
-char *render_problem(const struct errmap *m, const char *detail, const char *request_id,
-                     const struct face_result *mismatch);
+/* render_problem(m, detail, request_id): RFC 9457. */
+char *render_problem(const struct errmap *m, const char *detail, const char *request_id);
 
 /* As describe.h. */
 char *render_comparison(const struct describe_comparison *c);

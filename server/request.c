@@ -219,8 +219,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
         r->response.challenge = true;
     r->response.location[0] = '\0';
     /* Without memory for the document its status code has to do. */
-    set_body(r, m->http, "application/problem+json",
-             render_problem(m, told, r->id, NULL));
+    set_body(r, m->http, "application/problem+json", render_problem(m, told, r->id));
     r->response.problem = kind;
 }
 
@@ -228,15 +227,6 @@ void request_fail(struct request *r, const struct errinfo *e)
 {
     r->failed = e->code;
     request_problem(r, (unsigned)e->code, "%s", e->msg);
-}
-
-void request_mismatch(struct request *r, const char *detail,
-                      const struct face_result *result)
-{
-    const struct errmap *m = errmap_get(ST_EMISMATCH);
-
-    set_body(r, m->http, "application/problem+json",
-             render_problem(m, detail, r->id, result));
 }
 
 bool request_gone(struct request *r)

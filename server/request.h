@@ -16,8 +16,7 @@
 
 struct app;
 struct errinfo;
-struct face_result; /* face.h */
-struct route;       /* route.h */
+struct route; /* route.h */
 
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
@@ -150,11 +149,6 @@ request_problem(struct request *r, unsigned kind, const char *fmt, ...);
 
 /* request_fail(r, e): the problem that e tells; r->failed, for the metrics. */
 void request_fail(struct request *r, const struct errinfo *e);
-
-/* request_mismatch(r, detail, result): 409 sample_mismatch, with the decision (no match or
- * inconclusive), the score and the threshold. */
-void request_mismatch(struct request *r, const char *detail,
-                      const struct face_result *result);
 
 /* request_gone(r): the client has gone, and r->response says so to the log. */
 bool request_gone(struct request *r);

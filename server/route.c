@@ -100,33 +100,42 @@ void route_read_id(struct request *r)
     }
 }
 
-/* Is this one of the names in a list with ", " between? */
-static bool is_listed(const char *list, const char *name, size_t len)
+/* Which of the names in a list with ", " between it is, a bit each; 0: none of them. */
+static unsigned listed(const char *list, const char *name, size_t len)
 {
-    while (*list != '\0') {
+    for (unsigned bit = 1; *list != '\0'; bit <<= 1) {
         const size_t n = strcspn(list, ",");
 
         if (n == len && memcmp(list, name, n) == 0)
-            return true;
+            return bit;
         list += n;
         list += strspn(list, ", ");
     }
-    return false;
+    return 0;
 }
 
 void route_check_query(struct request *r)
 {
     const char *p = strchr(r->target, '?'), *has = r->route->query;
+    unsigned seen = 0;
 
     while (p != NULL && *p != '\0') {
         const size_t len = strcspn(++p, "&"), name = strcspn(p, "=&");
+        const unsigned which = listed(has, p, name);
+        const int shown = name > 64 ? 64 : (int)name;
 
-        if (len > 0 && !is_listed(has, p, name)) {
+        if (len > 0 && which == 0) {
             request_problem(r, ERRMAP_PARAMETER,
                             "there is no query parameter %.*s here: this path has %s",
-                            name > 64 ? 64 : (int)name, p, *has != '\0' ? has : "none");
+                            shown, p, *has != '\0' ? has : "none");
             return;
         }
+        if ((seen & which) != 0) {
+            request_problem(r, ERRMAP_PARAMETER, "the query parameter %.*s comes twice",
+                            shown, p);
+            return;
+        }
+        seen |= which;
         p += len;
     }
 }

@@ -36,7 +36,7 @@ void route_find(const struct route *table, size_t n, struct request *r);
 void route_read_id(struct request *r);
 
 /* route_check_query(r): set r->response where r->target has a query parameter that r->route
- * does not: one that is misspelt must not be ignored.  O(length of the query). */
+ * does not, or one twice: one that is misspelt must not be ignored.  O(length of the query). */
 void route_check_query(struct request *r);
 
 /* For the log and the metrics: "GET" (of a GET or HEAD), and the pattern; of NULL (no route)

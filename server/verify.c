@@ -1,7 +1,10 @@
 #include "verify.h"
 
+#include <math.h>
+
 #include "app.h"
 #include "attempts.h"
+#include "auth.h"
 #include "builder.h"
 #include "cloud.h"
 #include "describe.h"
@@ -58,6 +61,15 @@ bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *
         request_problem(r, admit == ADMIT_DISABLED ? ERRMAP_DISABLED : ERRMAP_EXPIRED,
                         "%s", e->msg);
     return admit == ADMIT_YES;
+}
+
+void verify_round(const struct request *r, const struct worker *w,
+                  struct face_result *result, struct minimal *least)
+{
+    if (auth_has(r, STORE_SCOPE_DETAIL | STORE_SCOPE_MANAGE))
+        return;
+    face_round(result, w->compare.work);
+    least->disparity.plain_mm = round(least->disparity.plain_mm * 1e3) / 1e3;
 }
 
 void verify_respond(struct request *r, const struct describe_comparison *c)
@@ -244,6 +256,7 @@ static void respond(struct verification *v)
         request_fail(v->r, &e);
         return;
     }
+    verify_round(v->r, v->w, &v->best.result, &v->least);
     verify_respond(v->r, &(struct describe_comparison){
                              .result = &v->best.result,
                              .minimal = v->detail == PARAMS_DECISION ? NULL : &v->least,

@@ -8,6 +8,8 @@
 
 struct describe_comparison;
 struct errinfo;
+struct face_result;
+struct minimal;
 struct request;
 struct worker;
 
@@ -16,6 +18,12 @@ void verify_template(struct request *r, struct worker *w);
 
 /* verify_admitted(r, admit, e): as admit_subject() said; false: r->response says why not. */
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e);
+
+/* verify_round(r, w, result, least): where r's token tells no more than decisions (neither detail
+ * nor manage), the measures to be told are rounded (face_round()): many exact scores would
+ * rebuild a face. */
+void verify_round(const struct request *r, const struct worker *w,
+                  struct face_result *result, struct minimal *least);
 
 /* verify_respond(r, c): 200 with c; without c->minimal because the client prefers so. */
 void verify_respond(struct request *r, const struct describe_comparison *c);

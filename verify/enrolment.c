@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "errinfo.h"
+#include "verdict.h"
 
 static enum status mismatch(const struct nearest *n, struct errinfo *e)
 {
@@ -22,15 +22,62 @@ static enum status mismatch(const struct nearest *n, struct errinfo *e)
     return errinfo_set(e, ST_EMISMATCH, "%s; only with force is it enrolled", why);
 }
 
+/* What asks may(). */
+struct asking {
+    const struct enrolment *x;
+    struct enrolment_outcome *out;
+};
+
+static bool may(void *arg, const struct store_attempts *now)
+{
+    const struct asking *a = arg;
+
+    a->out->locked = a->x->may != NULL && !a->x->may(a->x->arg, now);
+    return !a->out->locked;
+}
+
+/* Without a template there is nothing to try. */
+static enum status admitted(void *arg, const struct store_admission *a, struct errinfo *e)
+{
+    return a->n == 0 || may(arg, &a->attempts)
+               ? ST_OK
+               : errinfo_set(e, ST_EDENIED, "the subject is locked out");
+}
+
+/* Not told before it is counted and recorded: there would be no limit. */
+static enum status settle(struct admission_context *c, const struct admission *a,
+                          struct asking *ask, struct errinfo *e)
+{
+    const struct enrolment *x = ask->x;
+    const struct nearest *n = &ask->out->nearest;
+    struct store_settled out = {.lost = &ask->out->lost};
+    const struct store_settle what = {.subject = &a->of.subject,
+                                      .as = x->may != NULL ? STORE_SETTLE_FAILED
+                                                           : STORE_SETTLE_UNCOUNTED,
+                                      .actor = x->actor,
+                                      .kind = "enroll_mismatch",
+                                      .template_id = a->of.t[n->index].id,
+                                      .outcome = verdict_decision(n->result.decision),
+                                      .may = may,
+                                      .arg = ask};
+    const enum status st = store_settle(c->store, &what, &out, e);
+
+    if (st == ST_OK && !out.may)
+        return errinfo_set(e, ST_EDENIED, "the subject is locked out");
+    return st == ST_OK ? mismatch(n, e) : st;
+}
+
 /* newest: the id of the last template that it was compared with, "" where there is none.  A
  * subject that is not there yet is made with its first template. */
 static enum status check_fit(struct admission_context *c, const struct enrolment *x,
                              char newest[STORE_ID_LEN + 1], struct enrolment_outcome *out,
                              struct errinfo *e)
 {
+    struct asking ask = {x, out};
+    const struct admission_request what = {
+        .subject = x->subject, .admitted = admitted, .arg = &ask};
     struct admission a;
-    enum status st =
-        admission_read(c, &(struct admission_request){.subject = x->subject}, &a, e);
+    enum status st = admission_read(c, &what, &a, e);
 
     newest[0] = '\0';
     out->nearest = (struct nearest){0};
@@ -39,7 +86,7 @@ static enum status check_fit(struct admission_context *c, const struct enrolment
         memcpy(newest, a.of.t[a.of.n - 1].id, STORE_ID_LEN + 1);
         st = nearest_find(c, &a, x->face, &out->nearest, e);
         if (st == ST_OK && out->nearest.result.decision != FACE_MATCH)
-            st = mismatch(&out->nearest, e);
+            st = settle(c, &a, &ask, e);
     }
     admission_free(c, &a);
     return st == ST_ENOTFOUND ? ST_OK

@@ -288,6 +288,7 @@ id=$(get .template_id)
 sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM templates
     WHERE id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
+put POST /v1/subjects/carol/templates 429 "$PLY" "$T/b.ply"
 put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"
 AUTH=0123456789abcdef
 select_operations '.open | not'

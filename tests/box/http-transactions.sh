@@ -63,7 +63,7 @@ for size in two three; do # templates, none of them in memory at first
 done
 send POST /v1/subjects/alice/templates "$PLY" "$T/other.ply"
 is "does not fit" "$STATUS" 409
-is "does not fit: reads and writes" "$(begins)" "2 0"
+is "does not fit: reads and writes" "$(begins)" "2 1"
 counted "three templates" again.ply "200 match" "2 1"
 echo rubbish >"$T/rubbish"
 send POST /v1/subjects/alice/verify "$PLY" "$T/rubbish"
