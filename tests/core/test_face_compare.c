@@ -394,6 +394,60 @@ static void test_hidden(void **state)
     face_free(&b);
 }
 
+/* What is left of a result that is rounded depends on the rounded score alone: scores that are
+ * told the same have the same rate. */
+static void check_rounding(const struct face_result *r)
+{
+    struct face_result one = *r, other = *r;
+    const double told = round(r->score_mm * 1e3) / 1e3;
+
+    other.score_mm = told + (r->score_mm > told ? -4e-4 : 4e-4);
+    other.calibrated_mm = NAN;
+    other.fmr_at_score = NAN;
+    other.overlap += 1e-4;
+    face_round(&one, work);
+    face_round(&other, work);
+    assert_true(one.score_mm == told && other.score_mm == told);
+    assert_true(one.overlap == round(r->overlap * 100) / 100);
+    assert_true(one.fmr_at_score == other.fmr_at_score);
+    assert_true(one.fmr_at_score ==
+                decision_fmr(&model_default.decision, one.calibrated_mm));
+    assert_true(one.decision == r->decision && one.threshold_mm == r->threshold_mm);
+}
+
+static void test_round(void **state)
+{
+    struct face a = {0}, b = {0};
+    struct face_result r, rounded;
+
+    (void)state;
+    make(14, 0, &a);
+    make(14, 1, &b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    check_rounding(&r);
+    rounded = r;
+    face_round(&rounded, work);
+    assert_true(rounded.fmr_at_score != r.fmr_at_score);
+    assert_true(rounded.fmr_at_score ==
+                decision_fmr(&model_default.decision, rounded.score_mm));
+    b.hidden = 0.4;
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_true(r.factor < 1);
+    check_rounding(&r);
+    scan(14, 1, POINTS);
+    add_noise(0.9);
+    build(&b);
+    assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
+    assert_true(r.rise_mm > 0);
+    check_rounding(&r);
+    r.factor = 0; /* the rate does not depend on the score */
+    rounded = r;
+    face_round(&rounded, work);
+    assert_true(rounded.fmr_at_score == r.fmr_at_score);
+    face_free(&a);
+    face_free(&b);
+}
+
 /* A mirrored scan scores as the scan that it is the mirror image of, up to the triangulation
  * and the pose found; the scan itself stays as it is. */
 static void test_mirrored(void **state)
@@ -616,8 +670,8 @@ int main(void)
         cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
         cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_expression),    cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_round),         cmocka_unit_test(test_expression),
+        cmocka_unit_test(test_mirrored),      cmocka_unit_test(test_no_memory),
     };
     int failed;
 

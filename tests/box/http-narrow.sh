@@ -1,0 +1,166 @@
+#!/bin/sh
+# Goal: a token of one scope does no more than that scope says.  The script does what an attacker
+# with verify or enroll alone did: rebuild an enrolled face from two responses, bring a threshold
+# along, try faces by enrolling them, enrol a stranger by force, mistype what keeps safe.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+scan 1 0 "$T/alice.ply"
+scan 1 1 "$T/alice2.ply" --pose 8 --shift 10
+scan 2 0 "$T/mallory.json" --points 3000
+scan 2 0 "$T/mallory.ply"
+for i in $(seq 3 10); do scan "$i" 0 "$T/s$i.ply"; done
+start_daemon
+verify=$(new_token verify --scope verify)
+enroll=$(new_token enroll --scope enroll)
+both=$(new_token both --scope verify,detail)
+all=$(new_token all)
+# no_shape WHAT: the last response has nothing that tells how the template is shaped.
+no_shape() {
+    is "$1: members" "$(get '[paths | map(strings) | join(".")] | unique | map(select(test(
+        "heatmap|transform|alignment|regions|minimal[.]|volume|weight|change|overlap_mm2|plain_mm"
+        ))) | join(" ")')" ""
+}
+AUTH=$all
+send POST /v1/subjects/alice/templates "$PLY" "$T/alice.ply"
+is "alice is enrolled" "$STATUS" 201
+template=$(get .template_id)
+
+# ---- a face from two heat maps
+AUTH=$verify
+probe=$T/mallory.json
+for round in 1 2; do
+    send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$probe"
+    problem "a heat map, round $round" 403 insufficient_scope detail
+    ok "no face is rebuilt, round $round" sh -c \
+        "! python3 tests/box/rebuild.py '$probe' '$T/body' '$T/rebuilt$round.json'"
+    [ ! -f "$T/rebuilt$round.json" ] || probe=$T/rebuilt$round.json
+done
+# The matching face that the attack ends with.
+AUTH=$all
+if [ "$probe" != "$T/mallory.json" ]; then
+    send POST /v1/subjects/alice/verify "$JSON" "$probe"
+    ok "a face was rebuilt: $(get .decision) $(get .disparity_mm)" false
+fi
+AUTH=$verify
+jq -c -n --slurpfile a "$T/mallory.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
+for detail in heatmap measure; do
+    for path in subjects/alice/verify "templates/$template/verify"; do
+        send POST "/v1/$path?detail=$detail" "$PLY" "$T/alice2.ply"
+        problem "$path, $detail" 403 insufficient_scope detail
+    done
+    send POST "/v1/compare?detail=$detail" "$JSON" "$T/two.json"
+    problem "compare, $detail" 403 insufficient_scope detail
+done
+# Nothing of that in what verify alone is told, nor more digits than it takes to decide.
+for path in subjects/alice/verify "templates/$template/verify"; do
+    send POST "/v1/$path" "$PLY" "$T/alice2.ply"
+    is "$path" "$STATUS" 200
+    no_shape "$path"
+    ok "$path: 3 decimals, 2 of the overlap" \
+        grep -Eq '"disparity_mm":0\.[0-9]{1,3},.*"minimal_mm":[0-9]+(\.[0-9]{1,3})?,"overlap":[01](\.[0-9]{1,2})?,' "$T/body"
+done
+send POST /v1/compare "$JSON" "$T/two.json"
+is "compare" "$STATUS" 200
+no_shape compare
+# The rate is that of the score as it is told: the same for all that are told the same.
+send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
+told=$(get '[.disparity_mm, .minimal_mm, .overlap, .fmr_at_score] | @csv')
+AUTH=$both
+send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
+exact=$(get '[.disparity_mm, .minimal_mm, .overlap] | @csv')
+is "rounded" "$(echo "$told" | cut -d , -f 1-3)" \
+    "$(get '[.disparity_mm, .minimal_mm, .overlap] | [(.[0], .[1] | . * 1000 | round / 1000), (.[2] * 100 | round / 100)] | @csv')"
+ok "another rate than that of the exact score: $told, $exact" \
+    test "$(echo "$told" | cut -d , -f 4)" != "$(get .fmr_at_score)"
+
+# ---- a threshold of the request's own
+AUTH=$verify
+for name in threshold_mm threshold Threshold_mm fmr decision force; do
+    send POST "/v1/subjects/alice/verify?$name=1000000000" "$PLY" "$T/mallory.ply"
+    problem "?$name" 400 invalid_parameter "parameter $name here"
+done
+is "no match is recorded of a stranger" "$(sqlite3 "$DB" \
+    "SELECT count(*) FROM events WHERE kind = 'verify' AND outcome = 'match'")" 4
+jq -c '.threshold_mm = 1000000000' "$T/mallory.json" >"$T/with.json"
+send POST /v1/subjects/alice/verify "$JSON" "$T/with.json"
+problem "as a member" 400 malformed threshold_mm
+jq -c '.threshold_mm = 1000000000' "$T/two.json" >"$T/with.json"
+send POST /v1/compare "$JSON" "$T/with.json"
+problem "as a member of two clouds" 400 malformed threshold_mm
+jq -c '.b.threshold_mm = 1000000000' "$T/two.json" >"$T/with.json"
+send POST /v1/compare "$JSON" "$T/with.json"
+problem "as a member of one of them" 400 malformed threshold_mm
+send POST '/v1/subjects/alice/verify?units=mm&units=cm' "$PLY" "$T/alice2.ply"
+problem "a parameter twice" 400 invalid_parameter 'units comes twice'
+AUTH=$all
+echo '{"dry_run": true}' >"$T/dry"
+send DELETE /v1/subjects/alice "$JSON" "$T/dry"
+problem "a body that an erasure does not take" 400 malformed 'takes no body'
+send DELETE /v1/subjects/alice "$JSON" "$T/dry" -H 'Transfer-Encoding: chunked'
+problem "the same in chunks" 400 malformed 'takes no body'
+req DELETE '/v1/subjects/alice?dry_run=true'
+problem "a parameter that it does not take" 400 invalid_parameter 'dry_run'
+req GET /v1/subjects/alice
+is "alice is still there" "$STATUS" 200
+
+# ---- faces tried by enrolling them
+AUTH=$enroll
+tried=0
+for i in $(seq 3 10); do
+    send POST /v1/subjects/alice/templates "$PLY" "$T/s$i.ply"
+    tried=$((tried + 1))
+    if [ "$tried" -le 3 ]; then
+        problem "another face, $tried" 409 sample_mismatch 'does not fit'
+    else
+        problem "another face, $tried" 429 too_many_attempts
+        ok "and when again: $(field Retry-After)" test "$(field Retry-After)" -ge 29
+    fi
+    ok "no score in it" sh -c "! grep -Eq '_mm|disparity|0[.][0-9]|decision' '$T/body'"
+done
+is "each is recorded" "$(sqlite3 "$DB" \
+    "SELECT count(*), min(outcome) FROM events WHERE kind = 'enroll_mismatch'")" "3|no_match"
+is "and counted" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 3
+send POST /v1/subjects/alice/templates "$PLY" "$T/alice2.ply"
+problem "the right face has to wait too" 429 too_many_attempts
+AUTH=$verify
+send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
+problem "and so do verifications" 429 too_many_attempts
+AUTH=$enroll
+send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
+problem "by force" 403 insufficient_scope 'scope manage'
+AUTH=$(new_token manage --scope manage)
+send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
+problem "manage alone" 403 insufficient_scope 'scope enroll'
+is "alice has one template" "$(sqlite3 "$DB" 'SELECT count(*) FROM templates')" 1
+"$BUILD/surfacectl" --db "$DB" attempts reset alice >/dev/null 2>&1
+# Many at once are no way round it: a wrong face is told so three times at most.
+AUTH=$enroll clients=
+for i in $(seq 3 10); do
+    for k in 1 2 3; do
+        curl -sS -m 60 -o /dev/null -w '%{http_code}\n' -H "Authorization: Bearer $AUTH" \
+            -H "$PLY" --data-binary "@$T/s$i.ply" "$URL/v1/subjects/alice/templates" \
+            >>"$T/many.$i.$k" &
+        clients="$clients $!"
+    done
+done
+# shellcheck disable=SC2086 # a list
+wait $clients
+is "of 24 at once, told" "$(cat "$T"/many.*.? | sort | uniq -c | awk '{ print $2 "x" $1 }' |
+    paste -sd ' ')" "409x3 429x21"
+"$BUILD/surfacectl" --db "$DB" attempts reset alice >/dev/null 2>&1
+AUTH=$(new_token forced --scope enroll,manage)
+send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
+is "with both, by force" "$STATUS" 201
+
+# ---- tokens by silence
+ctl token create door
+is "a token without a scope" $CODE 64
+contains "says which there are" "$T/ctl.err" "needs --scope: one or more of $ALL"
+is "and is not made" "$(sqlite3 "$DB" "SELECT count(*) FROM tokens WHERE name = 'door'")" 0
+ctl_exits 0 token create door --scope verify
+is "with the one, for a year" "$(said '[.scopes[], ((.expires_at[:19] + "Z" | fromdate) -
+    (.created[:19] + "Z" | fromdate)) / 86400] | @csv')" '"verify",365'
+ctl_exits 0 token create lasting --scope verify --expires never
+is "for ever where that is asked for" "$(said .expires_at)" null
+finish
