@@ -336,6 +336,35 @@ static void look_at_templates(struct doctor *d)
         say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)t.all);
 }
 
+static void look_at_tokens(struct doctor *d)
+{
+    const struct store_key key = {.path = d->c->key, .make = VAULT_FILE};
+    struct store *s;
+    struct store_token *t = NULL;
+    struct errinfo e;
+    size_t n = 0, soon = 0;
+    enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+
+    if (st == ST_OK)
+        st = store_token_list(s, &t, &n, &e);
+    store_close(s);
+    for (size_t i = 0; i < n; i++) {
+        const int64_t left = store_token_left(&t[i]);
+
+        if (left == 0 || left > STORE_TOKEN_SOON_S)
+            continue;
+        soon++;
+        say(d, NOTE, "token", "surfacectl token rotate ID --expires TIME",
+            "%s (%s) will end at %s", t[i].id, t[i].name, t[i].expires);
+    }
+    free(t);
+    if (st != ST_OK)
+        say(d, TROUBLE, "tokens", "surfacectl check finds all that is damaged", "%s",
+            e.msg);
+    else if (soon == 0)
+        say(d, FINE, "tokens", "", "none will end within 30 days");
+}
+
 static enum status run(struct ctl *c)
 {
     struct doctor d = {.c = c};
@@ -355,6 +384,7 @@ static enum status run(struct ctl *c)
             if (look_at_key(&d)) {
                 look_at_anchor(&d);
                 look_at_templates(&d);
+                look_at_tokens(&d);
             }
         }
     }
@@ -375,5 +405,5 @@ const struct ctl_command ctl_doctor = {
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
         "right key, and one that rekey left behind; whether the database is older than its\n"
         "anchor; the schema; the WAL; free space on the disk; rows that are not what was written\n"
-        "last; templates of another engine.  Nothing is changed.",
+        "last; templates of another engine; tokens that will end soon.  Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

@@ -167,6 +167,17 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
     return st;
 }
 
+int64_t store_token_left(const struct store_token *t)
+{
+    int64_t now, end;
+
+    if (t->revoked || !utc_now(&now))
+        return 0;
+    if (t->expires[0] == '\0')
+        return INT64_MAX;
+    return utc_read(t->expires, &end) && end > now ? (end - now + 999) / 1000 : 0;
+}
+
 /* No request waits for this: where it cannot be noted at once, the next one notes it. */
 static void note_use(struct store *s, struct store_token *t, int64_t ms)
 {

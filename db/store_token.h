@@ -19,6 +19,11 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
 
+#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400) /* before its end, to be warned of */
+
+/* store_token_left(t): seconds until t ends, INT64_MAX if never; 0: it has, or was revoked. */
+int64_t store_token_left(const struct store_token *t);
+
 /* store_token_revoke(s, actor, id, e): ST_OK also when it was revoked before. */
 enum status store_token_revoke(struct store *s, const char *actor, const char *id,
                                struct errinfo *e);

@@ -42,7 +42,7 @@ void health_ready(struct request *r, struct worker *w)
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
                calibration_in_force(r->app->store, &k, &e) == ST_OK) {
-        request_respond(r, 200, render_ready(&k));
+        request_respond(r, 200, render_state("ready"));
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));
         r->failed = e.code;

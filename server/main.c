@@ -11,6 +11,7 @@
 #include "calibration.h"
 #include "erasures.h"
 #include "errinfo.h"
+#include "expiry.h"
 #include "face.h"
 #include "flags.h"
 #include "http.h"
@@ -189,6 +190,7 @@ static void say_stopping(int sig)
 struct daemon {
     struct app *app;
     struct http *http;
+    struct expiry expiry;
     uint64_t served;    /* when it was looked at last */
     double progress_ms; /* when it had changed, or had nothing to do, last */
 };
@@ -214,6 +216,13 @@ static bool healthy(void *arg)
         d->progress_ms = now;
     }
     return now - d->progress_ms < STALLED_MS;
+}
+
+static void hourly(void *arg)
+{
+    struct daemon *d = arg;
+
+    expiry_look(&d->expiry, d->app);
 }
 
 /* --check-config: what the files of TLS hold. */
@@ -276,7 +285,7 @@ int main(int argc, char **argv)
     d.http = http;
     d.progress_ms = log_clock_ms();
     service_ready(url);
-    sig = service_wait(&(struct service_hooks){reload, healthy, &d});
+    sig = service_wait(&(struct service_hooks){reload, healthy, hourly, &d});
     say_stopping(sig);
     http_quiesce(http, GRACE_MS);
     queue_stop(app.queue); /* queued requests are still handled */

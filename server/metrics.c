@@ -44,6 +44,7 @@ struct metrics {
     counter refused[NREFUSALS];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens;
+    counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
     size_t nroutes;
     struct by_route {
@@ -137,6 +138,15 @@ void metrics_database_error(struct metrics *m, enum status st)
 void metrics_lost_event(struct metrics *m)
 {
     count(&m->lost_events, 1);
+}
+
+void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s)
+{
+    const int64_t now = time(NULL);
+
+    atomic_store(&m->tokens_soon, soon);
+    atomic_store(&m->token_end,
+                 left_s > INT64_MAX - now ? 0 : (uint_fast64_t)(now + left_s));
 }
 
 /* ---- exposition */
@@ -250,6 +260,17 @@ static void print_outcomes(FILE *f, const struct metrics *m)
               "Requests with a token that is not valid.");
 }
 
+static void print_tokens(FILE *f, const struct metrics *m)
+{
+    const uint64_t now = (uint64_t)time(NULL), end = value(&m->token_end);
+
+    print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
+              "Tokens that end within 30 days.");
+    if (end > 0)
+        print_one(f, "surfaced_token_first_end_seconds", "gauge",
+                  end > now ? end - now : 0, "Until the first token ends.");
+}
+
 static void print_gauges(FILE *f, const struct app *app)
 {
     struct queue_state q;
@@ -259,8 +280,6 @@ static void print_gauges(FILE *f, const struct app *app)
     cache_look(app->cache, &c);
     print_one(f, "surfaced_queue_depth", "gauge", q.waiting,
               "Requests that wait for a worker.");
-    print_one(f, "surfaced_queue_limit", "gauge", q.limit, "Requests that may wait.");
-    print_one(f, "surfaced_workers", "gauge", q.workers, "Worker threads.");
     print_one(f, "surfaced_workers_busy", "gauge", q.running, "Worker threads at work.");
     print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
               "Templates found decoded.");
@@ -271,10 +290,6 @@ static void print_gauges(FILE *f, const struct app *app)
               "template reencode stores the result.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates dropped for want of room.");
-    print_one(f, "surfaced_cache_templates", "gauge", c.entries,
-              "Decoded templates in memory.");
-    print_one(f, "surfaced_cache_bytes", "gauge", c.bytes, "Memory they take.");
-    print_one(f, "surfaced_cache_limit_bytes", "gauge", c.limit, "Memory they may take.");
 }
 
 static void print_connections(FILE *f, const struct app *app)
@@ -315,9 +330,6 @@ static void print_process(FILE *f, const struct app *app)
     struct process_state p;
 
     process_look(&p);
-    head(f, "surfaced_build_info", "gauge", "1; what this program is.");
-    fprintf(f, "surfaced_build_info{engine=\"%s\",compiler=\"%s\"} 1\n",
-            store_made_by(app->store), __VERSION__);
     print_one(f, "process_start_time_seconds", "gauge", (uint64_t)app->metrics->start,
               "Start of the process, seconds since 1970.");
     head(f, "process_cpu_seconds_total", "counter", "Processor time used.");
@@ -327,8 +339,6 @@ static void print_process(FILE *f, const struct app *app)
     print_one(f, "process_virtual_memory_bytes", "gauge", p.virtual_bytes,
               "Virtual memory.");
     print_one(f, "process_open_fds", "gauge", p.open_fds, "Open file descriptors.");
-    print_one(f, "process_max_fds", "gauge", p.max_fds,
-              "Most file descriptors that may be open.");
 }
 
 static char *text(const struct app *app)
@@ -342,6 +352,7 @@ static char *text(const struct app *app)
         return NULL;
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
+    print_tokens(f, app->metrics);
     print_gauges(f, app);
     print_connections(f, app);
     print_process(f, app);

@@ -1,8 +1,11 @@
 /* metrics.h -- metrics for Prometheus (exposition format 0.0.4).  Any thread may count.
- * Base units (seconds, bytes); no label names a person, a token or an address. */
+ * Base units (seconds, bytes); no label names a person, a token or an address.
+ * Whoever reaches the daemon may read them: they tell what it does, not how it is configured,
+ * nor how much is enrolled. */
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H
 #include <stddef.h>
+#include <stdint.h>
 #include "face.h"
 #include "status.h"
 
@@ -45,6 +48,10 @@ void metrics_database_error(struct metrics *m, enum status st);
 
 /* metrics_lost_event(m): an event could not be written to the store. */
 void metrics_lost_event(struct metrics *m);
+
+/* metrics_tokens(m, soon, left_s): so many tokens will end soon, the first of all in left_s s;
+ * INT64_MAX: none does. */
+void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s);
 
 void metrics_handle(struct request *r, struct worker *w); /* GET /metrics */
 

@@ -4,7 +4,6 @@
 #include <inttypes.h>
 #include <malloc.h>
 #include <stdio.h>
-#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -53,12 +52,9 @@ static void look_at_memory(struct process_state *out)
 void process_look(struct process_state *out)
 {
     struct timespec cpu;
-    struct rlimit fds;
 
     *out = (struct process_state){.open_fds = count_fds()};
     look_at_memory(out);
     if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu) == 0)
         out->cpu_seconds = (double)cpu.tv_sec + (double)cpu.tv_nsec * 1e-9;
-    if (getrlimit(RLIMIT_NOFILE, &fds) == 0)
-        out->max_fds = fds.rlim_cur;
 }

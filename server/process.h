@@ -6,7 +6,7 @@
 struct process_state {
     double cpu_seconds;
     uint64_t resident_bytes, virtual_bytes;
-    uint64_t open_fds, max_fds;
+    uint64_t open_fds;
 };
 
 /* process_begin(): nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as

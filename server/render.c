@@ -2,7 +2,6 @@
 
 #include <stdio.h>
 
-#include "decision.h"
 #include "describe.h"
 #include "errmap.h"
 #include "json.h"
@@ -132,27 +131,10 @@ char *render_state(const char *state)
     return json_compact(j);
 }
 
-char *render_ready(const struct store_calibration *k)
-{
-    const struct decision *d = &k->decision;
-    struct json *j = json_new();
-
-    json_text(j, "status", "ready");
-    json_object(j, "calibration");
-    json_number(j, "version", (double)k->version);
-    json_text(j, "source", k->shipped ? "shipped" : "database");
-    json_text(j, "ignored", k->ignored ? k->engine : NULL);
-    json_number(j, "threshold_mm", d->threshold_mm);
-    json_rate(j, "fmr", decision_fmr(d, d->threshold_mm));
-    return json_compact(j);
-}
-
-char *render_version(const char *version, const char *engine, const char *compiler)
+char *render_version(const char *version)
 {
     struct json *j = json_new();
 
     json_text(j, "version", version);
-    json_text(j, "engine", engine);
-    json_text(j, "compiler", compiler);
     return json_compact(j);
 }

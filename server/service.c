@@ -73,19 +73,27 @@ static void reload(const struct service_hooks *hooks)
 
 int service_wait(const struct service_hooks *hooks)
 {
-    struct timespec half;
+    struct timespec pause = {60, 0}, now;
     uint64_t watchdog_us = 0;
     const bool watched = sd_watchdog_enabled(0, &watchdog_us) > 0;
+    time_t hour = 0;
     sigset_t set;
     int sig;
 
     waited_for(&set);
-    half.tv_sec = (time_t)(watchdog_us / 2000000);
-    half.tv_nsec = (long)(watchdog_us / 2 % 1000000 * 1000);
+    if (watched) {
+        pause.tv_sec = (time_t)(watchdog_us / 2000000);
+        pause.tv_nsec = (long)(watchdog_us / 2 % 1000000 * 1000);
+    }
     for (;;) {
         if (watched && hooks->healthy(hooks->arg))
             (void)sd_notify(0, "WATCHDOG=1");
-        sig = watched ? sigtimedwait(&set, NULL, &half) : sigwaitinfo(&set, NULL);
+        (void)clock_gettime(CLOCK_MONOTONIC, &now);
+        if (hour == 0 || now.tv_sec >= hour) {
+            hooks->hourly(hooks->arg);
+            hour = now.tv_sec + 3600;
+        }
+        sig = sigtimedwait(&set, NULL, &pause);
         if (sig == SIGHUP) {
             reload(hooks);
         } else if (sig > 0) {

@@ -12,6 +12,7 @@ struct errinfo;
 struct service_hooks {
     void (*reload)(void *arg);  /* on SIGHUP */
     bool (*healthy)(void *arg); /* false: the watchdog is not notified */
+    void (*hourly)(void *arg);  /* at first, and then every hour */
     void *arg;
 };
 

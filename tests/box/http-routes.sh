@@ -15,14 +15,11 @@ start_daemon --no-auth
 req GET /healthz
 is healthz "$STATUS $(get .status)" "200 ok"
 req GET /readyz
-is readyz "$STATUS $(get .status)" "200 ready"
-is "the calibration in force" "$(get '.calibration | [.version, .source, .threshold_mm > 0,
-    .fmr > 0 and .fmr < 0.01] | @csv')" '0,"shipped",true,true'
+is readyz "$STATUS $(cat "$T/body")" '200 {"status":"ready"}'
 req GET /version
-is version "$STATUS $(get '.engine | sub(" model/[0-9a-f]{8}$"; "")')" \
-    "200 $("$BUILD/surfaced" --version)"
-engine=$(get .engine)
 version=$(get .version)
+is version "$STATUS $(cat "$T/body")" "200 {\"version\":\"$version\"}"
+is "the program's" "$version" "$("$BUILD/surfaced" --version | sed 's|.*/\([0-9.]*\) .*|\1|')"
 req GET /openapi.json
 is "openapi's version" "$STATUS $(get .info.version)" "200 $version"
 is "openapi's format" "$(get .openapi)" 3.1.0
@@ -86,7 +83,7 @@ is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score,
 is "the minimal disparity takes its time of the total" \
     "$(get '.timing_ms | .minimal > 0 and .align + .measure + .minimal < .total')" true
 is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv')" \
-    "$(printf 'alice\t%s\t%s' "$id" "$engine")"
+    "$(printf 'alice\t%s\t%s' "$id" "$(jq -r .engine "$T/first")")"
 is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
 fits "verify with detail" Verdict

@@ -140,4 +140,29 @@ problem "revoked, at once" 401 unauthorized
 ctl token rotate "$token_id"
 is "a revoked token cannot be rotated" $? 77
 ok "the token is not in the log" sh -c "! grep -q '$AUTH' '$LOG'"
+
+# ---- soon to end
+is "none would end soon at the start" "$(metric surfaced_tokens_expiring)" 0
+stop_daemon
+ctl token revoke short
+for life in 20d 29d 31d 400d never; do
+    new_token "ends-$life" --scope verify --expires "$life" >"$T/$life"
+done
+new_token ends-revoked --scope verify --expires 3d >/dev/null
+ctl token revoke ends-revoked
+new_token ends-past --scope verify --expires 1d >/dev/null
+"$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
+ctl doctor
+is "doctor names those that will, and it is no trouble" \
+    "$CODE $(said '[.findings[] | select(.about == "token") | .finding | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
+    "0 (ends-20d) (ends-29d)"
+start_daemon
+soon grep -q ends-29d "$LOG"
+is "so does the log, once" "$(grep -o 'name=ends-[a-z0-9]*' "$LOG" | paste -sd ' ')" \
+    "name=ends-20d name=ends-29d"
+contains "and says what to do" "$LOG" 'level=warn msg="a token will end: surfacectl token rotate.*expires_at=20'
+is "the metrics count them" "$(metric surfaced_tokens_expiring)" 2
+first=$(metric surfaced_token_first_end_seconds)
+ok "and tell when the first ends: $first" test "$((20 * 86400 - first))" -lt 3600
+ok "not which it is" sh -c "! grep -q ends- '$T/body'"
 finish
