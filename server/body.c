@@ -58,13 +58,13 @@ void body_check(struct request *r, bool has_length, uint64_t length)
 {
     const char *types = wants(r);
 
+    if (r->route->body == ROUTE_NO_BODY) { /* first: a stranger is not told the limit */
+        if (length != UPLOAD_LENGTH_UNKNOWN && length > 0)
+            body_refuse_any(r);
+        return;
+    }
     if (length != UPLOAD_LENGTH_UNKNOWN && length > r->app->max_body)
         body_refuse_size(r);
-    else if (r->route->body == ROUTE_NO_BODY && length != UPLOAD_LENGTH_UNKNOWN &&
-             length > 0)
-        body_refuse_any(r);
-    else if (r->route->body == ROUTE_NO_BODY)
-        return;
     else if (!has_length)
         request_problem(r, ERRMAP_NO_LENGTH,
                         "send Content-Length, or the body in chunks");

@@ -128,7 +128,10 @@ AUTH=$TOKEN
 
 # ---- bad headers and parameters
 head -c $((LIMIT + 1)) /dev/zero >"$T/big"
-each 413 true -H "$BYTES" --data-binary "@$T/big"
+each 413 '.request != {}' -H "$BYTES" --data-binary "@$T/big"
+each 400 '.request == {}' -H "$BYTES" --data-binary "@$T/big"
+is "without the limit" "$(get .detail)" "this method of this path takes no body"
+each 400 '.request == {}' -H "$JSON" -H 'Transfer-Encoding: chunked' -d '{"force": true}'
 rm "$T/big"
 each 411 .body
 each 415 .body -H 'Content-Type: image/jpeg' -d x

@@ -1,0 +1,179 @@
+#!/bin/sh
+# Goal: what each scope alone may do, on every route of the API's description.  A route that is not
+# in the table below fails the test, and so does one that the description does not have.  Then what
+# every error of every route looks like, and what a stranger is told of the daemon.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+# METHOD PATH, and the scopes of which a token needs one; "-": none is needed.
+cat >"$T/matrix" <<'END'
+POST /v1/subjects/{subject}/templates enroll
+POST /v1/subjects/{subject}/verify verify
+POST /v1/templates/{template_id}/verify verify
+POST /v1/compare verify
+POST /v1/check enroll,verify,identify
+POST /v1/asymmetry verify
+GET /v1/subjects read
+POST /v1/subjects enroll
+GET /v1/subjects/{subject} read
+PATCH /v1/subjects/{subject} manage
+DELETE /v1/subjects/{subject} delete
+GET /v1/templates/{template_id} read
+DELETE /v1/templates/{template_id} delete
+GET /healthz -
+GET /readyz -
+GET /metrics -
+GET /openapi.json -
+GET /docs -
+GET /version -
+END
+scan 1 0 "$T/a.ply"
+"$BUILD/facegen" --subject 1 --points 1000 --format json >"$T/c.json"
+jq -c '{a: ., b: .}' "$T/c.json" >"$T/two.json"
+echo '{"subject": "bob"}' >"$T/new.json"
+echo '{"hold": false}' >"$T/change.json"
+start_daemon --workers 3 --queue 77 --cache-mb 13 --max-body 7654321 --attempts 19 \
+    --attempt-wait 71 --timeout 43 --max-connections 911 --rate-limit-tokens 1000
+
+curl -sS -o "$T/api" "$URL/openapi.json"
+jq -r '.paths | to_entries[] | .key as $p | .value | to_entries[] | select(.key != "parameters")
+    | "\(.key | ascii_upcase) \($p) \(.value.security | if . == [] then "-"
+        else [.[].token[]] | join(",") end)"' "$T/api" | sort >"$T/described"
+is "routes and their scopes, as described" "$(cat "$T/described")" "$(sort "$T/matrix")"
+is "no other in the table of the program" "$(grep -c '{REQUEST_' server/routes.c)" \
+    "$(($(wc -l <"$T/matrix") + 2))" # and the two files of /docs
+
+# enrolled: alice has a template, whose id is $template.
+enrolled() {
+    e_auth=$AUTH AUTH=$all
+    send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+    template=$(get .template_id)
+    AUTH=$e_auth
+}
+
+# try METHOD PATH [QUERY]: a request that succeeds with every scope.
+try() {
+    t_path=$(echo "$2" | sed "s/{subject}/alice/; s/{template_id}/$template/")${3:-}
+    case $1.$2 in
+    POST.*/compare) send POST "$t_path" "$JSON" "$T/two.json" ;;
+    POST./v1/subjects) send POST "$t_path" "$JSON" "$T/new.json" ;;
+    POST.*) send POST "$t_path" "$PLY" "$T/a.ply" ;;
+    PATCH.*) send PATCH "$t_path" "$JSON" "$T/change.json" ;;
+    *) req "$1" "$t_path" ;;
+    esac
+}
+
+all=$(new_token all)
+for scope in $(echo "$ALL" | tr ',' ' '); do
+    one=$(new_token "$scope" --scope "$scope")
+    others=$(new_token "not-$scope" --scope "$(echo ",$ALL," | sed "s/,$scope,/,/; s/^,//; s/,\$//")")
+    while read -r method path needs; do
+        enrolled
+        "$BUILD/surfacectl" --db "$DB" --yes subject erase bob >/dev/null 2>&1
+        AUTH=$one
+        try "$method" "$path"
+        case ,$needs, in
+        ,-, | *,"$scope",*)
+            ok "$scope alone may $method $path: $STATUS" matches "$STATUS" '^20[014]$'
+            ;;
+        *)
+            problem "$scope alone may not $method $path" 403 insufficient_scope "$needs"
+            is "nor is told what it would need otherwise" "$(field WWW-Authenticate)" \
+                "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$(echo "$needs" | tr ',' ' ')\""
+            ;;
+        esac
+        [ "$needs" = "$scope" ] || continue
+        enrolled
+        AUTH=$others
+        try "$method" "$path"
+        problem "all but $scope may not $method $path" 403 insufficient_scope "$scope"
+    done <"$T/matrix"
+done
+# What takes a scope more, wherever it can be asked for.
+enrolled
+AUTH=$(new_token narrow --scope enroll,verify,identify,read,delete)
+for path in $(awk '$1 == "POST" && $2 ~ /verify$|compare$/ { print $2 }' "$T/matrix"); do
+    for detail in measure heatmap; do
+        try POST "$path" "?detail=$detail"
+        problem "$path, $detail" 403 insufficient_scope detail
+    done
+done
+is "routes with detail" "$(jq -r '[.paths[][] | objects | .parameters // [] | map(.["$ref"] // "")
+    | select(any(endswith("/Detail")))] | length' "$T/api")" 3
+try POST '/v1/subjects/{subject}/templates' '?force=true'
+problem "force" 403 insufficient_scope manage
+
+# ---- errors, on every route
+AUTH=$all
+while read -r method path needs; do
+    enrolled
+    AUTH=
+    try "$method" "$path"
+    [ "$needs" = - ] || problem "$method $path without a token" 401 unauthorized
+    AUTH=$all
+    for name in threshold_mm dry_run x; do
+        try "$method" "$path" "?$name=1"
+        problem "$method $path?$name" 400 invalid_parameter "$name here"
+    done
+    known=$(jq -r --arg p "$path" --arg m "$method" '. as $d | .paths[$p][$m | ascii_downcase].parameters // []
+        | map(if has("$ref") then . as $r | $d | getpath($r["$ref"] | ltrimstr("#/") / "/") else . end)
+        | map(select(.in == "query") | .name) | first // ""' "$T/api")
+    if [ -n "$known" ]; then
+        try "$method" "$path" "?$known=1&$known=1"
+        problem "$method $path?$known twice" 400 invalid_parameter "$known comes twice"
+    fi
+    real=$(echo "$path" | sed "s/{subject}/alice/; s/{template_id}/$template/")
+    for wrong in PUT TRACE BREW; do
+        req "$wrong" "$real"
+        problem "$wrong $path" 405 method_not_allowed
+        ok "$wrong $path, Allow: $(field Allow)" matches "$(field Allow)" "(^|, )$method(,|\$)"
+    done
+    case $method in
+    POST | PATCH)
+        req "$method" "$real" -H "$JSON" -H 'Content-Length:'
+        problem "$method $path without a length" 411 length_required
+        req "$method" "$real" -H 'Content-Type: image/gif' -d x
+        problem "$method $path, a picture" 415 unsupported_media_type
+        req "$method" "$real" -H "$JSON" -H 'Expect:' -H 'Content-Length: 99999999' -d '{}' -m 5
+        problem "$method $path, too long" 413 body_too_large
+        case $path in # as a file is what it is: members of JSON alone can be misspelt
+        */compare) jq -c '.tolerance = 1' "$T/two.json" >"$T/odd.json" ;;
+        /v1/subjects | /v1/subjects/{subject}) echo '{"subject": "eve", "tolerance": 1}' >"$T/odd.json" ;;
+        *) jq -c '.tolerance = 1' "$T/c.json" >"$T/odd.json" ;;
+        esac
+        [ "$method" != PATCH ] || echo '{"hold": true, "tolerance": 1}' >"$T/odd.json"
+        send "$method" "$real" "$JSON" "$T/odd.json"
+        if [ "$path" = /v1/check ]; then # what a verification would say
+            is "check tells it" "$STATUS $(get '[.usable, (.detail | contains("tolerance"))] | @csv')" "200 false,true"
+        else
+            problem "$method $path, an unknown member" 400 malformed tolerance
+        fi
+        ;;
+    *)
+        req "$method" "$real" -H "$JSON" -d '{"tolerance": 1}'
+        problem "$method $path, a body" 400 malformed 'takes no body'
+        ;;
+    esac
+done <"$T/matrix"
+is "alice was not held" "$(sqlite3 "$DB" 'SELECT count(*) FROM subjects')" 1
+for path in / /v1 /v1/ /v2/subjects /v1/subjects/alice/surface /v1/subjects/ /console2; do
+    req GET "$path"
+    problem "no such path: $path" 404 no_such_route
+done
+
+# ---- a stranger
+AUTH=
+for path in /healthz /readyz /version /metrics; do
+    req GET "$path"
+    is "$path" "$STATUS" 200
+    # engine, compiler, files, what was given above, how much there is
+    ok "$path tells nothing of the configuration: $(grep -Eo \
+        'model/|measure|GCC|[(]Debian|/tmp|faces|threshold|calibration|plaintext|limit|[^0-9]77([^0-9]|$)|7654321|13631488|[^0-9.]911|_max_fds|templates [0-9]|subjects [0-9]' \
+        "$T/body" | head -n 3 | paste -sd ' ')" sh -c "! grep -Eq \
+        'model/|measure/|GCC|[(]Debian|/tmp|faces.db|threshold|calibration|plaintext|_limit|[^0-9.]77\$|7654321|13631488|[^0-9.]911\$|_max_fds|_templates |_subjects ' '$T/body'"
+done
+is "members of /readyz and /version" "$(curl -sS "$URL/readyz" "$URL/version" | jq -r 'keys[]' | paste -sd ' ')" \
+    "status version"
+req GET /healthz -H 'Expect:' -H 'Content-Length: 99999999' -d x -m 5
+ok "nor does an error" sh -c "! grep -q 7654321 '$T/body'"
+finish
