@@ -10,6 +10,7 @@ scan 1 1 "$T/alice2.ply" --pose 8 --shift 10
 scan 2 0 "$T/mallory.json" --points 3000
 scan 2 0 "$T/mallory.ply"
 for i in $(seq 3 10); do scan "$i" 0 "$T/s$i.ply"; done
+# shellcheck disable=SC2119 # without options
 start_daemon
 verify=$(new_token verify --scope verify)
 enroll=$(new_token enroll --scope enroll)
