@@ -49,9 +49,9 @@ struct store_look {
 struct store_rekey {             /* another master key */
     enum vault_kind kind;        /* of it */
     const struct keyfile *given; /* it, or the passphrase; NULL: a random key, or none */
-    bool in_file; /* given is kept in the key's file, in place of the old */
-    bool keep;    /* the old key's file stays, as PATH.old */
-    bool weak;    /* a passphrase may have few characters */
+    bool in_file;     /* given is kept in the key's file, in place of the old */
+    bool keep;        /* the old key's file stays, as PATH.old */
+    bool weak;        /* a passphrase may have few characters */
     bool compromised; /* every other secret anew too: others know the old ones */
 };
 
