@@ -213,8 +213,8 @@ enum status anchor_set(const char *path, const struct vault *v,
     return close_file(&f, st);
 }
 
-enum status anchor_mark(const char *path, const struct vault *v,
-                        const struct anchor_end *end, bool served, struct errinfo *e)
+enum status anchor_mark(const char *path, const struct vault *v, bool served,
+                        struct errinfo *e)
 {
     const struct place *top;
     struct file f;
@@ -223,11 +223,12 @@ enum status anchor_mark(const char *path, const struct vault *v,
     if ((st = open_file(path, v, O_RDWR, &f, e)) != ST_OK)
         return st;
     top = &f.place[f.top];
-    if (top->number > 0 && end->seq < top->end.seq)
-        end = &top->end;
-    if ((top->flags & FLAG_NEXT) == 0 &&
-        (st = say(&f, v, served ? FLAG_SERVED : 0, end, e)) == ST_OK)
-        st = flush(&f, e);
+    if (top->number > 0 && (top->flags & FLAG_NEXT) == 0) {
+        const struct anchor_end end = top->end;
+
+        if ((st = say(&f, v, served ? FLAG_SERVED : 0, &end, e)) == ST_OK)
+            st = flush(&f, e);
+    }
     return close_file(&f, st);
 }
 

@@ -46,10 +46,10 @@ enum status anchor_set(const char *path, const struct vault *v,
 enum status anchor_announce(const char *path, const struct vault *v,
                             const struct anchor_end *next, struct errinfo *e);
 
-/* anchor_mark(path, v, end, served, e): does a daemon serve the database?  Flushed; also as
- * anchor_advance(). */
-enum status anchor_mark(const char *path, const struct vault *v,
-                        const struct anchor_end *end, bool served, struct errinfo *e);
+/* anchor_mark(path, v, served, e): does a daemon serve the database?  Flushed.  Nothing else of
+ * what was said changes. */
+enum status anchor_mark(const char *path, const struct vault *v, bool served,
+                        struct errinfo *e);
 
 /* anchor_used(path): is there a file that is or was the anchor of some database?  Not one of which
  * nothing but a next was ever announced. */

@@ -8,61 +8,22 @@
 #include "store_column.h"
 #include "store_rules.h"
 #include "row_crypt.h"
+#include "row_end.h"
 #include "store_txn.h"
 
 const unsigned char row_event_uses[STORE_CHAIN_OBJECT] = "uses";
 
-static enum status read_end(const struct store_txn *t, const struct sql_rows *r,
-                            enum store_chain chain, uint64_t *seq,
-                            unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
-{
-    unsigned char mac[STORE_CHAIN_HASH], wanted[STORE_CHAIN_HASH];
-    bool sound = store_column_bytes(r, 1, hash, STORE_CHAIN_HASH) &&
-                 store_column_bytes(r, 2, mac, sizeof mac);
-
-    *seq = (uint64_t)sql_column(r, 0).i;
-    if (sound) {
-        store_chain_end(t->vault, chain, *seq, hash, wanted);
-        sound = sodium_memcmp(mac, wanted, sizeof mac) == 0;
-    }
-    return sound ? ST_OK
-                 : errinfo_set(e, ST_ECORRUPT,
-                               "the end of the audit log is not what was written");
-}
-
 enum status row_event_end(struct store_txn *t, enum store_chain chain, uint64_t *seq,
                           unsigned char hash[STORE_CHAIN_HASH], struct errinfo *e)
 {
-    struct sql_rows *r;
-    enum status st =
-        SQL_QUERY(t->sql, &r, e, "SELECT seq, hash, mac FROM events_end WHERE chain = $1",
-                  sql_int(chain));
-    bool found;
-
-    *seq = 0;
-    memset(hash, 0, STORE_CHAIN_HASH);
-    if ((found = st == ST_OK && sql_next(r)))
-        st = read_end(t, r, chain, seq, hash, e);
-    st = sql_done(r, st, e);
-    return st != ST_OK || found
-               ? st
-               : errinfo_set(e, ST_ECORRUPT, "the end of the audit log is missing");
+    return row_end_read(t->sql, t->vault, chain, seq, hash, e);
 }
 
 enum status row_event_has(struct store_txn *t, enum store_chain chain, uint64_t seq,
                           const unsigned char hash[STORE_CHAIN_HASH], bool *has,
                           struct errinfo *e)
 {
-    struct sql_rows *r;
-    enum status st;
-
-    if ((*has = seq == 0 && sodium_is_zero(hash, STORE_CHAIN_HASH)))
-        return ST_OK;
-    st = SQL_QUERY(
-        t->sql, &r, e, "SELECT 1 FROM events WHERE chain = $1 AND seq = $2 AND hash = $3",
-        sql_int(chain), sql_int((int64_t)seq), sql_blob(hash, STORE_CHAIN_HASH));
-    *has = st == ST_OK && sql_next(r);
-    return sql_done(r, st, e);
+    return row_end_has(t->sql, chain, seq, hash, has, e);
 }
 
 static enum status set_end(struct store_txn *t, enum store_chain chain, uint64_t seq,

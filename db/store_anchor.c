@@ -6,8 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "row_event.h"
-#include "store_txn.h"
+#include "row_end.h"
 
 /* ---- its place */
 
@@ -78,16 +77,16 @@ void store_anchor_free(struct store_anchor *a)
 
 /* ---- asked */
 
-enum status store_anchor_end(struct store_txn *t, struct anchor_end *end,
-                             struct errinfo *e)
+enum status store_anchor_end(struct sql_txn *t, const struct vault *v,
+                             struct anchor_end *end, struct errinfo *e)
 {
     unsigned char hash[STORE_CHAIN_HASH];
     struct errinfo why;
-    enum status st = row_event_end(t, STORE_CHAIN_CHANGES, &end->seq, end->hash, e);
+    enum status st = row_end_read(t, v, STORE_CHAIN_CHANGES, &end->seq, end->hash, e);
 
     if (st != ST_OK)
         return st;
-    st = row_event_end(t, STORE_CHAIN_USES, &end->uses, hash, &why);
+    st = row_end_read(t, v, STORE_CHAIN_USES, &end->uses, hash, &why);
     if (st == ST_ECORRUPT) /* which stops nothing: verifications go on without it */
         end->uses = 0;
     else if (st != ST_OK)
@@ -96,7 +95,7 @@ enum status store_anchor_end(struct store_txn *t, struct anchor_end *end,
 }
 
 /* Does the chain of changes, which ends with end, have what was said? */
-static enum status has(struct store_txn *t, const struct anchor_end *end,
+static enum status has(struct sql_txn *t, const struct anchor_end *end,
                        const struct anchor_end *said, bool *yes, struct errinfo *e)
 {
     *yes = false;
@@ -106,13 +105,40 @@ static enum status has(struct store_txn *t, const struct anchor_end *end,
         *yes = memcmp(said->hash, end->hash, sizeof end->hash) == 0;
         return ST_OK;
     }
-    return row_event_has(t, STORE_CHAIN_CHANGES, said->seq, said->hash, yes, e);
+    return row_end_has(t, STORE_CHAIN_CHANGES, said->seq, said->hash, yes, e);
 }
 
-static enum status older(const struct store_txn *t, const struct anchor *a,
-                         const struct anchor_end *end, struct errinfo *e)
+/* *next: it has what was announced. */
+static enum status hold(struct sql_txn *t, const struct vault *v,
+                        const struct anchor *said, struct anchor_end *end, bool *last,
+                        bool *next, struct errinfo *e)
 {
-    const uint64_t said = a->said ? a->last.seq : a->next.seq;
+    enum status st = store_anchor_end(t, v, end, e);
+
+    *last = *next = false;
+    if (st == ST_OK && said->said)
+        st = has(t, end, &said->last, last, e);
+    if (st == ST_OK && said->announced)
+        st = has(t, end, &said->next, next, e);
+    return st;
+}
+
+enum status store_anchor_agrees(struct sql_txn *t, const struct vault *v,
+                                const struct anchor *said, struct anchor_end *end,
+                                bool *yes, struct errinfo *e)
+{
+    bool last, next;
+    const enum status st = hold(t, v, said, end, &last, &next, e);
+
+    *yes = last || next;
+    return st;
+}
+
+static enum status older(const struct store_anchor *a, const char *db,
+                         const struct anchor *anchor, const struct anchor_end *end,
+                         struct errinfo *e)
+{
+    const uint64_t said = anchor->said ? anchor->last.seq : anchor->next.seq;
 
     if (said > end->seq)
         return errinfo_set(
@@ -121,17 +147,17 @@ static enum status older(const struct store_txn *t, const struct anchor *a,
             ": the last one here is %" PRIu64
             ".  Restore the newest backup; if it was put back on purpose: "
             "surfacectl accept-rollback",
-            t->store->path, t->store->anchor.path, said, end->seq);
+            db, a->path, said, end->seq);
     return errinfo_set(e, ST_EREFUSED,
                        "%.120s does not have change %" PRIu64
                        " of its anchor %.120s, but "
                        "another one.  Restore the newest backup; if it was put back on "
                        "purpose: surfacectl accept-rollback",
-                       t->store->path, said, t->store->anchor.path);
+                       db, said, a->path);
 }
 
 /* Why the anchor cannot be read, and what to do. */
-static enum status unread(const struct store_txn *t, enum status st,
+static enum status unread(const struct store_anchor *a, const char *db, enum status st,
                           const struct errinfo *why, struct errinfo *e)
 {
     static const char todo[] = "Bring it back from where it was kept, or name it with "
@@ -139,97 +165,52 @@ static enum status unread(const struct store_txn *t, enum status st,
 
     if (st == ST_ENOTFOUND)
         return errinfo_set(e, ST_EREFUSED,
-                           "the anchor of %.120s is missing: there is no %.120s.  %s",
-                           t->store->path, t->store->anchor.path, todo);
+                           "the anchor of %.120s is missing: there is no %.120s.  %s", db,
+                           a->path, todo);
     if (st == ST_EREFUSED)
         return errinfo_set(e, st, "%.250s.  %s", why->msg, todo);
     return errinfo_set(e, st, "%s", why->msg);
 }
 
-/* *next: it has what was announced. */
-static enum status hold(struct store_txn *t, const struct anchor *a,
-                        struct anchor_end *end, bool *last, bool *next, struct errinfo *e)
+enum status store_anchor_ask(const struct store_anchor *a, const struct vault *v,
+                             const char *db, struct anchor *said, struct errinfo *e)
 {
-    enum status st = store_anchor_end(t, end, e);
-
-    *last = *next = false;
-    if (st == ST_OK && a->said)
-        st = has(t, end, &a->last, last, e);
-    if (st == ST_OK && a->announced)
-        st = has(t, end, &a->next, next, e);
-    return st;
-}
-
-enum status store_anchor_agrees(struct store_txn *t, const struct anchor *a,
-                                struct anchor_end *end, bool *yes, struct errinfo *e)
-{
-    bool last, next;
-    const enum status st = hold(t, a, end, &last, &next, e);
-
-    *yes = last || next;
-    return st;
-}
-
-enum status store_anchor_check(struct store_txn *t, bool settle, struct errinfo *e)
-{
-    struct store_anchor *s = &t->store->anchor;
-    struct anchor_end end;
-    struct anchor a;
     struct errinfo why;
-    bool last, next;
-    enum status st;
+    const enum status st = anchor_read(a->path, v, said, &why);
 
-    if (s->path == NULL)
-        return ST_OK;
-    if ((st = anchor_read(s->path, t->vault, &a, &why)) != ST_OK)
-        return unread(t, st, &why, e);
-    if ((st = hold(t, &a, &end, &last, &next, e)) != ST_OK)
+    return st == ST_OK ? st : unread(a, db, st, &why, e);
+}
+
+enum status store_anchor_check(const struct store_anchor *a, struct sql_txn *t,
+                               const struct vault *v, const char *db,
+                               const struct anchor *said, bool settle, struct errinfo *e)
+{
+    struct anchor_end end;
+    bool last, next;
+    const enum status st = hold(t, v, said, &end, &last, &next, e);
+
+    if (st != ST_OK)
         return st;
     if (!last && !next)
-        return older(t, &a, &end, e);
-    if (settle && a.announced)
-        return anchor_set(s->path, t->vault, next ? &a.next : &a.last, a.served, e);
+        return older(a, db, said, &end, e);
+    if (settle && said->announced)
+        return anchor_set(a->path, v, next ? &said->next : &said->last, said->served, e);
     return ST_OK;
 }
 
 /* ---- told */
 
-enum status store_anchor_mark(struct store *s, bool served, struct errinfo *e)
+void store_anchor_tell(struct store_anchor *a, const struct vault *v,
+                       const struct anchor_end *end)
 {
-    const struct store_anchor *a = &s->anchor;
-    struct anchor_end now;
-    struct store_txn t;
-    enum status st;
-
-    if (a->serving < 0)
-        return ST_OK;
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    if ((st = store_anchor_end(&t, &now, e)) == ST_OK)
-        st = anchor_mark(a->path, t.vault, &now,
-                         served || !anchor_serves_alone(a->serving), e);
-    return store_txn_end(&t, st, e);
-}
-
-/* It was deleted under the running store, which knows what it said. */
-static enum status make_again(struct store_txn *t, const struct anchor_end *end,
-                              struct errinfo *e)
-{
-    const struct store_anchor *a = &t->store->anchor;
-
-    return anchor_set(a->path, t->vault, end, a->serving >= 0, e);
-}
-
-void store_anchor_tell(struct store_txn *t, const struct anchor_end *end)
-{
-    struct store_anchor *a = &t->store->anchor;
     struct errinfo why;
     enum status st;
 
     if (a->path == NULL || end->seq <= atomic_load(&a->seq))
         return;
-    if ((st = anchor_advance(a->path, t->vault, end, &why)) == ST_ENOTFOUND)
-        st = make_again(t, end, &why);
+    /* Where it was deleted under the running store, that knows what it said. */
+    if ((st = anchor_advance(a->path, v, end, &why)) == ST_ENOTFOUND)
+        st = anchor_set(a->path, v, end, a->serving >= 0, &why);
     if (st == ST_OK) {
         atomic_store(&a->seq, end->seq);
     } else if (!atomic_flag_test_and_set(&a->failed)) {

@@ -7,7 +7,7 @@
 #include "errinfo.h"
 #include "store_types.h"
 
-struct store_txn; /* store_txn.h */
+struct sql_txn; /* sql.h */
 
 struct store_anchor {
     char *path;           /* NULL: the store is of a copy, which has none */
@@ -26,21 +26,26 @@ enum status store_anchor_init(struct store_anchor *a, const struct store_key *ke
                               const char *path, const char *db, struct errinfo *e);
 void store_anchor_free(struct store_anchor *a);
 
-/* store_anchor_end(t, end, e): the ends of the chains as the transaction sees them.
- * store_anchor_agrees(t, a, end, yes, e): has the database what the anchor says?  *end as above.
- * store_anchor_check(t, settle, e): ST_EREFUSED: the anchor is missing or not this database's, or
- * says of a change that the database does not have.  settle: what was announced was done, or not,
- * and is announced no more.
- * store_anchor_mark(s, served, e): that a daemon serves the database, or does no more; nothing
- * where none did.
- * store_anchor_tell(t, end): after a durable commit; what goes wrong is kept in a->why, since the
- * change was made. */
-enum status store_anchor_end(struct store_txn *t, struct anchor_end *end,
-                             struct errinfo *e);
-enum status store_anchor_agrees(struct store_txn *t, const struct anchor *a,
-                                struct anchor_end *end, bool *yes, struct errinfo *e);
-enum status store_anchor_check(struct store_txn *t, bool settle, struct errinfo *e);
-enum status store_anchor_mark(struct store *s, bool served, struct errinfo *e);
-void store_anchor_tell(struct store_txn *t, const struct anchor_end *end);
+/* store_anchor_end(t, v, end, e): the ends of the chains as the transaction sees them, under the
+ * vault v.
+ * store_anchor_agrees(t, v, said, end, yes, e): has the database what its anchor said?  *end as above.
+ * store_anchor_ask(a, v, db, said, e): what the anchor of the database db says; ST_EREFUSED: it is
+ * missing or not its own.  Before the transaction that is held against it begins: others go on.
+ * store_anchor_check(a, t, v, db, said, settle, e): ST_EREFUSED: it says of a change that the
+ * database does not have.  settle: what was announced was done, or not, and is announced no more.
+ * store_anchor_tell(a, v, end): after a durable commit; what goes wrong is kept in a->why, since
+ * the change was made. */
+enum status store_anchor_end(struct sql_txn *t, const struct vault *v,
+                             struct anchor_end *end, struct errinfo *e);
+enum status store_anchor_agrees(struct sql_txn *t, const struct vault *v,
+                                const struct anchor *said, struct anchor_end *end,
+                                bool *yes, struct errinfo *e);
+enum status store_anchor_ask(const struct store_anchor *a, const struct vault *v,
+                             const char *db, struct anchor *said, struct errinfo *e);
+enum status store_anchor_check(const struct store_anchor *a, struct sql_txn *t,
+                               const struct vault *v, const char *db,
+                               const struct anchor *said, bool settle, struct errinfo *e);
+void store_anchor_tell(struct store_anchor *a, const struct vault *v,
+                       const struct anchor_end *end);
 
 #endif

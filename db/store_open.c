@@ -42,13 +42,15 @@ static enum status first_anchor(struct store_txn *t, struct anchor_end *end,
     const char *path = t->store->anchor.path;
     enum status st;
 
+    if (path == NULL)
+        return errinfo_set(e, ST_EINVAL, "a copy is not made anew");
     if (anchor_used(path))
         return errinfo_set(
             e, ST_EEXISTS,
             "there is an anchor %.160s, but not its database: restore a backup "
             "(surfacectl restore); if a new one is meant, remove the anchor",
             path);
-    st = store_anchor_end(t, end, e);
+    st = store_anchor_end(t->sql, t->vault, end, e);
     return st == ST_OK ? anchor_announce(path, t->vault, end, e) : st;
 }
 
@@ -189,6 +191,21 @@ static enum status need_version(struct store *s, enum store_mode mode, struct er
                        s->path, version, sql_newest());
 }
 
+/* With the key that a transaction has found before. */
+static enum status check_anchor(struct store *s, bool settle, struct errinfo *e)
+{
+    struct store_vault *known = store_vault_take(&s->vaults);
+    struct anchor said;
+    struct store_txn t;
+    enum status st = store_anchor_ask(&s->anchor, known->vault, s->path, &said, e);
+
+    store_vault_release(&s->vaults, known);
+    if (st != ST_OK || (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    st = store_anchor_check(&s->anchor, t.sql, t.vault, s->path, &said, settle, e);
+    return store_txn_end(&t, st, e);
+}
+
 /* Fail now rather than at the first change or request. */
 static enum status try_it(struct store *s, enum store_mode mode, struct errinfo *e)
 {
@@ -200,11 +217,9 @@ static enum status try_it(struct store *s, enum store_mode mode, struct errinfo 
             return st;
         (void)store_txn_end(&t, ST_EDENIED, NULL); /* rolled back */
     }
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_txn_seen(s, e)) != ST_OK || s->anchor.path == NULL)
         return st;
-    st = store_anchor_check(&t, mode != STORE_READ, e);
-    st = store_txn_end(&t, st, e);
-    return st == ST_OK ? store_txn_seen(s, e) : st;
+    return check_anchor(s, mode != STORE_READ, e);
 }
 
 enum status store_open(const char *path, enum store_mode mode,
@@ -252,12 +267,24 @@ enum status store_open(const char *path, enum store_mode mode,
     return st;
 }
 
+/* A daemon's clean stop; another one may go on. */
+static void serve_no_more(struct store *s)
+{
+    struct store_txn t;
+
+    if (s->anchor.serving < 0 || store_txn_begin(s, SQL_READ, &t, NULL) != ST_OK)
+        return;
+    (void)anchor_mark(s->anchor.path, t.vault, !anchor_serves_alone(s->anchor.serving),
+                      NULL);
+    (void)store_txn_end(&t, ST_OK, NULL);
+}
+
 void store_close(struct store *s)
 {
     if (s == NULL)
         return;
     if (s->open)
-        (void)store_anchor_mark(s, false, NULL);
+        serve_no_more(s);
     sql_close(s->sql);
     store_anchor_free(&s->anchor);
     store_vault_free(&s->vaults);

@@ -166,7 +166,7 @@ static enum status announce(struct store_txn *t, const struct vault *before,
 {
     const char *path = t->store->anchor.path;
     struct anchor a;
-    enum status st = store_anchor_end(t, end, e);
+    enum status st = store_anchor_end(t->sql, t->vault, end, e);
 
     if (st != ST_OK || path == NULL)
         return st;

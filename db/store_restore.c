@@ -201,7 +201,7 @@ static enum status announce(struct restoring *r, const char *path,
     struct anchor_end end;
     enum status st = store_anchor_init(&a, key, r->t.store->vaults.path, path, e);
 
-    if (st == ST_OK && (st = store_anchor_end(&r->t, &end, e)) == ST_OK)
+    if (st == ST_OK && (st = store_anchor_end(r->t.sql, r->t.vault, &end, e)) == ST_OK)
         st = anchor_announce(a.path, r->t.vault, &end, e);
     store_anchor_free(&a);
     return st;

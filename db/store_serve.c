@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include "errinfo.h"
 #include "row_event.h"
@@ -32,18 +33,25 @@ enum status store_serve(struct store *s, struct errinfo *e)
     struct store_txn t;
     struct anchor a;
     bool alone = false;
+    const int fd = anchor_serve(s->anchor.path, &alone, e);
     enum status st;
 
-    if ((s->anchor.serving = anchor_serve(s->anchor.path, &alone, e)) < 0)
+    if (fd < 0)
         return ST_EIO;
-    if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+    if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK) {
+        (void)close(fd);
         return st;
+    }
     if ((st = anchor_read(s->anchor.path, t.vault, &a, e)) == ST_OK &&
-        (st = store_anchor_end(&t, &now, e)) == ST_OK && alone &&
+        (st = store_anchor_end(t.sql, t.vault, &now, e)) == ST_OK && alone &&
         (a.served || now.uses < a.last.uses))
         st = say_gap(&t, &a, &now, e);
+    if (st == ST_OK)
+        st = anchor_mark(s->anchor.path, t.vault, true, e);
     if ((st = store_txn_end(&t, st, e)) == ST_OK)
-        st = store_anchor_mark(s, true, e);
+        s->anchor.serving = fd;
+    else
+        (void)close(fd);
     return st;
 }
 
@@ -56,7 +64,7 @@ enum status store_last_change(struct store *s, uint64_t *seq, char hash[65],
 
     if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = store_txn_end(&t, store_anchor_end(&t, &now, e), e);
+    st = store_txn_end(&t, store_anchor_end(t.sql, t.vault, &now, e), e);
     *seq = now.seq;
     (void)sodium_bin2hex(hash, 65, now.hash, sizeof now.hash);
     return st;
@@ -72,10 +80,11 @@ bool store_anchor_fault(struct store *s, struct errinfo *e)
 
 /* ---- a rollback on purpose */
 
+/* *now: the end after the entry, which is durable when the transaction is committed. */
 static enum status accept(struct store_txn *t, const char *anchor, const char *actor,
-                          char outcome[STORE_NAME_MAX + 1], struct errinfo *e)
+                          char outcome[STORE_NAME_MAX + 1], struct anchor_end *now,
+                          struct errinfo *e)
 {
-    struct anchor_end now;
     struct store_act by;
     struct anchor a;
     bool agrees = false;
@@ -85,7 +94,8 @@ static enum status accept(struct store_txn *t, const char *anchor, const char *a
         (void)snprintf(outcome, STORE_NAME_MAX + 1, "the anchor was missing");
     else if (st == ST_EREFUSED)
         (void)snprintf(outcome, STORE_NAME_MAX + 1, "the anchor was not its own");
-    else if (st != ST_OK || (st = store_anchor_agrees(t, &a, &now, &agrees, e)) != ST_OK)
+    else if (st != ST_OK ||
+             (st = store_anchor_agrees(t->sql, t->vault, &a, now, &agrees, e)) != ST_OK)
         return st;
     else if (agrees)
         return errinfo_set(
@@ -96,23 +106,21 @@ static enum status accept(struct store_txn *t, const char *anchor, const char *a
     else
         (void)snprintf(outcome, STORE_NAME_MAX + 1,
                        "anchor: change %" PRIu64 "; last: %" PRIu64,
-                       a.said ? a.last.seq : a.next.seq, now.seq);
-    st = store_rules_act(&by, actor, e);
-    return st == ST_OK ? row_event_add(t, &by, "accept_rollback", "", "", outcome, e)
-                       : st;
+                       a.said ? a.last.seq : a.next.seq, now->seq);
+    if ((st = store_rules_act(&by, actor, e)) != ST_OK ||
+        (st = row_event_add(t, &by, "accept_rollback", "", "", outcome, e)) != ST_OK)
+        return st;
+    return store_anchor_end(t->sql, t->vault, now, e);
 }
 
-static enum status set(struct store *s, const char *anchor, struct errinfo *e)
+static enum status set(struct store *s, const char *anchor, const struct anchor_end *now,
+                       struct errinfo *e)
 {
-    struct anchor_end now;
     struct store_txn t;
-    enum status st;
+    enum status st = store_txn_begin(s, SQL_READ, &t, e);
 
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    if ((st = store_anchor_end(&t, &now, e)) == ST_OK)
-        st = anchor_set(anchor, t.vault, &now, false, e);
-    return store_txn_end(&t, st, e);
+    return st == ST_OK ? store_txn_end(&t, anchor_set(anchor, t.vault, now, false, e), e)
+                       : st;
 }
 
 enum status store_accept_rollback(const char *path, const struct store_key *key,
@@ -121,6 +129,7 @@ enum status store_accept_rollback(const char *path, const struct store_key *key,
 {
     struct store_key by = *key;
     struct store_anchor a;
+    struct anchor_end now;
     struct store_txn t;
     struct store *s;
     enum status st;
@@ -130,8 +139,8 @@ enum status store_accept_rollback(const char *path, const struct store_key *key,
         return st;
     if ((st = store_anchor_init(&a, key, s->vaults.path, path, e)) == ST_OK &&
         (st = store_txn_begin(s, SQL_WRITE, &t, e)) == ST_OK &&
-        (st = store_txn_end(&t, accept(&t, a.path, actor, outcome, e), e)) == ST_OK)
-        st = set(s, a.path, e);
+        (st = store_txn_end(&t, accept(&t, a.path, actor, outcome, &now, e), e)) == ST_OK)
+        st = set(s, a.path, &now, e);
     store_anchor_free(&a);
     store_close(s);
     return st;

@@ -107,7 +107,7 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
         return st;
     }
     if (st == ST_OK && t->how == SQL_WRITE)
-        changed = store_anchor_end(t, &end, NULL) == ST_OK;
+        changed = store_anchor_end(t->sql, t->vault, &end, NULL) == ST_OK;
     if (st == ST_OK)
         (void)store_txn_erasures(t, atomic_load(&s->scrubbed), &last, &erased, NULL);
     if ((st = sql_end(t->sql, st, e)) == ST_OK && last >= 0)
@@ -116,7 +116,7 @@ enum status store_txn_end(struct store_txn *t, enum status st, struct errinfo *e
         sql_file_scrub_later(s->sql);
     if (st == ST_OK && changed) {
         store_head_made(&s->heads, end.seq);
-        store_anchor_tell(t, &end);
+        store_anchor_tell(&s->anchor, t->vault, &end);
     }
     release(t);
     return st;

@@ -133,6 +133,18 @@ is "a lost anchor" "$CODE $(events accept_rollback)" "0 the anchor was missing"
 cp "$T/other.db.key.anchor" "$ANCHOR"
 ctl accept-rollback --yes
 is "another one" "$CODE $(events accept_rollback | tail -n 1)" "0 the anchor was not its own"
+for wait in 0.002 0.004 0.006 0.008 0.012 0.016; do # killed, and run again
+    back then
+    "$BUILD/surfacectl" --db "$DB" accept-rollback --yes >/dev/null 2>&1 &
+    pid=$!
+    sleep "$wait"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+    ctl accept-rollback --yes
+    ok "killed after $wait s: exit $CODE" [ "$CODE" = 0 -o "$CODE" = 65 ]
+    ctl check
+    is "and accepted" "$CODE" 0
+done
 ok "accept-rollback is nothing for the daemon" sh -c \
     "! '$BUILD/surfaced' --db '$DB' --accept-rollback >/dev/null 2>&1"
 

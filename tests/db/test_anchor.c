@@ -146,7 +146,7 @@ static void test_order(void **state)
     }
     assert_int_equal(anchor_read(path, vault, &a, &e), ST_OK);
     assert_true(a.served); /* still */
-    assert_int_equal(anchor_mark(path, vault, &one, false, &e), ST_OK);
+    assert_int_equal(anchor_mark(path, vault, false, &e), ST_OK);
     assert_says(19, 0);
     assert_int_equal(anchor_read(path, vault, &a, &e), ST_OK);
     assert_false(a.served);
