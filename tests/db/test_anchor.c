@@ -137,8 +137,8 @@ static void test_order(void **state)
     assert_int_equal(sb.st_mode & 0777, 0600);
     assert_true(anchor_used(path));
     assert_says(3, 0);
-    advance(2); /* by a process that came late */
     advance(3);
+    advance(2); /* by a process that came late */
     assert_says(3, 0);
     for (uint64_t n = 4; n < 20; n++) {
         advance(n);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "errinfo.h"
 #include "row_event.h"
@@ -137,6 +138,25 @@ static void test_changed(void **state)
     store_close(s);
 }
 
+/* One that the key has authenticated, and that is not the newest any more. */
+static void test_older(void **state)
+{
+    struct store *s = tempdb_fresh();
+    char key[64], kept[64];
+
+    (void)state;
+    (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
+    (void)snprintf(kept, sizeof kept, "%s.kept", tempdb_path);
+    tempdb_sql("CREATE TABLE kept AS SELECT * FROM root");
+    assert_int_equal(link(key, kept), 0);
+    rekey(s);
+    assert_int_equal(store_ready(s, &e), ST_OK);
+    assert_int_equal(rename(kept, key), 0); /* even with the key that opens it */
+    tempdb_sql("DELETE FROM root; INSERT INTO root SELECT * FROM kept");
+    assert_refused(s, "older");
+    store_close(s);
+}
+
 /* A record that the key has authenticated, and a key that is not there yet. */
 static void test_waiting(void **state)
 {
@@ -167,6 +187,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_old_keys),
         cmocka_unit_test(test_changed),
+        cmocka_unit_test(test_older),
         cmocka_unit_test(test_waiting),
     };
 
