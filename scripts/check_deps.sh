@@ -74,7 +74,7 @@ done <"$list.rooms"
 rm -f "$list.rooms"
 own studies studies tests/lib tools scan base core
 
-libc='assert|ctype|errno|float|inttypes|limits|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
+libc='assert|ctype|errno|float|inttypes|limits|malloc|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
 grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |
     sed 's|^|check_deps: |' | grep . && bad=1
 

@@ -104,10 +104,12 @@ gone "of the large scan" "$T/large.ply"
 
 # ---- core files
 stop_daemon
+# shellcheck disable=SC2317 # called by ok
 not() {
     ! "$@"
 }
 # dumps COMMAND: would a core file be written if it crashed now?  The kernel says so to its parent.
+# shellcheck disable=SC3045 # dash and bash have ulimit -c
 dumps() {
     (ulimit -c unlimited 2>/dev/null && cd "$T" && python3 -c '
 import os, sys, time
