@@ -18,6 +18,7 @@
 /* File descriptors for other things: the database's, those being drained, libmicrohttpd's. */
 #define OTHER_FILES 256
 #define TICK_MS     200
+#define HALF_MS     2000.0 /* that work goes on for a client that closed its side */
 #define REPORT_MS   10000.0
 #define SETTLED_MS  1000.0 /* how long a connection is safe from others of its address */
 #define NO_END      1e300
@@ -274,13 +275,22 @@ static void report(struct guard *l)
     log_end(&line);
 }
 
-/* A client that closes its side before it has the response is taken to have gone, as every
- * HTTP client that gives up looks like that; what it sent before may still be unread. */
-static bool has_gone(int fd)
+/* What a client that closed its side looks like, or one that is reset; what it sent before may
+ * still be unread. */
+static short look_at(int fd)
 {
     struct pollfd p = {.fd = fd, .events = POLLRDHUP};
 
-    return poll(&p, 1, 0) > 0;
+    return poll(&p, 1, 0) > 0 ? p.revents : 0;
+}
+
+/* A client that gives up closes its side, as does one that only says that it has sent all and
+ * waits: this one is let wait for HALF_MS. */
+static bool has_gone(const struct guard_peer *p, double now)
+{
+    const short seen = look_at(p->fd);
+
+    return (seen & ~POLLRDHUP) != 0 || (seen != 0 && now - p->begin_ms > HALF_MS);
 }
 
 /* libmicrohttpd (0.9.75) does not always see that a client goes amid a body, and would hold what
@@ -290,7 +300,7 @@ static void look_at_body(struct guard *l, struct guard_peer *p)
     const bool was_cut = p->cut;
     int unread = 0;
 
-    p->cut = has_gone(p->fd) && ioctl(p->fd, FIONREAD, &unread) == 0 && unread == 0;
+    p->cut = look_at(p->fd) != 0 && ioctl(p->fd, FIONREAD, &unread) == 0 && unread == 0;
     if (was_cut && p->cut) {
         end(l, p);
         l->state.gone++;
@@ -302,7 +312,7 @@ static void sweep(struct guard *l)
     double now = log_clock_ms();
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next) {
-        if (p->gone != NULL && !p->ended && has_gone(p->fd)) {
+        if (p->gone != NULL && !p->ended && has_gone(p, now)) {
             p->gone(p->arg);
             p->gone = NULL;
             l->state.gone++;

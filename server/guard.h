@@ -74,7 +74,8 @@ void guard_more(struct guard *l, struct guard_peer *p, size_t bytes);
 
 /* guard_work(l, p, gone, arg): GUARD_WORK begins; gone(arg) is called once, on the guard's
  * thread and before the next guard_begin() of p returns, if the client goes meanwhile: if it
- * closes its side of the connection.  gone must not call the guard. */
+ * resets the connection, or has closed its side once the work has taken 2 s.  gone must not call
+ * the guard. */
 void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg),
                 void *arg);
 
