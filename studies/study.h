@@ -8,6 +8,7 @@ struct lab; /* lab.h */
 void approx_run(const struct lab *lab);  /* general triangulation against exact overlay */
 void method_run(const struct lab *lab);  /* the disparity paper's figures 1 to 9 */
 void bound_run(const struct lab *lab);   /* the minimum, a lower bound */
+void climb_run(const struct lab *lab);   /* faces learned from scores */
 void cost_run(const struct lab *lab);    /* the disparity paper's tables 1 to 4, growth */
 void cover_run(const struct lab *lab);   /* faces with parts missing */
 void fewer_run(const struct lab *lab);   /* simplified surfaces and templates */

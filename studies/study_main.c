@@ -29,6 +29,7 @@ static const struct {
     {"scans", "scans as scanners deliver them: heads, half profiles, covered faces",
      scans_run},
     {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
+    {"climb", "hill climbing: how like a face scores alone make a scan", climb_run},
     {"bound", "disparity: a sound lower bound of the minimum", bound_run},
     {"fewer", "disparity: simplified surfaces and templates", fewer_run},
     {"missing", "missing points: 36 points, six functions, removal and error",

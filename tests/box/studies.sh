@@ -125,6 +125,17 @@ ok "within 0.25 mm the bound is close" awk -F, 'NR == 2 && ($2 < 0.9 || $5 < 0.9
 ok "near it the frozen measure is the measure to 2 %" \
     awk -F, 'NR > 1 && $4 <= 0.5 && ($8 < 0.98 || $10 > 1.02) { exit 1 }' "$T/bound/sampled.csv"
 
+# ---- hill climbing
+study climb
+ok "every attempt is counted, and the lowest score never rises" awk -F, '
+    NR > 1 { key = $1 "," $2
+        if (key == last && ($3 <= at || $5 < matched || $6 > mm + 1e-9)) exit bad = 1
+        last = key; at = $3; matched = $5; mm = $6; n++ }
+    END { exit bad || n != 30 }' "$T/climb/climb.csv"
+ok "the same first attempt, whatever is told" awk -F, '
+    NR > 1 && $3 == 1 { if ($1 in first && first[$1] != $6) exit bad = 1; first[$1] = $6 }
+    END { exit bad }' "$T/climb/climb.csv"
+
 # ---- asymmetry
 study mirror
 between "the asymmetry follows the generated one" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1
