@@ -85,7 +85,7 @@ OPERATIONS='. as $d
     | {method: (.key | ascii_upcase), path: $path, params: $params,
        asked: (reduce ($params[] | select(.in == "path")) as $p ($path;
             sub("\\{" + $p.name + "\\}"; $p.example))),
-       open: ($op.security == []), scope: $op.security[0].token[0],
+       open: ($op.security == []), scopes: [$op.security[] | .token[]],
        cloud: ($op.requestBody["$ref"] != null),
        body: ($op.requestBody | deref | if . then .content["application/json"].example else null end),
        request: ($op.requestBody | deref | if . then .content else {} end),
@@ -122,7 +122,7 @@ ask GET /v1/subjects 401 -H 'Authorization: Bearer 0123456789abcdef'
 each 200 .open
 for scope in verify read; do
     AUTH=$(new_token "$scope" --scope "$scope")
-    each 403 "(.open | not) and .scope != \"$scope\""
+    each 403 "(.open | not) and (.scopes | index(\"$scope\") | not)"
 done
 AUTH=$TOKEN
 
