@@ -156,6 +156,7 @@ ctl doctor
 is "doctor names those that will, and it is no trouble" \
     "$CODE $(said '[.findings[] | select(.about == "token") | .finding | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
     "0 (ends-20d) (ends-29d)"
+# shellcheck disable=SC2119 # without options
 start_daemon
 soon grep -q ends-29d "$LOG"
 is "so does the log, once" "$(grep -o 'name=ends-[a-z0-9]*' "$LOG" | paste -sd ' ')" \
