@@ -53,7 +53,7 @@ killed() {
 }
 
 for s in 1 2 3; do
-    scan "$s" 0 "$T/s$s.ply" --points 600
+    scan "$s" 0 "$T/s$s.ply" --points 1000
 done
 openssl rand -hex 32 >"$T/akey"
 chmod 600 "$T/akey"
