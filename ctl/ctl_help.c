@@ -17,7 +17,7 @@ static const struct {
     {EXIT_INCONCLUSIVE, CTL_INCONCLUSIVE},
     {EXIT_USAGE, "the command line is wrong, or a confirmation is missing"},
     {EXIT_DATA, "a scan, a model or the database is malformed or cannot be used"},
-    {EXIT_NOINPUT, "no such file, model, subject, template, token or database"},
+    {EXIT_NOINPUT, "no such file, model, subject, template, token, device or database"},
     {EXIT_SOFTWARE, "a defect of this program, or an error of the database engine"},
     {EXIT_OSERR, "out of memory"},
     {EXIT_IOERR, "reading or writing failed, or the disk is full"},

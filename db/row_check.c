@@ -7,6 +7,7 @@
 
 #include "errinfo.h"
 #include "row_calibration.h"
+#include "row_device.h"
 #include "row_subject.h"
 #include "row_template.h"
 #include "row_token.h"
@@ -162,6 +163,7 @@ enum status row_check_rows(struct row_check *c, struct store_txn *t,
     if ((st = row_subject_each(t, see, c, e)) != ST_OK ||
         (st = row_template_see(t, see, c, e)) != ST_OK ||
         (st = row_token_each(t, see, c, e)) != ST_OK ||
+        (st = row_device_each(t, see, c, e)) != ST_OK ||
         (st = row_calibration_each(t, see_calibration, c, e)) != ST_OK)
         return st;
     for (size_t i = 0; i < c->n; i++)

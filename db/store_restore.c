@@ -15,6 +15,7 @@
 
 #include "errinfo.h"
 #include "newfile.h"
+#include "row_device.h"
 #include "row_event.h"
 #include "row_subject.h"
 #include "row_token.h"
@@ -150,6 +151,27 @@ static enum status token(struct restoring *r, const struct sql_rows *held,
     return st;
 }
 
+/* ---- devices */
+
+/* One that was removed stays so. */
+static enum status devices(struct restoring *r, struct errinfo *e)
+{
+    struct store_txn there = {.store = r->t.store, .sql = r->there, .vault = r->t.vault};
+    struct store_device *then, now;
+    size_t n;
+    enum status st = row_device_list(&r->t, &then, &n, e);
+
+    for (size_t i = 0; st == ST_OK && i < n; i++) {
+        st = row_device_find(&there, then[i].name, &now, e);
+        if (st == ST_OK && strcmp(now.id, then[i].id) == 0)
+            continue;
+        if (st == ST_OK || st == ST_ENOTFOUND || st == ST_ECORRUPT)
+            st = row_device_remove(&r->t, r->by, then[i].name, e);
+    }
+    free(then);
+    return st;
+}
+
 /* ---- all of it */
 
 static enum status need_same(struct restoring *r, const char *path, struct errinfo *e)
@@ -190,6 +212,8 @@ static enum status carry(struct restoring *r, const char *path, struct errinfo *
                    was_erased, e)) == ST_OK &&
         (st = each(r, "SELECT uid FROM subjects", is_there, e)) == ST_OK)
         st = each(r, "SELECT id FROM tokens", token, e);
+    if (st == ST_OK)
+        st = devices(r, e);
     return sql_end(r->there, st, e);
 }
 

@@ -50,8 +50,9 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
 }
 
 static enum status enroll_row(struct store_txn *x, const struct store_act *by,
-                              const char *newest, const void *model, size_t len,
-                              struct store_template *t, bool *created, struct errinfo *e)
+                              const char *newest, const char *outcome, const void *model,
+                              size_t len, struct store_template *t, bool *created,
+                              struct errinfo *e)
 {
     struct store_template old = {0};
     struct row_subject p;
@@ -64,7 +65,7 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
         st = expect_newest(x, p.row, newest, e);
     if (st == ST_OK && !found &&
         (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
-        st = row_template_tell(x, by, "enroll", t->subject, t->id, "created", e);
+        st = row_template_tell(x, by, "enroll", t->subject, t->id, outcome, e);
     sodium_memzero(&p, sizeof p);
     if (st == ST_OK && found)
         *t = old;
@@ -91,10 +92,11 @@ static enum status describe(const struct store *s, const struct store_act *by,
 
 enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
                                const char *label, const struct face *f,
-                               const char *newest, struct store_template *t,
-                               bool *created, struct errinfo *e)
+                               const char *newest, const char *captured,
+                               struct store_template *t, bool *created, struct errinfo *e)
 {
     const size_t len = codec_size(&f->surface.mesh);
+    char outcome[STORE_NAME_MAX + 1];
     struct store_act by;
     struct store_txn x;
     unsigned char *model;
@@ -114,8 +116,11 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
     if ((model = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     codec_encode(f, model);
+    (void)snprintf(outcome, sizeof outcome, "created%s",
+                   captured != NULL ? captured : "");
     if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK)
-        st = store_txn_end(&x, enroll_row(&x, &by, newest, model, len, t, created, e), e);
+        st = store_txn_end(
+            &x, enroll_row(&x, &by, newest, outcome, model, len, t, created, e), e);
     *created = *created && st == ST_OK;
     sodium_memzero(model, len);
     free(model);
@@ -126,7 +131,7 @@ enum status store_enroll(struct store *s, const char *actor, const char *subject
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
-    return store_enroll_after(s, actor, subject, label, f, NULL, t, created, e);
+    return store_enroll_after(s, actor, subject, label, f, NULL, NULL, t, created, e);
 }
 
 /* ---- reading */

@@ -180,6 +180,15 @@ struct store_token {
     bool expired; /* as of when it was read */
 };
 
+#define STORE_DEVICE_MAX 32 /* of its name, A-Z a-z 0-9 . _ - @ : */
+
+struct store_device { /* a scanner that signs what it captures */
+    char id[STORE_ID_LEN + 1];
+    char name[STORE_DEVICE_MAX + 1];
+    unsigned char public[VAULT_KEY]; /* Ed25519 */
+    char created[32];                /* RFC 3339, UTC */
+};
+
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
 /* Verifications of a subject that failed one after the other; what follows from them is the

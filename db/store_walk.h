@@ -1,6 +1,6 @@
 /* store_walk.h -- the audit log verified, and the rows by it: every entry and checkpoint of both
- * chains as it was written, in its place, none missing; every row of subjects, templates, tokens
- * and calibrations what the changes leave of it (row_check.h). */
+ * chains as it was written, in its place, none missing; every row of subjects, templates, tokens,
+ * devices and calibrations what the changes leave of it (row_check.h). */
 #ifndef DB_STORE_WALK_H
 #define DB_STORE_WALK_H
 #include "store_chain.h"

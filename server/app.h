@@ -36,7 +36,8 @@ struct app {
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
-    size_t max_body; /* bytes */
+    bool signed_captures; /* nothing else is taken (capture.h) */
+    size_t max_body;      /* bytes */
     atomic_bool stopping;
     atomic_flag refusal_told, anchor_told;
 };

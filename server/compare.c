@@ -3,10 +3,12 @@
 #include <stdbool.h>
 
 #include "app.h"
+#include "capture.h"
 #include "cloud.h"
 #include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "event.h"
 #include "heatmap.h"
 #include "log.h"
 #include "mem.h"
@@ -21,14 +23,12 @@
 #include "worker.h"
 
 /* There is no subject to protect: where the event is lost the response stands. */
-static void add_event(struct request *r, enum face_decision decision)
+static void tell(struct request *r, enum face_decision decision)
 {
-    struct errinfo e = {0};
+    char outcome[CAPTURE_OUTCOME];
 
     metrics_decision(r->app->metrics, decision);
-    if (store_event(r->app->store, "compare", r->actor, "", "",
-                    verdict_decision(decision), &e) != ST_OK)
-        verify_event_lost(r, "compare", &e);
+    event_add(r, "compare", capture_outcome(r, verdict_decision(decision), outcome));
 }
 
 /* One comparison of two clouds, of which a is the template. */
@@ -135,10 +135,10 @@ void compare_handle(struct request *r, struct worker *w)
 {
     struct comparison c = {.r = r, .w = w};
 
-    if (!params_detail(r, &c.detail))
+    if (!params_detail(r, &c.detail) || !capture_admit(r))
         return;
     if (build(&c) && compare(&c)) {
-        add_event(r, c.result.decision);
+        tell(r, c.result.decision);
         respond(&c);
     }
     mem_free(c.gap);

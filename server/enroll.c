@@ -6,10 +6,12 @@
 #include "app.h"
 #include "attempts.h"
 #include "auth.h"
+#include "capture.h"
 #include "cloud.h"
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "event.h"
 #include "idempotency.h"
 #include "render.h"
 #include "log.h"
@@ -36,6 +38,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
                                 .subject = r->subject,
                                 .label = label,
                                 .face = &w->probe,
+                                .captured = r->capture.captured,
                                 .force = force,
                                 .may = attempts_limited(r->app->attempts) ? may : NULL,
                                 .arg = r};
@@ -48,7 +51,7 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
         request_stage(r, REQUEST_MEASURE, out.nearest.measure_ms);
     }
     if (out.lost.code != ST_OK)
-        verify_event_lost(r, "enroll_mismatch", &out.lost);
+        event_lost(r, "enroll_mismatch", &out.lost);
     if (out.locked || !verify_admitted(r, out.admit, &e)) /* r->response is set */
         return;
     if (st != ST_OK) {
@@ -80,7 +83,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
         return;
     }
     if (!params_flag(r, "force", &force) || (force && !auth_may(r, STORE_SCOPE_MANAGE)) ||
-        cloud_read(r, &c) != ST_OK)
+        !capture_admit(r) || cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);

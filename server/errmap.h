@@ -24,9 +24,15 @@ enum errmap_kind {
     ERRMAP_EXPIRED,    /* it has expired */
     ERRMAP_TOKENS,     /* the address is rate-limited for wrong tokens */
     ERRMAP_ATTEMPTS,   /* the subject is locked out */
-    ERRMAP_PARAMETER,  /* a path or query parameter is malformed */
-    ERRMAP_OVERLOAD,   /* the queue is full, or the daemon is stopping */
-    ERRMAP_NOT_READY,  /* /readyz: the daemon cannot work now */
+    /* The capture's signature (capture.h), in this order: */
+    ERRMAP_CAPTURE_REQUIRED, /* there is none */
+    ERRMAP_CAPTURE_INVALID,  /* malformed, of an unknown device, or wrong */
+    ERRMAP_CAPTURE_STALE,    /* its nonce has expired */
+    ERRMAP_CAPTURE_REPLAYED, /* its nonce was used */
+    ERRMAP_LIVENESS,         /* the scanner says that it is nobody alive */
+    ERRMAP_PARAMETER,        /* a path or query parameter is malformed */
+    ERRMAP_OVERLOAD,         /* the queue is full, or the daemon is stopping */
+    ERRMAP_NOT_READY,        /* /readyz: the daemon cannot work now */
     ERRMAP_COUNT
 };
 

@@ -3,6 +3,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "capture.h"
 #include "request.h"
 
 #define BLANKS " \t"
@@ -70,6 +71,8 @@ void headers_take(struct request *r, const char *name, const char *value)
         value = "";
     if (strcasecmp(name, "Content-Encoding") == 0)
         r->coding = r->coding == INFLATE_NONE ? inflate_coding(value) : INFLATE_OTHER;
+    else if (strcasecmp(name, "Capture-Signature") == 0)
+        capture_take(r, value);
     else if (strcasecmp(name, "Prefer") == 0)
         take_preferences(r, value);
     else if (strcasecmp(name, "Idempotency-Key") == 0)

@@ -17,6 +17,7 @@
 #include "auth.h"
 #include "backlog.h"
 #include "body.h"
+#include "capture.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "drain.h"
@@ -203,7 +204,10 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
 
 static void handle(struct worker *w, struct request *r)
 {
-    if (!request_gone(r) && body_unpack(r) && !refusal_found(r))
+    if (request_gone(r))
+        return;
+    capture_digest(r); /* before the body is decompressed */
+    if (body_unpack(r) && !refusal_found(r))
         r->route->handle(r, w);
 }
 

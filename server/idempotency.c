@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sodium.h>
 
+#include "capture.h"
 #include "errmap.h"
 #include "request.h"
 
@@ -242,7 +243,7 @@ void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ti
         return;
     (void)pthread_mutex_lock(&m->lock);
     x = &m->entry[ticket];
-    if (r->response.http < 500 && r->response.http != 429 &&
+    if (r->response.http < 500 && r->response.http != 429 && !capture_refused(r) &&
         copy_response(&r->response, &x->response))
         x->state = DONE;
     else

@@ -28,8 +28,8 @@ void idempotency_free(struct idempotency *m); /* NULL is allowed */
 bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
                        uint32_t *ticket);
 
-/* idempotency_end(m, r, ticket): r->response is there.  A 429 or 5xx is not kept: to
- * be tried again. */
+/* idempotency_end(m, r, ticket): r->response is there.  A 429 or 5xx is not kept, nor a capture
+ * that was refused: to be tried again. */
 void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket);
 
 /* idempotency_erase(m, subject): keeps nothing of the subject but that the key was used: a

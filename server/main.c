@@ -272,6 +272,7 @@ int main(int argc, char **argv)
     log_use((enum log_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;
+    app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {
         (void)fprintf(stderr, "surfaced: %s\n", e.msg);

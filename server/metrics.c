@@ -35,6 +35,9 @@ struct histogram {
 
 enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 
+/* A capture that was taken, then those that were refused. */
+#define NCAPTURES (2 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED)
+
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
@@ -42,6 +45,7 @@ struct metrics {
     counter enrollment[METRICS_MISMATCH + 1];
     counter check[METRICS_UNUSABLE + 1];
     counter refused[NREFUSALS];
+    counter capture[NCAPTURES];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens;
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
@@ -119,6 +123,11 @@ void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
 void metrics_check(struct metrics *m, enum metrics_check outcome)
 {
     count(&m->check[outcome], 1);
+}
+
+void metrics_capture(struct metrics *m, unsigned problem)
+{
+    count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
 }
 
 void metrics_database_error(struct metrics *m, enum status st)
@@ -239,7 +248,7 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     static const char *const decision[] = {"match", "no_match", "inconclusive"};
     static const char *const enrollment[] = {"created", "known", "mismatch"};
     static const char *const check[] = {"enrollable", "usable", "unusable"};
-    const char *refused[NREFUSALS];
+    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
     print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
@@ -252,6 +261,10 @@ static void print_outcomes(FILE *f, const struct metrics *m)
              "Scans that could not be used, by the code of the response.");
     print_by(f, "surfaced_checks_total", "outcome", check, m->check, 3,
              "Scans that were only checked; usable: for verification alone.");
+    for (unsigned i = 1; i < NCAPTURES; i++)
+        capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
+    print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
+             "Signed captures: taken, or refused with this code.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),

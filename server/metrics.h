@@ -42,6 +42,10 @@ enum metrics_check {
 
 void metrics_check(struct metrics *m, enum metrics_check outcome);
 
+/* metrics_capture(m, problem): a capture was taken (0), or refused by ERRMAP_CAPTURE_REQUIRED to
+ * ERRMAP_LIVENESS. */
+void metrics_capture(struct metrics *m, unsigned problem);
+
 /* metrics_database_error(m, st): counts st if it is a failure of the store (and not, say,
  * ST_ENOTFOUND). */
 void metrics_database_error(struct metrics *m, enum status st);

@@ -131,6 +131,15 @@ char *render_state(const char *state)
     return json_compact(j);
 }
 
+char *render_challenge(const char *nonce, const char *expires)
+{
+    struct json *j = json_new();
+
+    json_text(j, "nonce", nonce);
+    json_text(j, "expires_at", expires);
+    return json_compact(j);
+}
+
 char *render_version(const char *version)
 {
     struct json *j = json_new();

@@ -39,6 +39,7 @@ char *render_subject(const struct store_subject *s, const struct store_template 
 /* render_subjects(s, n, more): one page; more: another one follows. */
 char *render_subjects(const struct store_subject *s, size_t n, bool more);
 char *render_erased(const struct store_receipt *r);
+char *render_challenge(const char *nonce, const char *expires);
 char *render_state(const char *state); /* {"status": state} */
 char *render_version(const char *version);
 

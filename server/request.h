@@ -67,6 +67,17 @@ struct response {
     unsigned retry_after; /* seconds; 0 for none */
 };
 
+#define REQUEST_CAPTURE_MAX  320 /* bytes; the longest that can be right has some 250 */
+#define REQUEST_CAPTURED_MAX 48
+
+struct request_capture {                  /* what the scanner has signed: capture.h */
+    char header[REQUEST_CAPTURE_MAX + 1]; /* Capture-Signature; "" for none */
+    bool bad;                             /* too long, or there twice */
+    unsigned char body[32];               /* SHA-256 of the body as it was sent, */
+    bool digested;                        /* where that is known */
+    char captured[REQUEST_CAPTURED_MAX];  /* for the audit log; "" without a capture */
+};
+
 struct request {
     struct app *app;
     char *target; /* as sent: path[?query], still percent-encoded */
@@ -82,6 +93,7 @@ struct request {
     char key[REQUEST_KEY_MAX + 1];     /* Idempotency-Key; "" for none */
     bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
+    struct request_capture capture;
     enum request_media media;
     enum cloudformat format;                   /* of REQUEST_JSON and REQUEST_SCAN */
     char boundary[MULTIPART_BOUNDARY_MAX + 1]; /* of REQUEST_FORM; "": it has none */

@@ -1,5 +1,6 @@
 #include "routes.h"
 
+#include "capture.h"
 #include "check.h"
 #include "compare.h"
 #include "docs.h"
@@ -47,6 +48,8 @@ static const struct route table[] = {
      false},
     {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, axes, detail",
      compare_handle, false},
+    {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
+     false},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, check_handle, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, symmetry_handle, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,

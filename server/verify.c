@@ -6,10 +6,12 @@
 #include "attempts.h"
 #include "auth.h"
 #include "builder.h"
+#include "capture.h"
 #include "cloud.h"
 #include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "event.h"
 #include "heatmap.h"
 #include "log.h"
 #include "mem.h"
@@ -41,19 +43,6 @@ struct verification {
     double parse_ms, prepare_ms;
     enum status built;
 };
-
-void verify_event_lost(struct request *r, const char *kind, const struct errinfo *e)
-{
-    struct log_entry l;
-
-    metrics_lost_event(r->app->metrics);
-    metrics_database_error(r->app->metrics, e->code);
-    log_begin(&l, "error", "event lost");
-    log_text(&l, "request_id", r->id);
-    log_text(&l, "event", kind);
-    log_text(&l, "fault", e->msg);
-    log_end(&l);
-}
 
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e)
 {
@@ -216,6 +205,7 @@ static bool settle(struct verification *v)
 {
     const enum face_decision decision = v->best.result.decision;
     const struct app *app = v->r->app;
+    char outcome[CAPTURE_OUTCOME];
     struct errinfo e = {0}, lost = {0};
     struct store_settled out = {.lost = &lost};
     const struct store_settle what = {
@@ -226,7 +216,7 @@ static bool settle(struct verification *v)
         .actor = v->r->actor,
         .kind = "verify",
         .template_id = v->admission.of.t[v->best.index].id,
-        .outcome = verdict_decision(decision),
+        .outcome = capture_outcome(v->r, verdict_decision(decision), outcome),
         .may = may,
         .arg = v};
 
@@ -238,7 +228,7 @@ static bool settle(struct verification *v)
         return false;
     metrics_decision(app->metrics, decision);
     if (lost.code != ST_OK)
-        verify_event_lost(v->r, "verify", &lost);
+        event_lost(v->r, "verify", &lost);
     return true;
 }
 
@@ -279,7 +269,7 @@ static void verify(struct request *r, struct worker *w, const char *subject,
 {
     struct verification v = {.r = r, .w = w};
 
-    if (!params_detail(r, &v.detail))
+    if (!params_detail(r, &v.detail) || !capture_admit(r))
         return;
     if (admit(&v, subject, template_id) && compare(&v) && !request_gone(r) && settle(&v))
         respond(&v);

@@ -28,8 +28,4 @@ void verify_round(const struct request *r, const struct worker *w,
 /* verify_respond(r, c): 200 with c; without c->minimal because the client prefers so. */
 void verify_respond(struct request *r, const struct describe_comparison *c);
 
-/* verify_event_lost(r, kind, e): the response stands without its event, because of e; the log
- * and a metric say so. */
-void verify_event_lost(struct request *r, const char *kind, const struct errinfo *e);
-
 #endif

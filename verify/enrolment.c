@@ -1,5 +1,6 @@
 #include "enrolment.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "verdict.h"
@@ -50,6 +51,7 @@ static enum status settle(struct admission_context *c, const struct admission *a
 {
     const struct enrolment *x = ask->x;
     const struct nearest *n = &ask->out->nearest;
+    char outcome[STORE_NAME_MAX + 1];
     struct store_settled out = {.lost = &ask->out->lost};
     const struct store_settle what = {.subject = &a->of.subject,
                                       .as = x->may != NULL ? STORE_SETTLE_FAILED
@@ -57,11 +59,14 @@ static enum status settle(struct admission_context *c, const struct admission *a
                                       .actor = x->actor,
                                       .kind = "enroll_mismatch",
                                       .template_id = a->of.t[n->index].id,
-                                      .outcome = verdict_decision(n->result.decision),
+                                      .outcome = outcome,
                                       .may = may,
                                       .arg = ask};
-    const enum status st = store_settle(c->store, &what, &out, e);
+    enum status st;
 
+    (void)snprintf(outcome, sizeof outcome, "%s%s", verdict_decision(n->result.decision),
+                   x->captured != NULL ? x->captured : "");
+    st = store_settle(c->store, &what, &out, e);
     if (st == ST_OK && !out.may)
         return errinfo_set(e, ST_EDENIED, "the subject is locked out");
     return st == ST_OK ? mismatch(n, e) : st;
@@ -119,7 +124,8 @@ enum status enrolment_add(struct admission_context *c, const struct enrolment *x
         if (st != ST_OK)
             return st;
         st = store_enroll_after(c->store, x->actor, x->subject, x->label, x->face,
-                                x->force ? NULL : newest, &out->tmpl, &out->created, e);
+                                x->force ? NULL : newest, x->captured, &out->tmpl,
+                                &out->created, e);
     } while (st == ST_EEXISTS);
     return st;
 }

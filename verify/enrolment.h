@@ -13,7 +13,8 @@
 struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
     const struct face *face;
-    bool force; /* whether it fits is not asked */
+    const char *captured; /* store_enroll_after() */
+    bool force;           /* whether it fits is not asked */
     /* A sample that does not fit is a failed attempt on the subject: may(arg, now) is asked
      * before the comparison and again before its result is told; NULL: whoever enrols has the
      * database, is not locked out, and the attempt is not counted. */

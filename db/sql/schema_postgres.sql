@@ -67,7 +67,7 @@ CREATE TABLE attempts (
 -- subjects but a keyed hash of them.  Each entry's hash is of its columns and of the hash
 -- before it in its chain.  An entry of changes names the row that it leaves, by the object
 -- and the row's MAC, empty where the row is gone, and the end of the uses at that time.  A
--- row of subjects, templates, tokens or calibrations is good where it is the one that the
+-- row of subjects, templates, tokens, devices or calibrations is good where it is the one that the
 -- latest entry of its object leaves.
 CREATE TABLE events (
     event_key   BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of their coming
@@ -127,6 +127,22 @@ CREATE TABLE tokens (
 );
 
 CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
+
+-- Scanners whose captures are signed (docs/operation.md): the public keys, by name.
+CREATE TABLE devices (
+    device_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    id         TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
+    name       TEXT NOT NULL UNIQUE CHECK (length(name) BETWEEN 1 AND 32),
+    public     BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
+    created    TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z')
+);
+
+-- The nonces of captures that were taken, until they expire: each is good once.
+CREATE TABLE nonces (
+    until_ms BIGINT NOT NULL CHECK (until_ms >= 0), -- since 1970, UTC
+    nonce    BYTEA NOT NULL CHECK (length(nonce) = 16), -- its random part
+    PRIMARY KEY (until_ms, nonce)
+);
 
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
 -- added; going back to the shipped table is a new row too.

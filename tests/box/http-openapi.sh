@@ -221,6 +221,7 @@ put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST /v1/compare 200 "$JSON" "$T/ab.json" -H "$MIN"
 put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
+ask POST /v1/challenge 200
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # what would be done: all, nothing but reading it, and what stops before that
 put POST /v1/check 200 "$PLY" "$T/a.ply"
