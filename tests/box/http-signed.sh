@@ -186,6 +186,15 @@ sqlite3 "$DB" "UPDATE devices SET public = x'$(key_bits door-2 | od -An -v -tx1 
     WHERE name = 'door-2'"
 ctl_exits 0 audit verify
 
+# ---- a device that was removed since the backup is not brought back by it
+ctl_exits 0 device add lost "$T/door-1.pem"
+ctl_exits 0 backup "$T/backup"
+ctl_exits 0 device remove lost
+ctl_exits 0 restore "$T/backup"
+ctl device list
+is "the devices" "$(said '[.devices[].name] | join(" ")')" "door-2 door-1"
+ctl_exits 0 audit verify
+
 # ---- not required: what is there must be right all the same
 start_daemon
 send POST "$VERIFY" "$PLY" "$T/a1.ply"

@@ -1,0 +1,234 @@
+/* Devices and what they sign: names and keys, nonces that are good once, rows put back. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <sodium.h>
+
+#include "errinfo.h"
+#include "store.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+
+static struct pair {
+    unsigned char public[crypto_sign_PUBLICKEYBYTES], secret[crypto_sign_SECRETKEYBYTES];
+} pair;
+
+static void add(struct store *s, const char *name)
+{
+    struct store_device d;
+
+    (void)crypto_sign_keypair(pair.public, pair.secret);
+    if (store_device_add(s, "test", name, pair.public, &d, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    assert_string_equal(d.name, name);
+    assert_true(store_id_valid(d.id));
+}
+
+/* A capture of the device with the nonce, signed. */
+static struct store_capture capture(const char *device, const char *nonce)
+{
+    static const char text[] = "what was captured";
+    struct store_capture c = {
+        .device = device, .nonce = nonce, .text = text, .len = sizeof text};
+
+    (void)crypto_sign_detached(c.signature, NULL, (const unsigned char *)text,
+                               sizeof text, pair.secret);
+    return c;
+}
+
+static enum store_captured take(struct store *s, const struct store_capture *c)
+{
+    enum store_captured is;
+
+    if (store_capture_take(s, c, &is, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return is;
+}
+
+static void make_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1])
+{
+    char expires[32];
+
+    assert_int_equal(store_capture_nonce(s, nonce, expires, &e), ST_OK);
+    assert_int_equal(strlen(nonce), STORE_NONCE_TEXT);
+}
+
+static void test_names(void **state)
+{
+    static const char *const bad[] = {"", "a b", "a;b", "a=b",
+                                      "123456789012345678901234567890123"};
+    static const unsigned char none[VAULT_KEY], one[VAULT_KEY] = {1}; /* of small order */
+    struct store *s = tempdb_fresh();
+    struct store_device d, *list;
+    size_t n;
+
+    (void)state;
+    add(s, "12345678901234567890123456789012");
+    add(s, "door-1");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(store_device_add(s, "", bad[i], pair.public, &d, &e), ST_EINVAL);
+        assert_int_equal(store_device_remove(s, "", bad[i], &e), ST_EINVAL);
+    }
+    assert_int_equal(store_device_add(s, "", "x", none, &d, &e), ST_EINVAL);
+    assert_int_equal(store_device_add(s, "", "x", one, &d, &e), ST_EINVAL);
+    assert_int_equal(store_device_add(s, "", "door-1", pair.public, &d, &e), ST_EEXISTS);
+    assert_int_equal(store_device_list(s, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 2);
+    assert_string_equal(list[1].name, "door-1");
+    assert_memory_equal(list[1].public, pair.public, sizeof pair.public);
+    free(list);
+    assert_int_equal(store_device_remove(s, "", "door-1", &e), ST_OK);
+    assert_int_equal(store_device_remove(s, "", "door-1", &e), ST_ENOTFOUND);
+    add(s, "door-1");
+    store_close(s);
+}
+
+static void test_nonces(void **state)
+{
+    char nonce[STORE_NONCE_TEXT + 1], other[STORE_NONCE_TEXT + 1];
+    struct store *s = tempdb_fresh();
+    struct store_capture c;
+
+    (void)state;
+    add(s, "door-1");
+    make_nonce(s, nonce);
+    make_nonce(s, other);
+    assert_string_not_equal(nonce, other);
+    c = capture("door-2", nonce);
+    assert_int_equal(take(s, &c), STORE_CAPTURE_UNKNOWN);
+    c = capture("door-1", nonce);
+    c.signature[0] ^= 1;
+    assert_int_equal(take(s, &c), STORE_CAPTURE_FORGED);
+    c.signature[0] ^= 1;
+    assert_int_equal(take(s, &c), STORE_CAPTURED);
+    assert_int_equal(take(s, &c), STORE_CAPTURE_REPLAYED);
+    c.nonce = other;
+    assert_int_equal(take(s, &c), STORE_CAPTURED);
+    for (size_t i = 0; i < STORE_NONCE_TEXT - 1; i++) { /* the last has spare bits */
+        make_nonce(s, nonce);
+        nonce[i] = nonce[i] == 'A' ? 'B' : 'A';
+        c.nonce = nonce;
+        assert_int_equal(take(s, &c), STORE_CAPTURE_FOREIGN);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        c.nonce = ((const char *const[]){"", "=", "AAAA"})[i];
+        assert_int_equal(take(s, &c), STORE_CAPTURE_FOREIGN);
+    }
+    store_close(s);
+    s = tempdb_open(STORE_WRITE); /* as another process */
+    c.nonce = other;
+    assert_int_equal(take(s, &c), STORE_CAPTURE_REPLAYED);
+    store_close(s);
+}
+
+#define THREADS 8
+
+struct taker {
+    struct store *store;
+    struct store_capture capture;
+    pthread_t thread;
+    enum store_captured is;
+    enum status st;
+};
+
+static void *run(void *arg)
+{
+    struct taker *t = arg;
+
+    t->st = store_capture_take(t->store, &t->capture, &t->is, NULL);
+    return NULL;
+}
+
+/* Many at once: one of them has the nonce. */
+static void test_at_once(void **state)
+{
+    struct taker t[THREADS];
+    char nonce[STORE_NONCE_TEXT + 1];
+    struct store *s = tempdb_fresh();
+    int taken = 0;
+
+    (void)state;
+    add(s, "door-1");
+    make_nonce(s, nonce);
+    for (int i = 0; i < THREADS; i++) {
+        t[i] = (struct taker){.store = s, .capture = capture("door-1", nonce)};
+        assert_int_equal(pthread_create(&t[i].thread, NULL, run, &t[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        assert_int_equal(pthread_join(t[i].thread, NULL), 0);
+        assert_int_equal(t[i].st, ST_OK);
+        assert_true(t[i].is == STORE_CAPTURED || t[i].is == STORE_CAPTURE_REPLAYED);
+        taken += t[i].is == STORE_CAPTURED;
+    }
+    assert_int_equal(taken, 1);
+    store_close(s);
+}
+
+static void no_report(void *arg, enum store_chain chain, uint64_t seq, const char *line)
+{
+    (void)arg;
+    (void)chain;
+    (void)seq;
+    (void)line;
+}
+
+/* Somebody writes the table: a row that was removed, or another's, is good for nothing. */
+static void test_put_back(void **state)
+{
+    static const char *const damage[] = {
+        "UPDATE devices SET name = 'door-3' WHERE name = 'door-1'",
+        "UPDATE devices SET name = 'door-3', id = (SELECT id FROM old)",
+        "UPDATE devices SET public = (SELECT public FROM old)",
+        "INSERT INTO devices (id, name, public, created) "
+        "SELECT id, name, public, created FROM old"};
+    static const char *const name[] = {"door-3", "door-3", "door-1", "door-2"};
+    char nonce[STORE_NONCE_TEXT + 1];
+    struct store *s = tempdb_fresh();
+    struct store_audit found;
+    struct store_device *list;
+    struct store_capture c;
+    enum store_captured is;
+    size_t n;
+
+    (void)state;
+    add(s, "door-2");
+    tempdb_sql("CREATE TABLE old AS SELECT * FROM devices");
+    assert_int_equal(store_device_remove(s, "", "door-2", &e), ST_OK);
+    add(s, "door-1");
+    tempdb_sql("CREATE TABLE now AS SELECT * FROM devices");
+    for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
+        tempdb_sql(damage[i]);
+        make_nonce(s, nonce);
+        c = capture(name[i], nonce);
+        assert_int_equal(store_capture_take(s, &c, &is, &e), ST_ECORRUPT);
+        assert_int_equal(store_device_list(s, &list, &n, &e), ST_ECORRUPT);
+        assert_int_equal(store_audit_verify(s, no_report, NULL, &found, &e), ST_OK);
+        assert_true(found.problems > 0);
+        tempdb_sql("DELETE FROM devices");
+        tempdb_sql("INSERT INTO devices SELECT * FROM now");
+    }
+    assert_int_equal(store_audit_verify(s, no_report, NULL, &found, &e), ST_OK);
+    assert_int_equal(found.problems, 0);
+    make_nonce(s, nonce);
+    c = capture("door-1", nonce);
+    assert_int_equal(take(s, &c), STORE_CAPTURED);
+    store_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_nonces),
+        cmocka_unit_test(test_at_once),
+        cmocka_unit_test(test_put_back),
+    };
+
+    return cmocka_run_group_tests_name("devices", tests, tempdb_begin, tempdb_end);
+}
