@@ -15,9 +15,9 @@ extern const struct ctl_command ctl_init, ctl_init_migrate, ctl_enroll, ctl_veri
     ctl_accept, ctl_archive_export, ctl_archive_import, ctl_rekey, ctl_doctor, ctl_stats,
     ctl_stats_vacuum, ctl_token_create, ctl_token_list, ctl_token_rotate,
     ctl_token_revoke, ctl_device_add, ctl_device_list, ctl_device_remove,
-    ctl_attempts_list, ctl_attempts_reset, ctl_audit_show,
-    ctl_audit_verify, ctl_audit_export, ctl_audit_checkpoint, ctl_receipt, ctl_audit_trim,
-    ctl_audit_erased, ctl_completion, ctl_help;
+    ctl_attempts_list, ctl_attempts_reset, ctl_audit_show, ctl_audit_verify,
+    ctl_audit_export, ctl_audit_checkpoint, ctl_receipt, ctl_audit_trim, ctl_audit_erased,
+    ctl_completion, ctl_help;
 
 /* clang-format off */
 const struct ctl_command *const ctl_table[] = {

@@ -62,12 +62,12 @@ static bool read_field(const char *s, size_t len, struct capture *c)
     return false;
 }
 
+/* c is empty. */
 static bool read_header(const char *s, struct capture *c)
 {
     const char *liveness = c->field[LIVENESS];
     size_t n;
 
-    memset(c, 0, sizeof *c);
     while (*s != '\0') {
         s += strspn(s, BLANKS);
         n = strcspn(s, ";");
@@ -154,7 +154,7 @@ bool capture_admit(struct request *r)
     struct store_capture take = {.text = NULL};
     enum store_captured is;
     struct errinfo e = {0};
-    struct capture c;
+    struct capture c = {.field = {""}};
     enum status st;
     char *text;
 
