@@ -74,7 +74,7 @@ clang_all() {
 
 shell_all() {
     command -v shellcheck || return 1
-    shellcheck -x -e SC3013,SC2119 $(grep -lrE '^#! ?/bin/(ba)?sh' scripts tests .ci)
+    shellcheck -x -e SC3013,SC2119 $(grep -lrE '^#! ?/bin/(ba)?sh' scripts tests .ci packaging/examples)
 }
 
 check "each header compiles alone" scripts/check_headers.sh

@@ -185,8 +185,7 @@ static void test_put_back(void **state)
         "UPDATE devices SET name = 'door-3' WHERE name = 'door-1'",
         "UPDATE devices SET name = 'door-3', id = (SELECT id FROM old)",
         "UPDATE devices SET public = (SELECT public FROM old)",
-        "INSERT INTO devices (id, name, public, created) "
-        "SELECT id, name, public, created FROM old"};
+        "INSERT INTO devices SELECT 99, id, name, public, created FROM old"};
     static const char *const name[] = {"door-3", "door-3", "door-1", "door-2"};
     char nonce[STORE_NONCE_TEXT + 1];
     struct store *s = tempdb_fresh();
