@@ -109,9 +109,9 @@ enum status row_device_each(struct store_txn *t, row_event_see *see, void *arg,
 
 /* ---- writing */
 
-/* Appends to the changes what is left of the device's row. */
-static enum status tell(struct store_txn *t, const struct store_act *by, const char *kind,
-                        const char *id, const char *name, struct errinfo *e)
+enum status row_device_tell(struct store_txn *t, const struct store_act *by,
+                            const char *kind, const char *id, const char *name,
+                            struct errinfo *e)
 {
     struct row_event_row left = {.gone = true};
     struct sql_rows *r;
@@ -156,7 +156,7 @@ enum status row_device_add(struct store_txn *t, const struct store_act *by,
                      "VALUES ($1, $2, $3, $4)",
                      sql_text(one->id), sql_text(one->name),
                      sql_blob(one->public, sizeof one->public), sql_text(one->created));
-    return st == ST_OK ? tell(t, by, "add_device", one->id, one->name, e) : st;
+    return st == ST_OK ? row_device_tell(t, by, "add_device", one->id, one->name, e) : st;
 }
 
 enum status row_device_remove(struct store_txn *t, const struct store_act *by,
@@ -170,5 +170,5 @@ enum status row_device_remove(struct store_txn *t, const struct store_act *by,
         st = errinfo_set(e, ST_ENOTFOUND, "there is no device %.64s", name);
     if (st == ST_OK)
         st = SQL_RUN(t->sql, e, "DELETE FROM devices WHERE name = $1", sql_text(name));
-    return st == ST_OK ? tell(t, by, "remove_device", id, name, e) : st;
+    return st == ST_OK ? row_device_tell(t, by, "remove_device", id, name, e) : st;
 }

@@ -6,6 +6,7 @@
 
 #include "errinfo.h"
 #include "row_calibration.h"
+#include "row_device.h"
 #include "row_event.h"
 #include "row_subject.h"
 #include "row_template.h"
@@ -98,6 +99,19 @@ static enum status renew_tokens(struct renewing *r, struct errinfo *e)
     return st;
 }
 
+static enum status renew_devices(struct renewing *r, struct errinfo *e)
+{
+    struct store_device *list;
+    size_t n;
+    enum status st = row_device_list(r->old, &list, &n, e);
+
+    for (size_t i = 0; st == ST_OK && i < n; i++)
+        st = row_device_tell(&r->next, r->by, STORE_CHAIN_RENEW, list[i].id, list[i].name,
+                             e);
+    free(list);
+    return st;
+}
+
 static enum status renew_calibrations(struct renewing *r, struct errinfo *e)
 {
     struct store_calibration newest, *list = NULL;
@@ -123,7 +137,8 @@ enum status store_renew(struct store_txn *t, const struct store_act *by,
     r.next.vault = next;
     if ((st = row_event_signs(t, by, STORE_CHAIN_RENEW, next, kept, e)) != ST_OK ||
         (st = row_event_renew(t, next, e)) != ST_OK ||
-        (st = renew_subjects(&r, e)) != ST_OK || (st = renew_tokens(&r, e)) != ST_OK)
+        (st = renew_subjects(&r, e)) != ST_OK || (st = renew_tokens(&r, e)) != ST_OK ||
+        (st = renew_devices(&r, e)) != ST_OK)
         return st;
     if ((st = renew_calibrations(&r, e)) == ST_OK)
         t->vault = next;

@@ -104,6 +104,10 @@ send POST "$VERIFY" "$PLY" "$T/a1.ply.gz" -H 'Content-Encoding: gzip' -H 'Transf
     -H "Capture-Signature: $(sign door-1 door-1 "$VERIFY" "$T/a1.ply.gz" "$NONCE" pass)"
 is "the digest is of the compressed body, without its chunks" "$(get .decision)" match
 
+scan 1 2 "$T/large.ply" --points 12000
+client door-1 door-1 "$VERIFY" "$T/large.ply"
+is "a body for another worker than the first uses its nonce once" "$(get .decision)" match
+
 # ---- what may not be exchanged
 client door-1 door-1 "$VERIFY" "$T/a1.ply" NONCE="$NONCE"
 refused "the nonce again" capture_replayed
@@ -169,7 +173,7 @@ done
 is "was answered as before" "$(field Idempotent-Replayed)" true
 
 # ---- counted
-is "taken" "$(metric 'surfaced_captures_total{outcome="taken"}')" 5
+is "taken" "$(metric 'surfaced_captures_total{outcome="taken"}')" 6
 is "none" "$(metric 'surfaced_captures_total{outcome="capture_required"}')" 5
 is "failed liveness" "$(metric 'surfaced_captures_total{outcome="liveness_failed"}')" 1
 is "replayed" "$(metric 'surfaced_captures_total{outcome="capture_replayed"}')" 2
@@ -195,6 +199,12 @@ ctl device list
 is "the devices" "$(said '[.devices[].name] | join(" ")')" "door-2 door-1"
 ctl_exits 0 audit verify
 
+# ---- new secrets of the database: the devices are the same
+ctl_exits 0 rekey --yes --compromised
+ctl_exits 0 audit verify
+ctl device list
+is "the devices" "$(said '[.devices[].name] | join(" ")')" "door-2 door-1"
+
 # ---- not required: what is there must be right all the same
 start_daemon
 send POST "$VERIFY" "$PLY" "$T/a1.ply"
@@ -204,6 +214,9 @@ client door-2 door-1 "$VERIFY" "$T/a1.ply"
 refused "wrongly signed" capture_invalid
 client door-2 door-2 "$VERIFY" "$T/a1.ply" LIVENESS=fail
 refused "a failed liveness check" liveness_failed
+client door-2 door-2 "$ENROLL" "$T/b.ply"
+is "a sample of another person" "$STATUS $(get .code)" "409 sample_mismatch"
+is "in the audit log" "$(outcome enroll_mismatch)" "no_match capture=none:door-2"
 client door-2 door-2 "$VERIFY" "$T/a1.ply" LIVENESS=pass
 is "signed" "$(get .decision)" match
 challenge
