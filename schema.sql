@@ -57,13 +57,18 @@ CREATE TABLE templates (
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
 
--- Failed verifications of a subject in a row, and the time of the last.  No row: the last
--- one was a match, or there was none.
+-- Failed verifications of a subject in a row by one token (its id; '' without one), and the
+-- time of the last.  No row: the token's last one was a match, or there was none for a month.
 CREATE TABLE attempts (
-    subject_key INTEGER PRIMARY KEY REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    subject_key INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
+    token       TEXT NOT NULL CHECK (length(token) <= 64),
     failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
-    at_ms       INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
+    at_ms       INTEGER NOT NULL CHECK (at_ms >= 0), -- since 1970, UTC
+    PRIMARY KEY (subject_key, token)
 ) STRICT;
+
+-- How many subjects a token has tried in an hour.
+CREATE INDEX attempts_token ON attempts (token, at_ms);
 
 -- The audit log: who did what, when, with what outcome, in two chains (db/store_chain.h):
 -- 0 the changes, which are kept for ever; 1 the uses (verifications, refusals, exports), of

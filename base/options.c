@@ -52,6 +52,10 @@ const struct setting options_table[] = {
      "wait: 429; 0: no limit"},
     {"attempt-wait", SETTING_NUMBER, "30", offsetof(struct options, attempt_wait), 1,
      OPTIONS_WAIT_MAX, "SECONDS", "how long; twice as long after each further failure"},
+    {"attempt-subjects", SETTING_NUMBER, "30", offsetof(struct options, attempt_subjects),
+     0, 1000000, "N",
+     "subjects that a token may try without a match in an hour; beyond\n"
+     "it: 429; 0: no limit"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",

@@ -14,14 +14,16 @@ static enum status list(struct ctl *c)
         return st;
     json_array(c->out, "attempts");
     if (n > 0)
-        ctl_say(c, "%-32s %8s  %s\n", "SUBJECT", "FAILURES", "LAST");
+        ctl_say(c, "%-32s %-32s %8s  %s\n", "SUBJECT", "TOKEN", "FAILURES", "LAST");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
         json_text(c->out, "subject", a[i].subject);
+        json_text(c->out, "token", a[i].token);
         json_number(c->out, "failures", a[i].failures);
         json_text(c->out, "last", a[i].at);
         json_close(c->out);
-        ctl_say(c, "%-32s %8u  %s\n", a[i].subject, a[i].failures, a[i].at);
+        ctl_say(c, "%-32s %-32s %8u  %s\n", a[i].subject,
+                a[i].token[0] != '\0' ? a[i].token : "-", a[i].failures, a[i].at);
     }
     json_close(c->out);
     if (n == 0)
@@ -48,8 +50,9 @@ const struct ctl_command ctl_attempts_list = {
     .run = list,
     .summary = "list the subjects that failed to be verified",
     .help =
-        "After some failed verifications in a row the daemon locks a subject out for a while.\n"
-        "The list says how many there were, and when the last one was.",
+        "After some failed verifications in a row the daemon locks a token out of a subject for\n"
+        "a while, and after failures for many subjects in an hour out of all others.  The list\n"
+        "says by which token how many there were, and when the last one was.",
     .example = "surfacectl --db faces.db attempts list"};
 
 const struct ctl_command ctl_attempts_reset = {
@@ -60,5 +63,6 @@ const struct ctl_command ctl_attempts_reset = {
     .run = reset,
     .summary = "end a subject's lock-out",
     .help =
-        "Its failed verifications are forgotten; the daemon accepts the next one at once.",
+        "Its failed verifications by any token are forgotten; the daemon accepts the next one\n"
+        "at once.",
     .example = "surfacectl --db faces.db attempts reset alice"};

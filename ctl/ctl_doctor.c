@@ -12,8 +12,11 @@
 #include "ctl_command.h"
 #include "ctl_each.h"
 
-#define LEAST_FREE (UINT64_C(64) << 20) /* bytes */
-#define STICKY     01000                /* S_ISVTX, which POSIX leaves to XSI */
+#define LEAST_FREE    (UINT64_C(64) << 20) /* bytes */
+#define MANY_TRIED    10                   /* subjects in an hour */
+#define MANY_FAILURES 3 /* in a row, by one token: as many lock it out */
+#define DAY_MS        INT64_C(86400000)
+#define STICKY        01000 /* S_ISVTX, which POSIX leaves to XSI */
 
 enum level { FINE, NOTE, TROUBLE };
 
@@ -365,6 +368,54 @@ static void look_at_tokens(struct doctor *d)
         say(d, FINE, "tokens", "", "none will end within 30 days");
 }
 
+/* Who fails: of one token, in the list from a[i] on (all of it are looked at). */
+static void look_at_token(struct doctor *d, const struct store_attempts *a, size_t n,
+                          size_t i)
+{
+    const char *token = a[i].token;
+    unsigned tried = 0;
+
+    for (size_t j = 0; j < n; j++)
+        if (a[j].age_ms < STORE_TRIED_MS && strcmp(a[j].token, token) == 0) {
+            if (j < i)
+                return; /* it was told */
+            tried++;
+        }
+    if (tried >= MANY_TRIED)
+        say(d, NOTE, "attempts",
+            "look who uses it: surfacectl audit list, attempts list; token revoke ends it",
+            "token %s tried %u subjects without a match within an hour",
+            token[0] != '\0' ? token : "(none)", tried);
+}
+
+static void look_at_attempts(struct doctor *d)
+{
+    const struct store_key key = {
+        .path = d->c->key, .make = VAULT_FILE, .plaintext = d->c->plaintext};
+    struct store *s = NULL;
+    struct store_attempts *a = NULL;
+    struct errinfo e;
+    size_t n = 0, locked = 0;
+
+    if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK ||
+        store_attempts_list(s, &a, &n, &e) != ST_OK) {
+        say(d, TROUBLE, "attempts", "surfacectl check finds all that is damaged", "%s",
+            e.msg);
+        n = 0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        locked += a[i].failures >= MANY_FAILURES && a[i].age_ms < DAY_MS;
+        if (a[i].age_ms < STORE_TRIED_MS)
+            look_at_token(d, a, n, i);
+    }
+    if (locked > 0)
+        say(d, NOTE, "attempts", "look who it was: surfacectl attempts list",
+            "%zu times in the last day %d verifications or more in a row failed", locked,
+            MANY_FAILURES);
+    free(a);
+    store_close(s);
+}
+
 static enum status run(struct ctl *c)
 {
     struct doctor d = {.c = c};
@@ -385,6 +436,7 @@ static enum status run(struct ctl *c)
                 look_at_anchor(&d);
                 look_at_templates(&d);
                 look_at_tokens(&d);
+                look_at_attempts(&d);
             }
         }
     }
@@ -405,5 +457,6 @@ const struct ctl_command ctl_doctor = {
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
         "right key, and one that rekey left behind; whether the database is older than its\n"
         "anchor; the schema; the WAL; free space on the disk; rows that are not what was written\n"
-        "last; templates of another engine; tokens that will end soon.  Nothing is changed.",
+        "last; templates of another engine; tokens that will end soon, or\n"
+        "that verify in vain.  Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

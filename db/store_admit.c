@@ -38,6 +38,11 @@ static enum status read_calibration(struct store_txn *x, int64_t known,
     return ST_OK;
 }
 
+static const char *token_of(const struct store_admit *what)
+{
+    return what->token != NULL ? what->token : "";
+}
+
 static enum status read_all(struct store_txn *x, const struct store_admit *what,
                             int64_t now_ms, struct store_admission *out, bool *future,
                             struct errinfo *e)
@@ -51,7 +56,8 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
         subject = out->t->subject;
     }
     if ((st = row_subject_read(x, subject, &out->subject, e)) != ST_OK ||
-        (st = row_attempts_get(x, subject, now_ms, &out->attempts, future, e)) != ST_OK ||
+        (st = row_attempts_get(x, subject, token_of(what), now_ms, &out->attempts, future,
+                               e)) != ST_OK ||
         (st = read_calibration(x, what->calibration, out, e)) != ST_OK)
         return st;
     out->subject.expired = store_rules_past(out->subject.expires, now_ms);
@@ -97,7 +103,9 @@ enum status store_admit(struct store *s, const struct store_admit *what,
     if (future) { /* also where the reading was ended: a lock-out must end some day */
         if ((moved = store_txn_begin(s, SQL_LAZY, &x, &why)) == ST_OK)
             moved = store_txn_end(
-                &x, row_attempts_not_after(&x, out->subject.id, now, &why), &why);
+                &x,
+                row_attempts_not_after(&x, out->subject.id, token_of(what), now, &why),
+                &why);
         if (st == ST_OK && moved != ST_OK)
             st = errinfo_set(e, moved, "%s", why.msg);
     }

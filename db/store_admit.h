@@ -17,6 +17,7 @@ struct store_admission {
 struct store_admit {
     const char *subject;     /* whose templates, or NULL and */
     const char *template_id; /* this one and its subject */
+    const char *token;       /* whose attempts; NULL: "" */
     int64_t calibration;     /* the version that the caller decides by */
 
     /* listed: all but the models is read; its status ends the reading where it is not ST_OK.
@@ -34,8 +35,8 @@ struct store_admit {
 
 /* store_admit(s, what, out, e): ST_ENOTFOUND: no such subject or template; ST_ECORRUPT, also of
  * the newest calibration, then it must not be decided.  On failure out->t is NULL.
- * Of attempts failures is 0 where there are none.  A last failure that lies in the future (the
- * clock was set back) is moved to now for good, so that a wait that begins with it ends. */
+ * A failed attempt that lies in the future (the clock was set back) is moved to now for good, so
+ * that a wait that begins with it ends. */
 enum status store_admit(struct store *s, const struct store_admit *what,
                         struct store_admission *out, struct errinfo *e);
 

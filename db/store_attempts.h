@@ -1,15 +1,16 @@
-/* store_attempts.h -- verifications of a subject that failed one after the other. */
+/* store_attempts.h -- verifications of a subject that failed one after the other, by token. */
 #ifndef DB_STORE_ATTEMPTS_H
 #define DB_STORE_ATTEMPTS_H
 #include "store_types.h"
 
-/* store_attempts_reset(s, actor, subject, e): none any more, as actor asks; an event with it.
- * ST_ENOTFOUND: no such subject.  They are read by store_admit(), counted by store_settle(). */
+/* store_attempts_reset(s, actor, subject, e): none any more by any token, as actor asks; an event
+ * with it.  ST_ENOTFOUND: no such subject.  They are read by store_admit(), counted by
+ * store_settle(). */
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e);
 
-/* store_attempts_list(s, out, n, e): of all subjects that have some, in the order of their
- * coming; a new array released by free(). */
+/* store_attempts_list(s, out, n, e): of all subjects and tokens that have some, in the order of
+ * the subjects' coming; a new array released by free(). */
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e);
 

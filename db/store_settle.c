@@ -1,5 +1,8 @@
 #include "store_settle.h"
 
+#include <inttypes.h>
+#include <stdio.h>
+
 #include "errinfo.h"
 #include "row_attempts.h"
 #include "row_event.h"
@@ -12,10 +15,46 @@ static enum status count_attempt(struct store_txn *t, const struct store_settle 
                                  struct errinfo *e)
 {
     if (what->as == STORE_SETTLE_FAILED)
-        return row_attempts_fail(t, what->subject->id, now, e);
+        return row_attempts_fail(t, what->subject->id, what->actor, now, e);
     if (what->as == STORE_SETTLE_PASSED && was->failures > 0)
-        return row_attempts_clear(t, what->subject->id, e);
+        return row_attempts_match(t, what->subject->id, what->actor, e);
     return ST_OK;
+}
+
+/* Each lock-out is told, and the subjects that a token tried once as they become many. */
+static void judge(const struct store_settle *what, const struct store_attempts *was,
+                  struct store_settled *out)
+{
+    const uint32_t before =
+        was->tried + (was->failures > 0 && was->age_ms < STORE_TRIED_MS);
+
+    if (what->as != STORE_SETTLE_FAILED)
+        return;
+    out->locked_out = what->warn_failures > 0 && was->failures + 1 >= what->warn_failures;
+    out->many_subjects = what->warn_tried > 0 && before < what->warn_tried &&
+                         was->tried + 1 >= what->warn_tried;
+}
+
+static enum status add_events(struct store_txn *t, const struct store_settle *what,
+                              const struct store_act *by,
+                              const struct store_attempts *was,
+                              const struct store_settled *out, struct errinfo *e)
+{
+    const char *subject = what->subject->id;
+    char outcome[STORE_NAME_MAX + 1];
+    enum status st =
+        row_event_use(t, by, what->kind, subject, what->template_id, what->outcome, e);
+
+    if (st == ST_OK && out->locked_out) {
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " failures",
+                       was->failures + 1);
+        st = row_event_use(t, by, "locked_out", subject, "", outcome, e);
+    }
+    if (st == ST_OK && out->many_subjects) {
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " subjects", was->tried + 1);
+        st = row_event_use(t, by, "many_subjects", subject, "", outcome, e);
+    }
+    return st;
 }
 
 static enum status write_all(struct store_txn *t, const struct store_settle *what,
@@ -26,17 +65,17 @@ static enum status write_all(struct store_txn *t, const struct store_settle *wha
     struct store_attempts was;
     struct errinfo why;
     bool future;
-    enum status st = row_attempts_get(t, subject, by->ms, &was, &future, e);
+    enum status st = row_attempts_get(t, subject, what->actor, by->ms, &was, &future, e);
 
     if (st != ST_OK)
         return st;
     out->may = what->may == NULL || what->may(what->arg, &was);
     if (!out->may)
         return ST_OK;
+    judge(what, &was, out);
     if ((st = count_attempt(t, what, &was, by->ms, e)) != ST_OK)
         return st;
-    st =
-        row_event_use(t, by, what->kind, subject, what->template_id, what->outcome, &why);
+    st = add_events(t, what, by, &was, out, &why);
     if (st != ST_OK && st != ST_ECORRUPT)
         return errinfo_set(e, st, "%s", why.msg);
     if (st == ST_ECORRUPT)
@@ -53,7 +92,7 @@ enum status store_settle(struct store *s, const struct store_settle *what,
     struct store_txn t;
     enum status st;
 
-    out->may = false;
+    out->may = out->locked_out = out->many_subjects = false;
     if ((st = store_rules_subject(what->subject->id, e)) != ST_OK ||
         (st = store_rules_event(what->kind, "", what->template_id, what->outcome, e)) !=
             ST_OK ||

@@ -5,8 +5,8 @@
 
 enum store_settle_as {
     STORE_SETTLE_UNCOUNTED, /* attempts are left as they are */
-    STORE_SETTLE_PASSED,    /* none are left */
-    STORE_SETTLE_FAILED     /* one more */
+    STORE_SETTLE_PASSED,    /* none of the actor's are left */
+    STORE_SETTLE_FAILED     /* one more of the actor */
 };
 
 struct store_settle {
@@ -18,10 +18,16 @@ struct store_settle {
      * the subject may have failed since it was admitted.  NULL: yes. */
     bool (*may)(void *arg, const struct store_attempts *now);
     void *arg;
+
+    /* Of one that failed, an event more where the operator should look: "locked_out" when the
+     * actor has failed for the subject so often in a row, "many_subjects" when the subjects
+     * that it tried in vain in STORE_TRIED_MS become so many.  0: never. */
+    uint32_t warn_failures, warn_tried;
 };
 
 struct store_settled {
-    bool may;             /* may() said so; else nothing was written */
+    bool may;                       /* may() said so; else nothing was written */
+    bool locked_out, many_subjects; /* there was reason for such an event */
     struct errinfo *lost; /* set by the caller, may be NULL: why there is no event */
 };
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "errinfo.h"
+#include "row_attempts.h"
 #include "row_token.h"
 #include "store_rules.h"
 #include "store_txn.h"
@@ -142,7 +143,8 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
         (st = store_rules_act(&by, actor, e)) != ST_OK ||
         (st = store_txn_begin(s, SQL_WRITE, &x, e)) != ST_OK)
         return st;
-    if ((st = row_token_revoke(&x, id, by.at, e)) == ST_OK)
+    if ((st = row_token_revoke(&x, id, by.at, e)) == ST_OK &&
+        (st = row_attempts_revoke(&x, id, e)) == ST_OK)
         st = row_token_tell(&x, &by, "revoke_token", id, e);
     return store_txn_end(&x, st, e);
 }

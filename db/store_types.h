@@ -191,13 +191,26 @@ struct store_device { /* a scanner that signs what it captures */
 
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
+#define STORE_TRIED_MS                                                                   \
+    INT64_C(3600000) /* in which the subjects count that a token tries */
+#define STORE_ATTEMPTS_DAYS                                                              \
+    30 /* after which failures count no more: at one a day, where lock-outs end, more \
+          attempts are left than after them */
+
 /* Verifications of a subject that failed one after the other; what follows from them is the
- * caller's to say. */
+ * caller's to say.  Ages are never negative. */
 struct store_attempts {
     char subject[STORE_SUBJECT_MAX + 1];
-    uint32_t failures;
-    char at[32];    /* the last one */
-    int64_t age_ms; /* since it, never negative; not set by store_attempts_list() */
+    char token[STORE_NAME_MAX + 1]; /* whose they are; "": without one */
+    uint32_t failures;              /* of this token */
+    char at[32];                    /* the last one */
+    int64_t age_ms;                 /* since it */
+    /* Not set by store_attempts_list(): */
+    uint32_t others; /* of all other tokens that failed in the last STORE_TRIED_MS */
+    int64_t others_age_ms; /* since the last of them */
+    uint32_t tried; /* other subjects whose last verification by this token failed, in
+                               the last STORE_TRIED_MS */
+    int64_t tried_age_ms; /* since the first of them */
 };
 
 struct store_calibration {

@@ -2,21 +2,26 @@
 
 #include <stdlib.h>
 
+#include "app.h"
 #include "errmap.h"
+#include "log.h"
+#include "metrics.h"
 #include "options.h"
 #include "request.h"
 #include "store.h"
 
+#define WARN_SUBJECTS 3 /* at this part of those that a token may try */
+
 struct attempts {
-    unsigned limit, wait_s;
+    unsigned limit, wait_s, subjects;
 };
 
-struct attempts *attempts_new(unsigned limit, unsigned wait_s)
+struct attempts *attempts_new(unsigned limit, unsigned wait_s, unsigned subjects)
 {
     struct attempts *a = malloc(sizeof *a);
 
     if (a != NULL)
-        *a = (struct attempts){limit, wait_s};
+        *a = (struct attempts){limit, wait_s, subjects};
     return a;
 }
 
@@ -30,30 +35,103 @@ bool attempts_limited(const struct attempts *a)
     return a->limit != 0;
 }
 
-int64_t attempts_wait_ms(const struct attempts *a, uint32_t failures, int64_t age_ms)
+/* What is left of a lock-out of at most most_s after so many failures. */
+static int64_t locked_ms(const struct attempts *a, uint32_t failures, int64_t age_ms,
+                         int64_t most_s)
 {
     int64_t wait_s = a->wait_s;
 
-    if (a->limit == 0 || failures < a->limit)
+    if (failures < a->limit)
         return 0;
-    for (uint32_t i = a->limit; i < failures && wait_s < OPTIONS_WAIT_MAX; i++)
+    for (uint32_t i = a->limit; i < failures && wait_s < most_s; i++)
         wait_s *= 2;
-    if (wait_s > OPTIONS_WAIT_MAX)
-        wait_s = OPTIONS_WAIT_MAX;
+    if (wait_s > most_s)
+        wait_s = most_s;
     return age_ms < wait_s * 1000 ? wait_s * 1000 - age_ms : 0;
+}
+
+int64_t attempts_wait_ms(const struct attempts *a, const struct store_attempts *now,
+                         enum attempts_reason *why)
+{
+    int64_t wait[] = {[ATTEMPTS_MAY] = 0,
+                      [ATTEMPTS_OWN] = 0,
+                      [ATTEMPTS_OTHERS] = 0,
+                      [ATTEMPTS_SUBJECTS] = 0};
+
+    *why = ATTEMPTS_MAY;
+    if (a->limit == 0)
+        return 0;
+    wait[ATTEMPTS_OWN] = locked_ms(a, now->failures, now->age_ms, OPTIONS_WAIT_MAX);
+    wait[ATTEMPTS_OTHERS] =
+        locked_ms(a, now->others, now->others_age_ms, ATTEMPTS_OTHERS_S);
+    if (a->subjects > 0 && now->token[0] != '\0' && now->tried >= a->subjects &&
+        now->tried_age_ms < STORE_TRIED_MS)
+        wait[ATTEMPTS_SUBJECTS] = STORE_TRIED_MS - now->tried_age_ms;
+    for (enum attempts_reason i = ATTEMPTS_OWN; i <= ATTEMPTS_SUBJECTS; i++)
+        if (wait[i] > wait[*why])
+            *why = i;
+    return wait[*why];
+}
+
+static void refuse(struct request *r, enum attempts_reason why,
+                   const struct store_attempts *now)
+{
+    if (why == ATTEMPTS_OWN)
+        request_problem(
+            r, ERRMAP_ATTEMPTS,
+            "the subject's last %u verifications failed: it is locked out for now",
+            now->failures);
+    else if (why == ATTEMPTS_OTHERS)
+        request_problem(r, ERRMAP_ATTEMPTS,
+                        "the subject's last %u verifications by others failed: it is "
+                        "locked out for a minute at most",
+                        now->others);
+    else
+        request_problem(r, ERRMAP_SUBJECTS,
+                        "this token has tried %u other subjects without a match within "
+                        "an hour",
+                        now->tried);
 }
 
 bool attempts_admit(const struct attempts *a, struct request *r,
                     const struct store_attempts *now)
 {
-    const int64_t wait_ms = attempts_wait_ms(a, now->failures, now->age_ms);
+    enum attempts_reason why;
+    const int64_t wait_ms = attempts_wait_ms(a, now, &why);
 
     if (wait_ms == 0)
         return true;
-    request_problem(
-        r, ERRMAP_ATTEMPTS,
-        "the subject's last %u verifications failed: it is locked out for now",
-        now->failures);
+    refuse(r, why, now);
     r->response.retry_after = (unsigned)((wait_ms + 999) / 1000);
+    metrics_attempts(r->app->metrics, why);
     return false;
+}
+
+void attempts_watch(const struct attempts *a, struct store_settle *what)
+{
+    what->warn_failures = a->limit;
+    if (what->actor[0] != '\0' && a->limit > 0)
+        what->warn_tried = (a->subjects + WARN_SUBJECTS - 1) / WARN_SUBJECTS;
+}
+
+static void warn(const struct request *r, const char *what)
+{
+    struct log_entry l;
+
+    log_begin(&l, "warn", what);
+    log_text(&l, "request_id", r->id);
+    log_text(&l, "token", r->actor);
+    log_end(&l);
+}
+
+void attempts_warn(const struct request *r, const struct store_settled *out)
+{
+    if (out->locked_out) {
+        metrics_warning(r->app->metrics, METRICS_LOCKED_OUT);
+        warn(r, "a subject is locked out: verifications failed");
+    }
+    if (out->many_subjects) {
+        metrics_warning(r->app->metrics, METRICS_MANY_SUBJECTS);
+        warn(r, "a token has tried many subjects without a match");
+    }
 }

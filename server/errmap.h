@@ -24,6 +24,7 @@ enum errmap_kind {
     ERRMAP_EXPIRED,    /* it has expired */
     ERRMAP_TOKENS,     /* the address is rate-limited for wrong tokens */
     ERRMAP_ATTEMPTS,   /* the subject is locked out */
+    ERRMAP_SUBJECTS,   /* the token has tried too many subjects in vain */
     /* The capture's signature (capture.h), in this order: */
     ERRMAP_CAPTURE_REQUIRED, /* there is none */
     ERRMAP_CAPTURE_INVALID,  /* malformed, of an unknown device, or wrong */

@@ -82,7 +82,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
-    app->attempts = attempts_new(o->attempts, o->attempt_wait);
+    app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
     app->throttle = throttle_new(o->rate_limit_tokens);
     if (o->audit_days > 0)
         app->retention = retention_start(app->store, o->audit_days);

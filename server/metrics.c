@@ -44,6 +44,8 @@ struct metrics {
     counter decision[FACE_INCONCLUSIVE + 1];
     counter enrollment[METRICS_MISMATCH + 1];
     counter check[METRICS_UNUSABLE + 1];
+    counter attempts[ATTEMPTS_SUBJECTS + 1];
+    counter warning[METRICS_MANY_SUBJECTS + 1];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
     counter database[NDATABASE];
@@ -128,6 +130,16 @@ void metrics_check(struct metrics *m, enum metrics_check outcome)
 void metrics_capture(struct metrics *m, unsigned problem)
 {
     count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
+}
+
+void metrics_attempts(struct metrics *m, enum attempts_reason why)
+{
+    count(&m->attempts[why], 1);
+}
+
+void metrics_warning(struct metrics *m, enum metrics_warning kind)
+{
+    count(&m->warning[kind], 1);
 }
 
 void metrics_database_error(struct metrics *m, enum status st)
@@ -248,6 +260,8 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     static const char *const decision[] = {"match", "no_match", "inconclusive"};
     static const char *const enrollment[] = {"created", "known", "mismatch"};
     static const char *const check[] = {"enrollable", "usable", "unusable"};
+    static const char *const attempts[] = {"token", "others", "subjects"};
+    static const char *const warning[] = {"locked_out", "many_subjects"};
     const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
@@ -265,6 +279,11 @@ static void print_outcomes(FILE *f, const struct metrics *m)
         capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
     print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
              "Signed captures: taken, or refused with this code.");
+    print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts + 1, 3,
+             "Verifications refused (429) for those that failed before: of the token for "
+             "the subject, of other tokens, of the token for many subjects.");
+    print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning, 2,
+             "Lock-outs that began; tokens that tried many subjects without a match.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),

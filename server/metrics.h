@@ -6,6 +6,7 @@
 #define SERVER_METRICS_H
 #include <stddef.h>
 #include <stdint.h>
+#include "attempts.h"
 #include "face.h"
 #include "status.h"
 
@@ -45,6 +46,13 @@ void metrics_check(struct metrics *m, enum metrics_check outcome);
 /* metrics_capture(m, problem): a capture was taken (0), or refused by ERRMAP_CAPTURE_REQUIRED to
  * ERRMAP_LIVENESS. */
 void metrics_capture(struct metrics *m, unsigned problem);
+
+enum metrics_warning { METRICS_LOCKED_OUT, METRICS_MANY_SUBJECTS };
+
+/* metrics_attempts(m, why): a verification was refused for failed ones before it.
+ * metrics_warning(m, kind): the operator should look who fails. */
+void metrics_attempts(struct metrics *m, enum attempts_reason why);
+void metrics_warning(struct metrics *m, enum metrics_warning kind);
 
 /* metrics_database_error(m, st): counts st if it is a failure of the store (and not, say,
  * ST_ENOTFOUND). */

@@ -109,6 +109,7 @@ static bool admit(struct verification *v, const char *subject, const char *templ
 {
     const struct admission_request ask = {.subject = subject,
                                           .template_id = template_id,
+                                          .token = v->r->actor,
                                           .admitted = admitted,
                                           .reading = reading,
                                           .arg = v};
@@ -208,7 +209,7 @@ static bool settle(struct verification *v)
     char outcome[CAPTURE_OUTCOME];
     struct errinfo e = {0}, lost = {0};
     struct store_settled out = {.lost = &lost};
-    const struct store_settle what = {
+    struct store_settle what = {
         .subject = &v->admission.of.subject,
         .as = !attempts_limited(app->attempts) ? STORE_SETTLE_UNCOUNTED
               : decision == FACE_MATCH         ? STORE_SETTLE_PASSED
@@ -220,6 +221,7 @@ static bool settle(struct verification *v)
         .may = may,
         .arg = v};
 
+    attempts_watch(app->attempts, &what);
     if (store_settle(app->store, &what, &out, &e) != ST_OK) {
         request_fail(v->r, &e);
         return false;
@@ -227,6 +229,7 @@ static bool settle(struct verification *v)
     if (!out.may)
         return false;
     metrics_decision(app->metrics, decision);
+    attempts_warn(v->r, &out);
     if (lost.code != ST_OK)
         event_lost(v->r, "verify", &lost);
     return true;

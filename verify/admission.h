@@ -50,6 +50,7 @@ struct admission {
 struct admission_request {
     const char *subject;     /* or NULL and */
     const char *template_id; /* this one alone */
+    const char *token;       /* whose attempts; NULL: "" */
     /* admitted(arg, a, e): everything but the models is read; its status ends the reading where
      * it is not ST_OK.  reading(arg): models are about to be read and decoded, which takes
      * time that another thread can use.  Either may be NULL, and neither may call the store. */

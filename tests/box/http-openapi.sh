@@ -289,8 +289,8 @@ each 500 '.responses["500"]' -d x
 sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 3, 1000 * unixepoch() FROM templates
-    WHERE id = '$id'"
+sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch() FROM tokens, templates
+    WHERE templates.id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
 put POST /v1/subjects/carol/templates 429 "$PLY" "$T/b.ply"
 put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"

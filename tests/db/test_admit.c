@@ -177,7 +177,7 @@ static void test_state(void **state)
 {
     const struct store_subject_change over = {.expires = "2020-01-01"};
     struct store *s = make();
-    struct store_admit what = {.subject = "alice"};
+    struct store_admit what = {.subject = "alice", .token = "test"};
     struct store_admission a;
     struct store_calibration k = {.fmr = 0.001,
                                   .low_mm = 0.1,
@@ -260,7 +260,7 @@ static void test_settle(void **state)
     unsigned failures = 9;
     struct store_settle what = {.subject = &alice,
                                 .as = STORE_SETTLE_FAILED,
-                                .actor = "tester",
+                                .actor = "test",
                                 .kind = "verify",
                                 .template_id = t[0].id,
                                 .outcome = "no_match",
@@ -282,7 +282,7 @@ static void test_settle(void **state)
     }
     assert_string_equal(last_event(s).outcome, "no_match");
     assert_string_equal(last_event(s).subject, "alice");
-    assert_string_equal(last_event(s).actor, "tester");
+    assert_string_equal(last_event(s).actor, "test");
     seq = last_event(s).seq;
     assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
                      1);
@@ -319,7 +319,7 @@ static void test_no_event(void **state)
     struct store_subject bob;
     struct store_settle what = {.subject = &bob,
                                 .as = STORE_SETTLE_FAILED,
-                                .actor = "",
+                                .actor = "test",
                                 .kind = "verify",
                                 .template_id = "",
                                 .outcome = "no_match"};

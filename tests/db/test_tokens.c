@@ -361,6 +361,129 @@ static void test_attempts(void **state)
     store_close(s);
 }
 
+static struct store_settled settle(struct store *s, const char *token,
+                                   const char *subject, enum store_settle_as as)
+{
+    struct store_subject one;
+    struct store_settled out = {.may = false};
+    struct store_settle what = {.subject = &one,
+                                .as = as,
+                                .actor = token,
+                                .kind = "verify",
+                                .template_id = "",
+                                .outcome = "settled",
+                                .warn_failures = 3,
+                                .warn_tried = 2};
+
+    assert_int_equal(store_subject_get(s, subject, &one, &e), ST_OK);
+    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    return out;
+}
+
+static struct store_attempts attempts(struct store *s, const char *token,
+                                      const char *subject)
+{
+    struct store_admission a;
+
+    assert_int_equal(
+        store_admit(s, &(struct store_admit){.subject = subject, .token = token}, &a, &e),
+        ST_OK);
+    free(a.t);
+    return a.attempts;
+}
+
+/* Each token has its own count, sees those of others, and of the subjects that it tried. */
+static void test_by_token(void **state)
+{
+    static const char *const who[] = {"bob", "carol", "dave"};
+    struct store *s = tempdb_fresh();
+    struct store_attempts a;
+    struct store_settled out;
+
+    (void)state;
+    add_alice(s);
+    for (size_t i = 0; i < 3; i++) {
+        struct store_subject one = {.created = ""};
+
+        (void)snprintf(one.id, sizeof one.id, "%s", who[i]);
+        assert_int_equal(store_subject_add(s, "test", &one, &e), ST_OK);
+    }
+    for (uint32_t i = 1; i <= 4; i++) {
+        out = settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+        assert_int_equal(out.locked_out, i >= 3);
+        assert_false(out.many_subjects);
+    }
+    a = attempts(s, "thief", "alice");
+    assert_int_equal(a.failures, 4);
+    assert_int_equal(a.others, 0);
+    assert_int_equal(a.tried, 0);
+    a = attempts(s, "door", "alice");
+    assert_int_equal(a.failures, 0);
+    assert_int_equal(a.others, 4);
+    assert_true(a.others_age_ms < 60000);
+    assert_int_equal(attempts(s, "thief", "bob").tried, 1);
+    assert_int_equal(attempts(s, "door", "bob").tried, 0);
+    /* A match ends what its own token did, and no more. */
+    (void)settle(s, "door", "alice", STORE_SETTLE_PASSED);
+    assert_int_equal(attempts(s, "thief", "alice").failures, 4);
+    /* The second subject is many here; it is told once. */
+    assert_true(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
+    assert_false(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
+    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
+    assert_int_equal(attempts(s, "thief", "dave").tried, 3);
+    assert_int_equal(attempts(s, "thief", "carol").tried, 2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE actor = 'thief' AND "
+                      "kind = 'locked_out' AND outcome LIKE '_ failures'"),
+        2);
+    assert_int_equal(
+        tempdb_number("SELECT count(*) FROM events WHERE actor = 'thief' AND "
+                      "kind = 'many_subjects' AND outcome = '2 subjects'"),
+        1);
+    /* A match is free, and frees. */
+    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
+    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    assert_int_equal(attempts(s, "thief", "dave").tried, 2);
+    /* An hour later the subjects count no more, nor for other tokens; a month later the row is
+     * gone, when the token fails again. */
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 3600001");
+    assert_int_equal(attempts(s, "thief", "dave").tried, 0);
+    assert_int_equal(attempts(s, "door", "alice").others, 0);
+    assert_int_equal(attempts(s, "thief", "alice").failures, 4);
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 29 * 86400000");
+    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 3);
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
+    (void)settle(s, "door", "dave", STORE_SETTLE_FAILED);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 4);
+    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 2);
+    assert_int_equal(tempdb_check(s).problems, 0);
+    store_close(s);
+}
+
+/* With the token goes what it failed at. */
+static void test_revoked_attempts(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_token t;
+    char secret[65];
+
+    (void)state;
+    add_alice(s);
+    assert_int_equal(
+        store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 60, secret, &t, &e),
+        ST_OK);
+    (void)settle(s, t.id, "alice", STORE_SETTLE_FAILED);
+    (void)settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+    assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 1);
+    assert_int_equal(attempts(s, "thief", "alice").failures, 1);
+    assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 0);
+    store_close(s);
+}
+
 /* The clock was ahead when it failed, and has been set right since. */
 static void test_clock_back(void **state)
 {
@@ -416,6 +539,7 @@ int main(void)
         cmocka_unit_test(test_expires),    cmocka_unit_test(test_rotated),
         cmocka_unit_test(test_used),       cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_forged),     cmocka_unit_test(test_attempts),
+        cmocka_unit_test(test_by_token),   cmocka_unit_test(test_revoked_attempts),
         cmocka_unit_test(test_clock_back), cmocka_unit_test(test_threads),
     };
 

@@ -197,7 +197,8 @@ struct store_attempts tempdb_attempts(struct store *s, const char *subject)
     struct store_admission a;
     struct errinfo e = {0};
 
-    if (store_admit(s, &(struct store_admit){.subject = subject}, &a, &e) != ST_OK)
+    if (store_admit(s, &(struct store_admit){.subject = subject, .token = "test"}, &a,
+                    &e) != ST_OK)
         fail_msg("%s", e.msg);
     free(a.t);
     return a.attempts;

@@ -15,6 +15,7 @@
 
 #include "attempts.h"
 #include "options.h"
+#include "store.h"
 #include "throttle.h"
 
 #define S 1000.0 /* ms */
@@ -188,19 +189,63 @@ static void test_attempts(void **state)
         {6, 0, 240},    {14, 0, 61440},      {15, 0, OPTIONS_WAIT_MAX},
         {16, 0, 86400}, {1000000, 0, 86400}, {1000000, 86400, 0},
     };
-    struct attempts *a = attempts_new(3, 30);
+    struct attempts *a = attempts_new(3, 30, 5);
+    enum attempts_reason why;
 
     (void)state;
     assert_non_null(a);
-    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
-        assert_int_equal(attempts_wait_ms(a, want[i].failures, want[i].age_s * 1000),
-                         want[i].wait_s * 1000);
-    assert_int_equal(attempts_wait_ms(a, 3, 29999), 1);
+    for (size_t i = 0; i < sizeof want / sizeof *want; i++) {
+        const struct store_attempts own = {.failures = want[i].failures,
+                                           .age_ms = want[i].age_s * 1000};
+
+        assert_int_equal(attempts_wait_ms(a, &own, &why), want[i].wait_s * 1000);
+        assert_int_equal(why, want[i].wait_s > 0 ? ATTEMPTS_OWN : ATTEMPTS_MAY);
+    }
     attempts_free(a);
-    assert_non_null(a = attempts_new(0, 30));
-    assert_int_equal(attempts_wait_ms(a, 1000, 0), 0);
+    assert_non_null(a = attempts_new(0, 30, 5));
+    assert_int_equal(attempts_wait_ms(a,
+                                      &(struct store_attempts){.token = "a",
+                                                               .failures = 1000,
+                                                               .others = 1000,
+                                                               .tried = 1000},
+                                      &why),
+                     0);
     attempts_free(a);
     attempts_free(NULL);
+}
+
+/* Those of other tokens, and of other subjects. */
+static void test_others(void **state)
+{
+    struct attempts *a = attempts_new(3, 30, 5);
+    struct store_attempts now = {.token = "a", .others = 2};
+    enum attempts_reason why;
+
+    (void)state;
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    now.others = 3;
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 30000);
+    assert_int_equal(why, ATTEMPTS_OTHERS);
+    now.others = 1000; /* nobody keeps others out for longer */
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 60000);
+    now.others_age_ms = 59999;
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 1);
+    now.failures = 4; /* the longest counts */
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 60000);
+    assert_int_equal(why, ATTEMPTS_OWN);
+    now = (struct store_attempts){.token = "a", .tried = 4};
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    now.tried = 5;
+    now.tried_age_ms = 1000;
+    assert_int_equal(attempts_wait_ms(a, &now, &why), STORE_TRIED_MS - 1000);
+    assert_int_equal(why, ATTEMPTS_SUBJECTS);
+    now.token[0] = '\0'; /* without tokens it is everybody */
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    attempts_free(a);
+    a = attempts_new(3, 30, 0);
+    now = (struct store_attempts){.token = "a", .tried = 100000};
+    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    attempts_free(a);
 }
 
 int main(void)
@@ -209,7 +254,7 @@ int main(void)
         cmocka_unit_test(test_address),  cmocka_unit_test(test_wrong),
         cmocka_unit_test(test_good),     cmocka_unit_test(test_off),
         cmocka_unit_test(test_room),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_attempts),
+        cmocka_unit_test(test_attempts), cmocka_unit_test(test_others),
     };
 
     if (sodium_init() < 0)

@@ -1,0 +1,115 @@
+#!/bin/sh
+# Goal: who tries faces by `verify` alone does not get far, keeps nobody else out, and is seen: a
+# token that fails locks itself out of a subject and others for a minute at most; one face is not
+# tried on everybody; the counts hold across processes and restarts.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+# verify TOKEN SUBJECT FILE
+verify() {
+    AUTH=$1
+    send POST "/v1/subjects/$2/verify" "$PLY" "$3"
+}
+
+decides() {
+    is "$1" "$STATUS $(get .decision)" "200 $2"
+}
+
+# locked_out TITLE CODE LEAST MOST: refused, with so many seconds to wait.
+locked_out() {
+    problem "$1" 429 "$2"
+    wait_s=$(field Retry-After)
+    ok "$1: wait $wait_s s, $3 to $4" test "${wait_s:-0}" -ge "$3" -a "${wait_s:-0}" -le "$4"
+    ok "$1: no disparity" sh -c "! grep -q disparity '$T/body'"
+}
+
+events() {
+    sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = '$1'"
+}
+
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a1.ply"
+scan 2 0 "$T/b.ply"
+"$BUILD/surfacectl" --db "$DB" init >"$T/ctl"
+for i in alice bob carol dave erin frank; do
+    "$BUILD/surfacectl" --db "$DB" enroll "$i" "$T/a.ply" >"$T/ctl"
+done
+thief=$(new_token thief --scope verify)
+door=$(new_token door --scope verify)
+start_daemon --attempt-wait 1000 --attempt-subjects 4
+thief_id=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'thief'")
+
+# ---- three bad scans keep nobody else out
+for i in 1 2 3; do
+    verify "$thief" alice "$T/b.ply"
+    decides "failure $i" no_match
+done
+verify "$thief" alice "$T/a1.ply"
+locked_out "who failed" too_many_attempts 900 1000
+verify "$door" alice "$T/a1.ply"
+locked_out "another token" too_many_attempts 1 60
+is "a lock-out is an event" "$(events locked_out)" 1
+ok "and a line in the log" grep -q 'level=warn .*locked out.*token='"$thief_id" "$LOG"
+is "and counted" "$(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" 1
+is "what was refused too" "$(metric 'surfaced_attempts_refused_total{reason="token"}')" 1
+is "for others" "$(metric 'surfaced_attempts_refused_total{reason="others"}')" 1
+sqlite3 "$DB" "UPDATE attempts SET at_ms = at_ms - 61000"
+verify "$door" alice "$T/a1.ply"
+decides "another token a minute later" match
+verify "$thief" alice "$T/a1.ply"
+locked_out "not who failed" too_many_attempts 900 939
+ctl attempts list
+is "surfacectl attempts list" "$(jq -c '.attempts | map([.subject, .token, .failures])' "$T/ctl")" \
+    "[[\"alice\",\"$thief_id\",3]]"
+
+# ---- one face on everybody
+for i in bob carol dave; do
+    verify "$thief" "$i" "$T/b.ply"
+    decides "$i" no_match
+done
+verify "$thief" erin "$T/a1.ply"
+locked_out "the fifth subject" too_many_subjects 3500 3540
+verify "$thief" bob "$T/b.ply"
+decides "one of the four, again" no_match
+verify "$door" erin "$T/a1.ply"
+decides "another token" match
+is "it was told at a third" "$(events many_subjects)" 1
+is "as a metric" "$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')" 1
+is "what was refused" "$(metric 'surfaced_attempts_refused_total{reason="subjects"}')" 1
+ok "and in the log" grep -q 'level=warn .*tried many subjects.*token='"$thief_id" "$LOG"
+
+# ---- another process on the same database, and a restart
+first=$PID first_url=$URL
+start_daemon --attempt-wait 1000 --attempt-subjects 4
+verify "$thief" erin "$T/a1.ply"
+locked_out "another process" too_many_subjects 3500 3540
+verify "$thief" alice "$T/a1.ply"
+locked_out "and for the subject" too_many_attempts 900 939
+stop_daemon
+PID=$first URL=$first_url
+verify "$thief" bob "$T/a1.ply"
+decides "a match" match
+verify "$thief" frank "$T/b.ply"
+decides "it makes room for another subject" no_match
+verify "$thief" erin "$T/a1.ply"
+problem "for one" 429 too_many_subjects
+
+# ---- many at once are no way round it
+sqlite3 "$DB" "DELETE FROM attempts"
+for i in alice bob carol dave erin frank; do
+    printf 'next\nurl = "%s/v1/subjects/%s/verify"\nheader = "%s"\nheader = "Authorization: Bearer %s"\ndata-binary = "@%s"\nwrite-out = "%%{http_code}\\n"\noutput = "%s"\n' \
+        "$URL" "$i" "$PLY" "$thief" "$T/b.ply" "$T/many.$i" >>"$T/urls"
+done
+sed -i 1d "$T/urls"
+curl -sS -m 120 --parallel --parallel-max 6 -K "$T/urls" >"$T/codes" 2>"$T/curl"
+is "6 subjects at once" "$(sort "$T/codes" | uniq -c | tr -s ' ' | tr '\n' ';')" ' 4 200; 2 429;'
+
+# ---- with the token, and with the subject, it goes
+ctl subject erase --yes alice
+ctl subject erase --yes bob
+ctl subject erase --yes carol
+ctl subject erase --yes dave
+ok "with the subjects" test "$(sqlite3 "$DB" "SELECT count(*) FROM attempts")" -le 2
+ctl token revoke "$thief_id"
+is "with the token" "$(sqlite3 "$DB" "SELECT count(*) FROM attempts")" 0
+finish
