@@ -23,6 +23,7 @@ const char *status_message(enum status st)
         [ST_ENOTFOUND] = "not found",
         [ST_EEXISTS] = "already there",
         [ST_EMISMATCH] = "the sample does not fit the subject's others",
+        [ST_EREPLAYED] = "a scan that was used before",
         [ST_EDENIED] = "not permitted",
         [ST_EREFUSED] = "not the database that it should be",
         [ST_EHELD] = "on hold",

@@ -26,6 +26,7 @@ enum status {
     ST_ENOTFOUND,   /* no such subject, template or token */
     ST_EEXISTS,     /* it is already there */
     ST_EMISMATCH,   /* a sample does not fit the subject's others */
+    ST_EREPLAYED,   /* a scan that was used before */
     ST_EDENIED,     /* no permission */
     ST_EREFUSED,    /* not the database that it should be: replaced, older, another key */
     ST_EHELD,       /* a subject on hold is not erased */

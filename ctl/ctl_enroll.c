@@ -15,14 +15,15 @@ static const char *kind; /* --kind */
 static enum status enroll_file(struct ctl *c, const char *subject, const char *path,
                                struct face *f)
 {
+    struct scan_found found;
     const struct enrolment x = {.actor = CTL_ACTOR,
                                 .subject = subject,
                                 .label = c->label != NULL ? c->label : "",
                                 .face = f,
+                                .read = found.digest,
                                 .force = force};
     struct json *o = c->out;
     struct enrolment_outcome out;
-    struct scan_found found;
     enum status st = ctl_sample_read(c, path, true, c->work, f, &found);
 
     if (st == ST_OK)

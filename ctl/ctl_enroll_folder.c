@@ -88,16 +88,17 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
                                struct face_work *work, struct face *f)
 {
     const struct corpus_scan *scan = &w->corpus->scan[i];
+    struct scan_found found;
     const struct enrolment x = {.actor = CTL_ACTOR,
                                 .subject = w->corpus->subject[scan->subject].id,
                                 .label = c->label != NULL ? c->label
                                                           : w->corpus->kind[scan->kind],
                                 .face = f,
+                                .read = found.digest,
                                 .force = w->force};
     struct outcome *o = &w->outcome[i];
     struct enrolment_outcome out = {.created = false};
     bool there = false, stored = false;
-    struct scan_found found;
     char where[104];
     enum status st;
 

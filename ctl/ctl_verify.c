@@ -4,6 +4,8 @@
 
 #include "describe.h"
 #include "minimal.h"
+#include "replay.h"
+#include "scan.h"
 #include "verdict.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
@@ -32,19 +34,26 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 }
 
 /* Whoever has the database is not locked out of it: attempts are not counted. */
-static enum status settle(struct ctl *c, const struct ctl_nearest *best)
+static enum status settle(struct ctl *c, const struct ctl_nearest *best,
+                          const struct scan_found *found, const struct face *f)
 {
     struct errinfo lost = {0};
+    struct store_probe probe;
     struct store_settled out = {.lost = &lost};
-    const struct store_settle what = {
-        .subject = &best->subject,
-        .as = STORE_SETTLE_UNCOUNTED,
-        .actor = CTL_ACTOR,
-        .kind = "verify",
-        .template_id = best->tmpl.id,
-        .outcome = verdict_decision(best->nearest.result.decision)};
-    const enum status st = store_settle(c->store, &what, &out, &c->e);
+    const enum face_decision decision = best->nearest.result.decision;
+    const struct store_settle what = {.subject = &best->subject,
+                                      .as = STORE_SETTLE_UNCOUNTED,
+                                      .actor = CTL_ACTOR,
+                                      .kind = "verify",
+                                      .template_id = best->tmpl.id,
+                                      .outcome = verdict_decision(decision),
+                                      .probe = decision == FACE_MATCH ? &probe : NULL};
+    enum status st = replay_probe(NULL, found, f, 0, &probe, &c->e);
 
+    if (st == ST_OK)
+        st = store_settle(c->store, &what, &out, &c->e);
+    if (st == ST_OK && out.replayed)
+        return replay_refuse(&c->e);
     return st == ST_OK && lost.code != ST_OK
                ? errinfo_set(&c->e, lost.code, "%s", lost.msg)
                : st;
@@ -62,7 +71,7 @@ static enum status verify(struct ctl *c)
     if (st == ST_OK)
         st = ctl_face_nearest(c, subject, &probe, &best);
     if (st == ST_OK)
-        st = settle(c, &best);
+        st = settle(c, &best, &found, &probe);
     if (st == ST_OK)
         st = nearest_judge(&best.nearest, &c->e);
     if (st == ST_OK) {

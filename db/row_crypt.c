@@ -27,14 +27,27 @@ void row_crypt_ref(const struct vault *v, const char *subject,
     memcpy(out, hash, ROW_CRYPT_REF);
 }
 
-void row_crypt_same(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
-                    const char *digest, unsigned char out[VAULT_HASH])
+static void find_digest(const struct vault *v, const char *what,
+                        const unsigned char uid[ROW_CRYPT_UID], const char *digest,
+                        unsigned char out[VAULT_HASH])
 {
     unsigned char data[ROW_CRYPT_UID + 2 * DIGEST];
 
     memcpy(data, uid, ROW_CRYPT_UID);
     memcpy(data + ROW_CRYPT_UID, digest, 2 * DIGEST);
-    vault_lookup(v, "template", data, sizeof data, out);
+    vault_lookup(v, what, data, sizeof data, out);
+}
+
+void row_crypt_same(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
+                    const char *digest, unsigned char out[VAULT_HASH])
+{
+    find_digest(v, "template", uid, digest, out);
+}
+
+void row_crypt_cloud(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
+                     const char *digest, unsigned char out[VAULT_HASH])
+{
+    find_digest(v, "cloud", uid, digest, out);
 }
 
 /* ---- keys */

@@ -28,6 +28,11 @@ void row_crypt_ref(const struct vault *v, const char *subject,
 void row_crypt_same(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
                     const char *digest, unsigned char out[VAULT_HASH]);
 
+/* row_crypt_cloud(v, uid, digest, out): what a scan of the subject is found by, by the digest of
+ * its points as they were read, 64 hexadecimal digits. */
+void row_crypt_cloud(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
+                     const char *digest, unsigned char out[VAULT_HASH]);
+
 /* row_crypt_new(v, uid, k, wrapped): a subject's key, and where uid is NULL that too.
  * row_crypt_key(v, uid, wrapped, k): the key of a row; false: damaged, or another's. */
 void row_crypt_new(const struct vault *v, const unsigned char *uid,

@@ -5,10 +5,30 @@
 
 #include "errinfo.h"
 #include "row_attempts.h"
+#include "row_cloud.h"
 #include "row_event.h"
 #include "row_subject.h"
 #include "store_rules.h"
 #include "store_txn.h"
+
+/* A match by a scan that is no new one is none. */
+static enum status look_back(struct store_txn *t, struct store_settle *what, int64_t now,
+                             struct store_settled *out, struct errinfo *e)
+{
+    enum status st;
+
+    if (what->probe == NULL)
+        return ST_OK;
+    st = row_cloud_known(t, what->subject, what->probe, now, &out->replayed, e);
+    if (st == ST_OK && !out->replayed && what->probe->keep_ms > 0)
+        st = row_cloud_keep(t, what->subject, what->probe, now, &out->replayed, e);
+    if (!out->replayed)
+        return st;
+    what->outcome = "replayed";
+    if (what->as == STORE_SETTLE_PASSED)
+        what->as = STORE_SETTLE_FAILED;
+    return st;
+}
 
 static enum status count_attempt(struct store_txn *t, const struct store_settle *what,
                                  const struct store_attempts *was, int64_t now,
@@ -57,10 +77,11 @@ static enum status add_events(struct store_txn *t, const struct store_settle *wh
     return st;
 }
 
-static enum status write_all(struct store_txn *t, const struct store_settle *what,
+static enum status write_all(struct store_txn *t, const struct store_settle *asked,
                              const struct store_act *by, struct store_settled *out,
                              struct errinfo *e)
 {
+    struct store_settle settled = *asked, *what = &settled;
     const char *subject = what->subject->id;
     struct store_attempts was;
     struct errinfo why;
@@ -72,6 +93,8 @@ static enum status write_all(struct store_txn *t, const struct store_settle *wha
     out->may = what->may == NULL || what->may(what->arg, &was);
     if (!out->may)
         return ST_OK;
+    if ((st = look_back(t, what, by->ms, out, e)) != ST_OK)
+        return st;
     judge(what, &was, out);
     if ((st = count_attempt(t, what, &was, by->ms, e)) != ST_OK)
         return st;
@@ -92,7 +115,7 @@ enum status store_settle(struct store *s, const struct store_settle *what,
     struct store_txn t;
     enum status st;
 
-    out->may = out->locked_out = out->many_subjects = false;
+    out->may = out->replayed = out->locked_out = out->many_subjects = false;
     if ((st = store_rules_subject(what->subject->id, e)) != ST_OK ||
         (st = store_rules_event(what->kind, "", what->template_id, what->outcome, e)) !=
             ST_OK ||

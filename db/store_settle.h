@@ -14,6 +14,10 @@ struct store_settle {
     enum store_settle_as as;
     const char *actor, *kind, *template_id, *outcome; /* of the event */
 
+    /* A probe that matched, which is refused where it is no new scan: the cloud of a template, or
+     * a probe that matched and is kept.  NULL: not asked. */
+    const struct store_probe *probe;
+
     /* may: by the attempts as they are now, may the verification still be answered?  Others of
      * the subject may have failed since it was admitted.  NULL: yes. */
     bool (*may)(void *arg, const struct store_attempts *now);
@@ -26,7 +30,8 @@ struct store_settle {
 };
 
 struct store_settled {
-    bool may;                       /* may() said so; else nothing was written */
+    bool may;      /* may() said so; else nothing was written */
+    bool replayed; /* it was no new scan: recorded as "replayed", and counted as failed */
     bool locked_out, many_subjects; /* there was reason for such an event */
     struct errinfo *lost; /* set by the caller, may be NULL: why there is no event */
 };

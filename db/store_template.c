@@ -8,6 +8,7 @@
 #include "codec.h"
 #include "errinfo.h"
 #include "mesh.h"
+#include "row_cloud.h"
 #include "row_event.h"
 #include "row_template.h"
 #include "store_rules.h"
@@ -50,9 +51,9 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
 }
 
 static enum status enroll_row(struct store_txn *x, const struct store_act *by,
-                              const char *newest, const char *outcome, const void *model,
-                              size_t len, struct store_template *t, bool *created,
-                              struct errinfo *e)
+                              const char *read, const char *newest, const char *outcome,
+                              const void *model, size_t len, struct store_template *t,
+                              bool *created, struct errinfo *e)
 {
     struct store_template old = {0};
     struct row_subject p;
@@ -66,6 +67,8 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
     if (st == ST_OK && !found &&
         (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
         st = row_template_tell(x, by, "enroll", t->subject, t->id, outcome, e);
+    if (st == ST_OK && !found && read != NULL)
+        st = row_cloud_enroll(x, &p, t->id, read, e);
     sodium_memzero(&p, sizeof p);
     if (st == ST_OK && found)
         *t = old;
@@ -91,7 +94,7 @@ static enum status describe(const struct store *s, const struct store_act *by,
 }
 
 enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
-                               const char *label, const struct face *f,
+                               const char *label, const struct face *f, const char *read,
                                const char *newest, const char *captured,
                                struct store_template *t, bool *created, struct errinfo *e)
 {
@@ -120,7 +123,7 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
                    captured != NULL ? captured : "");
     if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK)
         st = store_txn_end(
-            &x, enroll_row(&x, &by, newest, outcome, model, len, t, created, e), e);
+            &x, enroll_row(&x, &by, read, newest, outcome, model, len, t, created, e), e);
     *created = *created && st == ST_OK;
     sodium_memzero(model, len);
     free(model);
@@ -131,7 +134,8 @@ enum status store_enroll(struct store *s, const char *actor, const char *subject
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
-    return store_enroll_after(s, actor, subject, label, f, NULL, NULL, t, created, e);
+    return store_enroll_after(s, actor, subject, label, f, NULL, NULL, NULL, t, created,
+                              e);
 }
 
 /* ---- reading */

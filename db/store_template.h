@@ -9,16 +9,17 @@
 /* store_enroll(s, actor, subject, label, f, t, created, e): encode and store a template,
  * and the subject where it is new; an event with it.  *created is false when the subject
  * has this very cloud (digest) already: then *t describes the one that is there.
- * store_enroll_after(s, actor, subject, label, f, newest, captured, t, created, e): the same for a
- * face that was compared with all of the subject's templates, of which `newest` was the
- * last ("": it had none).  ST_EEXISTS and nothing stored where another is the last by now:
- * then there may be one that it was not compared with, by whatever thread or process.
+ * store_enroll_after(s, actor, subject, label, f, read, newest, captured, t, created, e): the same
+ * for a face of points that had the digest `read` (struct store_probe; NULL: not known), and that
+ * was compared with all of the subject's templates, of which `newest` was the last ("": it had
+ * none).  ST_EEXISTS and nothing stored where another is the last by now: then there may be one
+ * that it was not compared with, by whatever thread or process.
  * captured: follows in the event on its outcome; NULL for nothing. */
 enum status store_enroll(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
 enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
-                               const char *label, const struct face *f,
+                               const char *label, const struct face *f, const char *read,
                                const char *newest, const char *captured,
                                struct store_template *t, bool *created,
                                struct errinfo *e);

@@ -213,6 +213,16 @@ struct store_attempts {
     int64_t tried_age_ms; /* since the first of them */
 };
 
+#define STORE_PROBES 1000 /* that are kept of a subject, at most */
+
+/* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,
+ * functions of the set of points alone. */
+struct store_probe {
+    const char *read;
+    char used[65];   /* codec_digest(); "": its number of points is no template's */
+    int64_t keep_ms; /* how long it is refused from now on; 0: not for this */
+};
+
 struct store_calibration {
     int64_t version;  /* 1, 2, ...: the greatest is in force */
     char created[32]; /* RFC 3339, UTC */

@@ -58,6 +58,7 @@ struct scan_found {
     uint32_t faces; /* in the cloud */
     struct gate gate;  /* the evidence for a face, and the least that is wanted here */
     unsigned warnings; /* 1 << enum scan_warning */
+    char digest[65];   /* of the set of points as they were read; set by sample_build() */
 };
 
 /* scan_build(c, o, w, out, found): the model of the face in c.

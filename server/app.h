@@ -36,8 +36,9 @@ struct app {
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
-    bool signed_captures; /* nothing else is taken (capture.h) */
-    size_t max_body;      /* bytes */
+    bool signed_captures;   /* nothing else is taken (capture.h) */
+    unsigned replay_window; /* s that a probe that matched is refused; 0: it is not */
+    size_t max_body;        /* bytes */
     atomic_bool stopping;
     atomic_flag refusal_told, anchor_told;
 };

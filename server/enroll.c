@@ -12,7 +12,6 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "event.h"
-#include "idempotency.h"
 #include "render.h"
 #include "log.h"
 #include "metrics.h"
@@ -21,8 +20,6 @@
 #include "scan.h"
 #include "verify.h"
 #include "worker.h"
-
-#define LOCATION "/v1/templates/" /* and the template's id */
 
 static bool may(void *arg, const struct store_attempts *now)
 {
@@ -34,17 +31,26 @@ static bool may(void *arg, const struct store_attempts *now)
 static void enroll(struct request *r, struct worker *w, const char *label, bool force,
                    const struct scan_found *found)
 {
-    const struct enrolment x = {.actor = r->actor,
-                                .subject = r->subject,
-                                .label = label,
-                                .face = &w->probe,
-                                .captured = r->capture.captured,
-                                .force = force,
-                                .may = attempts_limited(r->app->attempts) ? may : NULL,
-                                .arg = r};
+    struct store_settle limits = {.actor = r->actor};
+    struct enrolment x = {.actor = r->actor,
+                          .subject = r->subject,
+                          .label = label,
+                          .face = &w->probe,
+                          .read = found->digest,
+                          .captured = r->capture.captured,
+                          .force = force,
+                          .may = attempts_limited(r->app->attempts) ? may : NULL,
+                          .arg = r};
     struct enrolment_outcome out;
     struct errinfo e = {0};
-    enum status st = enrolment_add(&w->compare, &x, &out, &e);
+    enum status st;
+
+    attempts_watch(r->app->attempts, &limits);
+    x.warn_failures = limits.warn_failures;
+    x.warn_tried = limits.warn_tried;
+    st = enrolment_add(&w->compare, &x, &out, &e);
+    attempts_warn(r, &(struct store_settled){.locked_out = out.locked_out,
+                                             .many_subjects = out.many_subjects});
 
     if (out.nearest.compared > 0) {
         request_stage(r, REQUEST_ALIGN, out.nearest.align_ms);
@@ -63,9 +69,11 @@ static void enroll(struct request *r, struct worker *w, const char *label, bool 
     metrics_enrollment(r->app->metrics, out.created ? METRICS_ENROLLED : METRICS_KNOWN);
     request_written(r, out.created ? 201 : 200,
                     render_enrolled(&out.tmpl, &w->probe.frame, found));
-    if (r->response.http < 300)
-        (void)snprintf(r->response.location, sizeof r->response.location, LOCATION "%s",
-                       out.tmpl.id);
+    if (r->response.http >= 300)
+        return;
+    memcpy(r->response.template_id, out.tmpl.id, sizeof out.tmpl.id);
+    (void)snprintf(r->response.location, sizeof r->response.location, "/v1/templates/%s",
+                   out.tmpl.id);
 }
 
 static void read_and_enroll(struct request *r, struct worker *w)
@@ -94,37 +102,7 @@ static void read_and_enroll(struct request *r, struct worker *w)
         enroll(r, w, label, force, &found);
 }
 
-/* A response that is sent again must still be true: a template that was deleted since is not
- * reported any more, and a late retry does not enrol it again. */
-static void check_replayed(struct request *r)
-{
-    struct store_template t;
-    struct errinfo e = {0};
-    enum status st;
-
-    if (r->response.http >= 300)
-        return;
-    st = store_template_get(r->app->store, r->response.location + strlen(LOCATION), &t,
-                            &e);
-    if (st == ST_OK)
-        return;
-    r->response.replayed = r->response.minimal = false;
-    if (st == ST_ENOTFOUND)
-        request_problem(r, st,
-                        "what this Idempotency-Key enrolled has been deleted since");
-    else
-        request_fail(r, &e);
-}
-
 void enroll_handle(struct request *r, struct worker *w)
 {
-    struct idempotency *m = r->app->idempotency;
-    uint32_t ticket;
-
-    if (idempotency_begin(m, r, log_clock_ms(), &ticket)) {
-        read_and_enroll(r, w);
-        idempotency_end(m, r, ticket);
-    } else if (r->response.replayed) {
-        check_replayed(r);
-    }
+    verify_once(r, w, read_and_enroll);
 }

@@ -23,6 +23,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EEXISTS] = {409, "exists", "It is already there"},
     [ST_EMISMATCH] = {409, "sample_mismatch",
                       "The sample does not fit the subject's others"},
+    [ST_EREPLAYED] = {422, "replayed", "The scan was used before"},
     [ST_EDENIED] = {403, "forbidden", "Not permitted"},
     [ST_EREFUSED] = {503, "database_refused", "The database is refused"},
     [ST_EHELD] = {409, "on_hold", "The subject is on hold"},

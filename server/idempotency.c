@@ -1,6 +1,7 @@
 #include "idempotency.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sodium.h>
@@ -20,6 +21,7 @@ struct entry {
     unsigned char key[DIGEST];     /* of token and key */
     unsigned char request[DIGEST]; /* of the request */
     char subject[STORE_SUBJECT_MAX + 1];
+    bool erased; /* the subject was, while it ran */
     double since_ms;
     uint32_t next;            /* in its bucket */
     struct response response; /* DONE: body is the entry's own */
@@ -30,6 +32,7 @@ struct idempotency {
     unsigned char secret[crypto_generichash_KEYBYTES];
     uint32_t room, oldest, used; /* entries in order of arrival, a ring */
     uint32_t *bucket;            /* room of them */
+    size_t bytes;                /* of all bodies */
     struct entry entry[];
 };
 
@@ -82,10 +85,12 @@ static struct entry *find(struct idempotency *m, const unsigned char key[DIGEST]
     return i == NONE ? NULL : &m->entry[i];
 }
 
-static void wipe(struct response *a)
+static void wipe(struct idempotency *m, struct response *a)
 {
-    if (a->body != NULL)
+    if (a->body != NULL) {
         sodium_memzero(a->body, a->len);
+        m->bytes -= a->len;
+    }
     free(a->body);
     a->body = NULL;
     a->len = 0;
@@ -99,7 +104,7 @@ static void forget(struct idempotency *m, struct entry *x)
     while (*at != i)
         at = &m->entry[*at].next;
     *at = x->next;
-    wipe(&x->response);
+    wipe(m, &x->response);
     *x = (struct entry){.state = FREE};
 }
 
@@ -235,7 +240,31 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
     return r->response.http == 0;
 }
 
-void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ticket)
+/* The oldest responses go where all together are too long. */
+static void limit_bytes(struct idempotency *m)
+{
+    for (uint32_t i = 0; m->bytes > IDEMPOTENCY_BYTES && i < m->used; i++) {
+        struct entry *x = &m->entry[(m->oldest + i) % m->room];
+
+        if (x->state == DONE && x->response.len > 0)
+            forget(m, x);
+    }
+}
+
+static bool keep(struct idempotency *m, struct entry *x, const struct request *r)
+{
+    if (x->erased || r->response.http >= 500 || r->response.http == 429 ||
+        capture_refused(r) || r->response.len > IDEMPOTENCY_BYTES / 8 ||
+        !copy_response(&r->response, &x->response))
+        return false;
+    x->state = DONE;
+    m->bytes += x->response.len;
+    limit_bytes(m);
+    return true;
+}
+
+void idempotency_end(struct idempotency *m, const struct request *r, const char *subject,
+                     uint32_t ticket)
 {
     struct entry *x;
 
@@ -243,11 +272,31 @@ void idempotency_end(struct idempotency *m, const struct request *r, uint32_t ti
         return;
     (void)pthread_mutex_lock(&m->lock);
     x = &m->entry[ticket];
-    if (r->response.http < 500 && r->response.http != 429 && !capture_refused(r) &&
-        copy_response(&r->response, &x->response))
-        x->state = DONE;
+    (void)snprintf(x->subject, sizeof x->subject, "%s", subject);
+    if (!keep(m, x, r))
+        forget(m, x);
+    (void)pthread_mutex_unlock(&m->lock);
+}
+
+/* Nothing but that the key was used. */
+static void empty(struct idempotency *m, struct entry *x)
+{
+    sodium_memzero(x->subject, sizeof x->subject);
+    if (x->response.http < 300)
+        wipe(m, &x->response);
     else
         forget(m, x);
+}
+
+void idempotency_empty(struct idempotency *m, const struct request *r)
+{
+    unsigned char key[DIGEST];
+    struct entry *x;
+
+    digest_key(m, r, key);
+    (void)pthread_mutex_lock(&m->lock);
+    if ((x = find(m, key)) != NULL && x->state == DONE)
+        empty(m, x);
     (void)pthread_mutex_unlock(&m->lock);
 }
 
@@ -257,13 +306,10 @@ void idempotency_erase(struct idempotency *m, const char *subject)
     for (uint32_t i = 0; i < m->used; i++) {
         struct entry *x = &m->entry[(m->oldest + i) % m->room];
 
-        if (x->state != DONE || strcmp(x->subject, subject) != 0)
-            continue;
-        sodium_memzero(x->subject, sizeof x->subject);
-        if (x->response.http < 300)
-            wipe(&x->response);
-        else
-            forget(m, x);
+        if (x->state == RUNNING) /* the subject of some is not known yet */
+            x->erased |= x->subject[0] == '\0' || strcmp(x->subject, subject) == 0;
+        else if (x->state == DONE && strcmp(x->subject, subject) == 0)
+            empty(m, x);
     }
     (void)pthread_mutex_unlock(&m->lock);
 }

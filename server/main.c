@@ -274,6 +274,7 @@ int main(int argc, char **argv)
     app.no_auth = o.no_auth;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
+    app.replay_window = o.replay_window;
     if (start(&o, &app, &http, url, &e) != ST_OK) {
         (void)fprintf(stderr, "surfaced: %s\n", e.msg);
         stop(&app, http);

@@ -49,7 +49,7 @@ struct metrics {
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
     counter database[NDATABASE];
-    counter lost_events, wrong_tokens;
+    counter lost_events, wrong_tokens, replayed;
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
     size_t nroutes;
@@ -109,6 +109,8 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         count(&m->wrong_tokens, 1);
     if (r->response.problem >= ST_ELIMIT && r->response.problem <= ST_EQUALITY)
         count(&m->refused[r->response.problem - ST_ELIMIT], 1);
+    if (r->response.problem == ST_EREPLAYED)
+        count(&m->replayed, 1);
     metrics_database_error(m, r->failed);
 }
 
@@ -288,6 +290,8 @@ static void print_outcomes(FILE *f, const struct metrics *m)
              NDATABASE, "Requests that failed because of the database.");
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),
               "Events that could not be written to the database.");
+    print_one(f, "surfaced_replayed_total", "counter", value(&m->replayed),
+              "Probes refused because they were no new scans (replayed).");
     print_one(f, "surfaced_wrong_tokens_total", "counter", value(&m->wrong_tokens),
               "Requests with a token that is not valid.");
 }

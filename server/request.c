@@ -217,7 +217,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
         r->response.retry_after = 1;
     if (m->http == 401)
         r->response.challenge = true;
-    r->response.location[0] = '\0';
+    r->response.location[0] = r->response.template_id[0] = '\0';
     /* Without memory for the document its status code has to do. */
     set_body(r, m->http, "application/problem+json", render_problem(m, told, r->id));
     r->response.problem = kind;

@@ -54,9 +54,10 @@ struct response {
     unsigned problem; /* errmap.h; 0: it is none */
     char *body;       /* heap, or NULL with len 0 */
     size_t len;
-    const char *type;     /* static */
-    char location[192];   /* "" for none */
-    char allow[40];       /* "" for none */
+    const char *type;                   /* static */
+    char location[192];                 /* "" for none */
+    char template_id[STORE_ID_LEN + 1]; /* that it is about; "" for none */
+    char allow[40];                     /* "" for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */

@@ -1,6 +1,7 @@
 #include "verify.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "app.h"
 #include "attempts.h"
@@ -13,6 +14,7 @@
 #include "errmap.h"
 #include "event.h"
 #include "heatmap.h"
+#include "idempotency.h"
 #include "log.h"
 #include "mem.h"
 #include "minimal.h"
@@ -20,6 +22,7 @@
 #include "nearest.h"
 #include "params.h"
 #include "render.h"
+#include "replay.h"
 #include "request.h"
 #include "scan.h"
 #include "store.h"
@@ -208,6 +211,7 @@ static bool settle(struct verification *v)
     const struct app *app = v->r->app;
     char outcome[CAPTURE_OUTCOME];
     struct errinfo e = {0}, lost = {0};
+    struct store_probe probe;
     struct store_settled out = {.lost = &lost};
     struct store_settle what = {
         .subject = &v->admission.of.subject,
@@ -222,16 +226,29 @@ static bool settle(struct verification *v)
         .arg = v};
 
     attempts_watch(app->attempts, &what);
+    if (decision == FACE_MATCH) {
+        what.probe = &probe;
+        if (replay_probe(&v->admission, &v->found, &v->w->probe,
+                         app->replay_window * INT64_C(1000), &probe, &e) != ST_OK) {
+            request_fail(v->r, &e);
+            return false;
+        }
+    }
     if (store_settle(app->store, &what, &out, &e) != ST_OK) {
         request_fail(v->r, &e);
         return false;
     }
     if (!out.may)
         return false;
-    metrics_decision(app->metrics, decision);
     attempts_warn(v->r, &out);
     if (lost.code != ST_OK)
         event_lost(v->r, "verify", &lost);
+    if (out.replayed) {
+        (void)replay_refuse(&e);
+        request_fail(v->r, &e);
+        return false;
+    }
+    metrics_decision(app->metrics, decision);
     return true;
 }
 
@@ -266,6 +283,17 @@ static void respond(struct verification *v)
                          });
 }
 
+/* The template that decided goes with the response, and its subject with the request. */
+static void sign(struct verification *v)
+{
+    const struct store_admission *a = &v->admission.of;
+
+    if (v->best.compared == 0 || a->n == 0)
+        return;
+    memcpy(v->r->response.template_id, a->t[v->best.index].id, sizeof a->t->id);
+    memcpy(v->r->subject, a->subject.id, sizeof v->r->subject);
+}
+
 /* One of subject and template_id is NULL. */
 static void verify(struct request *r, struct worker *w, const char *subject,
                    const char *template_id)
@@ -276,17 +304,69 @@ static void verify(struct request *r, struct worker *w, const char *subject,
         return;
     if (admit(&v, subject, template_id) && compare(&v) && !request_gone(r) && settle(&v))
         respond(&v);
+    sign(&v);
     admission_free(&w->compare, &v.admission);
     mem_free(v.gap);
     cloudpoints_free(&v.cloud);
 }
 
-void verify_subject(struct request *r, struct worker *w)
+static void by_subject(struct request *r, struct worker *w)
 {
     verify(r, w, r->subject, NULL);
 }
 
-void verify_template(struct request *r, struct worker *w)
+static void by_template(struct request *r, struct worker *w)
 {
     verify(r, w, NULL, r->template_id);
+}
+
+void verify_subject(struct request *r, struct worker *w)
+{
+    verify_once(r, w, by_subject);
+}
+
+void verify_template(struct request *r, struct worker *w)
+{
+    verify_once(r, w, by_template);
+}
+
+/* ---- retries */
+
+/* A response that is sent again must still be true: of a template that was deleted since
+ * nothing is told any more, and a late retry does not enrol it again. */
+static void check_again(struct request *r)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+    enum status st;
+
+    if (r->response.template_id[0] == '\0')
+        return;
+    st = store_template_get(r->app->store, r->response.template_id, &t, &e);
+    if (st == ST_OK)
+        return;
+    r->response.replayed = r->response.minimal = false;
+    if (st == ST_ENOTFOUND) {
+        idempotency_empty(r->app->idempotency, r);
+        request_problem(
+            r, st,
+            "the template that this Idempotency-Key was about has been deleted "
+            "since");
+    } else {
+        request_fail(r, &e);
+    }
+}
+
+void verify_once(struct request *r, struct worker *w,
+                 void (*handle)(struct request *r, struct worker *w))
+{
+    struct idempotency *m = r->app->idempotency;
+    uint32_t ticket;
+
+    if (idempotency_begin(m, r, log_clock_ms(), &ticket)) {
+        handle(r, w);
+        idempotency_end(m, r, r->subject, ticket);
+    } else if (r->response.replayed) {
+        check_again(r);
+    }
 }

@@ -61,12 +61,16 @@ static enum status settle(struct admission_context *c, const struct admission *a
                                       .template_id = a->of.t[n->index].id,
                                       .outcome = outcome,
                                       .may = may,
-                                      .arg = ask};
+                                      .arg = ask,
+                                      .warn_failures = x->warn_failures,
+                                      .warn_tried = x->warn_tried};
     enum status st;
 
     (void)snprintf(outcome, sizeof outcome, "%s%s", verdict_decision(n->result.decision),
                    x->captured != NULL ? x->captured : "");
     st = store_settle(c->store, &what, &out, e);
+    ask->out->locked_out = out.locked_out;
+    ask->out->many_subjects = out.many_subjects;
     if (st == ST_OK && !out.may)
         return errinfo_set(e, ST_EDENIED, "the subject is locked out");
     return st == ST_OK ? mismatch(n, e) : st;
@@ -80,7 +84,7 @@ static enum status check_fit(struct admission_context *c, const struct enrolment
 {
     struct asking ask = {x, out};
     const struct admission_request what = {
-        .subject = x->subject, .admitted = admitted, .arg = &ask};
+        .subject = x->subject, .token = x->actor, .admitted = admitted, .arg = &ask};
     struct admission a;
     enum status st = admission_read(c, &what, &a, e);
 
@@ -124,8 +128,8 @@ enum status enrolment_add(struct admission_context *c, const struct enrolment *x
         if (st != ST_OK)
             return st;
         st = store_enroll_after(c->store, x->actor, x->subject, x->label, x->face,
-                                x->force ? NULL : newest, x->captured, &out->tmpl,
-                                &out->created, e);
+                                x->read, x->force ? NULL : newest, x->captured,
+                                &out->tmpl, &out->created, e);
     } while (st == ST_EEXISTS);
     return st;
 }

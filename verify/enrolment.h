@@ -13,6 +13,7 @@
 struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
     const struct face *face;
+    const char *read;     /* digest of the points it was made of (struct scan_found) */
     const char *captured; /* store_enroll_after() */
     bool force;           /* whether it fits is not asked */
     /* A sample that does not fit is a failed attempt on the subject: may(arg, now) is asked
@@ -20,15 +21,17 @@ struct enrolment {
      * database, is not locked out, and the attempt is not counted. */
     bool (*may)(void *arg, const struct store_attempts *now);
     void *arg;
+    unsigned warn_failures, warn_tried; /* as in store_settle() */
 };
 
 struct enrolment_outcome {
-    struct store_template tmpl; /* as it is stored; zero on failure */
-    bool created;               /* false: the subject had this very cloud already */
-    enum admit admit;           /* may samples of the subject be enrolled? */
-    struct nearest nearest;     /* compared is 0 where there was nothing to fit */
-    bool locked;                /* may() said no */
-    struct errinfo lost;        /* why there is no event of a sample that did not fit */
+    struct store_template tmpl;     /* as it is stored; zero on failure */
+    bool created;                   /* false: the subject had this very cloud already */
+    enum admit admit;               /* may samples of the subject be enrolled? */
+    struct nearest nearest;         /* compared is 0 where there was nothing to fit */
+    bool locked;                    /* may() said no */
+    bool locked_out, many_subjects; /* as in struct store_settled */
+    struct errinfo lost; /* why there is no event of a sample that did not fit */
 };
 
 /* enrolment_add(c, x, out, e): the sample is compared (unless force) and stored, with all

@@ -9,6 +9,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
+#include "replay.h"
 #include "tuning.h"
 
 /* To the end of the message, as far as there is room. */
@@ -144,11 +145,15 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                                     .search = o->search};
     const size_t n = c->n;
     struct advice advice;
+    char digest[sizeof found->digest];
     size_t bad = 0;
     enum status st;
 
     out->quality = (struct quality){0}; /* not known, until it is rated */
-    if ((st = scan_build(c, &by, w, out, &bad, found)) == ST_OK)
+    replay_digest(c, digest);
+    st = scan_build(c, &by, w, out, &bad, found);
+    memcpy(found->digest, digest, sizeof digest);
+    if (st == ST_OK)
         return st;
     advice_give(st, found, out, &advice);
     (void)errinfo_set(e, st, "%.80s: ", name);

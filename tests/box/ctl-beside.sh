@@ -8,6 +8,7 @@ cd "$(dirname "$0")/../.." || exit 1
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply" --pose 5 --shift 5
 scan 2 0 "$T/b.ply"
+scan 2 1 "$T/b1.ply"
 start_daemon --no-auth
 
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
@@ -24,7 +25,7 @@ is "to the same digits" "$(get .disparity_mm)" "$(jq -r .disparity_mm "$T/ctl")"
 ctl enroll bob "$T/b.ply"
 is "enrolled by surfacectl" $? 0
 bob=$(jq -r '.templates[0].template_id' "$T/ctl")
-send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "seen by the daemon" "$(get .decision)" match
 
 # Both templates are in the daemon's cache now.
@@ -47,7 +48,7 @@ is "erased beside a reader" $? 0
 ok "its key is in the log" holds "$key" "$DB" "$DB-wal"
 release_db
 for _ in 1 2; do
-    send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+    send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
     is "verified" "$STATUS" 200
 done
 is "its key is gone" "$(holds "$key" "$DB" "$DB-wal" && echo there)" ""
@@ -89,7 +90,7 @@ is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
 sqlite3 "$DB" "UPDATE templates SET model = CAST(substr(model, 1, 9000) || x'00' || substr(model, 9002) AS BLOB)
                WHERE id = '$bob'"
 start_daemon --no-auth
-send POST /v1/subjects/bob/verify "$PLY" "$T/b.ply"
+send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "a damaged template is an error" "$STATUS" 500
 ok "that tells nothing of the database" test -z "$(get .detail | grep -i -e sql -e "$DB")"
 ctl check

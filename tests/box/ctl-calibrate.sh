@@ -16,6 +16,7 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
 done
 scan 1 1 "$T/again.ply" --points 1000 --pose 5
 scan 2 1 "$T/probe.ply" --points 1000 --pose 5
+scan 2 2 "$T/probe2.ply" --points 1000 --pose 5
 ctl enroll s1 "$T/again.ply"
 
 # ---- what cannot be known
@@ -132,7 +133,7 @@ ctl check
 is "check finds it" "$CODE $(said '.problems | length')" "1 1"
 ctl calibrate --reset
 is "a new one" $CODE 0
-send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
+send POST /v1/subjects/s2/verify "$PLY" "$T/probe2.ply"
 is "is the way out" "$STATUS" 200
 stop_daemon
 finish

@@ -4,10 +4,11 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
+scan 1 1 "$T/enrolled.ply"
 scan 1 0 "$T/a.ply"
 scan 1 0 "$T/a.json"
 start_daemon --no-auth --max-body 40000000
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
 is enroll "$STATUS" 201
 id=$(get .template_id)
 

@@ -8,6 +8,7 @@ cd "$(dirname "$0")/../.." || exit 1
 
 for s in $(seq 12); do
     scan "$s" 0 "$T/s$s.ply"
+scan 1 1 "$T/probe.ply"
 done
 "$BUILD/facegen" --subject 1 --points 1000 --format json | jq '{a: ., b: .}' >"$T/two.json"
 start_daemon --no-auth
@@ -28,7 +29,7 @@ req GET "/v1/subjects/s$s"
 problem "the failed enrolment stored nothing" 404 not_found
 req GET '/v1/subjects?limit=100'
 is "all enrolments before it are stored" "$(get '.subjects | length')" "$stored"
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/probe.ply"
 problem "verification needs room for its event" 503 storage
 is "it is not counted" "$(metric 'surfaced_decisions_total{decision="match"}')" 0
 send POST /v1/compare "$JSON" "$T/two.json"
@@ -41,7 +42,7 @@ stop_daemon
 start_daemon --no-auth
 send POST "/v1/subjects/s$s/templates" "$PLY" "$T/s$s.ply"
 is "enroll with room again" "$STATUS" 201
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/probe.ply"
 is "and a verification" "$STATUS $(get .decision)" "200 match"
 is "the database is intact" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
 finish

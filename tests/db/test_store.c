@@ -92,34 +92,34 @@ static void test_enroll_after(void **state)
     bool created;
 
     (void)state;
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], "", NULL, &a,
-                                        &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], NULL, "",
+                                        NULL, &a, &created, &e),
                      ST_OK);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], "", NULL, &t,
-                                        &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], NULL, "",
+                                        NULL, &t, &created, &e),
                      ST_EEXISTS);
     assert_false(created);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], "", NULL, &t,
-                                        &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], NULL, "",
+                                        NULL, &t, &created, &e),
                      ST_OK);
     assert_false(created); /* the same cloud again changes nothing */
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], a.id, NULL,
-                                        &b, &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], NULL, a.id,
+                                        NULL, &b, &created, &e),
                      ST_OK);
     assert_true(created);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], a.id, NULL,
-                                        &t, &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, a.id,
+                                        NULL, &t, &created, &e),
                      ST_EEXISTS);
     assert_int_equal(store_template_delete(s, "", b.id, &e), ST_OK);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], b.id, NULL,
-                                        &t, &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, b.id,
+                                        NULL, &t, &created, &e),
                      ST_EEXISTS); /* nothing new, but it cannot know */
-    assert_int_equal(store_enroll_after(s, "", "bob", "", &tempdb_face[2], a.id, NULL, &t,
-                                        &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "bob", "", &tempdb_face[2], NULL, a.id,
+                                        NULL, &t, &created, &e),
                      ST_EEXISTS);
     assert_int_equal(store_subject_get(s, "bob", &who, &e), ST_ENOTFOUND);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], a.id, NULL,
-                                        &t, &created, &e),
+    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, a.id,
+                                        NULL, &t, &created, &e),
                      ST_OK);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);

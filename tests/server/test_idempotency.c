@@ -145,7 +145,7 @@ static enum outcome ask(struct idempotency *m, const struct ask *a, int http,
     if (got == DONE) {
         request_respond(&r, http, strdup(text));
         r.response.http = http;
-        idempotency_end(m, &r, ticket);
+        idempotency_end(m, &r, r.subject, ticket);
     } else if (got == AGAIN) {
         assert_int_equal(r.response.http, http);
         assert_string_equal(r.response.body != NULL ? r.response.body : "", text);
@@ -183,6 +183,7 @@ static void test_fault(void **state)
 
     (void)state;
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 503, "later"), DONE);
+    assert_int_equal(ask(m, &(struct ask){.key = "k"}, 429, "wait"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 422, "bad"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 422, "bad"), AGAIN);
     idempotency_free(m);
@@ -244,7 +245,7 @@ static void test_running(void **state)
             ask(m, &(struct ask){.key = key, .now_ms = i * DAY_MS}, 201, "x"), DONE);
     }
     request_respond(&r, 201, strdup("slowly"));
-    idempotency_end(m, &r, ticket);
+    idempotency_end(m, &r, r.subject, ticket);
     assert_int_equal(ask(m, &(struct ask){.key = "slow"}, 201, "slowly"), AGAIN);
     for (int i = 0; i < 20; i++) {
         (void)snprintf(key, sizeof key, "l%d", i);
@@ -271,6 +272,59 @@ static void test_erase(void **state)
     idempotency_free(m);
 }
 
+/* What was under way when its subject was erased is not kept, nor where the subject is known
+ * at the end alone; nor one whose template is gone. */
+static void test_erase_running(void **state)
+{
+    struct idempotency *m = idempotency_new(10);
+    struct request r;
+    uint32_t ticket;
+
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        make(&r, &(struct ask){.key = "k"});
+        if (i == 1)
+            r.subject[0] = '\0';
+        assert_true(idempotency_begin(m, &r, 0, &ticket));
+        idempotency_erase(m, "alice");
+        request_respond(&r, 200, strdup("of alice"));
+        idempotency_end(m, &r, "alice", ticket);
+        request_free(&r);
+    }
+    assert_int_equal(ask(m, &(struct ask){.key = "k"}, 200, "anew"), DONE);
+    make(&r, &(struct ask){.key = "k"});
+    idempotency_empty(m, &r);
+    request_free(&r);
+    assert_int_equal(ask(m, &(struct ask){.key = "k"}, 200, ""), AGAIN);
+    idempotency_free(m);
+}
+
+/* Long responses push out the oldest; the longest are not kept. */
+static void test_bytes(void **state)
+{
+    struct idempotency *m = idempotency_new(100);
+    const size_t len = IDEMPOTENCY_BYTES / 8;
+    char *text = malloc(len + 2), key[16];
+
+    (void)state;
+    assert_non_null(text);
+    memset(text, 'x', len + 1);
+    text[len + 1] = '\0';
+    assert_int_equal(ask(m, &(struct ask){.key = "k"}, 200, text), DONE);
+    assert_int_equal(ask(m, &(struct ask){.key = "k"}, 200, text), DONE);
+    text[len] = '\0';
+    for (int i = 0; i < 9; i++) {
+        (void)snprintf(key, sizeof key, "k%d", i);
+        assert_int_equal(ask(m, &(struct ask){.key = key}, 200, text), DONE);
+    }
+    assert_int_equal(ask(m, &(struct ask){.key = "k8"}, 200, text), AGAIN);
+    assert_int_equal(ask(m, &(struct ask){.key = "k1"}, 200, text), AGAIN);
+    assert_int_equal(ask(m, &(struct ask){.key = "k0"}, 200, text), DONE);
+    assert_int_equal(ask(m, &(struct ask){.key = "k1"}, 200, text), DONE);
+    free(text);
+    idempotency_free(m);
+}
+
 static void test_bad(void **state)
 {
     struct idempotency *m = idempotency_new(10);
@@ -290,11 +344,12 @@ static void test_bad(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_key),    cmocka_unit_test(test_prefer),
-        cmocka_unit_test(test_coding), cmocka_unit_test(test_again),
-        cmocka_unit_test(test_fault),  cmocka_unit_test(test_time),
-        cmocka_unit_test(test_full),   cmocka_unit_test(test_running),
-        cmocka_unit_test(test_erase),  cmocka_unit_test(test_bad),
+        cmocka_unit_test(test_key),           cmocka_unit_test(test_prefer),
+        cmocka_unit_test(test_coding),        cmocka_unit_test(test_again),
+        cmocka_unit_test(test_fault),         cmocka_unit_test(test_time),
+        cmocka_unit_test(test_full),          cmocka_unit_test(test_running),
+        cmocka_unit_test(test_erase),         cmocka_unit_test(test_bad),
+        cmocka_unit_test(test_erase_running), cmocka_unit_test(test_bytes),
     };
 
     return sodium_init() < 0 ? 1 : cmocka_run_group_tests(tests, NULL, NULL);
