@@ -6,6 +6,7 @@ cd "$(dirname "$0")/../.." || exit 1
 
 for s in $(seq 8); do
     scan "$s" 0 "$T/s$s.ply" --points 1500
+    scan "$s" 1 "$T/p$s.ply" --points 1500
 done
 
 # enroll_on ROUND CLIENT: subject after subject until there is no response; "STATUS
@@ -58,7 +59,7 @@ for round in 1 2 3 4 5; do
     done <"$T/kept"
     is "round $round: nothing that was answered is lost" "$lost" ""
     first=$(head -n 1 "$T/kept") client=${first#*-c}
-    send POST "/v1/subjects/$first/verify" "$PLY" "$T/s${client%-*}.ply"
+    send POST "/v1/subjects/$first/verify" "$PLY" "$T/p${client%-*}.ply"
     is "round $round: the first one verifies" "$STATUS $(get .decision)" "200 match"
     stop_daemon
     is "round $round: the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok

@@ -6,6 +6,7 @@ cd "$(dirname "$0")/../.." || exit 1
 
 for s in 1 2 3 4 5 6; do
     scan "$s" 0 "$T/s$s.ply" --points 1500
+    scan "$s" 1 "$T/p$s.ply" --points 1500
 done
 
 # ---- locked by another process
@@ -36,10 +37,10 @@ problem "one more" 503 busy
 is "Retry-After" "$(field Retry-After)" 1
 req DELETE /v1/subjects/s1
 problem "nor does deleting" 503 busy
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 problem "a verification that cannot be recorded is not told" 503 busy
 release_db
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "and is after it" "$STATUS $(get .decision)" "200 match"
 ctl audit show
 is "one event, of the one that was told" \
@@ -53,10 +54,10 @@ is "nothing of the refused is there" "$(get '[.subjects[].subject] | join(" ")')
 mac=$(sqlite3 "$DB" "SELECT hex(mac) FROM events_end WHERE chain = 1")
 sqlite3 "$DB" "UPDATE events_end SET mac = zeroblob(length(mac)) WHERE chain = 1"
 for s in 1 2 2 2; do # as the first sample; then as often as it may fail
-    send POST /v1/subjects/s1/verify "$PLY" "$T/s$s.ply"
+    send POST /v1/subjects/s1/verify "$PLY" "$T/p$s.ply"
     is "it is told all the same" "$STATUS" 200
 done
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 problem "and attempts are counted" 429 too_many_attempts
 is "the log says what is missing" "$(grep -c 'msg="event lost".*event=verify' "$LOG")" 4
 req GET /metrics
@@ -99,7 +100,7 @@ if $as "$BUILD/surfaced" --version >/dev/null 2>&1 && $as test -x "$T"; then
     DB=$T/ro/faces.db UNDER=$as start_daemon --no-auth
     # Open connections stay; new ones cannot create their files any more.
     chmod 555 "$T/ro"
-    send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+    send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
     is "read-only while it runs: verify" "$STATUS" 200
     send POST /v1/subjects/s3/templates "$PLY" "$T/s3.ply"
     is "read-only while it runs: enroll" "$STATUS" 201

@@ -8,8 +8,8 @@ cd "$(dirname "$0")/../.." || exit 1
 
 for s in $(seq 12); do
     scan "$s" 0 "$T/s$s.ply"
-scan 1 1 "$T/probe.ply"
 done
+scan 1 1 "$T/probe.ply"
 "$BUILD/facegen" --subject 1 --points 1000 --format json | jq '{a: ., b: .}' >"$T/two.json"
 start_daemon --no-auth
 send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"

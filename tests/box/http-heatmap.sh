@@ -89,7 +89,7 @@ with=$(new_token both --scope verify,detail)
 without=$(new_token verify --scope verify)
 alone=$(new_token detail --scope detail)
 scan 3 0 "$T/other.json"
-scan 2 0 "$T/c.json"
+scan 2 1 "$T/c.json"
 jq -c -n --slurpfile a "$T/other.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
 
 # revealing: the members of the last response that reveal the template's shape or position.

@@ -38,6 +38,7 @@ failures() {
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
+scan 2 1 "$T/b1.ply"
 scan 1 1 "$T/a1.xyz"
 awk '{ print -$1, $2, $3 }' "$T/a1.xyz" >"$T/swapped.xyz"
 
@@ -88,7 +89,7 @@ locked_out "by template" 300
 verify alice "$T/a1.ply" '?units=mm'
 locked_out "with another query" 300
 is "rejected requests are not failures" "$(failures alice)" 3
-verify bob "$T/b.ply"
+verify bob "$T/b1.ply"
 decides "another subject is not locked out" match
 verify nobody "$T/b.ply"
 problem "an unknown subject" 404 not_found

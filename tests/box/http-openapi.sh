@@ -98,6 +98,7 @@ OPERATIONS='. as $d
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.json" --pose 8 --shift 10
 scan 2 0 "$T/b.ply"
+scan 2 1 "$T/b1.ply"
 jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/ab.json"
 jq -r '.points[] | map(tostring) | join(" ")' "$T/a2.json" >"$T/a2.xyz"
 AUTH=
@@ -174,7 +175,8 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json" -H "$MIN"
     put POST "/v1/$one/verify?detail=heatmap" 200 "$JSON" "$T/a2.json"
-    put POST "/v1/$one/verify" 200 "$PLY" "$T/b.ply"
+    put POST "/v1/$one/verify" 422 "$PLY" "$T/b.ply"
+    put POST "/v1/$one/verify" 200 "$PLY" "$T/b1.ply"
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?units=0" 400 "$JSON" "$T/a2.json"
 done

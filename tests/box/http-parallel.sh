@@ -8,6 +8,7 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/p.ply" --pose 8 --shift 10
 scan 2 0 "$T/b.ply"
 scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
+scan 1 3 "$T/probe.ply" --points 120000 --noise 0.05
 
 # parallel N PATH FILE: N clients send FILE at once; waits for all.  Statuses, bodies and headers
 # are in $T/s.*, $T/o.* and $T/h.*.
@@ -110,7 +111,7 @@ start_daemon --no-auth --workers 1
 clients=
 rm -f "$T"/s.*
 for i in 1 2 3 4; do
-    curl -sS -m 60 -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/large.ply" \
+    curl -sS -m 60 -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/probe.ply" \
         "$URL/v1/subjects/x/verify" >"$T/s.$i" 2>/dev/null &
     clients="$clients $!"
 done
@@ -131,7 +132,7 @@ is "the daemon does not listen" "$STATUS" 000
 
 # SIGINT stops it too, even while a client sends its body.
 start_daemon --no-auth
-curl -sS -m 20 --limit-rate 3000 -o /dev/null -H "$PLY" --data-binary "@$T/large.ply" \
+curl -sS -m 20 --limit-rate 3000 -o /dev/null -H "$PLY" --data-binary "@$T/probe.ply" \
     "$URL/v1/subjects/x/verify" 2>/dev/null &
 slow=$!
 sleep 0.3

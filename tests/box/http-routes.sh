@@ -152,7 +152,8 @@ problem "units=inch" 400 invalid_parameter
 send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/b.ply"
 is "force" "$STATUS" 201
 other=$(get .template_id)
-send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
+scan 2 1 "$T/b1.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/b1.ply"
 is "the best of two" "$(get '[.decision, .templates_compared, .template_id] | @tsv')" \
     "$(printf 'match\t2\t%s' "$other")"
 scan 2 5 "$T/b5.ply" --pose 5 --shift 5

@@ -6,6 +6,7 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
+scan 2 2 "$T/enrolled.ply"
 scan 2 0 "$T/a.ply"
 scan 2 0 "$T/a.xyz"
 scan 2 1 "$T/b.json"
@@ -28,11 +29,11 @@ found() {
     is "$1: nothing is covered, and no warning" "$(get "${2:-.scan} | [.occluded < 0.2, .warnings] | tojson")" \
         '[true,[]]'
 }
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
 found "enrolment" .scan 201
 is "its format" "$(get .scan.format)" ply
 id=$(get .template_id)
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
 found "enrolled before"
 for route in subjects/alice "templates/$id"; do
     send POST "/v1/$route/verify" "$JSON" "$T/b.json"

@@ -5,6 +5,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a1.ply"
 # shellcheck disable=SC2119 # without options
 start_daemon
 for path in /healthz /readyz /version /metrics /openapi.json; do
@@ -39,7 +40,7 @@ AUTH=$(jq -r '.secret // .token' "$T/ctl")
 token_id=$(jq -r '.id // .token_id' "$T/ctl")
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enroll with a token" "$STATUS" 201
-send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 is "verify with it" "$STATUS" 200
 req GET /v1/subjects -H "authorization: bearer $AUTH"
 is "in lower case" "$STATUS" 200
@@ -86,7 +87,8 @@ may() {
         method=${method% *}
         case $path in
         */compare) send POST "$path" "$JSON" "$T/two.json" ;;
-        */templates | */verify) send POST "$path" "$PLY" "$T/a.ply" ;;
+        */templates) send POST "$path" "$PLY" "$T/a.ply" ;;
+        */verify) send POST "$path" "$PLY" "$T/a1.ply" ;;
         *) req "$method" "$path" ;;
         esac
         case ",$1,$method" in

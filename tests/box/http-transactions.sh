@@ -13,6 +13,7 @@ cd "$(dirname "$0")/../.." || exit 1
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/again.ply"
 scan 1 2 "$T/third.ply"
+scan 1 3 "$T/fourth.ply"
 scan 2 0 "$T/other.ply"
 
 # begins: what was begun since the last call, "READS WRITES".
@@ -64,7 +65,7 @@ done
 send POST /v1/subjects/alice/templates "$PLY" "$T/other.ply"
 is "does not fit" "$STATUS" 409
 is "does not fit: reads and writes" "$(begins)" "2 1"
-counted "three templates" again.ply "200 match" "2 1"
+counted "three templates" fourth.ply "200 match" "2 1"
 echo rubbish >"$T/rubbish"
 send POST /v1/subjects/alice/verify "$PLY" "$T/rubbish"
 is "a bad body: reads and writes" "$STATUS $(begins)" "400 2 0"
