@@ -25,6 +25,7 @@ everything() {
 
 for s in 1 2 3; do
     scan "$s" 0 "$T/s$s.ply" --points 1000
+    scan "$s" 1 "$T/p$s.ply" --points 1000
 done
 on "$DB" init
 on "$DB" enroll alice "$T/s1.ply" --label 'left camera'
@@ -78,9 +79,9 @@ is "twice is once" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')"
 is "without an event" "$(sqlite3 "$TO" 'SELECT count(*) FROM events')" "$events"
 on "$TO" check
 is "all is well" "$CODE $(said .templates)" "0 3"
-on "$TO" verify alice "$T/s1.ply"
+on "$TO" verify alice "$T/p1.ply"
 is "alice is alice" "$CODE" 0
-on "$TO" verify bob "$T/s1.ply"
+on "$TO" verify bob "$T/p1.ply"
 is "and not bob" "$CODE" 1
 
 # ---- a subject that was erased there does not come back; a running daemon sees the
@@ -96,7 +97,7 @@ template=$("$BUILD/surfacectl" --db "$TO" --json subject show alice | jq -r '.te
 on "$TO" template delete --yes "$template"
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "a deleted template does" "$CODE $(said .templates_new)" "0 1"
-send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
 is "the daemon sees it" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 

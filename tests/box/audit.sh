@@ -6,17 +6,19 @@ cd "$(dirname "$0")/../.." || exit 1
 
 # ---- a log of everything, by the daemon and by the command
 scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
+scan 2 1 "$T/b1.ply"
 AUTH=
 start_daemon
 ctl token create door --scope "$ALL"
 AUTH=$(said .token) DOOR=$(said .id)
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 id=$(get .template_id)
-send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
-ctl verify bob "$T/b.ply"
+ctl verify bob "$T/b1.ply"
 ctl audit checkpoint
 is "signed" "$CODE $(said '[.chain, .checkpoint] | @csv')" '0 "changes",7'
 # As they are in the file: the subject's wrapped key, and some of the encrypted model.

@@ -12,6 +12,7 @@ people() {
 
 for s in 1 2 3 4; do
     scan "$s" 0 "$T/s$s.ply" --points 1000
+    scan "$s" 1 "$T/p$s.ply" --points 1000
 done
 ctl init
 ctl enroll alice "$T/s1.ply"
@@ -99,7 +100,7 @@ is "who was there is, but for the erased" "$(people)" \
     "$(printf '%s' "$before" | sed 's/ bob//; s/ carol//')"
 ctl check
 is "all is well" "$CODE" 0
-ctl verify alice "$T/s1.ply"
+ctl verify alice "$T/p1.ply"
 is "alice is alice" "$CODE" 0
 is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outcome, ' ')
     FROM (SELECT * FROM events WHERE kind != 'verify' ORDER BY event_key DESC LIMIT 3)")" \
@@ -116,7 +117,7 @@ rm "$DB.before-restore"
 ctl restore "$T/back"
 is "a second time" "$CODE $(said .subjects_erased)" "0 2"
 start_daemon --no-auth
-send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
 is "the daemon serves it" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 rm "$DB.before-restore"

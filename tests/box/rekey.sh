@@ -13,6 +13,7 @@ held() {
 
 for n in 1 2 3; do
     scan "$n" 0 "$T/s$n.ply" --points 1000
+    scan "$n" 1 "$T/p$n.ply" --points 1000
 done
 ctl init
 ctl enroll s1 "$T/s1.ply"
@@ -21,7 +22,7 @@ cp "$DB.key" "$T/first"
 
 # ---- beside a daemon, which notices by itself
 start_daemon --no-auth
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "before" "$STATUS $(get .decision)" "200 match"
 before=$(sha256sum <"$DB.key")
 ctl rekey
@@ -33,7 +34,7 @@ is "rekey" "$CODE $(said '.kind, .key' | tr '\n' ' ')" "0 file $DB.key "
 ok "it is another key" sh -c "! cmp -s '$DB.key' '$T/first'"
 is "its owner's" "$(stat -c %a "$DB.key")" 600
 ok "nothing is left beside it" test ! -e "$DB.key.new" -a ! -e "$DB.key.old"
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "the daemon goes on" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/s3/templates "$PLY" "$T/s3.ply"
 is "and enrolls" "$STATUS" 201
@@ -54,14 +55,14 @@ cp "$DB.key" "$T/second"
 ctl rekey --keep-old
 is "the old one is kept where that is asked for" "$CODE" 0
 ok "as it was" cmp -s "$DB.key.old" "$T/second"
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 problem "the daemon cannot go on" 503 database_refused
 req GET /readyz
 problem "and says why" 503 not_ready 'key was changed'
 ok "the log too" grep -q "key was changed" "$LOG"
 cp "$DB.key" "$T/credential"
 matches_again() {
-    send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+    send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
     [ "$STATUS $(get .decision)" = "200 match" ]
 }
 ok "until it gets the new one, which its old key has authenticated" soon matches_again
@@ -156,13 +157,13 @@ ctl export --key "$DB.key" --all --archive-key "$T/short" -o "$T/archive"
 is "nor for an archive" "$CODE" 65
 ctl rekey --yes --key "$DB.key" --passphrase --new-key "$T/phrase"
 is "a passphrase" "$CODE $(said .kind)" "0 passphrase"
-ctl verify s2 "$T/s2.ply" --key "$T/phrase"
+ctl verify s2 "$T/p2.ply" --key "$T/phrase"
 is "opens it" "$CODE" 0
 ctl rekey --yes --key "$T/phrase" --plaintext
 is "plaintext" "$CODE $(said .kind)" "0 plaintext"
 ok "its file is gone" test ! -e "$T/phrase"
 rm "$DB.key"
-ctl verify s2 "$T/s2.ply" --plaintext-database
+ctl verify s2 "$T/p2.ply" --plaintext-database
 is "needs no key" "$CODE" 0
 sqlite3 "$DB" 'SELECT hex(plaintext) FROM root' >"$T/open"
 is "since it is in the file" "$(held "$T/open")" 1
@@ -187,12 +188,12 @@ is "no key, no change" "$CODE" 66
 mv "$DB.key" "$DB.key.new"
 cp "$T/first" "$DB.key"
 chmod 600 "$DB.key"
-ctl verify s2 "$T/s2.ply"
+ctl verify s2 "$T/p2.ply"
 is "it is found where it is" "$CODE" 0
 ctl rekey --yes
 is "and settled by the next change" "$CODE" 0
 ok "for good" test ! -e "$DB.key.new"
-ctl verify s2 "$T/s2.ply"
+ctl verify s2 "$T/p2.ply"
 is "with all that is in it" "$CODE" 0
 
 # ---- killed at any moment
@@ -214,7 +215,7 @@ while read -r when; do
         rm -f "$DB.key.new"
 done <"$T/when"
 is "killed 60 times (seed $seed), never locked out" "$lost" ""
-ctl verify s1 "$T/s1.ply"
+ctl verify s1 "$T/p1.ply"
 is "s1 is s1" "$CODE" 0
 ctl rekey --yes
 is "and once more undisturbed" "$CODE" 0
