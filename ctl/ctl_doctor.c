@@ -383,7 +383,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
         }
     if (tried >= MANY_TRIED)
         say(d, NOTE, "attempts",
-            "look who uses it: surfacectl audit list, attempts list; token revoke ends it",
+            "look who uses it: surfacectl audit show, attempts list; token revoke ends it",
             "token %s tried %u subjects without a match within an hour",
             token[0] != '\0' ? token : "(none)", tried);
 }

@@ -175,11 +175,11 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json" -H "$MIN"
     put POST "/v1/$one/verify?detail=heatmap" 200 "$JSON" "$T/a2.json"
-    put POST "/v1/$one/verify" 422 "$PLY" "$T/b.ply"
     put POST "/v1/$one/verify" 200 "$PLY" "$T/b1.ply"
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?units=0" 400 "$JSON" "$T/a2.json"
 done
+put POST /v1/subjects/alice/verify 422 "$PLY" "$T/b.ply"
 # a subject before its first sample
 echo '{"subject": "dora", "consent": "C-18"}' >"$T/new"
 put POST /v1/subjects 201 "$JSON" "$T/new"
