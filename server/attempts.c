@@ -103,7 +103,7 @@ bool attempts_admit(const struct attempts *a, struct request *r,
         return true;
     refuse(r, why, now);
     r->response.retry_after = (unsigned)((wait_ms + 999) / 1000);
-    metrics_attempts(r->app->metrics, why);
+    metrics_attempts(r->app->metrics, (enum metrics_failed)(why - ATTEMPTS_OWN));
     return false;
 }
 

@@ -17,7 +17,12 @@ struct store_attempts; /* store.h */
 struct store_settle;   /* store.h */
 struct store_settled;  /* store.h */
 
-enum attempts_reason { ATTEMPTS_MAY, ATTEMPTS_OWN, ATTEMPTS_OTHERS, ATTEMPTS_SUBJECTS };
+enum attempts_reason { /* the order of enum metrics_failed */
+                       ATTEMPTS_MAY,
+                       ATTEMPTS_OWN,
+                       ATTEMPTS_OTHERS,
+                       ATTEMPTS_SUBJECTS
+};
 
 /* attempts_new(limit, wait_s, subjects): after limit failures in a row the lock-out lasts
  * wait_s s, 1 <= wait_s <= OPTIONS_WAIT_MAX (options.h), that doubles with each further one up

@@ -44,7 +44,7 @@ struct metrics {
     counter decision[FACE_INCONCLUSIVE + 1];
     counter enrollment[METRICS_MISMATCH + 1];
     counter check[METRICS_UNUSABLE + 1];
-    counter attempts[ATTEMPTS_SUBJECTS + 1];
+    counter attempts[METRICS_OF_SUBJECTS + 1];
     counter warning[METRICS_MANY_SUBJECTS + 1];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
@@ -134,9 +134,9 @@ void metrics_capture(struct metrics *m, unsigned problem)
     count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
 }
 
-void metrics_attempts(struct metrics *m, enum attempts_reason why)
+void metrics_attempts(struct metrics *m, enum metrics_failed which)
 {
-    count(&m->attempts[why], 1);
+    count(&m->attempts[which], 1);
 }
 
 void metrics_warning(struct metrics *m, enum metrics_warning kind)
@@ -281,7 +281,7 @@ static void print_outcomes(FILE *f, const struct metrics *m)
         capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
     print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
              "Signed captures: taken, or refused with this code.");
-    print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts + 1, 3,
+    print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts, 3,
              "Verifications refused (429) for those that failed before: of the token for "
              "the subject, of other tokens, of the token for many subjects.");
     print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning, 2,

@@ -6,7 +6,6 @@
 #define SERVER_METRICS_H
 #include <stddef.h>
 #include <stdint.h>
-#include "attempts.h"
 #include "face.h"
 #include "status.h"
 
@@ -47,11 +46,13 @@ void metrics_check(struct metrics *m, enum metrics_check outcome);
  * ERRMAP_LIVENESS. */
 void metrics_capture(struct metrics *m, unsigned problem);
 
+enum metrics_failed { METRICS_OF_TOKEN, METRICS_OF_OTHERS, METRICS_OF_SUBJECTS };
 enum metrics_warning { METRICS_LOCKED_OUT, METRICS_MANY_SUBJECTS };
 
-/* metrics_attempts(m, why): a verification was refused for failed ones before it.
+/* metrics_attempts(m, which): a verification was refused for failed ones before it, of the token
+ * for the subject, of other tokens, or of the token for other subjects.
  * metrics_warning(m, kind): the operator should look who fails. */
-void metrics_attempts(struct metrics *m, enum attempts_reason why);
+void metrics_attempts(struct metrics *m, enum metrics_failed which);
 void metrics_warning(struct metrics *m, enum metrics_warning kind);
 
 /* metrics_database_error(m, st): counts st if it is a failure of the store (and not, say,
