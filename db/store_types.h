@@ -219,7 +219,7 @@ struct store_attempts {
  * functions of the set of points alone. */
 struct store_probe {
     const char *read;
-    char used[65];   /* codec_digest(); "": its number of points is no template's */
+    char used[65];   /* codec_digest(); "": they are no template's */
     int64_t keep_ms; /* how long it is refused from now on; 0: not for this */
 };
 

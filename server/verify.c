@@ -228,7 +228,7 @@ static bool settle(struct verification *v)
     attempts_watch(app->attempts, &what);
     if (decision == FACE_MATCH) {
         what.probe = &probe;
-        if (replay_probe(&v->admission, &v->found, &v->w->probe,
+        if (replay_probe(v->best.result.score_mm, &v->found, &v->w->probe,
                          app->replay_window * INT64_C(1000), &probe, &e) != ST_OK) {
             request_fail(v->r, &e);
             return false;

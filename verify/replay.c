@@ -4,53 +4,41 @@
 #include <sodium.h>
 #include <string.h>
 
-#include "admission.h"
 #include "cloudpoints.h"
 #include "codec.h"
 #include "errinfo.h"
+#include "face.h"
 #include "scan.h"
+#include "store.h"
 
-#define LEAST 1e2 /* lattice units, of the greatest coordinate; below ten times that */
+#define UNITS 500.0 /* of the lattice, to the greatest coordinate */
 #define FAR   1e15
+#define SAME  0.01 /* mm: the same points score far below it, two scans far above */
+#define HALF  1024 /* lattice units: more than any coordinate */
 
-/* Lattice units for one of the file's, a power of ten, so that metres and millimetres give the
- * same points. */
+/* Lattice units for one of the file's, so that any unit gives the same points; 0 for what is no
+ * cloud of anything. */
 static double scale_of(const struct cloudpoints *c)
 {
-    double most = 0, scale = 1;
+    double most = 0;
 
     for (size_t i = 0; i < c->n; i++)
         most =
             fmax(most, fmax(fabs(c->at[i].x), fmax(fabs(c->at[i].y), fabs(c->at[i].z))));
-    if (!(most > 1 / FAR && most < FAR))
-        return 1;
-    while (most * scale < LEAST)
-        scale *= 10;
-    while (most * scale >= 10 * LEAST)
-        scale /= 10;
-    return scale;
+    return most > 1 / FAR && most < FAR ? UNITS / most : 0;
 }
 
-static void put(unsigned char *to, double v)
-{
-    const int64_t at = llround(fmax(-FAR, fmin(FAR, v)));
-
-    for (int i = 0; i < 8; i++)
-        to[i] = (unsigned char)((uint64_t)at >> 8 * i);
-}
-
+/* Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", mix64(): one to
+ * one, so that different points have different hashes. */
 static uint64_t hash_of(const struct dvec3 *p, double scale)
 {
-    static const unsigned char key[crypto_shorthash_KEYBYTES] = {0};
-    unsigned char point[24], hash[crypto_shorthash_BYTES];
-    uint64_t out;
+    uint64_t h = (uint64_t)(p->x * scale + HALF + 0.5) << 42 ^
+                 (uint64_t)(p->y * scale + HALF + 0.5) << 21 ^
+                 (uint64_t)(p->z * scale + HALF + 0.5);
 
-    put(point, p->x * scale);
-    put(point + 8, p->y * scale);
-    put(point + 16, p->z * scale);
-    (void)crypto_shorthash(hash, point, sizeof point, key);
-    memcpy(&out, hash, sizeof out);
-    return out;
+    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9U;
+    h = (h ^ h >> 27) * 0x94d049bb133111ebU;
+    return h ^ h >> 31;
 }
 
 /* Into least[0..n-1], which ascends and has room for REPLAY_SAMPLE; one that is there already is
@@ -87,17 +75,12 @@ void replay_digest(const struct cloudpoints *c, char hex[65])
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
 }
 
-enum status replay_probe(const struct admission *a, const struct scan_found *found,
+enum status replay_probe(double score_mm, const struct scan_found *found,
                          const struct face *probe, int64_t keep_ms,
                          struct store_probe *out, struct errinfo *e)
 {
-    const struct mesh *m = &probe->surface.mesh;
-    bool as_many = a == NULL;
-
     *out = (struct store_probe){.read = found->digest, .keep_ms = keep_ms};
-    for (size_t i = 0; a != NULL && i < a->of.n; i++)
-        as_many |= a->of.t[i].points == m->nv;
-    if (as_many && codec_digest(m, out->used) != ST_OK)
+    if (score_mm < SAME && codec_digest(&probe->surface.mesh, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
 }

@@ -7,7 +7,6 @@
 #include <stdint.h>
 #include "status.h"
 
-struct admission;   /* admission.h */
 struct cloudpoints; /* cloudpoints.h */
 struct errinfo;     /* errinfo.h */
 struct face;        /* face.h */
@@ -17,16 +16,15 @@ struct store_probe; /* store.h */
 /* replay_digest(c, hex): of the points as they were read, whatever their order, how often each
  * comes, the format and the unit: 64 hexadecimal digits of a hash of the REPLAY_SAMPLE points
  * whose own hash is least (a sample that depends on the set alone: Broder 1997, section 3), on a
- * lattice of 1/100 to 1/1000 of the cloud's greatest coordinate.  That is coarse, 0.1 to 1 mm, so
- * that few points move on it where a format keeps fewer decimals; two scans by a scanner share
- * many such points at best, never all of the sample.  O(n). */
+ * lattice of 1/500 of the cloud's greatest coordinate.  That is coarse, some 0.2 mm, so that few
+ * points move on it where a format keeps fewer decimals; two scans by a scanner share many such
+ * points at best, never all of the sample.  O(n). */
 #define REPLAY_SAMPLE 32
 void replay_digest(const struct cloudpoints *c, char hex[65]);
 
-/* replay_probe(a, found, probe, keep_ms, out, e): what store_settle() is to ask of a probe that
- * matched one of a's templates (NULL: they are not known any more, which takes a ms more); *found
- * is borrowed.  Returns ST_OK, ST_ENOMEM. */
-enum status replay_probe(const struct admission *a, const struct scan_found *found,
+/* replay_probe(score_mm, found, probe, keep_ms, out, e): what store_settle() is to ask of a probe
+ * that matched with this score; *found is borrowed.  Returns ST_OK, ST_ENOMEM. */
+enum status replay_probe(double score_mm, const struct scan_found *found,
                          const struct face *probe, int64_t keep_ms,
                          struct store_probe *out, struct errinfo *e);
 
