@@ -138,8 +138,9 @@ enum status store_renew(struct store_txn *t, const struct store_act *by,
     if ((st = row_event_signs(t, by, STORE_CHAIN_RENEW, next, kept, e)) != ST_OK ||
         (st = row_event_renew(t, next, e)) != ST_OK ||
         (st = renew_subjects(&r, e)) != ST_OK || (st = renew_tokens(&r, e)) != ST_OK ||
-        (st = renew_devices(&r, e)) != ST_OK)
-        return st;
+        (st = renew_devices(&r, e)) != ST_OK ||
+        (st = sql_run(t->sql, "DELETE FROM clouds", NULL, 0, e)) != ST_OK)
+        return st; /* of these, hashes by the old key, nothing can be made again */
     if ((st = renew_calibrations(&r, e)) == ST_OK)
         t->vault = next;
     return st;

@@ -73,7 +73,7 @@ rm "$DB.key.old"
 
 # ---- after a theft: every secret anew, beside a daemon
 id=$(ctl subject show s1; said '.templates[0].template_id')
-ctl token create door
+ctl token create door --scope "$ALL"
 AUTH=$(said .token)
 ctl subject set s2 --consent C
 ctl subject set s4 --consent D

@@ -10,9 +10,9 @@ cd "$(dirname "$0")/../.." || exit 1
 # "lost" was revoked.  $T/old.db is from before all that.
 for i in 1 2 3; do scan "$i" 0 "$T/s$i.ply"; done
 ctl init
-ctl token create door
+ctl token create door --scope "$ALL"
 AUTH=$(said .token)
-ctl token create lost
+ctl token create lost --scope "$ALL"
 LOST=$(said .token) LOST_ID=$(said .id)
 ctl enroll alice "$T/s1.ply"
 kept=$(said '.templates[0].template_id')
