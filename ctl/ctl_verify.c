@@ -38,7 +38,7 @@ static enum status settle(struct ctl *c, const struct ctl_nearest *best,
                           const struct scan_found *found, const struct face *f)
 {
     struct errinfo lost = {0};
-    struct store_probe probe;
+    struct store_probe probe = {0};
     struct store_settled out = {.lost = &lost};
     const enum face_decision decision = best->nearest.result.decision;
     const struct store_settle what = {.subject = &best->subject,

@@ -63,15 +63,14 @@ is "for its owner alone" "$(stat -c '%a %s' "$ANCHOR")" "600 8192"
 ctl enroll alice "$T/s1.ply"
 ctl enroll bob "$T/s2.ply"
 ctl token create gate --scope verify
-token=$(said .token)
 id=$(said '.id // .token_id')
-keep then
+keep 'then'
 ctl subject erase bob --yes
 ctl token revoke "$id"
 keep now
 
 # ---- a rollback of the whole file, at rest
-back then
+back 'then'
 refused "an older database" 'is older than its anchor .*surfacectl accept-rollback'
 ctl subject list --anchor none
 is "it can be looked at as a copy" "$CODE" 0
@@ -82,7 +81,7 @@ ctl check
 is "the newest is good" "$CODE" 0
 
 # ---- a rollback that goes on: others' entries under the same numbers
-back then
+back 'then'
 cp "$T/then.anchor" "$ANCHOR"
 ctl token create mallory --scope verify
 ctl token create mallory2 --scope verify
@@ -109,7 +108,7 @@ is "an anchor that lags is good" "$CODE" 0
 ctl token create after --scope verify
 ok "and goes on with the next change" sh -c "! cmp -s '$ANCHOR' '$T/then.anchor'"
 keep now
-back then
+back 'then'
 refused "which counts again" 'is older than its anchor'
 
 # ---- accepted, once
@@ -123,7 +122,7 @@ ctl check
 is "it is the newest now" "$CODE" 0
 ctl accept-rollback --yes
 is "there is nothing more to accept" "$CODE $(events accept_rollback | wc -l)" "65 1"
-back then
+back 'then'
 refused "the same once more" 'is older than its anchor|does not have change'
 back now
 refused "nor the one that was the newest" 'does not have change|is older than its anchor'
@@ -134,7 +133,7 @@ cp "$T/other.db.key.anchor" "$ANCHOR"
 ctl accept-rollback --yes
 is "another one" "$CODE $(events accept_rollback | tail -n 1)" "0 the anchor was not its own"
 for wait in 0.002 0.004 0.006 0.008 0.012 0.016; do # killed, and run again
-    back then
+    back 'then'
     "$BUILD/surfacectl" --db "$DB" accept-rollback --yes >/dev/null 2>&1 &
     pid=$!
     sleep "$wait"

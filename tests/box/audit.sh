@@ -212,12 +212,12 @@ for chain in 0 1; do
     word=$([ $chain = 0 ] && echo changes || echo uses)
     for seq in $(seq "$last"); do
         of="chain = $chain AND seq"
-        tampered $word "$seq" "DELETE FROM events WHERE $of = $seq"
-        tampered $word "$seq" "UPDATE events SET outcome = outcome || '.' WHERE $of = $seq"
-        tampered $word "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE $of = $seq"
-        tampered $word "$seq" "UPDATE events SET hash = randomblob(32) WHERE $of = $seq"
+        tampered "$word" "$seq" "DELETE FROM events WHERE $of = $seq"
+        tampered "$word" "$seq" "UPDATE events SET outcome = outcome || '.' WHERE $of = $seq"
+        tampered "$word" "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE $of = $seq"
+        tampered "$word" "$seq" "UPDATE events SET hash = randomblob(32) WHERE $of = $seq"
         [ "$seq" = "$last" ] ||
-            tampered $word "$seq" "UPDATE events SET seq = 99 WHERE $of = $seq;
+            tampered "$word" "$seq" "UPDATE events SET seq = 99 WHERE $of = $seq;
                 UPDATE events SET seq = $seq WHERE $of = $seq + 1;
                 UPDATE events SET seq = $seq + 1 WHERE $of = 99"
     done

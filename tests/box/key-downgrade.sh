@@ -16,6 +16,7 @@ denied() {
 replace() {
     r_with=$1
     shift
+    # shellcheck disable=SC2046 # a list
     [ $# -gt 0 ] || set -- $(sqlite3 "$r_with" "SELECT name FROM sqlite_schema
         WHERE type = 'table' AND name NOT LIKE 'sqlite_%'")
     printf '%s\n' "$@" | awk -v with="$r_with" '

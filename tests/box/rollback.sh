@@ -32,7 +32,6 @@ is "all as it was written" "$CODE $(said .ok)" "0 true"
 sqlite3 "$DB" "PRAGMA wal_checkpoint(TRUNCATE)" >"$T/out"
 cp "$DB" "$T/whole.db"
 cp "$DB.key.anchor" "$T/anchor"
-key=$DB.key
 
 # back: as it was, and no daemon
 back() {
