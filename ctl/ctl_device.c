@@ -133,8 +133,8 @@ const struct ctl_command ctl_device_add = {
     .summary = "let a scanner sign what it captures",
     .help =
         "The key is Ed25519's: 64 hexadecimal digits, base64, or a file in PEM as\n"
-        "openssl pkey -pubout writes it.  The daemon takes captures of the device at once;\n"
-        "with --require-signed-captures it takes no others.",
+        "openssl writes it.  The daemon takes captures of the device at once, and no others where\n"
+        "its settings require signed captures.",
     .example = "surfacectl --db faces.db device add door-1 door-1.pem"};
 
 const struct ctl_command ctl_device_list = {

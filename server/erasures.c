@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <time.h>
 
 #include "app.h"
@@ -74,6 +75,7 @@ static void *run(void *arg)
     int64_t since = 0;
     bool erased;
 
+    (void)prctl(PR_SET_NAME, "erasures");
     while (wait_a_while(x))
         if (store_erased_since(x->app->store, &since, &erased, NULL) == ST_OK && erased) {
             drop_templates(x->app);

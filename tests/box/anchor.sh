@@ -21,7 +21,7 @@ refused() {
         start_fails "$1$r_option" 1 "$2" $r_option --db "$DB" --listen 127.0.0.1:0 --no-auth
     done
     for r_command in "subject list" stats check "audit verify" "audit show" "backup $T/b" \
-        "token create x --scope verify" "verify alice $T/s1.ply" "subject erase alice --yes" \
+        "token create x --scope verify" "verify alice $T/p1.ply" "subject erase alice --yes" \
         "rekey --yes" "export --all --archive-key $T/akey -o $T/a"; do
         # shellcheck disable=SC2086 # a command and its arguments
         ctl $r_command
@@ -54,6 +54,7 @@ killed() {
 
 for s in 1 2 3; do
     scan "$s" 0 "$T/s$s.ply" --points 1000
+    scan "$s" 1 "$T/p$s.ply" --points 1000
 done
 openssl rand -hex 32 >"$T/akey"
 chmod 600 "$T/akey"
@@ -158,7 +159,7 @@ printf '%s\n' "$tables" | awk -v with="$T/before.db" '
     BEGIN { print "ATTACH \047" with "\047 AS mine; PRAGMA foreign_keys = OFF; BEGIN;" }
     { print "DELETE FROM main." $1 "; INSERT INTO main." $1 " SELECT * FROM mine." $1 ";" }
     END { print "COMMIT;" }' | sqlite3 "$DB" || ok "the attacker can write" false
-send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
 problem "alice is not back" 503 database_refused
 req GET /v1/subjects
 problem "nor anything else" 503 database_refused
@@ -263,7 +264,7 @@ DB=$T/drill/faces.db ANCHOR=$DB.key.anchor
 ctl restore "$T/drill/backup.db"
 is "the drill: restore" "$CODE" 0
 ok "it has an anchor of its own" test -s "$ANCHOR"
-for command in check "audit verify" "verify alice $T/s1.ply"; do
+for command in check "audit verify" "verify alice $T/p1.ply"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
     is "the drill: $command" "$CODE" 0

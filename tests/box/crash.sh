@@ -21,6 +21,7 @@ mkdir "$T/empty" "$T/work"
 for n in 1 2 3 4; do
     scan "$n" 0 "$T/s$n.ply" --points 1000
 done
+scan 4 1 "$T/p4.ply" --points 1000
 
 # ---- what there is before
 mkdir "$T/full" "$T/lost"
@@ -76,7 +77,7 @@ crash vacuum full vacuum
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
     for kind in kill power; do
         "$BUILD/crash_daemon" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
-            "$trials" "$T/s4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
+            "$trials" "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
             --no-auth --workers 2 >"$T/said" 2>&1
         code=$?
         echo "daemon, $kind: $(cat "$T/said")"

@@ -51,8 +51,12 @@ static const char *shim, *base, *work;
 static char **command;
 static char dir[CRASH_PATH], log_path[CRASH_PATH];
 static struct sockaddr_un address = {.sun_family = AF_UNIX};
-static char scan[SCAN_MAX];
-static size_t scan_len;
+/* One that is enrolled, and another of the same face, to verify with. */
+enum { NONE = -1, ENROLLED, PROBE };
+static struct {
+    char bytes[SCAN_MAX];
+    size_t len;
+} scan[2];
 static struct client client[CLIENTS];
 static atomic_bool dead, wrong;
 static atomic_int busy; /* clients */
@@ -119,7 +123,7 @@ static bool send_all(int fd, const char *data, size_t n)
 }
 
 /* Sends a request, once the daemon listens.  Returns the status; 0: no complete response. */
-static int ask(const char *method, const char *path, bool body, char *response)
+static int ask(const char *method, const char *path, int body, char *response)
 {
     char head[256];
     int fd = -1, status = 0;
@@ -129,7 +133,7 @@ static int ask(const char *method, const char *path, bool body, char *response)
     (void)snprintf(head, sizeof head,
                    "%s %s HTTP/1.1\r\nHost: x\r\nConnection: close\r\n"
                    "Content-Type: model/x-ply\r\nContent-Length: %zu\r\n\r\n",
-                   method, path, body ? scan_len : 0);
+                   method, path, body != NONE ? scan[body].len : 0);
     while (!dead) {
         if ((fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) >= 0 &&
             connect(fd, (struct sockaddr *)&address, sizeof address) == 0)
@@ -140,7 +144,8 @@ static int ask(const char *method, const char *path, bool body, char *response)
     }
     if (fd < 0)
         return 0;
-    if (send_all(fd, head, strlen(head)) && (!body || send_all(fd, scan, scan_len))) {
+    if (send_all(fd, head, strlen(head)) &&
+        (body == NONE || send_all(fd, scan[body].bytes, scan[body].len))) {
         while (n < RESPONSE_MAX - 1 &&
                (rc = recv(fd, response + n, RESPONSE_MAX - 1 - n, 0)) > 0)
             n += (size_t)rc;
@@ -174,14 +179,14 @@ static void *be_client(void *arg)
         *p = (struct subject){"", now(), NEVER, NEVER, NEVER};
         (void)snprintf(p->id, sizeof p->id, "c%d-%zu", c->number, c->n++);
         (void)snprintf(path, sizeof path, "/v1/subjects/%s/templates", p->id);
-        if (!expect(path, ask("POST", path, true, response), 201))
+        if (!expect(path, ask("POST", path, ENROLLED, response), 201))
             break;
         p->enrolled = now();
         old = &c->subject[brute_rand(&c->rng) % c->n];
         if (old->erased != NEVER || brute_rand(&c->rng) % 2 == 0)
             continue;
         (void)snprintf(path, sizeof path, "/v1/subjects/%s/verify", old->id);
-        if (!expect(path, ask("POST", path, true, response), 200))
+        if (!expect(path, ask("POST", path, PROBE, response), 200))
             break;
         if (strstr(response, "\"match\"") == NULL) {
             (void)printf("%s: no match\n", old->id);
@@ -189,7 +194,7 @@ static void *be_client(void *arg)
         }
         old->erase_sent = now();
         (void)snprintf(path, sizeof path, "/v1/subjects/%s", old->id);
-        if (!expect(path, ask("DELETE", path, false, response), 200))
+        if (!expect(path, ask("DELETE", path, NONE, response), 200))
             break;
         old->erased = now();
     }
@@ -363,9 +368,10 @@ int main(int argc, char **argv)
     int clients = CLIENTS;
     FILE *f;
 
-    if (argc < 9 || argc - 8 > ARGS_MAX) {
-        (void)fprintf(stderr, "crash_daemon SHIM BASE WORK kill|power SEED TRIALS SCAN "
-                              "COMMAND...\n");
+    if (argc < 10 || argc - 9 > ARGS_MAX) {
+        (void)fprintf(stderr,
+                      "crash_daemon SHIM BASE WORK kill|power SEED TRIALS SCAN PROBE "
+                      "COMMAND...\n");
         return 2;
     }
     shim = argv[1];
@@ -374,13 +380,15 @@ int main(int argc, char **argv)
     power = strcmp(argv[4], "power") == 0;
     seed = strtoull(argv[5], NULL, 10);
     trials = strtoul(argv[6], NULL, 10);
-    if ((f = fopen(argv[7], "rb")) == NULL ||
-        (scan_len = fread(scan, 1, sizeof scan, f)) == 0) {
-        perror(argv[7]);
-        return 2;
+    for (int i = ENROLLED; i <= PROBE; i++) {
+        if ((f = fopen(argv[7 + i], "rb")) == NULL ||
+            (scan[i].len = fread(scan[i].bytes, 1, SCAN_MAX, f)) == 0) {
+            perror(argv[7 + i]);
+            return 2;
+        }
+        (void)fclose(f);
     }
-    (void)fclose(f);
-    command = argv + 8;
+    command = argv + 9;
     crash_join(dir, work, "trial");
     crash_join(log_path, work, "log");
     if (snprintf(address.sun_path, sizeof address.sun_path, "%s/socket", work) >=

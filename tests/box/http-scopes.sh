@@ -13,6 +13,7 @@ POST /v1/templates/{template_id}/verify verify
 POST /v1/compare verify
 POST /v1/check enroll,verify,identify
 POST /v1/asymmetry verify
+POST /v1/challenge enroll,verify
 GET /v1/subjects read
 POST /v1/subjects enroll
 GET /v1/subjects/{subject} read
@@ -28,6 +29,7 @@ GET /docs -
 GET /version -
 END
 scan 1 0 "$T/a.ply"
+scan 1 1 "$T/p.ply"
 "$BUILD/facegen" --subject 1 --points 1000 --format json >"$T/c.json"
 jq -c '{a: ., b: .}' "$T/c.json" >"$T/two.json"
 echo '{"subject": "bob"}' >"$T/new.json"
@@ -57,6 +59,8 @@ try() {
     case $1.$2 in
     POST.*/compare) send POST "$t_path" "$JSON" "$T/two.json" ;;
     POST./v1/subjects) send POST "$t_path" "$JSON" "$T/new.json" ;;
+    POST./v1/challenge) req POST "$t_path" -H 'Content-Length: 0' ;;
+    POST.*/verify) send POST "$t_path" "$PLY" "$T/p.ply" ;;
     POST.*) send POST "$t_path" "$PLY" "$T/a.ply" ;;
     PATCH.*) send PATCH "$t_path" "$JSON" "$T/change.json" ;;
     *) req "$1" "$t_path" ;;
@@ -129,8 +133,12 @@ while read -r verb route needs; do
         problem "$wrong $route" 405 method_not_allowed
         ok "$wrong $route, Allow: $(field Allow)" matches "$(field Allow)" "(^|, )$verb(,|\$)"
     done
-    case $verb in
-    POST | PATCH)
+    case $verb.$route in
+    POST./v1/challenge | GET.* | DELETE.*)
+        req "$verb" "$real" -H "$JSON" -d '{"tolerance": 1}'
+        problem "$verb $route, a body" 400 malformed 'takes no body'
+        ;;
+    *)
         req "$verb" "$real" -H "$JSON" -H 'Content-Length:'
         problem "$verb $route without a length" 411 length_required
         req "$verb" "$real" -H 'Content-Type: image/gif' -d x
@@ -145,10 +153,6 @@ while read -r verb route needs; do
         [ "$verb" != PATCH ] || echo '{"hold": true, "tolerance": 1}' >"$T/odd.json"
         send "$verb" "$real" "$JSON" "$T/odd.json"
         problem "$verb $route, an unknown member" 400 malformed tolerance
-        ;;
-    *)
-        req "$verb" "$real" -H "$JSON" -d '{"tolerance": 1}'
-        problem "$verb $route, a body" 400 malformed 'takes no body'
         ;;
     esac
 done <"$T/matrix"

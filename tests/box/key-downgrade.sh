@@ -76,6 +76,7 @@ refused() {
 }
 
 scan 1 0 "$T/alice.ply" --points 1000
+scan 1 1 "$T/again.ply" --points 1000
 scan 2 0 "$T/mallory.ply" --points 1000
 ctl init
 ctl enroll alice "$T/alice.ply"
@@ -110,7 +111,7 @@ for given in '--no-auth' "--key $T/credential"; do
         start_daemon $given
         AUTH=''
         [ "$given" = --no-auth ] || AUTH=$token
-        send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+        send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
         is "alice, before ($with $given)" "$STATUS $(get .decision)" "200 match"
         replace "$T/$with.db"
         send POST /v1/subjects/alice/verify "$PLY" "$T/mallory.ply"
@@ -118,7 +119,7 @@ for given in '--no-auth' "--key $T/credential"; do
         refused "$with $given"
         rm -f "$DB-wal" "$DB-shm"
         cp "$T/whole.db" "$DB"
-        send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+        send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
         problem "not before the daemon is started again ($with $given)" 503 database_refused
         back
     done
@@ -142,7 +143,7 @@ cp "$DB.key" "$T/old.key"
 start_daemon --no-auth
 cp "$DB" "$T/older.db"
 ctl rekey --yes
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "alice, after rekey" "$STATUS $(get .decision)" "200 match"
 replace "$T/older.db" root
 cp "$T/old.key" "$DB.key"
@@ -187,7 +188,7 @@ denied "a database of another key" "$DB.key: not the key of this database: give 
 cp "$T/whole.db" "$DB"
 ctl restore "$T/evil.db"
 denied "restoring a plaintext copy" "is plaintext: restore a backup"
-ctl verify alice "$T/alice.ply"
+ctl verify alice "$T/again.ply"
 is "nothing was changed" "$CODE" 0
 
 # ---- a database that the operator makes plaintext
@@ -195,25 +196,25 @@ start_daemon --no-auth
 ctl rekey --plaintext --yes
 is "rekey to plaintext" "$CODE" 0
 ok "removes the key" test ! -e "$DB.key" -a ! -e "$DB.key.new"
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "the daemon still verifies" "$STATUS $(get .decision)" "200 match"
 ctl rekey
 denied "what it is must be said" 'say so with --plaintext-database'
 ctl rekey --plaintext-database
 is "rekey to a new key" "$CODE" 0
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "the daemon still verifies, encrypted" "$STATUS $(get .decision)" "200 match"
 ctl subject list --plaintext-database
 denied "it is not plaintext any more" 'is encrypted: it takes no --plaintext-database'
 ctl rekey --plaintext --keep-old
 is "to plaintext, keeping the key" "$CODE" 0
 ok "under another name" test ! -e "$DB.key" -a -e "$DB.key.old"
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "the daemon still verifies, plaintext again" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 no_start "it must be said to the daemon"
 start_daemon --no-auth --plaintext-database
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice.ply"
+send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "it serves a plaintext database" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 export SURFACED_PLAINTEXT_DATABASE=1

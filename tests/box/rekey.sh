@@ -90,11 +90,11 @@ secrets() {
 }
 secrets >"$T/before"
 start_daemon
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "before the theft is answered" "$STATUS $(get .decision)" "200 match"
 ctl rekey --yes --compromised
 is "every secret anew" "$CODE" 0
-send POST /v1/subjects/s1/verify "$PLY" "$T/s1.ply"
+send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "the daemon goes on with it" "$STATUS $(get .decision)" "200 match"
 secrets >"$T/after"
 is "nothing is encrypted or found as it was" "$(sort "$T/before" "$T/after" | uniq -d | wc -l)" 0
