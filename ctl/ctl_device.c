@@ -52,17 +52,18 @@ static enum status read_key(struct ctl *c, const char *text, unsigned char key[V
 {
     unsigned char *file;
     size_t len;
-    bool sound;
+    bool sound = false;
     enum status st;
 
     if ((sodium_hex2bin(key, VAULT_KEY, text, strlen(text), NULL, &len, NULL) == 0 &&
          len == VAULT_KEY && text[2 * VAULT_KEY] == '\0') ||
         decode(text, strlen(text), key, VAULT_KEY))
         return ST_OK;
-    if ((st = ctl_sample_file(text, FILE_MAX, &file, &len, &c->e)) != ST_OK)
-        return st;
-    sound = decode_pem((const char *)file, key);
+    if ((st = ctl_sample_file(text, FILE_MAX, &file, &len, &c->e)) == ST_OK)
+        sound = decode_pem((const char *)file, key);
     free(file);
+    if (st != ST_OK && st != ST_ESIZE)
+        return st;
     return sound ? ST_OK
                  : errinfo_set(&c->e, ST_EINVAL,
                                "%.120s is no public key of Ed25519 in PEM, nor in "
