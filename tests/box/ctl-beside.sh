@@ -87,8 +87,7 @@ ctl check
 is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
 
 # A model damaged in the database.
-sqlite3 "$DB" "UPDATE templates SET model = CAST(substr(model, 1, 9000) || x'00' || substr(model, 9002) AS BLOB)
-               WHERE id = '$bob'"
+damage_models "id = '$bob'"
 start_daemon --no-auth
 send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "a damaged template is an error" "$STATUS" 500

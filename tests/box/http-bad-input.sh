@@ -219,8 +219,7 @@ restart() {
     stop_daemon
     start_daemon --no-auth
 }
-sqlite3 "$DB" "UPDATE templates
-    SET model = CAST(substr(model, 1, 5000) || x'ff' || substr(model, 5002) AS BLOB)"
+damage_models 1
 restart
 send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
 problem "a damaged model" 500 internal

@@ -291,3 +291,10 @@ release_db() {
     wait "$HOLDER"
     rm "$T/holder"
 }
+
+# damage_models WHERE: another byte than there was, in the middle of these templates' models.
+damage_models() {
+    sqlite3 "$DB" "UPDATE templates SET model = CAST(substr(model, 1, 5000)
+        || CASE substr(model, 5001, 1) WHEN x'00' THEN x'01' ELSE x'00' END
+        || substr(model, 5002) AS BLOB) WHERE $1"
+}
