@@ -120,6 +120,6 @@ const struct ctl_command ctl_rekey = {
         "the file by itself.  Older backups still need the key that they were made with: unless\n"
         "--keep-old keeps its file, that has to be confirmed.  With --compromised each subject's\n"
         "key and those of hashes, MACs and signatures are new too, and everything is encrypted\n"
-        "again, which takes as much room on the disk as the database has; the old signing key\n"
-        "signs the new one.",
+        "again; the old signing key signs the new one.  Interrupted, it goes on when it is given\n"
+        "again within an hour.",
     .example = "surfacectl --db faces.db rekey --keep-old"};

@@ -346,18 +346,14 @@ enum status row_template_write(struct store_txn *x, const struct row_crypt_key *
     return st;
 }
 
-enum status row_template_renew(struct store_txn *x, const struct row_crypt_key *k,
-                               const struct store_template *t, const void *model,
-                               size_t len, struct errinfo *e)
+enum status row_template_found(struct store_txn *x, const struct row_subject *p,
+                               const struct store_template *t, struct errinfo *e)
 {
     unsigned char same[VAULT_HASH];
-    const enum status st = row_template_write(x, k, t, model, len, e);
 
-    row_crypt_same(x->vault, k->uid, t->digest, same);
-    return st == ST_OK
-               ? SQL_RUN(x->sql, e, "UPDATE templates SET same = $2 WHERE id = $1",
-                         sql_text(t->id), sql_blob(same, sizeof same))
-               : st;
+    row_crypt_same(x->vault, p->key.uid, t->digest, same);
+    return SQL_RUN(x->sql, e, "UPDATE templates SET same = $2 WHERE id = $1",
+                   sql_text(t->id), sql_blob(same, sizeof same));
 }
 
 enum status row_template_delete(struct store_txn *x, const char *id, struct errinfo *e)

@@ -52,9 +52,8 @@ enum status row_template_see(struct store_txn *x, row_event_see *see, void *arg,
 
 /* row_template_add(x, p, t, model, len, e): a new row, complete.
  * row_template_write(x, k, t, model, len, e): engine, triangles, quality and model of *t in the
- * place of what is there.
- * row_template_renew(x, k, t, model, len, e): the same under another key of its subject, and what
- * it is found by.
+ * place of what is there, under the subject's key k.
+ * row_template_found(x, p, t, e): what row_template_same() finds it by, under x's vault.
  * row_template_delete(x, id, e). */
 enum status row_template_add(struct store_txn *x, const struct row_subject *p,
                              const struct store_template *t, const void *model,
@@ -62,9 +61,8 @@ enum status row_template_add(struct store_txn *x, const struct row_subject *p,
 enum status row_template_write(struct store_txn *x, const struct row_crypt_key *k,
                                const struct store_template *t, const void *model,
                                size_t len, struct errinfo *e);
-enum status row_template_renew(struct store_txn *x, const struct row_crypt_key *k,
-                               const struct store_template *t, const void *model,
-                               size_t len, struct errinfo *e);
+enum status row_template_found(struct store_txn *x, const struct row_subject *p,
+                               const struct store_template *t, struct errinfo *e);
 enum status row_template_delete(struct store_txn *x, const char *id, struct errinfo *e);
 
 /* row_template_each(s, part, parts, use, report, arg, e): every template of one moment, or the

@@ -73,6 +73,21 @@ static enum status settle(struct files *f, const struct vault_root *root,
     return ST_OK;
 }
 
+/* The same before anything is written. */
+static enum status settle_now(struct store *s, struct files *f,
+                              const struct store_rekey *to, struct errinfo *e)
+{
+    struct vault_root root;
+    struct store_txn t;
+    enum status st = store_txn_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    if ((st = store_vault_read(t.sql, &root, e)) == ST_OK)
+        st = settle(f, &root, to, e);
+    return store_txn_end(&t, st, e);
+}
+
 /* The new key's file, and the root and vault under that key. */
 static enum status make_vault(struct store_txn *t, const struct store_rekey *to,
                               const struct vault_root *from, struct files *f,
@@ -177,7 +192,7 @@ static enum status announce(struct store_txn *t, const struct vault *before,
     return anchor_announce(path, t->vault, end, e);
 }
 
-/* The subjects' keys under the next vault, or everything. */
+/* What is under the next vault: the subjects' keys, or everything. */
 static enum status write_rows(struct store_txn *t, const struct store_act *by,
                               const struct store_rekey *to, const struct vault *next,
                               struct errinfo *e)
@@ -262,18 +277,18 @@ enum status store_rekey(struct store *s, const char *actor, const struct store_r
     if (to->kind == VAULT_PASSPHRASE && !to->weak &&
         (st = keyfile_strong(to->given, e)) != ST_OK)
         return st;
-    if ((st = store_rules_act(&by, actor, e)) != ST_OK)
-        return st;
     if ((st = name_files(&s->vaults, to, &f, e)) == ST_OK &&
         (st = keyfile_lock(s->vaults.path, &lock, e)) == ST_OK &&
+        (!to->compromised || ((st = settle_now(s, &f, to, e)) == ST_OK &&
+                              (st = store_renew_subjects(s, actor, e)) == ST_OK)) &&
+        (st = store_rules_act(&by, actor, e)) == ST_OK &&
         (st = change(s, &by, to, &f, &plain, e)) == ST_OK)
         st = place(&f, to->keep, e);
     if (lock >= 0)
         (void)close(lock);
     free(f.next);
     free(f.old);
-    if (st == ST_OK && (plain || to->compromised) &&
-        (st = sql_file_compact(s->sql, &why)) != ST_OK)
+    if (st == ST_OK && plain && (st = sql_file_compact(s->sql, &why)) != ST_OK)
         (void)errinfo_set(e, st, "the key was changed, but the old one may be left: %s",
                           why.msg);
     store_txn_scrub(s);

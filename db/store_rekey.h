@@ -5,8 +5,8 @@
 
 /* to->compromised: whoever had the database and its key until now can open nothing that is written
  * from then on, nor forge a row, a token or a signature: each subject gets a new key, and all of it
- * is encrypted again (store_renew.h).  It is one transaction, which takes as much room on the disk
- * as the database has; killed, it has not begun.
+ * is encrypted again, in transactions of their own before the one that changes the keys
+ * (store_renew.h); called again after an interruption it goes on there.
  * store_rekey(s, actor, to, e): every subject's key under another master key, in one
  * transaction; an event with it.  The new key lies in PATH.new, on the disk, before that is
  * committed and takes the place of PATH after: a program that opens the database finds it in

@@ -135,6 +135,59 @@ ctl accept-rollback --yes
 ctl audit verify
 is "as it was" "$CODE" 0
 
+# ---- many subjects: it goes on where it ended, but not the next day
+one=$DB
+DB=$T/many.db
+mkdir "$T/many"
+"$BUILD/facegen" --subject 1 --count 130 --points 1000 -o "$T/many/p%_e.ply"
+ctl init
+ctl enroll "$T/many"
+is "130 people" "$CODE" 0
+renewed() { # how often it was begun, and how many subjects have a new key since
+    sqlite3 "$DB" "SELECT (SELECT count(*) FROM events WHERE kind = 'renew_subjects') || ' ' ||
+        count(*) FROM events WHERE kind = 'renew_subject' AND template_id = '' AND seq >
+        (SELECT max(seq) FROM events WHERE kind = 'renew_subjects')"
+}
+late='template_key = (SELECT max(template_key) - 1 FROM templates)'
+sqlite3 "$DB" "ATTACH '$T/kept.db' AS kept; CREATE TABLE kept.models AS
+    SELECT template_key, model FROM templates WHERE $late"
+mend() {
+    sqlite3 "$DB" "ATTACH '$T/kept.db' AS kept; UPDATE main.templates SET model =
+        (SELECT model FROM kept.models) WHERE $late"
+}
+start_daemon --no-auth
+damage_models "$late"
+public=$(sqlite3 "$DB" 'SELECT hex(public) FROM root')
+ctl rekey --yes --compromised
+is "a model is damaged" "$CODE" 65
+ok "it says which" matches "$(said .error.detail)" 'template [0-9a-f]{32}: its model is damaged'
+is "two batches are done" "$(renewed)" "1 128"
+is "the key is the same" "$(sqlite3 "$DB" 'SELECT hex(public) FROM root')" "$public"
+send POST /v1/subjects/p5/verify "$PLY" "$T/many/p6_e.ply"
+is "a daemon goes on with both" "$STATUS" 200
+ctl rekey --yes --compromised
+is "again" "$CODE $(renewed)" "65 1 128"
+mend
+if command -v faketime >/dev/null && ! grep -q __asan_init "$BUILD/surfacectl"; then
+    damage_models "$late"
+    faketime -f +61m "$BUILD/surfacectl" --db "$DB" rekey --yes --compromised >"$T/ctl" 2>&1
+    is "an hour later it is begun anew" "$(renewed)" "2 128"
+    mend
+    ctl rekey --yes --compromised
+    is "so is one of the future" "$CODE $(renewed)" "0 3 130"
+else
+    ctl rekey --yes --compromised
+    is "mended, the rest follows" "$CODE $(renewed)" "0 1 130"
+fi
+send POST /v1/subjects/p5/verify "$PLY" "$T/many/p6_e.ply"
+is "a daemon goes on" "$STATUS" 200
+ctl check
+is "all are there" "$CODE $(said .templates)" "0 130"
+ctl rekey --yes --compromised
+ok "the next one is another" matches "$(renewed)" ' 130$'
+stop_daemon
+DB=$one
+
 # ---- other kinds: a key of one's own, a passphrase, none, and a first one
 printf 'open sesame, open wide\n' >"$T/phrase"
 printf 'tĥis ĥas 11\n' >"$T/short"
