@@ -32,7 +32,8 @@ CREATE TABLE subjects (
     expires     TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
     seen        TEXT CHECK (seen IS NULL OR seen GLOB '????-??-??T??:??:??.???Z'),
     hold        INTEGER NOT NULL CHECK (hold IN (0, 1)),
-    disabled    INTEGER NOT NULL CHECK (disabled IN (0, 1))
+    disabled    INTEGER NOT NULL CHECK (disabled IN (0, 1)),
+    templates   INTEGER NOT NULL CHECK (templates >= 0) -- that there must be
 ) STRICT;
 
 CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;

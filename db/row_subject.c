@@ -18,6 +18,7 @@ enum { /* the columns of ROW_SUBJECT_WHO, from the first of them on */
        COL_EXPIRES,
        COL_HOLD,
        COL_DISABLED,
+       COL_TEMPLATES,
        COL_KEY, /* the MAC is of all before it */
        COL_SEEN
 };
@@ -47,6 +48,7 @@ static bool read_who(const struct store_txn *t, const struct sql_rows *r, int co
         !store_column_text_or(r, col + COL_SEEN, s->seen, sizeof s->seen) ||
         !store_column_count(r, col + COL_HOLD, 1, &hold) ||
         !store_column_count(r, col + COL_DISABLED, 1, &disabled) ||
+        !store_column_count(r, col + COL_TEMPLATES, UINT32_MAX, &s->templates) ||
         (about = store_column_blob(r, col + COL_ABOUT, 1, ROW_CRYPT_ABOUT, &n)) == NULL ||
         !read_key(t, r, col, k))
         return false;
@@ -90,16 +92,12 @@ enum status row_subject_row(void *t, const struct sql_rows *r, void *out,
     struct row_crypt_key k = {0};
     const int64_t row = sql_column(r, 0).i;
     struct errinfo why;
-    uint32_t templates = 0;
-    enum status st = row_subject_who(t, r, 2, s, &k, &why);
+    const enum status st = row_subject_who(t, r, 1, s, &k, &why);
 
     sodium_memzero(&k, sizeof k);
-    if (st == ST_OK && !store_column_count(r, 1, UINT32_MAX, &templates))
-        st = errinfo_set(&why, ST_ECORRUPT, "a subject's row is damaged");
     if (st != ST_OK)
         return errinfo_set(e, st, "%s (row %lld)", why.msg, (long long)row);
     s->key = row;
-    s->templates = templates;
     return ST_OK;
 }
 
@@ -191,9 +189,30 @@ enum status row_subject_find(struct store_txn *t, const char *subject,
             p->row = 0;
             st = not_theirs(subject, e);
         }
+        p->templates = who.templates;
     }
     st = sql_done(r, st, e);
     return st != ST_OK || found ? st : not_found(t, subject, e);
+}
+
+/* The one row of a query for "s.subject_key, " ROW_SUBJECT_WHO. */
+static enum status only(struct store_txn *t, struct sql_rows *r, enum status st,
+                        struct row_subject *p, struct store_subject *who,
+                        struct errinfo *e)
+{
+    const bool found = st == ST_OK && sql_next(r);
+
+    memset(who, 0, sizeof *who);
+    if (found) {
+        p->row = sql_column(r, 0).i;
+        if ((st = row_subject_who(t, r, 1, who, &p->key, e)) != ST_OK)
+            memset(who, 0, sizeof *who);
+        p->templates = who->templates;
+    }
+    st = sql_done(r, st, e);
+    return st != ST_OK || found
+               ? st
+               : errinfo_set(e, ST_ENOTFOUND, "there is no such subject");
 }
 
 enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_UID],
@@ -201,22 +220,26 @@ enum status row_subject_same(struct store_txn *t, const unsigned char uid[STORE_
                              struct errinfo *e)
 {
     struct sql_rows *r;
-    bool found;
-    enum status st = SQL_QUERY(t->sql, &r, e,
-                               "SELECT s.subject_key, " ROW_SUBJECT_WHO
-                               " FROM subjects s WHERE s.uid = $1",
-                               sql_blob(uid, STORE_UID));
+    const enum status st = SQL_QUERY(t->sql, &r, e,
+                                     "SELECT s.subject_key, " ROW_SUBJECT_WHO
+                                     " FROM subjects s WHERE s.uid = $1",
+                                     sql_blob(uid, STORE_UID));
 
-    memset(who, 0, sizeof *who);
-    if ((found = st == ST_OK && sql_next(r))) {
-        p->row = sql_column(r, 0).i;
-        if ((st = row_subject_who(t, r, 1, who, &p->key, e)) != ST_OK)
-            memset(who, 0, sizeof *who);
-    }
-    st = sql_done(r, st, e);
-    return st != ST_OK || found
-               ? st
-               : errinfo_set(e, ST_ENOTFOUND, "there is no such subject");
+    return only(t, r, st, p, who, e);
+}
+
+enum status row_subject_of(struct store_txn *t, const char *template_id,
+                           struct row_subject *p, struct store_subject *who,
+                           struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st = SQL_QUERY(t->sql, &r, e,
+                                     "SELECT s.subject_key, " ROW_SUBJECT_WHO
+                                     " FROM subjects s JOIN templates t "
+                                     "USING (subject_key) WHERE t.id = $1",
+                                     sql_text(template_id));
+
+    return only(t, r, st, p, who, e);
 }
 
 enum status row_subject_read(struct store_txn *t, const char *subject,
@@ -252,12 +275,14 @@ enum status row_subject_add(struct store_txn *t, const struct store_subject *abo
     st = SQL_QUERY(
         t->sql, &r, e,
         "INSERT INTO subjects (lookup, uid, key, about, created, expires, "
-        "seen, hold, disabled) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) "
-        "RETURNING subject_key",
+        "seen, hold, disabled, templates) "
+        "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) RETURNING subject_key",
         row_subject_lookup(t, about->id, lookup), sql_blob(p->key.uid, sizeof p->key.uid),
         sql_blob(wrapped, sizeof wrapped), sql_blob(about_it, n),
         sql_text(about->created), sql_text_or_null(about->expires),
-        sql_text_or_null(about->seen), sql_int(about->hold), sql_int(about->disabled));
+        sql_text_or_null(about->seen), sql_int(about->hold), sql_int(about->disabled),
+        sql_int(about->templates));
+    p->templates = about->templates;
     while (st == ST_OK && sql_next(r))
         p->row = sql_column(r, 0).i;
     return sql_done(r, st, e);
@@ -275,6 +300,22 @@ enum status row_subject_write(struct store_txn *t, const struct row_subject *p,
                    sql_int(p->row), row_subject_lookup(t, one->id, lookup),
                    sql_blob(about, n), sql_text_or_null(one->expires), sql_int(one->hold),
                    sql_int(one->disabled));
+}
+
+enum status row_subject_count(struct store_txn *t, const struct store_act *by,
+                              const char *subject, const struct row_subject *p, int more,
+                              struct errinfo *e)
+{
+    const int64_t now = (int64_t)p->templates + more;
+    char outcome[24];
+    const enum status st =
+        SQL_RUN(t->sql, e, "UPDATE subjects SET templates = $2 WHERE subject_key = $1",
+                sql_int(p->row), sql_int(now));
+
+    (void)snprintf(outcome, sizeof outcome, "%lld", (long long)now);
+    return st == ST_OK
+               ? row_subject_tell(t, by, "count_templates", subject, p, outcome, e)
+               : st;
 }
 
 enum status row_subject_renew(struct store_txn *t, const struct row_subject *p,

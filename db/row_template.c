@@ -185,7 +185,7 @@ enum status row_template_load(struct store_txn *x, const char *id,
 
 /* ---- of a subject */
 
-enum status row_template_list(struct store_txn *x, int64_t subject,
+enum status row_template_list(struct store_txn *x, int64_t subject, uint32_t count,
                               struct store_template **out, size_t *n, struct errinfo *e)
 {
     void *list;
@@ -197,6 +197,14 @@ enum status row_template_list(struct store_txn *x, int64_t subject,
 
     st = store_column_list(r, st, list_row, x, sizeof **out, &list, n, e);
     *out = list;
+    if (st != ST_OK || *n == count)
+        return st;
+    free(list);
+    *out = NULL;
+    st = errinfo_set(e, ST_ECORRUPT,
+                     "a subject has %zu templates, and its row says %u (row %lld)", *n,
+                     count, (long long)subject);
+    *n = 0;
     return st;
 }
 

@@ -25,11 +25,12 @@ enum status row_template_load(struct store_txn *x, const char *id,
                               struct store_template *t, row_template_use *use, void *arg,
                               struct errinfo *e);
 
-/* row_template_list(x, subject, out, n, e): of a subject's row, oldest first; released by
- * free().  row_template_ids(x, subject, out, n, e): the ids alone; a malformed one is "???...".
+/* row_template_list(x, subject, count, out, n, e): of a subject's row, oldest first; released by
+ * free().  ST_ECORRUPT: there are not as many as that row says.
+ * row_template_ids(x, subject, out, n, e): the ids alone; a malformed one is "???...".
  * row_template_newest(x, subject, id, e): the last one's id, "" where there is none.
  * row_template_same(x, p, digest, t, found, e): the subject's template of this digest. */
-enum status row_template_list(struct store_txn *x, int64_t subject,
+enum status row_template_list(struct store_txn *x, int64_t subject, uint32_t count,
                               struct store_template **out, size_t *n, struct errinfo *e);
 enum status row_template_ids(struct store_txn *x, int64_t subject,
                              char (**out)[STORE_ID_LEN + 1], size_t *n,

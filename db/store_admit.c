@@ -62,7 +62,8 @@ static enum status read_all(struct store_txn *x, const struct store_admit *what,
         return st;
     out->subject.expired = store_rules_past(out->subject.expires, now_ms);
     if (what->subject != NULL)
-        st = row_template_list(x, out->subject.key, &out->t, &out->n, e);
+        st = row_template_list(x, out->subject.key, out->subject.templates, &out->t,
+                               &out->n, e);
     if (st == ST_OK && what->listed != NULL)
         st = what->listed(what->arg, out, e);
     return st;

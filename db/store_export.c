@@ -60,7 +60,7 @@ static enum status export_rows(struct exporting *x, const struct store_subject *
     if ((st = store_txn_begin(x->s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if ((st = row_subject_find(&t, s->id, &p, e)) == ST_OK &&
-        (st = row_template_list(&t, p.row, &list, &n, e)) == ST_OK)
+        (st = row_template_list(&t, p.row, p.templates, &list, &n, e)) == ST_OK)
         st = archive_write(x->a, record, store_archive_subject(s, record), false, e);
     for (size_t i = 0; i < n && st == ST_OK; i++)
         st = row_template_load(&t, list[i].id, &one, export_model, x, e);

@@ -172,7 +172,11 @@ static enum status add_template(struct importing *m, const struct store_archive_
         (st = row_template_add(&m->t, &m->p, t, i->model, i->len, e)) != ST_OK)
         return st;
     m->out->new_templates++;
-    return row_template_tell(&m->t, m->by, "import", m->who.id, t->id, "created", e);
+    if ((st = row_template_tell(&m->t, m->by, "import", m->who.id, t->id, "created",
+                                e)) == ST_OK &&
+        (st = row_subject_count(&m->t, m->by, m->who.id, &m->p, 1, e)) == ST_OK)
+        m->p.templates++;
+    return st;
 }
 
 /* Records that were verified, in one transaction. */

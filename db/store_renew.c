@@ -166,7 +166,7 @@ static enum status move_templates(struct renewing *r, const struct row_subject *
 {
     struct store_template *list;
     size_t n;
-    enum status st = row_template_list(r->old, p->row, &list, &n, e);
+    enum status st = row_template_list(r->old, p->row, p->templates, &list, &n, e);
 
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         const struct store_template *t = &list[i];
@@ -187,6 +187,7 @@ static enum status move_subject(struct renewing *r, const struct sql_rows *row,
     struct store_subject who;
     enum status st = row_subject_who(r->old, row, 1, &who, &p.key, e);
 
+    p.templates = who.templates;
     if (st == ST_OK && (st = move_templates(r, &p, e)) == ST_OK) {
         vault_wrap(r->next.vault, p.key.uid, p.key.key, wrapped);
         if ((st = row_subject_renew(&r->next, &p, &who, wrapped, e)) == ST_OK)

@@ -124,6 +124,7 @@ enum status store_subject_add(struct store *s, const char *actor,
     memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->created, by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
+    about->templates = 0;
     if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     if ((st = row_subject_find(&t, about->id, &p, e)) == ST_OK)

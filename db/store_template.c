@@ -17,7 +17,7 @@
 
 /* ---- enrolling */
 
-/* The subject, added where it is new, else seen. */
+/* The subject, added with this template where it is new, else seen. */
 static enum status need_subject(struct store_txn *x, const struct store_act *by,
                                 const char *subject, struct row_subject *p, bool *added,
                                 struct errinfo *e)
@@ -33,6 +33,7 @@ static enum status need_subject(struct store_txn *x, const struct store_act *by,
     memcpy(about.id, subject, strlen(subject) + 1);
     memcpy(about.created, by->at, sizeof about.created);
     memcpy(about.seen, by->at, sizeof about.seen);
+    about.templates = 1;
     if ((st = row_subject_add(x, &about, p, e)) != ST_OK)
         return st;
     return row_subject_tell(x, by, "add_subject", subject, p, "created", e);
@@ -67,6 +68,8 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
     if (st == ST_OK && !found &&
         (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
         st = row_template_tell(x, by, "enroll", t->subject, t->id, outcome, e);
+    if (st == ST_OK && !found && !added)
+        st = row_subject_count(x, by, t->subject, &p, 1, e);
     if (st == ST_OK && !found && read != NULL)
         st = row_cloud_enroll(x, &p, t->id, read, e);
     sodium_memzero(&p, sizeof p);
@@ -233,7 +236,7 @@ enum status store_template_list(struct store *s, const char *subject,
         (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
     if ((st = row_subject_find(&x, subject, &p, e)) == ST_OK)
-        st = row_template_list(&x, p.row, out, n, e);
+        st = row_template_list(&x, p.row, p.templates, out, n, e);
     sodium_memzero(&p, sizeof p);
     return store_txn_end(&x, st, e);
 }
@@ -245,19 +248,24 @@ static enum status delete_row(struct store_txn *x, const struct store_act *by,
                               const char *id, struct errinfo *e)
 {
     struct store_template t;
-    struct store_subject one;
-    bool named;
+    struct store_subject who;
+    struct row_subject p = {0};
+    bool good, known;
     enum status st = row_template_get(x, id, &t, e);
 
     if (st != ST_OK && st != ST_ECORRUPT)
         return st;
-    named = store_subject_valid(t.subject);
-    if (named && row_subject_read(x, t.subject, &one, NULL) == ST_OK && one.hold)
-        return errinfo_set(e, ST_EHELD, "subject %s is on hold", t.subject);
-    if ((st = row_template_delete(x, id, e)) != ST_OK)
+    good = st == ST_OK;
+    known = row_subject_of(x, id, &p, &who, NULL) == ST_OK;
+    sodium_memzero(&p.key, sizeof p.key);
+    if (good && known && who.hold)
+        return errinfo_set(e, ST_EHELD, "subject %s is on hold", who.id);
+    if ((st = row_template_delete(x, id, e)) != ST_OK ||
+        (st = row_template_tell(x, by, "delete_template", known ? who.id : "", id,
+                                "deleted", e)) != ST_OK ||
+        !known || p.templates == 0) /* moved there by somebody else */
         return st;
-    return row_template_tell(x, by, "delete_template", named ? t.subject : "", id,
-                             "deleted", e);
+    return row_subject_count(x, by, who.id, &p, -1, e);
 }
 
 enum status store_template_delete(struct store *s, const char *actor, const char *id,

@@ -28,7 +28,8 @@ CREATE TABLE subjects (
     expires     TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
     seen        TEXT CHECK (seen IS NULL OR seen LIKE '____-__-__T__:__:__.___Z'),
     hold        BIGINT NOT NULL CHECK (hold IN (0, 1)),
-    disabled    BIGINT NOT NULL CHECK (disabled IN (0, 1))
+    disabled    BIGINT NOT NULL CHECK (disabled IN (0, 1)),
+    templates   BIGINT NOT NULL CHECK (templates >= 0) -- that there must be
 );
 
 CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;

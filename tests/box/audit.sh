@@ -52,10 +52,11 @@ checkpoint surfacectl
 delete_template $DOOR deleted
 delete_subject $DOOR deleted
 delete_template surfacectl deleted
+count_templates surfacectl 0
 revoke_token surfacectl $DOOR"
 is "with which template" "$(said '.entries[3].template_id')" "$id"
 is "in which chain" "$(said '[.entries[] | "\(.chain[:1])\(.seq)"] | join(" ")')" \
-    "c1 c2 c3 c4 u1 u2 c5 c6 u3 c7 c8 c9 c10 c11"
+    "c1 c2 c3 c4 u1 u2 c5 c6 u3 c7 c8 c9 c10 c11 c12"
 is "who is here is named" "$(said '.entries[7].subject')" bob
 is "who was erased is not" "$(said '.entries[3] | [.subject, (.subject_ref | length)] | @csv')" ',32'
 ctl audit show --subject alice
@@ -69,7 +70,7 @@ is "no such time" $CODE 65
 "$BUILD/surfacectl" --db "$DB" audit show >"$T/text"
 ok "as text" grep -q "^changes        9  20.*delete_subject .*#[0-9a-f]\{12\} .*$DOOR\$" "$T/text"
 ctl audit verify
-is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,14,1"
+is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,15,1"
 key=$(said .public_key)
 
 # ---- the receipt
@@ -135,13 +136,13 @@ is "what the database does not know of it" "$? $(said '.problems | length')" '1 
 ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"
 is "the command gives one too" "$CODE $(receipt '[.subject, .templates_removed, .audit.seq] | @csv')" \
-    '0 "bob",0,12'
+    '0 "bob",0,13'
 is "with its digest" "$(receipt .digest)" \
     "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
 
 # ---- exported
 ctl audit export --out "$T/log"
-is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 13,\"$key\""
+is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 14,\"$key\""
 is "its owner's" "$(stat -c %a "$T/log")" 600
 is "what an entry is not about is null" \
     "$(jq -c 'select(.kind == "create_token") | [.subject_ref, .template_id]' "$T/log" | sort -u)" '[null,null]'
@@ -150,11 +151,11 @@ file() {
     CODE=$?
 }
 file "$T/log"
-is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 16,2"
+is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 17,2"
 "$BUILD/surfacectl" --db "$DB" audit export >"$T/log2" 2>"$T/err"
 is "to standard output" "$?" 0
 file "$T/log2"
-is "sound too" "$CODE $(said .entries)" "0 17"
+is "sound too" "$CODE $(said .entries)" "0 18"
 ok "nobody is named" sh -c "! grep -q 'alice\|bob' '$T/log2'"
 ctl audit export
 is "not as another JSON" $CODE 64
@@ -185,10 +186,10 @@ wrong 5 "/$C,\"seq\":5,/s/\"actor\":\"./\"actor\":\"x/"
 wrong 5 "/$C,\"seq\":5,/{h;d};/$C,\"seq\":6,/G"
 wrong 9 "/$C,\"seq\":9,/s/.*/{}/"
 wrong 7 "/\"checkpoint\":7,/s/\"signature\":\"..../\"signature\":\"0000/"
-wrong 8 '/"checkpoint":13,/d'
-wrong 8 "/$C,\"seq\":13,/d"
+wrong 8 '/"checkpoint":14,/d'
+wrong 8 "/$C,\"seq\":14,/d"
 wrong 2 '3s/.*/garbage/'
-wrong 14 "/\"checkpoint\":13,/s/.*/&\n{$C,\"seq\":14}/"
+wrong 15 "/\"checkpoint\":14,/s/.*/&\n{$C,\"seq\":15}/"
 wrong 1 "/$U,\"seq\":1,/d"
 wrong 2 "/$U,\"seq\":2,/s/no_match/match/"
 wrong 2 "/$U,\"seq\":2,/{h;d};/$U,\"seq\":3,/G"

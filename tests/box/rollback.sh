@@ -109,6 +109,22 @@ is "nobody is nobody" "$STATUS" 404
 req GET /v1/subjects/bob
 is "the erased are" "$STATUS" 404
 
+# ---- one of several removed: a match with the others is none
+back
+start_daemon
+scan 3 2 "$T/s3b.ply" --points 1500
+send POST /v1/subjects/carol/templates "$PLY" "$T/s3b.ply"
+is "a second one" "$STATUS" 201
+scan 3 3 "$T/s3c.ply" --points 1500
+send POST /v1/subjects/carol/verify "$PLY" "$T/s3c.ply"
+is "both are compared" "$STATUS $(get .templates_compared)" "200 2"
+sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
+send POST /v1/subjects/carol/verify "$PLY" "$T/s3c.ply"
+is "one is missing" "$STATUS" 500
+stop_daemon
+ctl verify carol "$T/s3c.ply"
+is "for the command too" "$CODE" 65
+
 # ---- with the entries that tell of it: the daemon does not start
 back
 sqlite3 "$DB" "ATTACH '$T/old.db' AS old; DELETE FROM main.tokens;
