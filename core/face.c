@@ -361,7 +361,14 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 
 void face_round(struct face_result *r, const struct face_work *w)
 {
-    r->score_mm = round(r->score_mm * 1e3) / 1e3;
+    const double above = ceil(r->threshold_mm * 1e3 - 1e-9); /* 0.138 is 0.138 */
+    const double score = round(r->score_mm * 1e3);
+    const bool fits = r->score_mm <= r->threshold_mm;
+
+    if (r->rise_mm > 0)
+        r->rise_mm += above / 1e3 - r->threshold_mm;
+    r->threshold_mm = above / 1e3;
+    r->score_mm = (fits ? score : fmax(score, above + 1)) / 1e3;
     r->overlap = round(r->overlap * 1e2) / 1e2;
     if (r->factor > 0) {
         r->calibrated_mm = fmax(0, (r->score_mm - r->rise_mm) / r->factor);

@@ -131,9 +131,12 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold_mm, double (*clock_ms)(void),
                          struct face_work *w, struct face_result *out);
 
-/* face_round(r, w): the score is rounded to 0.001 mm, the overlap to 0.01, and fmr_at_score is
- * that of the rounded score, by w's calibration (that of the comparison): for who may be told
- * the decision, and should not learn a face from many scores.  The decision stays. */
+/* face_round(r, w): the score is rounded to 0.001 mm, the threshold up to 0.001 mm, the overlap
+ * to 0.01, and fmr_at_score is that of the rounded score, by w's calibration (that of the
+ * comparison), and of a rise of the threshold that is rounded as the threshold is: for who may
+ * be told the decision, and should not learn a face from many scores.  The decision stays, and
+ * the rounded numbers agree with it: a score above the threshold stays above, by 0.001 mm or
+ * more. */
 void face_round(struct face_result *r, const struct face_work *w);
 
 /* face_compare_mirrored(tmpl, probe, clock_ms, w, out): face_compare() with the mirror image of

@@ -59,21 +59,21 @@ for path in subjects/alice/verify "templates/$template/verify"; do
     is "$path" "$STATUS" 200
     no_shape "$path"
     ok "$path: 3 decimals, 2 of the overlap" \
-        grep -Eq '"disparity_mm":0\.[0-9]{1,3},.*"minimal_mm":[0-9]+(\.[0-9]{1,3})?,"overlap":[01](\.[0-9]{1,2})?,' "$T/body"
+        grep -Eq '"disparity_mm":0\.[0-9]{1,3},"threshold_mm":0\.[0-9]{1,3},.*"minimal_mm":[0-9]+(\.[0-9]{1,3})?,"overlap":[01](\.[0-9]{1,2})?,' "$T/body"
 done
 send POST /v1/compare "$JSON" "$T/two.json"
 is "compare" "$STATUS" 200
 no_shape compare
 # The rate is that of the score as it is told: the same for all that are told the same.
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
-told=$(get '[.disparity_mm, .minimal_mm, .overlap, .fmr_at_score] | @csv')
+told=$(get '[.disparity_mm, .threshold_mm, .minimal_mm, .overlap, .fmr_at_score] | @csv')
 AUTH=$both
 send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
-exact=$(get '[.disparity_mm, .minimal_mm, .overlap] | @csv')
-is "rounded" "$(echo "$told" | cut -d , -f 1-3)" \
-    "$(get '[.disparity_mm, .minimal_mm, .overlap] | [(.[0], .[1] | . * 1000 | round / 1000), (.[2] * 100 | round / 100)] | @csv')"
+exact=$(get '[.disparity_mm, .threshold_mm, .minimal_mm, .overlap] | @csv')
+is "rounded" "$(echo "$told" | cut -d , -f 1-4)" \
+    "$(get '[.disparity_mm, .threshold_mm, .minimal_mm, .overlap] | [(.[0] * 1000 | round / 1000), (.[1] * 1000 | ceil / 1000), (.[2] * 1000 | round / 1000), (.[3] * 100 | round / 100)] | @csv')"
 ok "another rate than that of the exact score: $told, $exact" \
-    test "$(echo "$told" | cut -d , -f 4)" != "$(get .fmr_at_score)"
+    test "$(echo "$told" | cut -d , -f 5)" != "$(get .fmr_at_score)"
 
 # ---- a threshold of the request's own
 AUTH=$verify

@@ -412,7 +412,40 @@ static void check_rounding(const struct face_result *r)
     assert_true(one.fmr_at_score == other.fmr_at_score);
     assert_true(one.fmr_at_score ==
                 decision_fmr(&model_default.decision, one.calibrated_mm));
-    assert_true(one.decision == r->decision && one.threshold_mm == r->threshold_mm);
+    assert_true(one.decision == r->decision);
+    assert_true(one.threshold_mm >= r->threshold_mm &&
+                one.threshold_mm < r->threshold_mm + 0.001);
+}
+
+/* Whatever the threshold and the score, the numbers told agree with the decision and are hardly
+ * off; and the rate tells no more of the threshold's rise, which follows the roughness, than
+ * the threshold told. */
+static void check_agreement(struct face_result r)
+{
+    const double t = r.threshold_mm - r.rise_mm;
+
+    for (int k = -30; k < 60; k++) {
+        struct face_result last = {.threshold_mm = 0};
+
+        r.score_mm = t + k * 0.0001 + 0.00005;
+        for (int i = 0; i < 40; i++) {
+            struct face_result told = r, again;
+
+            told.rise_mm = 0.0001 + i * 0.0002;
+            told.threshold_mm = t + told.rise_mm;
+            face_round(&told, work);
+            assert_int_equal(told.score_mm <= told.threshold_mm, k <= 2 * i);
+            assert_true(fabs(told.score_mm - r.score_mm) < 0.002);
+            assert_true(told.threshold_mm == round(told.threshold_mm * 1e3) / 1e3);
+            if (told.score_mm == last.score_mm && told.threshold_mm == last.threshold_mm)
+                assert_true(fabs(told.fmr_at_score - last.fmr_at_score) <
+                            1e-12 * last.fmr_at_score);
+            last = again = told;
+            face_round(&again, work); /* once more changes nothing */
+            assert_true(again.score_mm == told.score_mm &&
+                        again.threshold_mm == told.threshold_mm);
+        }
+    }
 }
 
 static void test_round(void **state)
@@ -440,6 +473,7 @@ static void test_round(void **state)
     assert_int_equal(face_compare(&a, &b, 0, NULL, work, &r), ST_OK);
     assert_true(r.rise_mm > 0);
     check_rounding(&r);
+    check_agreement(r);
     r.factor = 0; /* the rate does not depend on the score */
     rounded = r;
     face_round(&rounded, work);
