@@ -4,6 +4,7 @@
 
 #include "app.h"
 #include "errmap.h"
+#include "lockout.h"
 #include "log.h"
 #include "metrics.h"
 #include "options.h"
@@ -36,18 +37,12 @@ bool attempts_limited(const struct attempts *a)
 }
 
 /* What is left of a lock-out of at most most_s after so many failures. */
-static int64_t locked_ms(const struct attempts *a, uint32_t failures, int64_t age_ms,
-                         int64_t most_s)
+static int64_t left_ms(const struct attempts *a, uint32_t failures, int64_t age_ms,
+                       unsigned most_s)
 {
-    int64_t wait_s = a->wait_s;
+    const int64_t wait_ms = lockout_ms(a->limit, a->wait_s, most_s, failures);
 
-    if (failures < a->limit)
-        return 0;
-    for (uint32_t i = a->limit; i < failures && wait_s < most_s; i++)
-        wait_s *= 2;
-    if (wait_s > most_s)
-        wait_s = most_s;
-    return age_ms < wait_s * 1000 ? wait_s * 1000 - age_ms : 0;
+    return age_ms < wait_ms ? wait_ms - age_ms : 0;
 }
 
 int64_t attempts_wait_ms(const struct attempts *a, const struct store_attempts *now,
@@ -61,9 +56,9 @@ int64_t attempts_wait_ms(const struct attempts *a, const struct store_attempts *
     *why = ATTEMPTS_MAY;
     if (a->limit == 0)
         return 0;
-    wait[ATTEMPTS_OWN] = locked_ms(a, now->failures, now->age_ms, OPTIONS_WAIT_MAX);
+    wait[ATTEMPTS_OWN] = left_ms(a, now->failures, now->age_ms, OPTIONS_WAIT_MAX);
     wait[ATTEMPTS_OTHERS] =
-        locked_ms(a, now->others, now->others_age_ms, ATTEMPTS_OTHERS_S);
+        left_ms(a, now->others, now->others_age_ms, ATTEMPTS_OTHERS_S);
     if (a->subjects > 0 && now->token[0] != '\0' && now->tried >= a->subjects &&
         now->tried_age_ms < STORE_TRIED_MS)
         wait[ATTEMPTS_SUBJECTS] = STORE_TRIED_MS - now->tried_age_ms;

@@ -2,7 +2,8 @@
  * are the scores of a verification, attempt by attempt.  The attacker knows the model: a scan is
  * moved along the model's modes of shape, one after the other, both ways, to the lowest point of
  * a parabola through the three scores.  Begun from a stranger's scan or from the mean face; told
- * the score as it is, rounded as for the scope verify alone, or the decision alone. */
+ * the score as it is, rounded as for the scope verify alone, or the decision alone.  Beside it how
+ * long so many attempts take with the daemon's default lock-out, and how often it has warned. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,13 +13,17 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "lab.h"
+#include "lockout.h"
 #include "model.h"
+#include "options.h"
 #include "people.h"
 #include "scan.h"
 #include "study.h"
 
 #define VICTIMS  20
 #define ATTEMPTS 1000
+#define PEOPLE   40  /* of whom each makes the first attempts on each other */
+#define EARLY    30  /* of them */
 #define STEP     0.6 /* of a mode, at first */
 #define POINTS   (4 * GRID_N)
 
@@ -26,8 +31,11 @@ enum from { STRANGER, MEAN, FROMS };
 enum told { EXACT, ROUNDED, DECISION, TOLDS };
 static const char *const from_name[] = {"stranger", "mean face"};
 static const char *const told_name[] = {"exact", "rounded", "decision"};
-static const int shown[] = {1, 3, 10, 14, 30, 100, 300, 1000}; /* attempts */
+static const int shown[] = {1, 2, 3, 5, 10, 14, 30, 100, 300, 1000}; /* attempts */
 #define NSHOWN (sizeof shown / sizeof *shown)
+static const char columns[] =
+    "attempts,victims,matched,low %,high %,median mm,lowest 5 % mm,"
+    "days with the lock-out,warnings";
 
 struct climb {
     struct face_work *work;
@@ -166,14 +174,30 @@ static void take_stranger(struct climb *c, const struct person *s)
     face_free(&own);
 }
 
-static void sum_up(FILE *f, enum from from, enum told told, const struct climb *of,
-                   size_t n)
+/* How long n attempts take that fail, and how many warnings there are then: one with each
+ * lock-out. */
+static double locked_out_days(int n, int *warnings)
+{
+    const unsigned limit = options_default("attempts");
+    const unsigned wait_s = options_default("attempt-wait");
+    int64_t ms = 0;
+
+    for (int i = 1; i < n; i++)
+        ms += lockout_ms(limit, wait_s, OPTIONS_WAIT_MAX, (uint32_t)i);
+    *warnings = n < (int)limit ? 0 : n - (int)limit + 1;
+    return (double)ms / 86400e3;
+}
+
+/* Lines that begin with this. */
+static void sum_up(FILE *f, const char *begin, const struct climb *of, size_t n)
 {
     double *v = lab_alloc(n, sizeof *v);
 
     for (size_t s = 0; s < NSHOWN && shown[s] <= of[0].most; s++) {
         size_t matched = 0;
         struct lab_spread spread;
+        double low, high, days;
+        int warnings;
 
         for (size_t i = 0; i < n; i++) {
             const int at = shown[s] < of[i].attempts ? shown[s] : of[i].attempts;
@@ -182,53 +206,102 @@ static void sum_up(FILE *f, enum from from, enum told told, const struct climb *
             matched += of[i].matched[at];
         }
         spread = lab_spread(v, n);
-        fprintf(f, "%s,%s,%d,%zu,%zu,%.4f,%.4f\n", from_name[from], told_name[told],
-                shown[s], n, matched, spread.median, spread.low);
+        lab_share(matched, n, &low, &high);
+        days = locked_out_days(shown[s], &warnings);
+        fprintf(f, "%s%d,%zu,%zu,%.2f,%.2f,%.4f,%.4f,%.3g,%d\n", begin, shown[s], n,
+                matched, 100 * low, 100 * high, spread.median, spread.low, days,
+                warnings);
     }
+    fflush(f);
     free(v);
+}
+
+static void climb_from(struct climb *c, const struct person *victim,
+                       const struct person *stranger, uint64_t seed)
+{
+    struct brute_rng rng = {seed};
+
+    c->victim = &victim->template;
+    c->base = lab_alloc(POINTS, sizeof *c->base);
+    c->lowest[0] = INFINITY;
+    if (stranger == NULL)
+        take_mean(c);
+    else
+        take_stranger(c, stranger);
+    run(c, &rng);
+    free(c->base);
+    face_free(&c->probe);
+}
+
+/* Each from the next person who is no relative, or from the mean face. */
+static void climb_far(const struct lab *lab, const struct person *p, size_t n,
+                      const size_t *relative, struct face_work *work)
+{
+    struct climb *c = lab_alloc(n, sizeof *c);
+    FILE *f = lab_open(lab, "climb.csv");
+    char begin[64];
+
+    fprintf(f, "from,told,%s\n", columns);
+    for (enum from from = STRANGER; from < FROMS; from++)
+        for (enum told told = EXACT; told < TOLDS; told++) {
+            for (size_t i = 0; i < n; i++) {
+                size_t next = (i + 1) % n;
+
+                if (relative[i] == next || relative[next] == i)
+                    next = (i + 2) % n;
+                c[i] = (struct climb){
+                    .work = work, .told = told, .most = lab->reduced ? EARLY : ATTEMPTS};
+                climb_from(&c[i], &p[i], from == MEAN ? NULL : &p[next], lab->seed + i);
+            }
+            (void)snprintf(begin, sizeof begin, "%s,%s,", from_name[from],
+                           told_name[told]);
+            sum_up(f, begin, c, n);
+        }
+    lab_close(f);
+    free(c);
+}
+
+/* The first attempts, of which a lock-out leaves some, by each on each. */
+static void climb_early(const struct lab *lab, const struct person *p, size_t n,
+                        const size_t *relative, struct face_work *work)
+{
+    struct climb *c = lab_alloc(n * n, sizeof *c);
+    FILE *f = lab_open(lab, "early.csv");
+    size_t pairs = 0;
+
+    fprintf(f, "%s\n", columns);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            if (i != j && relative[i] != j && relative[j] != i) {
+                c[pairs] = (struct climb){.work = work, .told = ROUNDED, .most = EARLY};
+                climb_from(&c[pairs++], &p[i], &p[j], lab->seed);
+            }
+    sum_up(f, "", c, pairs);
+    lab_close(f);
+    free(c);
 }
 
 void climb_run(const struct lab *lab)
 {
-    const size_t most = lab->reduced ? 2 : VICTIMS;
-    struct person *p = lab_alloc(most + 1, sizeof *p);
-    struct climb *c = lab_alloc(most, sizeof *c);
+    const size_t most = lab->reduced ? 3 : PEOPLE;
+    struct person *p = lab_alloc(most, sizeof *p);
+    size_t *relative = lab_alloc(most, sizeof *relative), n = most;
     struct face_work *work = face_work_new(NULL);
-    FILE *f = lab_open(lab, "climb.csv");
-    size_t n = most + 1;
 
     if (work == NULL)
         lab_must(ST_ENOMEM);
-    if (lab->faces != NULL)
-        n = people_scanned(lab->faces, "p1", most + 1, work, p);
-    else
+    for (size_t i = 0; i < most; i++)
+        relative[i] = i;
+    if (lab->faces != NULL) {
+        n = people_scanned(lab->faces, "p1", most, work, p);
+        (void)people_relatives(lab->faces, p, n, relative);
+    } else {
         people_made_up(7000, n, work, p);
-    fprintf(f, "from,told,attempts,victims,matched,median mm,lowest 5 %% mm\n");
-    for (enum from from = STRANGER; from < FROMS; from++)
-        for (enum told told = EXACT; told < TOLDS; told++) {
-            for (size_t i = 0; i + 1 < n; i++) {
-                struct brute_rng rng = {lab->seed + i};
-
-                c[i] = (struct climb){.work = work,
-                                      .victim = &p[i].template,
-                                      .told = told,
-                                      .base = lab_alloc(POINTS, sizeof *c->base),
-                                      .most = lab->reduced ? 30 : ATTEMPTS,
-                                      .lowest = {INFINITY}};
-                if (from == MEAN)
-                    take_mean(&c[i]);
-                else
-                    take_stranger(&c[i], &p[i + 1]);
-                run(&c[i], &rng);
-                free(c[i].base);
-                face_free(&c[i].probe);
-            }
-            sum_up(f, from, told, c, n - 1);
-            fflush(f);
-        }
-    lab_close(f);
+    }
+    climb_early(lab, p, n, relative, work);
+    climb_far(lab, p, n < VICTIMS ? n : VICTIMS, relative, work);
     people_free(p, n);
     free(p);
-    free(c);
+    free(relative);
     face_work_free(work);
 }

@@ -129,12 +129,18 @@ ok "near it the frozen measure is the measure to 2 %" \
 study climb
 ok "every attempt is counted, and the lowest score never rises" awk -F, '
     NR > 1 { key = $1 "," $2
-        if (key == last && ($3 <= at || $5 < matched || $6 > mm + 1e-9)) exit bad = 1
-        last = key; at = $3; matched = $5; mm = $6; n++ }
-    END { exit bad || n != 30 }' "$T/climb/climb.csv"
+        if (key == last && ($3 <= at || $5 < matched || $8 > mm + 1e-9)) exit bad = 1
+        last = key; at = $3; matched = $5; mm = $8; n++ }
+    END { exit bad || n != 6 * 7 }' "$T/climb/climb.csv"
 ok "the same first attempt, whatever is told" awk -F, '
-    NR > 1 && $3 == 1 { if ($1 in first && first[$1] != $6) exit bad = 1; first[$1] = $6 }
+    NR > 1 && $3 == 1 { if ($1 in first && first[$1] != $8) exit bad = 1; first[$1] = $8 }
     END { exit bad }' "$T/climb/climb.csv"
+is "each on each" "$(value climb/early.csv 1 2)" 6
+# 3 at once, then 30 s, 60 s, 120 s, ... up to a day
+is "the days that attempts take with the lock-out" \
+    "$(cut -d, -f1,8 "$T/climb/early.csv" | sed 1d | paste -sd ' ')" \
+    "1,0 2,0 3,0 5,0.00104 10,0.0441 14,0.711 30,16.4"
+is "and warnings" "$(cut -d, -f9 "$T/climb/early.csv" | sed 1d | paste -sd ' ')" "0 0 1 3 8 12 28"
 
 # ---- asymmetry
 study mirror
