@@ -104,6 +104,29 @@ sed -i 1d "$T/urls"
 curl -sS -m 120 --parallel --parallel-max 6 -K "$T/urls" >"$T/codes" 2>"$T/curl"
 is "6 subjects at once" "$(sort "$T/codes" | uniq -c | tr -s ' ' | tr '\n' ';')" ' 4 200; 2 429;'
 
+# ---- by enrolments too, with verifications
+sqlite3 "$DB" "DELETE FROM attempts"
+before=$(events many_subjects) warned=$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')
+both=$(new_token both --scope verify,enroll)
+AUTH=$both
+send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
+problem "enrolled in vain: alice" 409 sample_mismatch
+is "one subject is not yet many" "$(events many_subjects)" "$before"
+send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
+problem "bob" 409 sample_mismatch
+is "two of four are" "$(events many_subjects)" $((before + 1))
+is "as a metric" "$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')" $((warned + 1))
+verify "$both" carol "$T/b.ply"
+decides "verified in vain: carol" no_match
+AUTH=$both
+send POST /v1/subjects/dave/templates "$PLY" "$T/b.ply"
+problem "enrolled in vain: dave" 409 sample_mismatch
+send POST /v1/subjects/erin/templates "$PLY" "$T/b.ply"
+locked_out "an enrolment of the fifth subject" too_many_subjects 3500 3600
+verify "$both" erin "$T/a1.ply"
+locked_out "a verification of it" too_many_subjects 3500 3600
+is "erin has one template" "$("$BUILD/surfacectl" --db "$DB" --json subject show erin 2>"$T/ctl" | jq '.templates | length')" 1
+
 # ---- with the token, and with the subject, it goes
 ctl subject erase --yes alice
 ctl subject erase --yes bob
@@ -111,5 +134,26 @@ ctl subject erase --yes carol
 ctl subject erase --yes dave
 ok "with the subjects" test "$(sqlite3 "$DB" "SELECT count(*) FROM attempts")" -le 2
 ctl token revoke "$thief_id"
-is "with the token" "$(sqlite3 "$DB" "SELECT count(*) FROM attempts")" 0
+is "with the token" "$(sqlite3 "$DB" "SELECT count(*) FROM attempts WHERE token = '$thief_id'")" 0
+stop_daemon
+
+# ---- by default, who climbs by scores is told of before the study's attackers match
+mkdir "$T/climb"
+ok "study climb" "$BUILD/study" climb --reduced --out "$T/climb" >"$T/log"
+warned=$(awk -F, 'NR > 1 && $9 > 0 { print $1; exit }' "$T/climb/early.csv")
+ok "none of the study's has matched by then" \
+    awk -F, -v n="$warned" 'NR > 1 && $1 <= n && $3 > 0 { exit 1 }' "$T/climb/early.csv"
+sqlite3 "$DB" "DELETE FROM attempts"
+start_daemon
+before=$(events locked_out)
+climber=$(new_token climber --scope verify)
+for i in $(seq "$warned"); do
+    is "before attempt $i, warnings" "$(events locked_out) $(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" "$before 0"
+    verify "$climber" frank "$T/b.ply"
+    decides "attempt $i" no_match
+done
+is "after as many as in the study" \
+    "$(events locked_out) $(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" "$((before + 1)) 1"
+verify "$climber" frank "$T/b.ply"
+locked_out "and then it waits" too_many_attempts 25 30
 finish
