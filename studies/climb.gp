@@ -8,11 +8,11 @@ set xlabel 'attempts'
 set ylabel 'mm'
 set logscale x
 set yrange [0:*]
-set key bottom left
+set key top right
 set arrow from warned_min, graph 0 to warned_min, graph 1 nohead ls 9
-set label ' first warning' at warned_min, graph 0.97
+set label 'first warning' at warned_min, graph 0.05 rotate by 90 offset -0.7
 set arrow from day_max, graph 0 to day_max, graph 1 nohead ls 9
-set label ' a day' at day_max, graph 0.97
+set label 'the first day' at day_max, graph 0.05 rotate by 90 offset -0.7
 told = 'exact rounded decision'
 do for [from in '"stranger" "mean face"'] {
     set title 'from ' . (from eq 'stranger' ? 'a stranger' : 'the mean face')
