@@ -13,7 +13,7 @@
 #include "ctl_each.h"
 
 #define LEAST_FREE    (UINT64_C(64) << 20) /* bytes */
-#define MANY_TRIED    10                   /* subjects in an hour */
+#define MANY_TRIED    10                   /* subjects in a day */
 #define MANY_FAILURES 3 /* in a row, by one token: as many lock it out */
 #define DAY_MS        INT64_C(86400000)
 #define STICKY        01000 /* S_ISVTX, which POSIX leaves to XSI */
@@ -376,7 +376,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
     unsigned tried = 0;
 
     for (size_t j = 0; j < n; j++)
-        if (a[j].age_ms < STORE_TRIED_MS && strcmp(a[j].token, token) == 0) {
+        if (a[j].age_ms < STORE_TRIED_WARN_MS && strcmp(a[j].token, token) == 0) {
             if (j < i)
                 return; /* it was told */
             tried++;
@@ -384,7 +384,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
     if (tried >= MANY_TRIED)
         say(d, NOTE, "attempts",
             "look who uses it: surfacectl audit show, attempts list; token revoke ends it",
-            "token %s tried %u subjects without a match within an hour",
+            "token %s tried %u subjects without a match within a day",
             token[0] != '\0' ? token : "(none)", tried);
 }
 

@@ -80,15 +80,17 @@ static enum status get_of_token(struct store_txn *t, int64_t now,
     bool ahead = false;
     enum status st = SQL_QUERY(
         t->sql, &r, e,
-        "SELECT count(*), coalesce(min(at_ms), 0), coalesce(max(at_ms), 0) FROM attempts "
-        "WHERE token = $1 AND at_ms > $2 "
+        "SELECT CAST(coalesce(sum(CASE WHEN at_ms > $4 THEN 1 END), 0) AS bigint), "
+        "coalesce(min(CASE WHEN at_ms > $4 THEN at_ms END), 0), "
+        "coalesce(max(at_ms), 0), count(*) FROM attempts WHERE token = $1 AND at_ms > $2 "
         "AND subject_key <> (SELECT subject_key FROM subjects WHERE lookup = $3)",
-        sql_text(out->token), sql_int(now - STORE_TRIED_MS),
-        row_subject_lookup(t, out->subject, lookup));
+        sql_text(out->token), sql_int(now - STORE_TRIED_WARN_MS),
+        row_subject_lookup(t, out->subject, lookup), sql_int(now - STORE_TRIED_MS));
 
     if (st == ST_OK && sql_next(r) &&
         !(store_column_count(r, 0, UINT32_MAX, &out->tried) &&
-          store_column_int(r, 1, 0, &first) && store_column_int(r, 2, 0, &last)))
+          store_column_int(r, 1, 0, &first) && store_column_int(r, 2, 0, &last) &&
+          store_column_count(r, 3, UINT32_MAX, &out->tried_warn)))
         st = damaged(out, e);
     if (out->tried > 0) {
         (void)age(last, now, future);

@@ -41,18 +41,19 @@ static enum status count_attempt(struct store_txn *t, const struct store_settle 
     return ST_OK;
 }
 
-/* Each lock-out is told, and the subjects that a token tried once as they become many. */
+/* Each lock-out is told, and so many subjects that a token tried, and as many more. */
 static void judge(const struct store_settle *what, const struct store_attempts *was,
                   struct store_settled *out)
 {
     const uint32_t before =
-        was->tried + (was->failures > 0 && was->age_ms < STORE_TRIED_MS);
+        was->tried_warn + (was->failures > 0 && was->age_ms < STORE_TRIED_WARN_MS);
+    const uint32_t after = was->tried_warn + 1;
 
     if (what->as != STORE_SETTLE_FAILED)
         return;
     out->locked_out = what->warn_failures > 0 && was->failures + 1 >= what->warn_failures;
-    out->many_subjects = what->warn_tried > 0 && before < what->warn_tried &&
-                         was->tried + 1 >= what->warn_tried;
+    out->many_subjects = what->warn_tried > 0 && after > before &&
+                         after / what->warn_tried > before / what->warn_tried;
 }
 
 static enum status add_events(struct store_txn *t, const struct store_settle *what,
@@ -71,7 +72,8 @@ static enum status add_events(struct store_txn *t, const struct store_settle *wh
         st = row_event_use(t, by, "locked_out", subject, "", outcome, e);
     }
     if (st == ST_OK && out->many_subjects) {
-        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " subjects", was->tried + 1);
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " subjects",
+                       was->tried_warn + 1);
         st = row_event_use(t, by, "many_subjects", subject, "", outcome, e);
     }
     return st;

@@ -25,7 +25,8 @@ struct store_settle {
 
     /* Of one that failed, an event more where the operator should look: "locked_out" when the
      * actor has failed for the subject so often in a row, "many_subjects" when the subjects
-     * that it tried in vain in STORE_TRIED_MS become so many.  0: never. */
+     * that it tried in vain in STORE_TRIED_WARN_MS become so many, twice as many, and so on.
+     * 0: never. */
     uint32_t warn_failures, warn_tried;
 };
 

@@ -193,6 +193,7 @@ struct store_device { /* a scanner that signs what it captures */
 
 #define STORE_TRIED_MS                                                                   \
     INT64_C(3600000) /* in which the subjects count that a token tries */
+#define STORE_TRIED_WARN_MS INT64_C(86400000) /* and in which for a warning */
 #define STORE_ATTEMPTS_DAYS                                                              \
     30 /* after which failures count no more: at one a day, where lock-outs end, more \
           attempts are left than after them */
@@ -211,6 +212,7 @@ struct store_attempts {
     uint32_t tried; /* other subjects whose last verification by this token failed, in
                                the last STORE_TRIED_MS */
     int64_t tried_age_ms; /* since the first of them */
+    uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
 };
 
 #define STORE_PROBES 1000 /* that are kept of a subject, at most */

@@ -444,13 +444,20 @@ static void test_by_token(void **state)
     (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
     (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
     assert_int_equal(attempts(s, "thief", "dave").tried, 2);
-    /* An hour later the subjects count no more, nor for other tokens; a month later the row is
-     * gone, when the token fails again. */
+    /* An hour later the subjects count no more, nor for other tokens, and only for the warning of
+     * a day; a month later the row is gone, when the token fails again. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 3600001");
     assert_int_equal(attempts(s, "thief", "dave").tried, 0);
+    assert_int_equal(attempts(s, "thief", "dave").tried_warn, 2);
     assert_int_equal(attempts(s, "door", "alice").others, 0);
+    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
+    assert_true(settle(s, "thief", "dave", STORE_SETTLE_FAILED).many_subjects);
+    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
+    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
+    assert_int_equal(attempts(s, "thief", "dave").tried_warn, 0);
     assert_int_equal(attempts(s, "thief", "alice").failures, 4);
-    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 29 * 86400000");
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 28 * 86400000");
     (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 3);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
