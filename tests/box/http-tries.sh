@@ -141,6 +141,7 @@ stop_daemon
 mkdir "$T/climb"
 ok "study climb" "$BUILD/study" climb --reduced --out "$T/climb" >"$T/log"
 warned=$(awk -F, 'NR > 1 && $9 > 0 { print $1; exit }' "$T/climb/early.csv")
+# shellcheck disable=SC2016 # awk's own
 ok "none of the study's has matched by then" \
     awk -F, -v n="$warned" 'NR > 1 && $1 <= n && $3 > 0 { exit 1 }' "$T/climb/early.csv"
 sqlite3 "$DB" "DELETE FROM attempts"
