@@ -38,7 +38,7 @@ for round in 1 2 3 4 5; do
         clients="$clients $!"
     done
     tries=0
-    until [ "$(answered)" -ge $((round * 4)) ] || [ "$tries" -ge 600 ]; do
+    until [ "$(answered)" -ge $((round * 4)) ] || [ "$tries" -ge 4000 ]; do
         tries=$((tries + 1))
         sleep 0.03
     done

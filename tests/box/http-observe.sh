@@ -217,13 +217,13 @@ host=${URL#http://}
 (
     printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
     tries=0
-    while [ "$tries" -lt 500 ] && ! grep -q 'stopping' "$LOG"; do
+    while [ "$tries" -lt 3000 ] && ! grep -q 'stopping' "$LOG"; do
         sleep 0.01
         tries=$((tries + 1))
     done
     printf 'GET /readyz HTTP/1.1\r\nHost: x\r\n\r\n'
     sleep 5
-) | curl -sSN -m 10 "telnet://$host" >"$T/telnet" 2>/dev/null &
+) | curl -sSN -m 60 "telnet://$host" >"$T/telnet" 2>/dev/null &
 telnet=$!
 soon grep -q '"ok"' "$T/telnet"
 stop_daemon
@@ -256,7 +256,11 @@ while [ "$tries" -lt 500 ] && [ "$STATUS" != 200 ]; do
     req GET /metrics
     tries=$((tries + 1))
 done
-is "one is open" "$(metric surfaced_connections)" 1
+# shellcheck disable=SC2317 # called by soon; the one before may not be closed yet
+one_is_open() {
+    [ "$(metric surfaced_connections)" = 1 ]
+}
+ok "one is open" soon one_is_open
 is "no body is held" "$(metric 'surfaced_held_bytes{size="large"}')" 0
 ok "one was rejected" test \
     "$(metric 'surfaced_connections_closed_total{reason="too_many_of_one_address"}')" -ge 1
