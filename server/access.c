@@ -1,17 +1,42 @@
 #include "access.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
+#include "errmap.h"
 #include "log.h"
 #include "request.h"
 #include "route.h"
+
+/* What somebody has to look into.  Strangers may ask as often as they like whether the daemon is
+ * ready; that a database is refused was told once (refusal.h), and of overload there is a line a
+ * minute. */
+static bool is_error(const struct request *r)
+{
+    return r->fault[0] != '\0' && r->response.problem != ERRMAP_OVERLOAD &&
+           r->response.problem != ERRMAP_NOT_READY && r->response.problem != ST_EREFUSED;
+}
+
+static void warn_of_overload(const struct request *r)
+{
+    static struct log_seldom overload;
+    const uint64_t n = log_seldom(&overload, log_clock_ms());
+    struct log_entry l;
+
+    if (n == 0)
+        return;
+    log_begin(&l, "warn", "requests refused: overloaded");
+    log_count(&l, "requests", n);
+    log_text(&l, "last", r->fault);
+    log_end(&l);
+}
 
 void access_log(const struct request *r, int http, double ms)
 {
     struct log_entry l;
     char key[32];
 
-    log_begin(&l, r->fault[0] == '\0' ? "info" : "error", "request");
+    log_begin(&l, is_error(r) ? "error" : "info", "request");
     log_text(&l, "request_id", r->id);
     log_text(&l, "method", route_method(r->route));
     log_text(&l, "route", route_pattern(r->route));
@@ -28,4 +53,6 @@ void access_log(const struct request *r, int http, double ms)
     if (r->fault[0] != '\0')
         log_text(&l, "fault", r->fault);
     log_end(&l);
+    if (http != 0 && r->response.problem == ERRMAP_OVERLOAD)
+        warn_of_overload(r);
 }

@@ -5,7 +5,8 @@
 struct request;
 
 /* access_log(r, http, ms): its id, route, status and times, the token's id, and the fault
- * behind a 5xx; no subject.  http, ms: as for metrics_request(). */
+ * behind a 5xx; no subject; and a warning a minute of requests that were refused for overload.
+ * http, ms: as for metrics_request().  On the I/O thread. */
 void access_log(const struct request *r, int http, double ms);
 
 #endif

@@ -157,6 +157,17 @@ void log_line(const char *level, const char *fmt, ...)
     log_end(&l);
 }
 
+uint64_t log_seldom(struct log_seldom *s, double now_ms)
+{
+    const uint64_t n = ++s->n;
+
+    if (now_ms < s->next_ms)
+        return 0;
+    s->n = 0;
+    s->next_ms = now_ms + LOG_SELDOM_MS;
+    return n;
+}
+
 double log_clock_ms(void)
 {
     struct timespec ts;

@@ -42,4 +42,16 @@ __attribute__((format(printf, 2, 3))) void log_line(const char *level, const cha
 /* log_clock_ms(): a monotonic clock, ms. */
 double log_clock_ms(void);
 
+#define LOG_SELDOM_MS 60000.0
+
+/* What strangers can cause as often as they like gets a line a minute.  All zero at first. */
+struct log_seldom {
+    uint64_t n; /* since the last line */
+    double next_ms;
+};
+
+/* log_seldom(s, now_ms): it happened once more.  Returns how often since the last line, where
+ * another one is due; else 0.  The caller locks. */
+uint64_t log_seldom(struct log_seldom *s, double now_ms);
+
 #endif

@@ -218,21 +218,26 @@ static int check_client(gnutls_session_t session)
     char purpose[] = GNUTLS_KP_TLS_WWW_CLIENT;
     gnutls_typed_vdata_st want = {.type = GNUTLS_DT_KEY_PURPOSE_OID,
                                   .data = (unsigned char *)purpose};
+    static struct log_seldom refused; /* the I/O thread's */
     gnutls_datum_t why = {0};
     struct log_entry line;
     unsigned status = 0;
+    uint64_t n;
     int rc = gnutls_certificate_verify_peers(session, &want, 1, &status);
 
     if (rc == GNUTLS_E_SUCCESS && status == 0)
         return 0;
-    if (rc == GNUTLS_E_SUCCESS && gnutls_certificate_verification_status_print(
-                                      status, GNUTLS_CRT_X509, &why, 0) < 0)
-        why.data = NULL;
-    log_begin(&line, "warn", "client certificate refused");
-    log_text(&line, "reason",
-             why.data != NULL ? (const char *)why.data : gnutls_strerror(rc));
-    log_end(&line);
-    gnutls_free(why.data);
+    if ((n = log_seldom(&refused, log_clock_ms())) > 0) {
+        if (rc == GNUTLS_E_SUCCESS && gnutls_certificate_verification_status_print(
+                                          status, GNUTLS_CRT_X509, &why, 0) < 0)
+            why.data = NULL;
+        log_begin(&line, "warn", "client certificates refused");
+        log_count(&line, "certificates", n);
+        log_text(&line, "last",
+                 why.data != NULL ? (const char *)why.data : gnutls_strerror(rc));
+        log_end(&line);
+        gnutls_free(why.data);
+    }
     (void)gnutls_alert_send(session, GNUTLS_AL_FATAL, GNUTLS_A_BAD_CERTIFICATE);
     return GNUTLS_E_CERTIFICATE_ERROR;
 }

@@ -181,7 +181,8 @@ stop_daemon
     is "a client's certificate" "$STATUS" 200
     req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key" --tls-max 1.2
     is "the same with TLS 1.2" "$STATUS" 200
-    ok "the log has the reason" logged 'client certificate refused'
+    ok "the log has the reason" logged 'client certificates refused" certificates=1 '
+    is "once a minute" "$(grep -c 'certificates refused' "$LOG")" 1
     stop_daemon
 }
 

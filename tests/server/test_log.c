@@ -148,12 +148,25 @@ static void test_line(void **state)
     assert_string_equal(caught("level"), "level=warn msg=\"it is 3\"");
 }
 
+/* The first is told at once, the others together a minute later. */
+static void test_seldom(void **state)
+{
+    struct log_seldom s = {0};
+
+    (void)state;
+    assert_int_equal(log_seldom(&s, 1.0), 1);
+    for (int i = 0; i < 99; i++)
+        assert_int_equal(log_seldom(&s, LOG_SELDOM_MS), 0);
+    assert_int_equal(log_seldom(&s, LOG_SELDOM_MS + 1.0), 100);
+    assert_int_equal(log_seldom(&s, LOG_SELDOM_MS + 2.0), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_logfmt), cmocka_unit_test(test_json),
         cmocka_unit_test(test_utf8),   cmocka_unit_test(test_long),
-        cmocka_unit_test(test_line),
+        cmocka_unit_test(test_line),   cmocka_unit_test(test_seldom),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
