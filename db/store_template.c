@@ -52,7 +52,7 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
 }
 
 static enum status enroll_row(struct store_txn *x, const struct store_act *by,
-                              const char *read, const char *newest, const char *outcome,
+                              const struct store_sample *what, const char *outcome,
                               const void *model, size_t len, struct store_template *t,
                               bool *created, struct errinfo *e)
 {
@@ -63,15 +63,15 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
 
     if (st == ST_OK && !added)
         st = row_template_same(x, &p, t->digest, &old, &found, e);
-    if (st == ST_OK && !found && newest != NULL)
-        st = expect_newest(x, p.row, newest, e);
+    if (st == ST_OK && !found && what->newest != NULL)
+        st = expect_newest(x, p.row, what->newest, e);
     if (st == ST_OK && !found &&
         (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
         st = row_template_tell(x, by, "enroll", t->subject, t->id, outcome, e);
     if (st == ST_OK && !found && !added)
         st = row_subject_count(x, by, t->subject, &p, 1, e);
-    if (st == ST_OK && !found && read != NULL)
-        st = row_cloud_enroll(x, &p, t->id, read, e);
+    if (st == ST_OK && !found && what->read != NULL)
+        st = row_cloud_enroll(x, &p, t->id, what->read, e);
     sodium_memzero(&p, sizeof p);
     if (st == ST_OK && found)
         *t = old;
@@ -80,28 +80,26 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
 }
 
 static enum status describe(const struct store *s, const struct store_act *by,
-                            const char *subject, const char *label, const struct face *f,
-                            struct store_template *t, struct errinfo *e)
+                            const struct store_sample *what, struct store_template *t,
+                            struct errinfo *e)
 {
     store_rules_random(t->id, STORE_ID_LEN / 2);
-    (void)snprintf(t->subject, sizeof t->subject, "%s", subject);
-    (void)snprintf(t->label, sizeof t->label, "%s", label);
+    (void)snprintf(t->subject, sizeof t->subject, "%s", what->subject);
+    (void)snprintf(t->label, sizeof t->label, "%s", what->label);
     (void)snprintf(t->created, sizeof t->created, "%s", by->at);
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->points = f->surface.mesh.nv;
-    t->triangles = mesh_real(&f->surface.mesh);
-    t->quality = f->quality;
-    return codec_digest(&f->surface.mesh, t->digest) == ST_OK
+    t->points = what->face->surface.mesh.nv;
+    t->triangles = mesh_real(&what->face->surface.mesh);
+    t->quality = what->face->quality;
+    return codec_digest(&what->face->surface.mesh, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
-enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
-                               const char *label, const struct face *f, const char *read,
-                               const char *newest, const char *captured,
-                               struct store_template *t, bool *created, struct errinfo *e)
+enum status store_enroll(struct store *s, const struct store_sample *what,
+                         struct store_template *t, bool *created, struct errinfo *e)
 {
-    const size_t len = codec_size(&f->surface.mesh);
+    const size_t len = codec_size(&what->face->surface.mesh);
     char outcome[STORE_NAME_MAX + 1];
     struct store_act by;
     struct store_txn x;
@@ -110,35 +108,27 @@ enum status store_enroll_after(struct store *s, const char *actor, const char *s
 
     *created = false;
     memset(t, 0, sizeof *t);
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
+    if ((st = store_rules_subject(what->subject, e)) != ST_OK ||
+        (st = store_rules_act(&by, what->actor, e)) != ST_OK)
         return st;
-    if (!utf8_is_text(label, STORE_LABEL_MAX))
+    if (!utf8_is_text(what->label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
-    if ((st = describe(s, &by, subject, label, f, t, e)) != ST_OK)
+    if ((st = describe(s, &by, what, t, e)) != ST_OK)
         return st;
     if ((model = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    codec_encode(f, model);
+    codec_encode(what->face, model);
     (void)snprintf(outcome, sizeof outcome, "created%s",
-                   captured != NULL ? captured : "");
+                   what->captured != NULL ? what->captured : "");
     if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK)
         st = store_txn_end(
-            &x, enroll_row(&x, &by, read, newest, outcome, model, len, t, created, e), e);
+            &x, enroll_row(&x, &by, what, outcome, model, len, t, created, e), e);
     *created = *created && st == ST_OK;
     sodium_memzero(model, len);
     free(model);
     return st;
-}
-
-enum status store_enroll(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
-                         struct store_template *t, bool *created, struct errinfo *e)
-{
-    return store_enroll_after(s, actor, subject, label, f, NULL, NULL, NULL, t, created,
-                              e);
 }
 
 /* ---- reading */

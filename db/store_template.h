@@ -6,23 +6,23 @@
 #define DB_STORE_TEMPLATE_H
 #include "store_types.h"
 
-/* store_enroll(s, actor, subject, label, f, t, created, e): encode and store a template,
- * and the subject where it is new; an event with it.  *created is false when the subject
- * has this very cloud (digest) already: then *t describes the one that is there.
- * store_enroll_after(s, actor, subject, label, f, read, newest, captured, t, created, e): the same
- * for a face of points that had the digest `read` (struct store_probe; NULL: not known), and that
- * was compared with all of the subject's templates, of which `newest` was the last ("": it had
- * none).  ST_EEXISTS and nothing stored where another is the last by now: then there may be one
- * that it was not compared with, by whatever thread or process.
- * captured: follows in the event on its outcome; NULL for nothing. */
-enum status store_enroll(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
+struct store_sample {
+    const char *actor, *subject, *label;
+    const struct face *face;
+    const char *read; /* digest of its points (struct store_probe); NULL: not known */
+    const char
+        *newest; /* the last template that it was compared with; "": there was none;
+                           NULL: it was not compared */
+    const char *captured; /* follows in the event on its outcome; NULL for nothing */
+};
+
+/* store_enroll(s, what, t, created, e): encode and store a template, and the subject where it is
+ * new; an event with it.  *created is false when the subject has this very cloud (digest)
+ * already: then *t describes the one that is there.
+ * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
+ * there may be one that the sample was not compared with, by whatever thread or process. */
+enum status store_enroll(struct store *s, const struct store_sample *what,
                          struct store_template *t, bool *created, struct errinfo *e);
-enum status store_enroll_after(struct store *s, const char *actor, const char *subject,
-                               const char *label, const struct face *f, const char *read,
-                               const char *newest, const char *captured,
-                               struct store_template *t, bool *created,
-                               struct errinfo *e);
 
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e);

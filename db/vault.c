@@ -24,7 +24,6 @@ _Static_assert(VAULT_SIGN == crypto_sign_BYTES, "signatures");
 _Static_assert(VAULT_SALT == crypto_pwhash_SALTBYTES, "salt");
 
 struct vault {
-    int64_t version;
     unsigned char master[VAULT_KEY];
     struct secrets {
         unsigned char lookup[VAULT_KEY], mac[VAULT_KEY], seed[VAULT_KEY];
@@ -137,7 +136,7 @@ static enum status make(enum vault_kind kind, int64_t version, const struct secr
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     memset(root, 0, sizeof *root);
     root->kind = kind;
-    root->version = v->version = version;
+    root->version = version;
     if (kind == VAULT_PASSPHRASE) {
         root->passes = PASSES;
         root->mib = MIB;
@@ -203,7 +202,6 @@ enum status vault_open(const struct vault_root *root, const void *secret, size_t
         return errinfo_set(e, ST_ECORRUPT, "the database's key record is damaged");
     if ((v = sodium_malloc(sizeof *v)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    v->version = root->version;
     if ((st = master_key(root, secret, len, v->master, e)) != ST_OK)
         goto fail;
     root_about(root, about);
@@ -225,11 +223,6 @@ fail:
 void vault_free(struct vault *v)
 {
     sodium_free(v); /* wipes it */
-}
-
-int64_t vault_version(const struct vault *v)
-{
-    return v->version;
 }
 
 /* ---- a subject's key */

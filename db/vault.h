@@ -75,8 +75,6 @@ _Bool vault_follows(const struct vault *v, const struct vault_root *root);
 
 void vault_free(struct vault *v); /* wiped; NULL is allowed */
 
-int64_t vault_version(const struct vault *v); /* of its root */
-
 /* vault_encrypt(key, about, nabout, in, n, out): n + VAULT_OVER bytes to out.
  * vault_decrypt(key, about, nabout, in, n, out): n - VAULT_OVER bytes to out; false: other
  * bytes than were encrypted, under another key or about something else, and out is undefined. */

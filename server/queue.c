@@ -301,8 +301,6 @@ void queue_look(struct queue *q, struct queue_state *out)
 {
     (void)pthread_mutex_lock(&q->lock);
     out->waiting = q->waiting;
-    out->limit = q->limit;
-    out->workers = q->nservers;
     out->running = q->running;
     out->served = q->served;
     (void)pthread_mutex_unlock(&q->lock);

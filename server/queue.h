@@ -42,7 +42,7 @@ void queue_stop(struct queue *q);
 void queue_free(struct queue *q); /* after queue_stop(); NULL is allowed */
 
 struct queue_state {
-    unsigned waiting, limit, workers, running;
+    unsigned waiting, running;
     uint64_t served; /* since the start */
 };
 

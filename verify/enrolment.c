@@ -127,9 +127,15 @@ enum status enrolment_add(struct admission_context *c, const struct enrolment *x
                       : check_fit(c, x, newest, out, e);
         if (st != ST_OK)
             return st;
-        st = store_enroll_after(c->store, x->actor, x->subject, x->label, x->face,
-                                x->read, x->force ? NULL : newest, x->captured,
-                                &out->tmpl, &out->created, e);
+        st = store_enroll(c->store,
+                          &(struct store_sample){.actor = x->actor,
+                                                 .subject = x->subject,
+                                                 .label = x->label,
+                                                 .face = x->face,
+                                                 .read = x->read,
+                                                 .newest = x->force ? NULL : newest,
+                                                 .captured = x->captured},
+                          &out->tmpl, &out->created, e);
     } while (st == ST_EEXISTS);
     return st;
 }

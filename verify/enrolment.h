@@ -14,7 +14,7 @@ struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
     const struct face *face;
     const char *read;     /* digest of the points it was made of (struct scan_found) */
-    const char *captured; /* store_enroll_after() */
+    const char *captured; /* as in store_enroll() */
     bool force;           /* whether it fits is not asked */
     /* A sample that does not fit is a failed attempt on the subject: may(arg, now) is asked
      * before the comparison and again before its result is told; NULL: whoever enrols has the

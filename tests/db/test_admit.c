@@ -386,8 +386,13 @@ static void test_replayed(void **state)
     (void)state;
     for (int i = 0; i < 3; i++)
         memset(digest[i], 'a' + i, 64);
-    assert_int_equal(store_enroll_after(s, "test", "carol", "", &tempdb_face[2],
-                                        digest[0], NULL, NULL, &carol, &created, &e),
+    assert_int_equal(store_enroll(s,
+                                  &(struct store_sample){.actor = "test",
+                                                         .subject = "carol",
+                                                         .label = "",
+                                                         .face = &tempdb_face[2],
+                                                         .read = digest[0]},
+                                  &carol, &created, &e),
                      ST_OK);
     /* The cloud of a template, as it was used and as it was read; of this subject alone. */
     assert_true(replayed(s, "alice", digest[1], t[0].digest, 0));

@@ -102,7 +102,7 @@ static void fill(struct store *s)
     bool created;
 
     assert_int_equal(
-        store_enroll(s, "test", "alice", "front", &face, &tmpl, &created, &e), ST_OK);
+        tempdb_store(s, "test", "alice", "front", &face, &tmpl, &created, &e), ST_OK);
     assert_int_equal(
         store_token_create(s, "test", "gate", STORE_SCOPE_ALL, 0, was, &gate, &e), ST_OK);
     assert_int_equal(store_token_revoke(s, "test", gate.id, &e), ST_OK);

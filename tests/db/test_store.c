@@ -38,7 +38,7 @@ static void test_templates(void **state)
     /* The same cloud again is the same template; for another subject it is another one.
      * */
     assert_int_equal(
-        store_enroll(s, "test", "alice", "x", &tempdb_face[0], &b, &created, &e), ST_OK);
+        tempdb_store(s, "test", "alice", "x", &tempdb_face[0], &b, &created, &e), ST_OK);
     assert_false(created);
     assert_memory_equal(&a, &b, sizeof a);
     tempdb_enroll(s, "bob", "", &tempdb_face[0], &b);
@@ -57,7 +57,7 @@ static void test_templates(void **state)
                         f.surface.mesh.nt);
     assert_true(f.surface.measured == tempdb_face[0].surface.measured);
 
-    assert_int_equal(store_enroll(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b,
+    assert_int_equal(tempdb_store(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b,
                                   &created, &e),
                      ST_OK);
     assert_int_equal(store_template_list(s, "alice", &list, &n, &e), ST_OK);
@@ -83,6 +83,18 @@ static void test_templates(void **state)
     store_close(s);
 }
 
+static enum status after(struct store *s, const char *subject, int face,
+                         const char *newest, struct store_template *t, bool *created)
+{
+    const struct store_sample what = {.actor = "",
+                                      .subject = subject,
+                                      .label = "",
+                                      .face = &tempdb_face[face],
+                                      .newest = newest};
+
+    return store_enroll(s, &what, t, created, &e);
+}
+
 /* An enrolment that was decided on templates that have changed since. */
 static void test_enroll_after(void **state)
 {
@@ -92,35 +104,20 @@ static void test_enroll_after(void **state)
     bool created;
 
     (void)state;
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], NULL, "",
-                                        NULL, &a, &created, &e),
-                     ST_OK);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], NULL, "",
-                                        NULL, &t, &created, &e),
-                     ST_EEXISTS);
+    assert_int_equal(after(s, "alice", 0, "", &a, &created), ST_OK);
+    assert_int_equal(after(s, "alice", 1, "", &t, &created), ST_EEXISTS);
     assert_false(created);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[0], NULL, "",
-                                        NULL, &t, &created, &e),
-                     ST_OK);
+    assert_int_equal(after(s, "alice", 0, "", &t, &created), ST_OK);
     assert_false(created); /* the same cloud again changes nothing */
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[1], NULL, a.id,
-                                        NULL, &b, &created, &e),
-                     ST_OK);
+    assert_int_equal(after(s, "alice", 1, a.id, &b, &created), ST_OK);
     assert_true(created);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, a.id,
-                                        NULL, &t, &created, &e),
-                     ST_EEXISTS);
+    assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_EEXISTS);
     assert_int_equal(store_template_delete(s, "", b.id, &e), ST_OK);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, b.id,
-                                        NULL, &t, &created, &e),
+    assert_int_equal(after(s, "alice", 2, b.id, &t, &created),
                      ST_EEXISTS); /* nothing new, but it cannot know */
-    assert_int_equal(store_enroll_after(s, "", "bob", "", &tempdb_face[2], NULL, a.id,
-                                        NULL, &t, &created, &e),
-                     ST_EEXISTS);
+    assert_int_equal(after(s, "bob", 2, a.id, &t, &created), ST_EEXISTS);
     assert_int_equal(store_subject_get(s, "bob", &who, &e), ST_ENOTFOUND);
-    assert_int_equal(store_enroll_after(s, "", "alice", "", &tempdb_face[2], NULL, a.id,
-                                        NULL, &t, &created, &e),
-                     ST_OK);
+    assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_OK);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
     assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE kind = 'enroll'"),
@@ -208,12 +205,12 @@ static void test_bad_arguments(void **state)
     for (size_t i = 0; i < sizeof subject / sizeof *subject; i++) {
         assert_false(store_subject_valid(subject[i]));
         assert_int_equal(
-            store_enroll(s, "", subject[i], "", &tempdb_face[0], &t, &created, &e),
+            tempdb_store(s, "", subject[i], "", &tempdb_face[0], &t, &created, &e),
             ST_EINVAL);
     }
     for (size_t i = 0; i < sizeof label / sizeof *label; i++)
         assert_int_equal(
-            store_enroll(s, "", "a", label[i], &tempdb_face[0], &t, &created, &e),
+            tempdb_store(s, "", "a", label[i], &tempdb_face[0], &t, &created, &e),
             ST_EINVAL);
     memset(longest, 'x', sizeof longest);
     longest[STORE_SUBJECT_MAX + 1] = '\0';
@@ -222,10 +219,10 @@ static void test_bad_arguments(void **state)
     memset(text, 'y', sizeof text);
     text[STORE_LABEL_MAX + 1] = '\0';
     assert_int_equal(
-        store_enroll(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_EINVAL);
+        tempdb_store(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_EINVAL);
     text[STORE_LABEL_MAX] = '\0';
     assert_int_equal(
-        store_enroll(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_OK);
+        tempdb_store(s, "", longest, text, &tempdb_face[0], &t, &created, &e), ST_OK);
     assert_string_equal(t.subject, longest);
     assert_string_equal(t.label, text);
     assert_int_equal(store_template_get(s, "nonsense", &t, &e), ST_EINVAL);
@@ -346,7 +343,7 @@ static void test_encrypted(void **state)
     (void)state;
     assert_int_equal(store_subject_add(s, "test", &who, &e), ST_OK);
     assert_int_equal(store_subject_add(s, "test", &who, &e), ST_EEXISTS);
-    assert_int_equal(store_enroll(s, "test", "mary-jane", "left camera", &tempdb_face[1],
+    assert_int_equal(tempdb_store(s, "test", "mary-jane", "left camera", &tempdb_face[1],
                                   &t, &created, &e),
                      ST_OK);
     assert_int_equal(store_event(s, "verify", "door", "mary-jane", t.id, "match", &e),

@@ -241,7 +241,7 @@ static void test_full_disk(void **state)
         tight = was;
         tight.rlim_cur = (rlim_t)sb.st_size + room;
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
-        st = store_enroll(s, "test", "bob", "", &tempdb_face[1], &t, &created, &e);
+        st = tempdb_store(s, "test", "bob", "", &tempdb_face[1], &t, &created, &e);
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &was), 0);
         if (st == ST_OK) {
             done = true;

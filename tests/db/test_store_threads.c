@@ -82,7 +82,7 @@ static void *writer(void *arg)
     bool created;
 
     for (int i = 0; i < ROUNDS && !bad; i++)
-        if (store_enroll(s, "test", "alice", "", &tempdb_face[1 + i % 3], &t, &created,
+        if (tempdb_store(s, "test", "alice", "", &tempdb_face[1 + i % 3], &t, &created,
                          &why) != ST_OK ||
             store_template_delete(s, "test", t.id, &why) != ST_OK)
             bad = 1;
@@ -130,7 +130,7 @@ static void test_processes(void **state)
         bool created;
 
         _exit(store_open(tempdb_path, STORE_WRITE, NULL, &mine, &why) == ST_OK &&
-                      store_enroll(mine, "test", "bob", "", &tempdb_face[1], &u, &created,
+                      tempdb_store(mine, "test", "bob", "", &tempdb_face[1], &u, &created,
                                    &why) == ST_OK &&
                       store_template_delete(mine, "test", t.id, &why) == ST_OK
                   ? 0
@@ -160,14 +160,14 @@ static void test_locked(void **state)
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
-    assert_int_equal(store_enroll(s, "", "bob", "", &tempdb_face[1], &t, &created, &e),
+    assert_int_equal(tempdb_store(s, "", "bob", "", &tempdb_face[1], &t, &created, &e),
                      ST_EBUSY);
     assert_int_equal(store_template_list(s, "alice", &list, &n, &e), ST_OK);
     assert_int_equal(n, 1);
     free(list);
     assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    assert_int_equal(store_enroll(s, "", "bob", "", &tempdb_face[1], &got, &created, &e),
+    assert_int_equal(tempdb_store(s, "", "bob", "", &tempdb_face[1], &got, &created, &e),
                      ST_OK);
     store_close(s);
 }

@@ -264,7 +264,7 @@ static void test_seen(void **state)
     assert_true(get(s, "alice").seen[0] == '2');
     /* Enrolling the same scan again counts as seen too. */
     tempdb_sql("UPDATE subjects SET seen = NULL");
-    assert_int_equal(store_enroll(s, "", "alice", "", &tempdb_face[0], &t, &created, &e),
+    assert_int_equal(tempdb_store(s, "", "alice", "", &tempdb_face[0], &t, &created, &e),
                      ST_OK);
     assert_false(created);
     assert_true(get(s, "alice").seen[0] == '2');

@@ -115,8 +115,11 @@ static void fill(struct store *s)
     bool created;
 
     for (size_t i = 0; i < 4; i++)
-        MUST(store_enroll(s, "test", owner[i], "", &face[i], &tmpl[i], &created, &e) ==
-             ST_OK);
+        MUST(store_enroll(
+                 s,
+                 &(struct store_sample){
+                     .actor = "test", .subject = owner[i], .label = "", .face = &face[i]},
+                 &tmpl[i], &created, &e) == ST_OK);
     MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
     MUST(store_settle(
              s,
@@ -465,7 +468,11 @@ static void change(struct store *s)
     struct store_receipt receipt;
     bool created;
 
-    if (store_enroll(s, "test", "dave", "", &face[4], &t, &created, &e) == ST_OK) {
+    if (store_enroll(
+            s,
+            &(struct store_sample){
+                .actor = "test", .subject = "dave", .label = "", .face = &face[4]},
+            &t, &created, &e) == ST_OK) {
         MUST(created && strcmp(t.subject, "dave") == 0);
         if (store_template_list(s, "dave", &list, &n, &e) == ST_OK) {
             MUST(n == 1 && memcmp(&list[0], &t, sizeof t) == 0);

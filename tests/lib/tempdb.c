@@ -146,13 +146,23 @@ int64_t tempdb_number(const char *text)
     return n;
 }
 
+enum status tempdb_store(struct store *s, const char *actor, const char *subject,
+                         const char *label, const struct face *f,
+                         struct store_template *t, bool *created, struct errinfo *e)
+{
+    const struct store_sample what = {
+        .actor = actor, .subject = subject, .label = label, .face = f};
+
+    return store_enroll(s, &what, t, created, e);
+}
+
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t)
 {
     struct errinfo e;
     bool created;
 
-    if (store_enroll(s, "test", subject, label, f, t, &created, &e) != ST_OK)
+    if (tempdb_store(s, "test", subject, label, f, t, &created, &e) != ST_OK)
         fail_msg("%s", e.msg);
     assert_true(created);
 }

@@ -2,6 +2,7 @@
  * program.  A failure here fails the cmocka test that called, and says why. */
 #ifndef TESTS_TEMPDB_H
 #define TESTS_TEMPDB_H
+#include <stdbool.h>
 #include <stdint.h>
 #include "face.h"
 #include "store.h"
@@ -38,12 +39,17 @@ struct store *tempdb_copy(enum store_mode mode);
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
 
-/* tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template
+/* tempdb_store(s, actor, subject, label, f, t, created, e): store_enroll() of a face that was
+ * compared with nothing.
+ * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template
  * yet.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_settle(s, subject, as, e): store_settle() of a verification by "test".
  * tempdb_attempts(s, subject): those that store_admit() gives.
  * tempdb_check(s): store_check(); what it reports is printed. */
+enum status tempdb_store(struct store *s, const char *actor, const char *subject,
+                         const char *label, const struct face *f,
+                         struct store_template *t, bool *created, struct errinfo *e);
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,

@@ -323,7 +323,7 @@ static void *come_and_go(void *arg)
         bool created;
 
         (void)snprintf(label, sizeof label, "%d", serial);
-        bad = store_enroll(by, "test", subject, label, &faces[serial % FACES], &t,
+        bad = tempdb_store(by, "test", subject, label, &faces[serial % FACES], &t,
                            &created, NULL) != ST_OK ||
               !created || store_template_delete(by, "test", t.id, NULL) != ST_OK;
         if (by == store)
