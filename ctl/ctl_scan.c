@@ -128,8 +128,9 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
     }
     if (st == ST_OK && picture != NULL && cloudpoints_copy(&k->points, &k->raw) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && (st = trial_run("refused", &k->points, c->scans.axes, c->work,
-                                       &k->face, &k->trial)) != ST_OK)
+    if (st == ST_OK && (st = trial_run("refused", &k->points,
+                                       &(struct scan_options){.axes = c->scans.axes},
+                                       c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
     return st;
 }

@@ -99,7 +99,7 @@ static enum status search_target(struct finder *f, const struct find_grid *g)
 
     t->g = *g;
     t->noses = 0;
-    if ((f->s.left -= 8 * (int64_t)g->nvoxels) > 0)
+    if (find_search_spend(&f->s, 8 * (int64_t)g->nvoxels))
         st = find_nose_all(g, FIND_NOSES_TILTED, t->nose, &t->noses);
     if (st == ST_OK)
         t->key = find_search_grid(&f->s, g, t->nose, t->noses, &effort);
@@ -159,8 +159,8 @@ static enum status make_grid(struct finder *f, double unit_mm, struct find_grid 
 {
     const struct dvec3 m = f->extent.middle;
 
-    f->s.left -= 2 * (int64_t)f->n;
-    return find_grid_make(f->pts, f->s.left > 0 ? f->n : 0, unit_mm,
+    return find_grid_make(f->pts, find_search_spend(&f->s, 2 * (int64_t)f->n) ? f->n : 0,
+                          unit_mm,
                           (struct dvec3){m.x * unit_mm, m.y * unit_mm, m.z * unit_mm}, g);
 }
 
@@ -209,7 +209,7 @@ static enum status search_whole(struct finder *f, double unit_mm)
 
     if (st != ST_OK)
         return st;
-    f->s.left -= 8 * (int64_t)g.nvoxels;
+    (void)find_search_spend(&f->s, 8 * (int64_t)g.nvoxels);
     st = find_nose_all(&g, FIND_NOSES_ROOM, nose, &n);
     if (st == ST_OK)
         find_search_grid(&f->s, &g, nose, n, &effort);
@@ -225,7 +225,8 @@ static enum status search_units(struct finder *f, double from_mm, double to_mm,
     const size_t n = f->unit_mm > 0 ? 1 : sizeof units / sizeof *units;
     enum status st = ST_OK;
 
-    for (size_t i = 0; i < n && st == ST_OK && !plain(f); i++) {
+    for (size_t i = 0; i < n && st == ST_OK && !plain(f) && !find_search_stopped(&f->s);
+         i++) {
         const double mm = f->unit_mm > 0 ? f->unit_mm : units[i];
 
         if (f->extent.size * mm >= from_mm && f->extent.size * mm < to_mm)
@@ -246,7 +247,7 @@ static enum status search_all(struct finder *f)
     if (st == ST_OK && !find_search_likely(&f->s))
         st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM, search_whole);
     free_targets(f);
-    return st;
+    return st == ST_OK && find_search_stopped(&f->s) ? ST_EBUSY : st;
 }
 
 /* Is found[i] plainly a face, and another one than those before it? */
@@ -313,7 +314,8 @@ static void choose(const struct find_list *l, struct find *out)
 }
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      const struct face_work *w, struct find *out)
+                      const struct face_work *w, const atomic_bool *stop,
+                      struct find *out)
 {
     struct finder *f;
     struct extent core;
@@ -329,7 +331,7 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     f->unit_mm = unit_mm;
     f->targets = 0;
     f->voxels = 0;
-    find_search_begin(face_work_mean(w), &f->s);
+    find_search_begin(face_work_mean(w), stop, &f->s);
     measure_extent(pts, n, FIND_STRAY_IN, &f->extent);
     st = search_all(f);
     measure_extent(pts, n, FIND_STRAYS_IN, &core);

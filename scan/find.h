@@ -9,6 +9,7 @@
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
 #ifndef SCAN_FIND_H
 #define SCAN_FIND_H
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "align_pose.h"
@@ -40,15 +41,18 @@ struct find {
                        one with the most points on it */
 };
 
-/* find_face(pts, n, unit_mm, w, out): find the face in n points.
+/* find_face(pts, n, unit_mm, w, stop, out): find the face in n points.
  * pts      finite, in any unit and axes.  At least 300 on the face
  * unit_mm  millimetres per unit; 0: to be found among um, mm, cm, inch and m
  * w        for its model; not changed
+ * stop     when another thread sets it, the search ends; NULL: none does
  * Each pose is near that of frame_find() (a few degrees and millimetres): a start for what
  * refines it.  Whether it is a face at all, the key does not tell: shape_fit() does.
  * Cost: linear in n, and beyond that bounded; memory 40 MB at most for 300,000 points,
- * allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all; ST_ENOMEM. */
+ * allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all; ST_EBUSY: stop
+ * was set; ST_ENOMEM. */
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      const struct face_work *w, struct find *out);
+                      const struct face_work *w, const atomic_bool *stop,
+                      struct find *out);
 
 #endif

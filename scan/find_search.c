@@ -6,6 +6,19 @@
 #include "find_grid.h"
 #include "find_nose.h"
 
+/* ---- limits */
+
+bool find_search_stopped(const struct find_search *s)
+{
+    return s->stop != NULL && atomic_load_explicit(s->stop, memory_order_relaxed);
+}
+
+bool find_search_spend(struct find_search *s, int64_t work)
+{
+    s->left = find_search_stopped(s) ? 0 : s->left - work;
+    return s->left > 0;
+}
+
 /* ---- starting poses */
 
 /* Keep the best starts, by rising cost. */
@@ -39,7 +52,8 @@ static void collect(const struct find_grid *g, const struct find_nose *nose, uin
     s->starts = 0;
     for (uint32_t k = 0; k < n && s->left > 0; k++) {
         find_near_get(g, nose[k].at, &s->near);
-        s->left -= FIND_ROLLS * FIND_SAMPLES + s->near.n * (tilted ? 1 + FIND_TILTS : 1);
+        (void)find_search_spend(s, FIND_ROLLS * FIND_SAMPLES +
+                                       s->near.n * (tilted ? 1 + FIND_TILTS : 1));
         roll(s, k, nose[k].axis);
         for (int i = 0; tilted && i < FIND_TILTS; i++) {
             float axis[3];
@@ -130,7 +144,7 @@ static void settle(const struct find_grid *g, struct find_search *s, bool fine,
     memset(fit.pose.t, 0, sizeof fit.pose.t);
     find_near_get(g, (const float[3]){(float)at.x, (float)at.y, (float)at.z}, &s->near);
     find_refine(s->mean, &s->near, fine, &s->front, &fit);
-    s->left -= GRID_N + s->front.n * 8;
+    (void)find_search_spend(s, GRID_N + s->front.n * 8);
     *p = fit.pose;
     for (int i = 0; i < 3; i++)
         p->t[i] -=
@@ -174,9 +188,11 @@ static double refine(const struct find_grid *g, const struct find_nose *nose,
     return best;
 }
 
-void find_search_begin(const struct frame_mean *mean, struct find_search *s)
+void find_search_begin(const struct frame_mean *mean, const atomic_bool *stop,
+                       struct find_search *s)
 {
     s->mean = mean;
+    s->stop = stop;
     s->best.n = 0;
     s->left = FIND_WORK;
     find_place_samples(mean, &s->samples);

@@ -2,6 +2,7 @@
  * noses, the best of them refined.  Internal to find.h. */
 #ifndef SCAN_FIND_SEARCH_H
 #define SCAN_FIND_SEARCH_H
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include "align_pose.h"
@@ -42,8 +43,9 @@ struct find_search {
     struct find_front front;
     struct find_start start[FIND_STARTS]; /* by rising cost */
     uint32_t starts;
-    struct find_list best; /* in all grids so far */
-    int64_t left;          /* points and voxels that may still be looked at */
+    struct find_list best;   /* in all grids so far */
+    int64_t left;            /* points and voxels that may still be looked at */
+    const atomic_bool *stop; /* find.h */
 };
 
 struct find_effort {
@@ -51,10 +53,15 @@ struct find_effort {
     bool tilted;            /* other axes than that in which a nose sticks out, too */
 };
 
-/* find_search_begin(mean, s): nothing is found yet.
+/* find_search_begin(mean, stop, s): nothing is found yet.
+ * find_search_spend(s, work): so many points and voxels are looked at.  False: no more may be.
+ * find_search_stopped(s): is *stop set?
  * find_search_grid(s, g, nose, n, e): search g, whose noses were found by find_nose_all().  Returns
  * the best key in it. */
-void find_search_begin(const struct frame_mean *mean, struct find_search *s);
+void find_search_begin(const struct frame_mean *mean, const atomic_bool *stop,
+                       struct find_search *s);
+bool find_search_spend(struct find_search *s, int64_t work);
+bool find_search_stopped(const struct find_search *s);
 double find_search_grid(struct find_search *s, const struct find_grid *g,
                         const struct find_nose *nose, uint32_t n,
                         const struct find_effort *e);

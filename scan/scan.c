@@ -373,7 +373,7 @@ static enum status search(struct scan *s, struct scan_search *k)
     uint32_t n = 0;
 
     if (!k->done)
-        k->st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, &k->find);
+        k->st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, s->o->stop, &k->find);
     if (k->st != ST_OK)
         return k->st;
     scale(s->c, pose[0].unit_mm);
@@ -394,6 +394,8 @@ static enum status build_searched(struct scan *s)
     k->done = true;
     if (k->st != ST_OK)
         return k->st;
+    if (s->o->stop != NULL && atomic_load_explicit(s->o->stop, memory_order_relaxed))
+        return ST_EBUSY;
     s->fit = k->fit;
     s->found->found = true;
     s->found->faces = k->find.faces;

@@ -2,6 +2,7 @@
  * face and its view, the crop, the gate. */
 #ifndef SCAN_SCAN_H
 #define SCAN_SCAN_H
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -25,6 +26,9 @@ struct scan_options {
     bool enrolment;             /* the strict gate */
     struct scan_search *search; /* kept from the first call to the second for the same
                                    points (scan_search.h); NULL: not kept */
+    const atomic_bool
+        *stop; /* another thread sets it where nobody wants the model any more;
+                                NULL: none does */
 };
 
 /* What a scan of which a face model can be made has nevertheless, as bits. */
@@ -73,7 +77,7 @@ struct scan_found {
  * Which points these are depends on their order by rounding only.  Memory: 16 bytes a point,
  * and what find_face() takes, freed at the end.
  * Returns ST_OK; as face_build(); ST_ENOFACE: none was found; ST_ESEVERAL, ST_EMIRRORED:
- * enrolment alone. */
+ * enrolment alone; ST_EBUSY: o->stop was set, which is asked before each step of the search. */
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
                        struct face_work *w, struct face *out, size_t *bad,
                        struct scan_found *found);

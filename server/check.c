@@ -21,6 +21,7 @@ static void respond(struct request *r, const struct worker *w, const struct tria
 
 void check_handle(struct request *r, struct worker *w)
 {
+    const struct scan_options o = {.stop = &r->gone};
     struct describe_times times = {0};
     struct cloudpoints c;
     struct trial t = {0};
@@ -33,13 +34,17 @@ void check_handle(struct request *r, struct worker *w)
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
-        st = trial_run("points", &c, SCAN_AXES_AUTO, w->compare.work, &w->probe, &t);
+        st = trial_run("points", &c, &o, w->compare.work, &w->probe, &t);
         request_stage(r, REQUEST_PREPARE, times.prepare = log_clock_ms() - parsed);
     } else if (trial_is_refusal(st)) {
         const struct errinfo e = t.why;
 
         trial_unread(st, &e, &t);
         st = ST_OK;
+    }
+    if (request_gone(r)) {
+        cloudpoints_free(&c);
+        return;
     }
     times.total = log_clock_ms() - r->start_ms;
     if (st == ST_OK)

@@ -92,12 +92,14 @@ enum status cloud_build(struct request *r, struct cloudpoints *c, const char *na
                         bool enrolment, struct face_work *w, struct face *out,
                         struct scan_found *found)
 {
-    const struct scan_options o = {.enrolment = enrolment};
+    const struct scan_options o = {.enrolment = enrolment, .stop = &r->gone};
     struct errinfo e = {0};
+    enum status st;
 
     if (request_gone(r))
         return ST_EBUSY;
-    return fail(r, sample_build(name, c, &o, w, out, found, &e), &e);
+    st = sample_build(name, c, &o, w, out, found, &e);
+    return request_gone(r) ? ST_EBUSY : fail(r, st, &e);
 }
 
 void cloud_spread(const struct cloudpoints *c, double *value)

@@ -142,7 +142,8 @@ enum status sample_build(const char *name, struct cloudpoints *c,
 {
     const struct scan_options by = {.axes = c->as_scanned ? SCAN_AXES_SCANNER : o->axes,
                                     .enrolment = o->enrolment,
-                                    .search = o->search};
+                                    .search = o->search,
+                                    .stop = o->stop};
     const size_t n = c->n;
     struct advice advice;
     char digest[sizeof found->digest];

@@ -39,7 +39,8 @@ static void run_loosely(const char *name, struct cloudpoints *c,
                         const struct scan_options *strict, struct face_work *w,
                         struct face *face, struct trial *out)
 {
-    const struct scan_options o = {.axes = strict->axes, .search = strict->search};
+    const struct scan_options o = {
+        .axes = strict->axes, .search = strict->search, .stop = strict->stop};
     struct trial loose = {.verification = ST_OK};
 
     out->verification = run(name, c, &o, w, face, &loose);
@@ -50,11 +51,13 @@ static void run_loosely(const char *name, struct cloudpoints *c,
     out->found = loose.found;
 }
 
-enum status trial_run(const char *name, struct cloudpoints *c, enum scan_axes axes,
-                      struct face_work *w, struct face *face, struct trial *out)
+enum status trial_run(const char *name, struct cloudpoints *c,
+                      const struct scan_options *by, struct face_work *w,
+                      struct face *face, struct trial *out)
 {
     struct scan_search search = {.done = false};
-    const struct scan_options o = {.axes = axes, .enrolment = true, .search = &search};
+    const struct scan_options o = {
+        .axes = by->axes, .enrolment = true, .search = &search, .stop = by->stop};
     struct cloudpoints again;
 
     *out = (struct trial){0};

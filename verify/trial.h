@@ -26,16 +26,18 @@ bool trial_is_refusal(enum status st);
  * cannot be read at all; NULL for ST_OK. */
 const char *trial_code(enum status st);
 
-/* trial_run(name, c, axes, w, face, out): build the face as for an enrolment and, where that is
+/* trial_run(name, c, by, w, face, out): build the face as for an enrolment and, where that is
  * refused, as for a verification.
- * name, axes, w  as in sample_build()
+ * name, w  as in sample_build()
+ * by     of these options axes and stop
  * c      afterwards as scan_build() leaves it
  * face   the model, if either succeeds; else empty, its quality as sample_build() says
  * Cost   twice a face model at most, with one search for the face, and a copy of the points.
  * Returns ST_OK, also for a scan that is refused; ST_ENOMEM and what else is no refusal, with
  * out->why. */
-enum status trial_run(const char *name, struct cloudpoints *c, enum scan_axes axes,
-                      struct face_work *w, struct face *face, struct trial *out);
+enum status trial_run(const char *name, struct cloudpoints *c,
+                      const struct scan_options *by, struct face_work *w,
+                      struct face *face, struct trial *out);
 
 /* trial_unread(st, e, out): of a file whose points are refused (trial_is_refusal(st)) when they
  * are read. */

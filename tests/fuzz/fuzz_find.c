@@ -61,11 +61,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (unsigned k = 1; k < data[1] % MAX_COPIES; k++)
         for (size_t i = 0; i < one; i++, n++)
             pts[n] = (struct dvec3){pts[i].x + 3 * k, pts[i].y + k, pts[i].z + k % 3};
-    st = find_face(pts, n, data[0] & 4 ? 1 : 0, w, &first);
+    st = find_face(pts, n, data[0] & 4 ? 1 : 0, w, NULL, &first);
     require(st == ST_OK || st == ST_ENOFACE);
     if (st == ST_OK)
         check(&first);
-    require(find_face(pts, n, data[0] & 4 ? 1 : 0, w, &again) == st);
+    require(find_face(pts, n, data[0] & 4 ? 1 : 0, w, NULL, &again) == st);
     require(memcmp(&first, &again, sizeof first) == 0);
     return 0;
 }

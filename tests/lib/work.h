@@ -2,6 +2,7 @@
  * libcounted.a, in which each basic block of core calls a function. */
 #ifndef TESTS_WORK_H
 #define TESTS_WORK_H
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "vec.h"
@@ -20,6 +21,9 @@ const char *work_name(enum work_step step);
 
 /* work_executed(): basic blocks so far. */
 uint64_t work_executed(void);
+
+/* work_set_at(flag, blocks): *flag becomes true once so many blocks more are executed. */
+void work_set_at(atomic_bool *flag, uint64_t blocks);
 
 /* work_count(a, b, n, blocks): blocks[step] = basic blocks a point executed in comparing the
  * surfaces through n points a and n points b, and in the asymmetry of b, whatever they are

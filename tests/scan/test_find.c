@@ -126,7 +126,7 @@ static void render(uint64_t subject, const struct headscan_options *o,
     head_measure(&h);
     head_make_up(subject + 1, &other);
     head_measure(&other);
-    assert_int_equal(find_face(h.at, h.n, 1, work, &f), ST_OK);
+    assert_int_equal(find_face(h.at, h.n, 1, work, NULL, &f), ST_OK);
     *pose = f.pose[0].pose;
     headscan_render(&h, &other, o, out);
     drop_empty(out);
@@ -186,7 +186,7 @@ static void test_frame(void **state)
         struct find f;
 
         assert_int_equal(face_build(pts, n, work, &face, NULL), ST_OK);
-        assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
         assert_int_equal(f.n, 1);
         assert_int_equal(f.faces, 1);
         assert_true(f.pose[0].unit_mm == 1);
@@ -211,7 +211,7 @@ static void check_any(const struct dvec3 *pts, size_t n, const struct align_pose
         struct find f;
 
         move_all(moved, n, &by, units[u]);
-        assert_int_equal(find_face(moved, n, 0, work, &f), ST_OK);
+        assert_int_equal(find_face(moved, n, 0, work, NULL, &f), ST_OK);
         assert_int_equal(f.n, 1);
         assert_int_equal(f.faces, 1);
         assert_true(f.pose[0].unit_mm == units[u]);
@@ -232,10 +232,10 @@ static void test_any_pose(void **state)
         struct head h = {0};
         struct find f;
 
-        assert_int_equal(find_face(pts, n, 1, work, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 1, work, NULL, &f), ST_OK);
         check_any(pts, n, &f.pose[0].pose, &r);
         head_make_up(subject, &h);
-        assert_int_equal(find_face(h.at, h.n, 1, work, &f), ST_OK);
+        assert_int_equal(find_face(h.at, h.n, 1, work, NULL, &f), ST_OK);
         check_any(h.at, h.n, &f.pose[0].pose, &r);
         head_free(&h);
     }
@@ -262,7 +262,7 @@ static void test_kinds(void **state)
             headscan_kind(kind_of(kinds[k].name), subject, false, &o);
             render(subject, &o, &s, &still);
             by = motion_of(&o);
-            assert_int_equal(find_face(s.at, s.n, 0, work, &f), ST_OK);
+            assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &f), ST_OK);
             assert_int_equal(f.faces, 1);
             assert_true(f.pose[0].unit_mm == o.unit_mm);
             there = after(&f.pose[0].pose, &by);
@@ -300,7 +300,7 @@ static void test_two(void **state)
                 pts[n++] = (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z - 50};
             for (size_t i = 0; i < n; i++)
                 pts[i] = (struct dvec3){pts[i].x, -pts[i].z, pts[i].y};
-            assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+            assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
             assert_int_equal(f.faces, 2);
             assert_int_equal(f.n, 1);
             assert_true(fabs(nose_at(&f) - (order == 0 ? 0 : 330)) < 10);
@@ -335,7 +335,7 @@ static void test_nearest(void **state)
         for (size_t i = 0; i < b.n; i += 2)
             pts[n++] = align_pose_apply(
                 &axes[k], (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z + 50});
-        assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
         assert_int_equal(f.faces, 2);
         assert_true(fabs(nose_at(&f) - (k < 2 ? 330 : 0)) < 10);
     }
@@ -352,7 +352,7 @@ static void test_strays(void **state)
     struct find f, with;
 
     (void)state;
-    assert_int_equal(find_face(pts, n, 0, work, &f), ST_OK);
+    assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
     for (size_t i = n; i < n + 100; i++) {
         const double far = i % 10 == 0 ? 300 : 1e6;
 
@@ -360,7 +360,7 @@ static void test_strays(void **state)
             (struct dvec3){far * (2 * brute_real(&r) - 1), far * (2 * brute_real(&r) - 1),
                            far * (2 * brute_real(&r) - 1)};
     }
-    assert_int_equal(find_face(pts, n + 100, 0, work, &with), ST_OK);
+    assert_int_equal(find_face(pts, n + 100, 0, work, NULL, &with), ST_OK);
     assert_int_equal(with.faces, 1);
     assert_true(with.pose[0].unit_mm == 1);
     assert_near(&f.pose[0].pose, &with.pose[0].pose, 2, 2);
@@ -376,12 +376,12 @@ static void test_unit(void **state)
 
     (void)state;
     move_all(pts, n, &still, 10);
-    assert_int_equal(find_face(pts, n, 10, work, &f), ST_OK);
+    assert_int_equal(find_face(pts, n, 10, work, NULL, &f), ST_OK);
     assert_true(f.pose[0].unit_mm == 10 && f.pose[0].key >= FIND_PLAIN);
-    assert_int_equal(find_face(pts, n, 25.4, work, &f), ST_OK);
+    assert_int_equal(find_face(pts, n, 25.4, work, NULL, &f), ST_OK);
     for (uint32_t i = 0; i < f.n; i++)
         assert_true(f.pose[i].unit_mm == 25.4 && f.pose[i].key < FIND_PLAIN);
-    assert_int_equal(find_face(pts, n, 1000, work, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, n, 1000, work, NULL, &f), ST_ENOFACE);
     assert_int_equal(f.n, 0);
 }
 
@@ -396,8 +396,8 @@ static void test_again(void **state)
     (void)state;
     headscan_kind(kind_of("mask"), 2, false, &o);
     render(2, &o, &s, &still);
-    assert_int_equal(find_face(s.at, s.n, 0, work, &a), ST_OK);
-    assert_int_equal(find_face(s.at, s.n, 0, work, &b), ST_OK);
+    assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &a), ST_OK);
+    assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &b), ST_OK);
     assert_memory_equal(&a, &b, sizeof a);
     for (uint32_t i = 1; i < a.n; i++) {
         double deg, mm;
@@ -415,14 +415,14 @@ static void test_nothing(void **state)
     struct find f;
 
     (void)state;
-    assert_int_equal(find_face(pts, 0, 0, work, &f), ST_ENOFACE);
-    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE); /* all equal */
+    assert_int_equal(find_face(pts, 0, 0, work, NULL, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE); /* all equal */
     for (size_t i = 0; i < 2000; i++)
         pts[i] = (struct dvec3){0.1 * (double)i, 0, 0};
-    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE);
     for (size_t i = 0; i < 2000; i++)
         pts[i] = (struct dvec3){1e300 * (double)i, -1e308, i % 2 == 0 ? 1e-300 : 1e308};
-    assert_int_equal(find_face(pts, 2000, 0, work, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE);
     assert_int_equal(f.n, 0);
     assert_int_equal(f.faces, 0);
 }
@@ -441,7 +441,7 @@ static void test_memory(void **state)
     render(1, &o, &s, &still);
     for (n = 1; st == ST_ENOMEM; n++) {
         fail_alloc_at(n);
-        st = find_face(s.at, s.n, 0, work, &f);
+        st = find_face(s.at, s.n, 0, work, NULL, &f);
         assert_true(st == ST_OK || f.n == 0);
     }
     fail_alloc_at(0);

@@ -455,6 +455,19 @@ static void test_search_kept(void **state)
     assert_int_equal(found.faces, 7);
 }
 
+/* Nobody waits for the model any more. */
+static void test_stopped(void **state)
+{
+    const atomic_bool stop = true;
+    const struct scan_options stopped = {.stop = &stop};
+
+    (void)state;
+    sample(1, 0, 11000);
+    turn(0, 0, 90, 1);
+    assert_int_equal(build(&stopped), ST_EBUSY);
+    assert_int_equal(build(&probe), ST_OK);
+}
+
 /* A number that no scanner gives is told as such, and where. */
 static void test_range(void **state)
 {
@@ -513,7 +526,7 @@ int main(void)
         cmocka_unit_test(test_search_kept),  cmocka_unit_test(test_shoulders),
         cmocka_unit_test(test_cover),        cmocka_unit_test(test_mirrored),
         cmocka_unit_test(test_no_face),      cmocka_unit_test(test_range),
-        cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_stopped),      cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -74,7 +74,8 @@ static enum status run(enum status enrolment, enum status verification)
     outcome[true] = enrolment;
     outcome[false] = verification;
     runs = 0;
-    st = trial_run("points", &c, SCAN_AXES_AUTO, NULL, &face, &t);
+    st = trial_run("points", &c, &(struct scan_options){.axes = SCAN_AXES_AUTO}, NULL,
+                   &face, &t);
     cloudpoints_free(&c);
     return st;
 }

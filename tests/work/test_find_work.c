@@ -31,7 +31,7 @@ static uint64_t count(void)
     const uint64_t before = work_executed();
     struct find f;
 
-    assert_int_not_equal(find_face(pts, POINTS, 0, work, &f), ST_ENOMEM);
+    assert_int_not_equal(find_face(pts, POINTS, 0, work, NULL, &f), ST_ENOMEM);
     return work_executed() - before;
 }
 
@@ -116,10 +116,36 @@ static void test_contrived(void **state)
     face_work_free(work);
 }
 
+/* A search that is stopped, at whatever moment, ends with the step that it is at. */
+static void test_stopped(void **state)
+{
+    struct brute_rng r = {1};
+    uint64_t all;
+
+    (void)state;
+    work = face_work_new(NULL);
+    assert_non_null(work);
+    contrive(0, &r);
+    all = count();
+    for (uint64_t i = 1; i < 20; i++) {
+        const uint64_t before = work_executed();
+        atomic_bool stop = false;
+        struct find f;
+
+        work_set_at(&stop, all * i / 20);
+        assert_int_equal(find_face(pts, POINTS, 0, work, &stop, &f), ST_EBUSY);
+        const uint64_t soon = work_executed() - before - all * i / 20;
+        print_message("at %2d%%: %.2f\n", (int)(5 * i), (double)soon / (double)all);
+        assert_true(soon < all * 2 / 5); /* the longest single step is 0.3 */
+    }
+    face_work_free(work);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_contrived),
+        cmocka_unit_test(test_stopped),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
