@@ -223,6 +223,8 @@ struct store_probe {
     const char *read;
     char used[65];   /* codec_digest(); "": they are no template's */
     int64_t keep_ms; /* how long it is refused from now on; 0: not for this */
+    char retry[65]; /* a digest that names the request: by the same one it may come again,
+                        once; "": by none */
 };
 
 struct store_calibration {

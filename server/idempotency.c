@@ -146,12 +146,14 @@ static struct entry *add(struct idempotency *m, const unsigned char key[DIGEST],
 
 /* ---- requests */
 
+/* m: NULL: by no secret. */
 static void digest_key(const struct idempotency *m, const struct request *r,
                        unsigned char out[DIGEST])
 {
     crypto_generichash_state h;
 
-    (void)crypto_generichash_init(&h, m->secret, sizeof m->secret, DIGEST);
+    (void)crypto_generichash_init(&h, m == NULL ? NULL : m->secret,
+                                  m == NULL ? 0 : sizeof m->secret, DIGEST);
     (void)crypto_generichash_update(&h, (const unsigned char *)r->actor,
                                     strlen(r->actor) + 1); /* with its end */
     (void)crypto_generichash_update(&h, (const unsigned char *)r->key, strlen(r->key));
@@ -312,6 +314,17 @@ void idempotency_erase(struct idempotency *m, const char *subject)
             empty(m, x);
     }
     (void)pthread_mutex_unlock(&m->lock);
+}
+
+void idempotency_name(const struct request *r, char hex[65])
+{
+    unsigned char name[DIGEST];
+
+    hex[0] = '\0';
+    if (r->key[0] == '\0')
+        return;
+    digest_key(NULL, r, name);
+    (void)sodium_bin2hex(hex, 65, name, sizeof name);
 }
 
 char (*idempotency_list(struct idempotency *m, size_t *n))[STORE_SUBJECT_MAX + 1]

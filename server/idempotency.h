@@ -3,7 +3,8 @@
  * Requests are identified by the client's key and token, and kept for IDEMPOTENCY_HOURS or
  * until newer ones need the room.  In memory alone, and of this process: the store recognises a
  * template by its content anyway (store.h), so that after a restart a retry gets 200 instead of
- * 201 at worst; a verification is done again then, and may be `replayed`.
+ * 201 at worst; a verification is done again then, once where probes are kept (row_cloud.h), and is
+ * one more event.
  * Keys are kept as keyed hashes.  Safe on any thread. */
 #ifndef SERVER_IDEMPOTENCY_H
 #define SERVER_IDEMPOTENCY_H
@@ -40,6 +41,10 @@ void idempotency_end(struct idempotency *m, const struct request *r, const char 
  * idempotency_empty(m, r): the same of the response that idempotency_begin() gave r. */
 void idempotency_erase(struct idempotency *m, const char *subject);
 void idempotency_empty(struct idempotency *m, const struct request *r);
+
+/* idempotency_name(r, hex): 64 hexadecimal digits for r's key and token, the same in each process;
+ * "": it has no key. */
+void idempotency_name(const struct request *r, char hex[65]);
 
 /* idempotency_list(m, n): the subjects of which it keeps a response, as cache_list(). */
 char (*idempotency_list(struct idempotency *m, size_t *n))[STORE_SUBJECT_MAX + 1];

@@ -233,6 +233,7 @@ static bool settle(struct verification *v)
             request_fail(v->r, &e);
             return false;
         }
+        idempotency_name(v->r, probe.retry);
     }
     if (store_settle(app->store, &what, &out, &e) != ST_OK) {
         request_fail(v->r, &e);

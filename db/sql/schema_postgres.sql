@@ -69,13 +69,15 @@ CREATE INDEX attempts_token ON attempts (token, at_ms);
 
 -- Scans that are no new ones when they come again: those that templates
 -- were made of, and probes that matched, until a time.  Keyed hashes of the points as they
--- were read; what templates are made of is also in templates.same.
+-- were read; what templates are made of is also in templates.same.  retry: keyed hash of the
+-- request that a probe came with, which may come again once; NULL: it may not.
 CREATE TABLE clouds (
     subject_key  BIGINT NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
     digest       BYTEA NOT NULL CHECK (length(digest) = 32),
     template_key BIGINT REFERENCES templates (template_key) ON DELETE CASCADE,
     until_ms     BIGINT CHECK (until_ms >= 0 AND template_key IS NULL
                  OR until_ms IS NULL AND template_key IS NOT NULL), -- since 1970, UTC
+    retry        BYTEA CHECK (length(retry) = 32),
     PRIMARY KEY (subject_key, digest)
 );
 

@@ -2,7 +2,7 @@
 # Goal: a scan verifies a subject once.  The cloud of a template is refused as a probe, whatever
 # the order and number of its points, the format and the unit, over HTTP and by surfacectl; a probe
 # that matched is refused for --replay-window, also by another process; a retry with its
-# Idempotency-Key gets the response that it had.
+# Idempotency-Key gets the response that it had, and is compared anew by another process.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -154,6 +154,22 @@ for i in 1 2 3; do
     decides "a failure, try $i" no_match
 done
 is "it is one event" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE outcome = 'no_match'")" 3
+# Where nobody has that response any more a retry is compared anew, once.
+URL=$second_url
+verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: two'
+problem "another key, to the other process" 422 replayed
+verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: one'
+decides "the retry, to the other process" match
+is "which is no response from before" "$(field Idempotent-Replayed)" ''
+PID=$second
+stop_daemon
+start_daemon --no-auth --attempts 0 --replay-window 1000
+second=$PID second_url=$URL
+verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: one'
+problem "once more, after a restart" 422 replayed
+send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply" -H 'Idempotency-Key: three'
+decides "the retry of the other scan" match
+URL=$first_url
 # Erased by another process: the response is gone too.
 ctl subject erase --yes alice
 verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: one'

@@ -345,6 +345,7 @@ static void test_no_event(void **state)
 }
 
 static char digest[3][65]; /* of points as they were read */
+static const char *request = "";
 
 /* A match by a probe: is it a new scan? */
 static bool replayed(struct store *s, const char *who, const char *read, const char *used,
@@ -363,6 +364,7 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     uint32_t before;
 
     (void)snprintf(probe.used, sizeof probe.used, "%s", used);
+    (void)snprintf(probe.retry, sizeof probe.retry, "%s", request);
     assert_int_equal(store_subject_get(s, who, &one, &e), ST_OK);
     before = tempdb_attempts(s, who).failures;
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
@@ -415,7 +417,7 @@ static void test_replayed(void **state)
     tempdb_sql(
         "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < "
         "1200) INSERT INTO clouds SELECT subject_key, randomblob(32), NULL, until_ms "
-        "+ 1000000 + i FROM clouds, n WHERE until_ms IS NOT NULL");
+        "+ 1000000 + i, NULL FROM clouds, n WHERE until_ms IS NOT NULL");
     assert_false(replayed(s, "alice", digest[2], "", 600000000));
     assert_int_equal(kept(), STORE_PROBES);
     assert_true(replayed(s, "alice", digest[2], "", 60000));
@@ -432,12 +434,47 @@ static void test_replayed(void **state)
     store_close(s);
 }
 
+/* The same request again: once, for what it was kept for alone, and never a template's cloud. */
+static void test_retried(void **state)
+{
+    struct store *s = make();
+    char name[3][65] = {{0}};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        memset(digest[i], 'a' + i, 64);
+        memset(name[i], '1' + i, 64);
+    }
+    request = name[0];
+    assert_false(replayed(s, "alice", digest[0], "", 60000));
+    request = name[1];
+    assert_true(replayed(s, "alice", digest[0], "", 60000));
+    request = "";
+    assert_true(replayed(s, "alice", digest[0], "", 60000));
+    request = name[0];
+    assert_true(replayed(s, "alice", digest[0], "", 0)); /* by who keeps none */
+    assert_true(replayed(s, "alice", digest[0], t[0].digest, 60000));
+    assert_false(replayed(s, "alice", digest[0], "", 60000));
+    assert_true(replayed(s, "alice", digest[0], "", 60000)); /* the second retry */
+    assert_false(replayed(s, "alice", digest[1], "", 60000));
+    tempdb_sql("UPDATE clouds SET until_ms = until_ms - 60001");
+    request = name[2];
+    assert_false(replayed(s, "alice", digest[0], "", 60000)); /* kept anew */
+    assert_false(replayed(s, "alice", digest[0], "", 60000));
+    request = "";
+    assert_false(replayed(s, "alice", digest[2], "", 60000));
+    assert_true(replayed(s, "alice", digest[2], "", 60000));
+    assert_int_equal(tempdb_check(s).problems, 0);
+    store_close(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_admit),    cmocka_unit_test(test_ended),
         cmocka_unit_test(test_state),    cmocka_unit_test(test_settle),
         cmocka_unit_test(test_no_event), cmocka_unit_test(test_replayed),
+        cmocka_unit_test(test_retried),
     };
 
     return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
