@@ -1,12 +1,80 @@
 #include "headers.h"
 
+#include <stdint.h>
 #include <string.h>
 #include <strings.h>
 
 #include "capture.h"
+#include "errmap.h"
 #include "request.h"
 
 #define BLANKS " \t"
+
+/* ---- framing */
+
+/* RFC 9110, section 5.6.2. */
+static bool is_token(const char *s)
+{
+    static const char others[] = "!#$%&'*+-.^_`|~0123456789";
+
+    for (; *s != '\0'; s++)
+        if (!((*s | 0x20) >= 'a' && (*s | 0x20) <= 'z') && strchr(others, *s) == NULL)
+            return false;
+    return true;
+}
+
+static bool is_line(const char *s)
+{
+    for (; *s != '\0'; s++)
+        if (((unsigned char)*s < ' ' && *s != '\t') || *s == 0x7f)
+            return false;
+    return true;
+}
+
+/* libmicrohttpd (0.9.75) appends what is folded (RFC 9112, section 5.2) to the name, in a new place:
+ * "Content-: 9" and " Length" make a Content-Length that no proxy sees.  Of all other headers the
+ * value stands behind the name, with the colon's place and blanks between. */
+static bool is_folded(const char *name, const char *value)
+{
+    const uintptr_t end = (uintptr_t)name + strlen(name) + 1;
+
+    return (uintptr_t)value < end ||
+           (uintptr_t)value - end > strspn((const char *)end, BLANKS);
+}
+
+void headers_frame(struct headers_framing *f, const char *name, const char *value)
+{
+    const bool coding = strcasecmp(name, "Transfer-Encoding") == 0;
+
+    if (name[0] == '\0' || !is_token(name) || value == NULL || is_folded(name, value) ||
+        !is_line(value)) {
+        f->wrong = "a header is not a line of a name, a colon and a value";
+        return;
+    }
+    if (!coding && strcasecmp(name, "Content-Length") != 0)
+        return;
+    if (f->has_length)
+        f->wrong = "more than one Content-Length or Transfer-Encoding";
+    f->has_length = true;
+    f->coded = f->coded || coding;
+    f->other_coding = f->other_coding || (coding && strcasecmp(value, "chunked") != 0);
+}
+
+bool headers_refuse(struct request *r, const struct headers_framing *f,
+                    const char *version)
+{
+    if (f->wrong != NULL)
+        request_problem(r, ST_EINVAL, "%s", f->wrong);
+    else if (f->other_coding)
+        request_problem(r, ERRMAP_TRANSFER, "Transfer-Encoding may be chunked");
+    else if (f->coded && strcmp(version, "HTTP/1.1") != 0)
+        request_problem(r, ST_EINVAL, "HTTP/1.0 has no Transfer-Encoding");
+    else
+        return false;
+    return true;
+}
+
+/* ---- what they mean */
 
 /* One preference, s[0..len-1]: name[=value][;parameters]. */
 static void take_preference(struct request *r, const char *s, size_t len)

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <time.h>
 #include <microhttpd.h>
 
@@ -74,12 +73,11 @@ struct exchange {
     struct peer *peer;
     enum state state;
     struct upload upload;
-    bool has_length;   /* it gives a length, or sends chunks */
-    bool ambiguous;    /* its headers say in two ways where the body ends */
-    bool other_coding; /* a transfer coding other than chunked, whose end nobody knows */
-    bool body_sent;    /* the client sends a body, or says so */
-    double queued_ms;  /* log_clock_ms() when it was last handed to the workers */
-    int drain_fd;      /* responded to before the body was read; -1: not */
+    struct headers_framing framing;
+    bool unframed;    /* nobody knows where the next request begins */
+    bool body_sent;   /* the client sends a body, or says so */
+    double queued_ms; /* log_clock_ms() when it was last handed to the workers */
+    int drain_fd;     /* responded to before the body was read; -1: not */
 };
 
 struct http {
@@ -98,7 +96,7 @@ struct http {
 
 static bool closing(const struct exchange *x)
 {
-    return x->ambiguous || x->other_coding || atomic_load(&x->http->app->stopping);
+    return x->unframed || atomic_load(&x->http->app->stopping);
 }
 
 static enum MHD_Result send_response(struct exchange *x)
@@ -317,7 +315,7 @@ static enum MHD_Result admit(struct exchange *x)
     if (x->r.response.http == 0)
         route_check_query(&x->r);
     if (x->r.response.http == 0)
-        body_check(&x->r, x->has_length, x->upload.length);
+        body_check(&x->r, x->framing.has_length, x->upload.length);
     if (x->r.response.http == 0 && !upload_has_room(&x->upload))
         body_refuse_room(&x->r);
     if (x->r.response.http != 0)
@@ -327,27 +325,18 @@ static enum MHD_Result admit(struct exchange *x)
     return MHD_YES;
 }
 
-/* Content-Length twice, or beside Transfer-Encoding: a proxy in front may see another end of the
- * body, and then another request (RFC 9112 section 11.2).  libmicrohttpd would accept one of
- * them. */
 static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char *name,
                                  const char *value)
 {
     struct exchange *x = cls;
 
     (void)kind;
-    if (strcasecmp(name, "Content-Length") == 0 ||
-        strcasecmp(name, "Transfer-Encoding") == 0) {
-        x->ambiguous = x->ambiguous || x->has_length;
-        x->has_length = true;
-        x->other_coding = x->other_coding || (strcasecmp(name, "Content-Length") != 0 &&
-                                              strcasecmp(value, "chunked") != 0);
-    }
+    headers_frame(&x->framing, name, value);
     headers_take(&x->r, name, value);
     return MHD_YES;
 }
 
-static enum MHD_Result arrive(struct exchange *x, const char *method)
+static enum MHD_Result arrive(struct exchange *x, const char *method, const char *version)
 {
     struct request *r = &x->r;
 
@@ -356,13 +345,8 @@ static enum MHD_Result arrive(struct exchange *x, const char *method)
     throttle_address(client_address(x), r->address);
     look_at_body(x);
     (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
-    if (x->ambiguous || x->other_coding) {
-        if (x->ambiguous)
-            request_problem(r, ST_EINVAL,
-                            "more than one Content-Length or Transfer-Encoding");
-        else
-            request_problem(r, ERRMAP_TRANSFER, "Transfer-Encoding may be chunked");
-        x->body_sent = true; /* whatever the one that was taken says */
+    if ((x->unframed = headers_refuse(r, &x->framing, version))) {
+        x->body_sent = true; /* whatever the headers that were taken say */
         return send_early(x);
     }
     route_find(r->app->routes, r->app->nroutes, r);
@@ -388,12 +372,11 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const 
     (void)cls;
     (void)conn;
     (void)url;
-    (void)version;
     if (x == NULL)
         return MHD_NO;
     switch (x->state) {
     case ARRIVED:
-        return arrive(x, method);
+        return arrive(x, method, version);
     case ADMITTED:
         if (atomic_load(&x->r.gone))
             return MHD_NO;

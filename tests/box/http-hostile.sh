@@ -35,7 +35,13 @@ refused() {
     if [ -n "$2" ]; then is_problem "$1" "$2"; else is "$1" "$(statuses)" ''; fi
     ok "$1: the request behind it is not served" sh -c "! grep -aq '\"status\":\"ok\"' '$T/answer'"
 }
-next='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
+# served TITLE FORMAT: it is read as it is meant, and the request behind it is another one.
+served() {
+    raw "$2${get}Connection: close\r\n\r\n"
+    is "$1" "$(statuses)" '404 200 '
+}
+get='GET /healthz HTTP/1.1\r\nHost: x\r\n'
+next="$get\r\n"
 post='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n'
 chunks='2\r\n{}\r\n0\r\n\r\n'
 
@@ -54,9 +60,38 @@ refused "a negative chunk" 400 "${post}Transfer-Encoding: chunked\r\n\r\n-1\r\n{
 refused "a chunk size as in C" 400 "${post}Transfer-Encoding: chunked\r\n\r\n0x2\r\n{}\r\n0\r\n\r\n"
 refused "an endless chunk" 413 "${post}Transfer-Encoding: chunked\r\n\r\nffffffffffffffffff\r\n{}"
 refused "a chunk longer than its size" 400 "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}XX0\r\n\r\n"
-for coding in 'gzip, chunked' 'chunked, gzip' identity xchunked; do
+for coding in 'gzip, chunked' 'chunked, gzip' 'chunked, chunked' gzip identity xchunked \
+    '"chunked"' 'chunked;q=1' 'chunked ' ''; do
     refused "Transfer-Encoding '$coding'" 501 "${post}Transfer-Encoding: $coding\r\n\r\n$chunks"
 done
+refused "chunked twice" 400 "${post}Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n$chunks"
+refused "identity and chunked" 400 "${post}Transfer-Encoding: identity\r\nTransfer-Encoding: chunked\r\n\r\n$chunks"
+refused "identity and a length" 400 "${post}Transfer-Encoding: identity\r\nContent-Length: 2\r\n\r\n{}"
+refused "no length and chunks" 400 "${post}Content-Length: 0\r\nTransfer-Encoding: chunked\r\n\r\n$chunks"
+refused "a GET in chunks" 400 "${get}Transfer-Encoding: chunked\r\n\r\n$chunks"
+refused "a GET of another coding" 501 "${get}Transfer-Encoding: gzip\r\n\r\n$chunks"
+old="POST /v1/subjects/a/verify HTTP/1.0\r\nContent-Type: application/json\r\nConnection: keep-alive\r\n"
+refused "chunks in HTTP/1.0" 400 "${old}Transfer-Encoding: chunked\r\n\r\n$chunks"
+served "a length in HTTP/1.0" "${old}Content-Length: 2\r\n\r\n{}"
+served "CHUNKED" "${post}Transfer-Encoding: CHUNKED\r\n\r\n$chunks"
+served "chunked behind a tab" "${post}Transfer-Encoding:\tchunked\r\n\r\n$chunks"
+served "an extension of a chunk" "${post}Transfer-Encoding: chunked\r\n\r\n2;a=\"b\r\n{}\r\n0;c\r\n\r\n"
+served "a size with zeros" "${post}Transfer-Encoding: chunked\r\n\r\n0000000000000000000002\r\n{}\r\n0\r\n\r\n"
+served "a length in the trailer" "${post}Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\nContent-Length: 40\r\n\r\n"
+
+# ---- folded lines, which libmicrohttpd takes for the rest of the name
+refused "a folded length" 400 "${post}Content-Length:\r\n 2\r\n\r\n{}"
+refused "a length and a fold" 400 "${post}Content-Length: 2\r\n 0\r\n\r\n{}"
+refused "a folded coding" 400 "${post}Transfer-Encoding: gzip,\r\n chunked\r\n\r\n$chunks"
+refused "a length made of two lines" 400 "${get}Content-: 40\r\n Length\r\n\r\n"
+refused "a coding made of two lines" 400 "${post}Transfer-: chunked\r\n\tEncoding\r\n\r\n$chunks"
+refused "a token made of two lines" 400 "${get}Author: Bearer x\r\n ization\r\n\r\n"
+refused "another header" 400 "${get}A: b\r\n c\r\n\r\n"
+refused "the first line is folded" 400 "GET /healthz HTTP/1.1\r\n Host: x\r\n\r\n"
+refused "a blank before the colon" 400 "${post}Transfer-Encoding : chunked\r\n\r\n$chunks"
+refused "a blank in a name" 400 "${post}Content Length: 2\r\n\r\n{}"
+refused "a control character" 400 "${post}Transfer-Encoding: \013chunked\r\n\r\n$chunks"
+refused "a carriage return" 400 "${get}A: b\rTransfer-Encoding: chunked\r\n\r\n"
 
 # ---- paths and headers
 for path in /../../etc/passwd /docs/..%%2f..%%2fetc/passwd //etc/passwd /docs/../../etc/passwd; do
