@@ -1,8 +1,12 @@
 #!/bin/sh
 # fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a time,
-# starting from its corpus in tests/fuzz.  Inputs that reach new code are kept in BUILD/corpus,
-# an input that crashes in BUILD/crash.
+# starting from its corpus in tests/fuzz and, where there is a minute for it or more, from what
+# earlier runs have found.  Inputs that reach new code are kept in BUILD/corpus, an input that
+# crashes in BUILD/crash.
+# fuzz.sh --keep BUILD: what was found, as few inputs as reach all of it, to tests/fuzz/found.tar.xz
+# for the next runs: they go on where this one ended.
 set -u
+found=tests/fuzz/found.tar.xz
 
 run_one() { # FUZZER BUILD SECONDS
     name=$(basename "$1")
@@ -19,16 +23,41 @@ run_one() { # FUZZER BUILD SECONDS
     echo failed >"$log.failed"
 }
 
-if [ "$1" = --one ]; then
+keep() { # BUILD
+    kept=$(mktemp -d)
+    for fuzzer in $(fuzzers "$1"); do
+        name=$(basename "$fuzzer")
+        mkdir "$kept/$name"
+        "$fuzzer" -merge=1 -rss_limit_mb=2048 "$kept/$name" "$1/corpus/$name" >"$1/log/$name.merge" 2>&1 ||
+            exit 1
+        printf '  %-20s %s inputs\n' "$name" "$(find "$kept/$name" -type f | wc -l)"
+    done
+    tar -C "$kept" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX \
+        -cJf "$found" .
+    rm -r "$kept"
+}
+
+fuzzers() { # BUILD
+    find "$1/tests/fuzz" -name 'fuzz_*' ! -name '*.*' | sort
+}
+
+case $1 in
+--one)
     run_one "$4" "$2" "$3"
     exit 0
-fi
+    ;;
+--keep)
+    keep "$2"
+    exit 0
+    ;;
+esac
 build=$1 seconds=$2
-mkdir -p "$build/crash" "$build/log"
+mkdir -p "$build/crash" "$build/log" "$build/corpus"
+[ "$seconds" -lt 60 ] || [ ! -e "$found" ] || tar -C "$build/corpus" -xJf "$found"
 rm -f "$build"/log/*.failed
-find "$build/tests/fuzz" -name 'fuzz_*' ! -name '*.*' | sort |
+fuzzers "$build" |
     xargs -P "${JOBS:-$(nproc)}" -n 1 "$0" --one "$build" "$seconds"
-total=$(find "$build/tests/fuzz" -name 'fuzz_*' ! -name '*.*' | wc -l)
+total=$(fuzzers "$build" | wc -l)
 failed=$(find "$build/log" -name '*.failed' | wc -l)
 [ -z "${RESULTS:-}" ] || echo "$((total - failed)) $failed" >>"$RESULTS"
 echo "$((total - failed)) passed, $failed failed"
