@@ -81,7 +81,8 @@ enum status row_cloud_enroll(struct store_txn *t, const struct row_subject *p,
     return SQL_RUN(
         t->sql, e,
         "INSERT INTO clouds (subject_key, digest, template_key) VALUES ($1, $2, "
-        "(SELECT template_key FROM templates WHERE id = $3)) ON CONFLICT (subject_key, digest) DO UPDATE SET "
+        "(SELECT template_key FROM templates WHERE id = $3)) "
+        "ON CONFLICT (subject_key, digest) DO UPDATE SET "
         "template_key = excluded.template_key, until_ms = NULL",
         sql_int(p->row), sql_blob(read, sizeof read), sql_text(id));
 }

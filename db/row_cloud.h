@@ -9,8 +9,8 @@ struct store_txn;   /* store_txn.h */
 /* row_cloud_known(t, who, probe, now, known, e): is it the cloud of a template of the subject, as
  * it was read or as it was used, or a probe that is kept, and not for a retry of probe->retry?
  * row_cloud_keep(t, who, probe, now, known, e): keeps it for probe->keep_ms, for a retry unless
- * this is one; *known: another process has done so just now.  What is kept for long enough goes, and of a subject all but
- * the last STORE_PROBES. */
+ * this is one; *known: another process has done so just now.  What is kept for long enough goes,
+ * and of a subject all but the last STORE_PROBES. */
 enum status row_cloud_known(struct store_txn *t, const struct store_subject *who,
                             const struct store_probe *probe, int64_t now, bool *known,
                             struct errinfo *e);

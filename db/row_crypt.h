@@ -44,8 +44,8 @@ void row_crypt_new(const struct vault *v, const unsigned char *uid,
 bool row_crypt_key(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
                    const unsigned char wrapped[VAULT_WRAPPED], struct row_crypt_key *k);
 
-/* row_crypt_encrypt_subject(k, s, out): id, reference and purpose; authenticated with them: created,
- * expires, hold and disabled.  Returns the bytes written.
+/* row_crypt_encrypt_subject(k, s, out): id, reference and purpose; authenticated with
+ * them: created, expires, hold and disabled.  Returns the bytes written.
  * row_crypt_decrypt_subject(k, in, n, s): the former into *s, which holds the latter. */
 size_t row_crypt_encrypt_subject(const struct row_crypt_key *k,
                                  const struct store_subject *s,
@@ -53,8 +53,8 @@ size_t row_crypt_encrypt_subject(const struct row_crypt_key *k,
 bool row_crypt_decrypt_subject(const struct row_crypt_key *k, const void *in, size_t n,
                                struct store_subject *s);
 
-/* row_crypt_encrypt_template(k, t, out): label, digest and quality; authenticated with them: id, created,
- * engine, points and triangles.  Returns the bytes written.
+/* row_crypt_encrypt_template(k, t, out): label, digest and quality; authenticated with
+ * them: id, created, engine, points and triangles.  Returns the bytes written.
  * row_crypt_decrypt_template(k, in, n, t): the former into *t, which holds the latter. */
 size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
                                   const struct store_template *t,
@@ -62,8 +62,8 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
 bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, size_t n,
                                 struct store_template *t);
 
-/* The template's model, n bytes, authenticated with the same and the digest: n + VAULT_OVER bytes to out; and
- * back, n - VAULT_OVER. */
+/* The template's model, n bytes, authenticated with the same and the digest: n +
+ * VAULT_OVER bytes to out; and back, n - VAULT_OVER. */
 void row_crypt_encrypt_model(const struct row_crypt_key *k,
                              const struct store_template *t, const void *in, size_t n,
                              unsigned char *out);

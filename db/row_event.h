@@ -35,8 +35,8 @@ enum status row_event_has(struct store_txn *t, enum store_chain chain, uint64_t 
                           const unsigned char hash[STORE_CHAIN_HASH], bool *has,
                           struct errinfo *e);
 
-/* row_event_signs(t, by, kind, v, outcome, e): append to the changes that the vault's key signs them
- * from then on.
+/* row_event_signs(t, by, kind, v, outcome, e): append to the changes that the vault's key
+ * signs them from then on.
  * row_event_renew(t, next, e): the ends, which have MACs of t's vault, get those of the next. */
 enum status row_event_signs(struct store_txn *t, const struct store_act *by,
                             const char *kind, const struct vault *v, const char *outcome,

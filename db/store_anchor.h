@@ -28,7 +28,8 @@ void store_anchor_free(struct store_anchor *a);
 
 /* store_anchor_end(t, v, end, e): the ends of the chains as the transaction sees them, under the
  * vault v.
- * store_anchor_agrees(t, v, said, end, yes, e): has the database what its anchor said?  *end as above.
+ * store_anchor_agrees(t, v, said, end, yes, e): has the database what its anchor said?
+ * *end as above.
  * store_anchor_ask(a, v, db, said, e): what the anchor of the database db says; ST_EREFUSED: it is
  * missing or not its own.  Before the transaction that is held against it begins: others go on.
  * store_anchor_check(a, t, v, db, said, settle, e): ST_EREFUSED: it says of a change that the

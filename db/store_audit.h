@@ -5,8 +5,9 @@
 #define DB_STORE_AUDIT_H
 #include "store_types.h"
 
-/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the uses; no biometrics in it.  kind: "verify", "compare", ...; subject, template_id and
- * outcome may be "".  Changes (enroll, delete, tokens) write their own.
+/* store_event(s, kind, actor, subject, template_id, outcome, e): append to the uses; no
+ * biometrics in it.  kind: "verify", "compare", ...; subject, template_id and outcome may
+ * be "".  Changes (enroll, delete, tokens) write their own.
  * For speed it does not wait for the disk: a power failure may lose the last ones. */
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *template_id, const char *outcome,

@@ -26,9 +26,9 @@ void store_head_init(struct store_heads *h);
 void store_head_free(struct store_heads *h);
 
 /* store_head_now(h): to be asked before a transaction begins, which then sees as much at least.
- * store_head_see(h, t, v, before, seq, e): is the end that t sees that of the same chain?  *seq: its
- * number.  ST_EREFUSED: it is not.  What is wrong with the end of a store that is just being opened
- * is for others to find.
+ * store_head_see(h, t, v, before, seq, e): is the end that t sees that of the same chain?
+ * *seq: its number.  ST_EREFUSED: it is not.  What is wrong with the end of a store that
+ * is just being opened is for others to find.
  * store_head_made(h, seq): a transaction of this store has committed this end, and after that none
  * may see less. */
 struct store_head store_head_now(struct store_heads *h);

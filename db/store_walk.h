@@ -6,8 +6,8 @@
 #include "store_chain.h"
 
 /* store_audit_verify(s, report, arg, out, e): read-only.  report() is called once a problem,
- * with the entry that it is about, the last for a row that no entry is about.  About 5 us an entry, and
- * as much a row. */
+ * with the entry that it is about, the last for a row that no entry is about.  About 5 us
+ * an entry, and as much a row. */
 enum status store_audit_verify(struct store *s, store_chain_report *report, void *arg,
                                struct store_audit *out, struct errinfo *e);
 

@@ -69,8 +69,9 @@ enum status vault_renew(const struct vault *v, const struct vault_root *from,
                         enum vault_kind kind, const void *secret, size_t len,
                         struct vault_root *root, struct vault **out, struct errinfo *e);
 
-/* vault_follows(v, root): is it the root of vault_change(v, ...), vault_renew(v, ...), or of the same secrets?  Takes
- * no master key and no Argon2id: what the vault has not authenticated need not be opened. */
+/* vault_follows(v, root): is it the root of vault_change(v, ...), vault_renew(v, ...), or
+ * of the same secrets?  Takes no master key and no Argon2id: what the vault has not
+ * authenticated need not be opened. */
 _Bool vault_follows(const struct vault *v, const struct vault_root *root);
 
 void vault_free(struct vault *v); /* wiped; NULL is allowed */

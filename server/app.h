@@ -1,5 +1,5 @@
 /* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
- * released after the last; nothing but the last two members changes in between. */
+ * released after the last; nothing but the atomic members changes in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
 #include <stdatomic.h>

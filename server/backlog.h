@@ -5,8 +5,8 @@
 
 /* backlog_empty(fd, ms): take no new connections on fd and wait, up to ms, until another
  * thread has accepted those that are there.  A client that connects meanwhile is
- * neither accepted nor refused, and its TCP retries: so close fd soon.  The socket must not be shared with
- * another process, which could not use it any more. */
+ * neither accepted nor refused, and its TCP retries: so close fd soon.  The socket must not be
+ * shared with another process, which could not use it any more. */
 void backlog_empty(int fd, double ms);
 
 #endif

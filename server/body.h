@@ -7,8 +7,8 @@
 
 struct request;
 
-/* body_check(r, has_length, length): as in upload.h.  Sets r->response if r->route does not accept a body of
- * this length and of r's media type and coding.  has_length: the headers give a length or
+/* body_check(r, has_length, length): sets r->response if r->route does not accept a body of this
+ * length (upload.h) and of r's media type and coding.  has_length: the headers give a length or
  * announce chunks. */
 void body_check(struct request *r, bool has_length, uint64_t length);
 

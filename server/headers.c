@@ -31,9 +31,9 @@ static bool is_line(const char *s)
     return true;
 }
 
-/* libmicrohttpd (0.9.75) appends what is folded (RFC 9112, section 5.2) to the name, in a new place:
- * "Content-: 9" and " Length" make a Content-Length that no proxy sees.  Of all other headers the
- * value stands behind the name, with the colon's place and blanks between. */
+/* libmicrohttpd (0.9.75) appends a folded line (RFC 9112, section 5.2) to the name, in a new
+ * place: "Content-: 9" and " Length" make a Content-Length that no proxy sees.  Of all other
+ * headers the value stands behind the name, with the colon's place and blanks between. */
 static bool is_folded(const char *name, const char *value)
 {
     const uintptr_t end = (uintptr_t)name + strlen(name) + 1;

@@ -32,7 +32,8 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
                        uint32_t *ticket);
 
 /* idempotency_end(m, r, subject, ticket): r->response is there, about this subject.  A 429 or 5xx
- * is not kept, nor a capture that was refused: to be tried again; nor one of more than IDEMPOTENCY_BYTES / 8. */
+ * is not kept, nor a capture that was refused: to be tried again; nor one of more than
+ * IDEMPOTENCY_BYTES / 8. */
 void idempotency_end(struct idempotency *m, const struct request *r, const char *subject,
                      uint32_t ticket);
 

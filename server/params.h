@@ -1,5 +1,6 @@
 /* params.h -- the query parameters.  Each returns false when the parameter is malformed, or
- * needs a scope that the token lacks: then r->response says so.  One that is absent leaves *out as it was. */
+ * needs a scope that the token lacks: then r->response says so.  One that is absent leaves *out as
+ * it was. */
 #ifndef SERVER_PARAMS_H
 #define SERVER_PARAMS_H
 #include <stdbool.h>

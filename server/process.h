@@ -9,9 +9,10 @@ struct process_state {
     uint64_t open_fds;
 };
 
-/* process_begin(): nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as
- * qsort() and GnuTLS do not, in blocks of more than 1 KB (core/mem.h does it for all of its own);
- * blocks that only large requests need go back to the system when they are freed. */
+/* process_begin(): nothing is dumped (nodump.h); what is freed is overwritten, also by
+ * libraries, as qsort() and GnuTLS do not, in blocks of more than 1 KB (core/mem.h does
+ * it for all of its own); blocks that only large requests need go back to the system when
+ * they are freed. */
 void process_begin(void);
 
 /* process_look(out): what cannot be read is 0.  Some 100 us. */

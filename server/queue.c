@@ -112,8 +112,11 @@ static bool wait_for_more(struct queue *q, struct server *s)
     struct timespec t;
     int got = 0;
 
-    if (s->kept)
+    if (s->kept) {
         q->kept_waits = true;
+        if (q->waiting > 0) /* for the others; whom wake() woke may have taken a small one */
+            (void)pthread_cond_signal(&q->wake);
+    }
     if (s->used) {
         (void)clock_gettime(CLOCK_MONOTONIC, &t);
         t.tv_nsec += IDLE_MS * 1000000L;

@@ -1,4 +1,5 @@
-/* retention.h -- the audit log's oldest uses cut off, by a thread of its own, now and every hour. */
+/* retention.h -- the audit log's oldest uses cut off, by a thread of its own, now and
+ * every hour. */
 #ifndef SERVER_RETENTION_H
 #define SERVER_RETENTION_H
 

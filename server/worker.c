@@ -65,7 +65,10 @@ enum status worker_open(struct worker *w, struct app *app, bool kept)
                     .arg = w},
     };
     w->builder = builder_start(app->model);
-    return w->compare.work != NULL && w->builder != NULL ? ST_OK : ST_ENOMEM;
+    if (w->compare.work != NULL && w->builder != NULL)
+        return ST_OK;
+    worker_close(w);
+    return ST_ENOMEM;
 }
 
 void worker_wipe(struct worker *w)
