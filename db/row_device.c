@@ -1,11 +1,10 @@
 #include "row_device.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "errinfo.h"
+#include "row_table.h"
 #include "store_column.h"
-#include "store_mac.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
@@ -19,29 +18,22 @@ enum {
     COLUMNS_N
 }; /* of COLUMNS; the MAC's too */
 
-static const char label[16] = "surface device";
+static const struct row_table devices = {
+    .label = "surface device",
+    .word = "device",
+    .columns = COLUMNS_N,
+    .name = COL_NAME,
+    .all = "SELECT " COLUMNS " FROM devices ORDER BY device_key",
+    .of = "SELECT " COLUMNS " FROM devices WHERE id = $1",
+};
 
 /* ---- reading */
-
-static void left_of(const struct store_txn *t, const struct sql_rows *r,
-                    struct row_event_row *left)
-{
-    char id[STORE_ID_LEN + 1];
-
-    memset(left, 0, sizeof *left);
-    left->gone = !store_column_text(r, COL_ID, id, sizeof id) || !store_id_valid(id);
-    if (!left->gone)
-        store_rules_raw(id, left->object);
-    store_mac_row(t->vault, label, r, 0, COLUMNS_N, left->mac);
-}
 
 static enum status read_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     struct store_txn *t = x;
     struct store_device *d = out;
-    struct row_event_row now;
-    enum status st;
 
     memset(d, 0, sizeof *d);
     if (!store_column_text(r, COL_ID, d->id, sizeof d->id) || !store_id_valid(d->id) ||
@@ -50,11 +42,7 @@ static enum status read_row(void *x, const struct sql_rows *r, void *out,
         !store_column_text(r, COL_CREATED, d->created, sizeof d->created))
         return errinfo_set(e, ST_ECORRUPT, "device %s: its row is damaged",
                            d->name[0] != '\0' ? d->name : "?");
-    left_of(t, r, &now);
-    if ((st = row_event_is(t, &now, e)) == ST_ECORRUPT)
-        (void)errinfo_set(
-            e, st, "device %s: its row is not the one that was written last", d->name);
-    return st;
+    return row_table_is(t, &devices, r, 0, d->name, e);
 }
 
 enum status row_device_find(struct store_txn *t, const char *name,
@@ -79,8 +67,7 @@ enum status row_device_list(struct store_txn *t, struct store_device **out, size
 {
     void *list;
     struct sql_rows *r;
-    enum status st = sql_query(
-        t->sql, "SELECT " COLUMNS " FROM devices ORDER BY device_key", NULL, 0, &r, e);
+    enum status st = sql_query(t->sql, devices.all, NULL, 0, &r, e);
 
     st = store_column_list(r, st, read_row, t, sizeof **out, &list, n, e);
     *out = list;
@@ -90,21 +77,7 @@ enum status row_device_list(struct store_txn *t, struct store_device **out, size
 enum status row_device_each(struct store_txn *t, row_event_see *see, void *arg,
                             struct errinfo *e)
 {
-    struct row_event_row now;
-    struct sql_rows *r;
-    char name[80];
-    enum status st = sql_query(
-        t->sql, "SELECT " COLUMNS " FROM devices ORDER BY device_key", NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r)) {
-        char of[STORE_DEVICE_MAX + 1] = "?";
-
-        (void)store_column_text(r, COL_NAME, of, sizeof of);
-        left_of(t, r, &now);
-        (void)snprintf(name, sizeof name, "device %s", of);
-        st = see(arg, &now, name, e);
-    }
-    return sql_done(r, st, e);
+    return row_table_see(t, &devices, see, arg, e);
 }
 
 /* ---- writing */
@@ -113,17 +86,7 @@ enum status row_device_tell(struct store_txn *t, const struct store_act *by,
                             const char *kind, const char *id, const char *name,
                             struct errinfo *e)
 {
-    struct row_event_row left = {.gone = true};
-    struct sql_rows *r;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e, "SELECT " COLUMNS " FROM devices WHERE id = $1", sql_text(id));
-
-    store_rules_raw(id, left.object);
-    if (st == ST_OK && sql_next(r))
-        left_of(t, r, &left);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    return row_event_leave(t, by, kind, "", "", name, &left, e);
+    return row_table_tell(t, &devices, id, by, kind, "", "", name, e);
 }
 
 /* The id of the device that has the name, whatever else its row says; "": damaged. */

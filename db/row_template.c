@@ -7,8 +7,8 @@
 
 #include "errinfo.h"
 #include "mesh.h"
+#include "row_table.h"
 #include "store_column.h"
-#include "store_mac.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
@@ -32,21 +32,16 @@ enum { /* the columns of COLUMNS */
        COL_MODEL = COL_WHO + ROW_SUBJECT_WHO_N
 };
 
-static const char label[16] = "surface face";
+static const struct row_table templates = {
+    .label = "surface face",
+    .word = "template",
+    .columns = COL_WHO - COL_ID,
+    .name = 0, /* the id */
+    .all = "SELECT " LEFT " FROM templates t LEFT JOIN subjects s USING (subject_key)",
+    .of = "SELECT " LEFT FROM " WHERE t.id = $1",
+};
 
 /* ---- rows */
-
-static void left_of(const struct store_txn *x, const struct sql_rows *r, int col,
-                    struct row_event_row *left)
-{
-    char id[STORE_ID_LEN + 1];
-
-    memset(left, 0, sizeof *left);
-    left->gone = !store_column_text(r, col, id, sizeof id) || !store_id_valid(id);
-    if (!left->gone)
-        store_rules_raw(id, left->object);
-    store_mac_row(x->vault, label, r, col, COL_WHO - COL_ID, left->mac);
-}
 
 static bool read_about(const struct sql_rows *r, struct store_template *t,
                        const struct row_crypt_key *k)
@@ -67,7 +62,6 @@ static enum status read_row(struct store_txn *x, const struct sql_rows *r,
                             struct store_template *t, struct row_crypt_key *k,
                             struct errinfo *e)
 {
-    struct row_event_row now;
     struct store_subject who;
     struct errinfo why;
     enum status st;
@@ -79,10 +73,7 @@ static enum status read_row(struct store_txn *x, const struct sql_rows *r,
         return errinfo_set(e, st, "template %s: %s", t->id, why.msg);
     if (!read_about(r, t, k))
         return errinfo_set(e, ST_ECORRUPT, "template %s: its row is damaged", t->id);
-    left_of(x, r, COL_ID, &now);
-    if ((st = row_event_is(x, &now, e)) == ST_ECORRUPT)
-        return errinfo_set(
-            e, st, "template %s: its row is not the one that was written last", t->id);
+    st = row_table_is(x, &templates, r, COL_ID, t->id, e);
     if (st == ST_OK)
         memcpy(t->subject, who.id, sizeof t->subject);
     return st;
@@ -272,23 +263,7 @@ enum status row_template_same(struct store_txn *x, const struct row_subject *p,
 enum status row_template_see(struct store_txn *x, row_event_see *see, void *arg,
                              struct errinfo *e)
 {
-    struct row_event_row now;
-    struct sql_rows *r;
-    char name[80];
-    enum status st = sql_query(x->sql,
-                               "SELECT " LEFT " FROM templates t LEFT JOIN subjects s "
-                               "USING (subject_key)",
-                               NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r)) {
-        char id[STORE_ID_LEN + 1];
-
-        (void)store_column_text(r, 0, id, sizeof id);
-        left_of(x, r, 0, &now);
-        (void)snprintf(name, sizeof name, "template %s", now.gone ? "?" : id);
-        st = see(arg, &now, name, e);
-    }
-    return sql_done(r, st, e);
+    return row_table_see(x, &templates, see, arg, e);
 }
 
 /* ---- changes */
@@ -297,17 +272,7 @@ enum status row_template_tell(struct store_txn *x, const struct store_act *by,
                               const char *kind, const char *subject, const char *id,
                               const char *outcome, struct errinfo *e)
 {
-    struct row_event_row left = {.gone = true};
-    struct sql_rows *r;
-    enum status st =
-        SQL_QUERY(x->sql, &r, e, "SELECT " LEFT FROM " WHERE t.id = $1", sql_text(id));
-
-    store_rules_raw(id, left.object);
-    if (st == ST_OK && sql_next(r))
-        left_of(x, r, 0, &left);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    return row_event_leave(x, by, kind, subject, id, outcome, &left, e);
+    return row_table_tell(x, &templates, id, by, kind, subject, id, outcome, e);
 }
 
 enum status row_template_add(struct store_txn *x, const struct row_subject *p,

@@ -1,12 +1,10 @@
 #include "row_token.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "errinfo.h"
-#include "row_event.h"
+#include "row_table.h"
 #include "store_column.h"
-#include "store_mac.h"
 #include "store_rules.h"
 #include "store_scopes.h"
 #include "store_txn.h"
@@ -28,36 +26,21 @@ enum { /* the columns of COLUMNS */
        COL_OLD   /* row_token_find() alone */
 };
 
-static const char label[16] = "surface token";
+static const struct row_table tokens = {
+    .label = "surface token",
+    .word = "token",
+    .columns = COL_USED,
+    .name = COL_ID,
+    .all = "SELECT " COLUMNS " FROM tokens ORDER BY token_key",
+    .of = "SELECT " COLUMNS " FROM tokens WHERE id = $1",
+};
 
 /* ---- reading */
-
-static void left_of(const struct store_txn *t, const struct sql_rows *r,
-                    struct row_event_row *left)
-{
-    char id[STORE_ID_LEN + 1];
-
-    memset(left, 0, sizeof *left);
-    left->gone = !store_column_text(r, COL_ID, id, sizeof id) || !store_id_valid(id);
-    if (!left->gone)
-        store_rules_raw(id, left->object);
-    store_mac_row(t->vault, label, r, 0, COL_USED, left->mac);
-}
 
 enum status row_token_tell(struct store_txn *t, const struct store_act *by,
                            const char *kind, const char *id, struct errinfo *e)
 {
-    struct row_event_row left = {.gone = true};
-    struct sql_rows *r;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e, "SELECT " COLUMNS " FROM tokens WHERE id = $1", sql_text(id));
-
-    store_rules_raw(id, left.object);
-    if (st == ST_OK && sql_next(r))
-        left_of(t, r, &left);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    return row_event_leave(t, by, kind, "", "", id, &left, e);
+    return row_table_tell(t, &tokens, id, by, kind, "", "", id, e);
 }
 
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
@@ -66,7 +49,6 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     struct store_txn *t = x;
     struct store_token *k = out;
     char scopes[STORE_SCOPES_MAX];
-    struct row_event_row now;
     enum status st;
 
     memset(k, 0, sizeof *k);
@@ -80,11 +62,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
         !store_column_text_or(r, COL_OLD_UNTIL, k->old_until, sizeof k->old_until))
         return errinfo_set(e, ST_ECORRUPT, "token %s: its row is damaged",
                            store_id_valid(k->id) ? k->id : "?");
-    left_of(t, r, &now);
-    if ((st = row_event_is(t, &now, e)) == ST_ECORRUPT)
-        (void)errinfo_set(e, st, "token %s: its row is not the one that was written last",
-                          k->id);
-    if (st != ST_OK)
+    if ((st = row_table_is(t, &tokens, r, 0, k->id, e)) != ST_OK)
         return st;
     k->revoked = sql_column(r, COL_REVOKED).type != SQL_NULL;
     return ST_OK;
@@ -114,8 +92,7 @@ enum status row_token_get(struct store_txn *t, const char *id, struct row_token 
 {
     struct sql_rows *r;
     bool found;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e, "SELECT " COLUMNS " FROM tokens WHERE id = $1", sql_text(id));
+    enum status st = SQL_QUERY(t->sql, &r, e, tokens.of, sql_text(id));
 
     memset(out, 0, sizeof *out);
     if ((found = st == ST_OK && sql_next(r)))
@@ -148,8 +125,7 @@ enum status row_token_list(struct store_txn *t, struct store_token **out, size_t
 {
     void *list;
     struct sql_rows *r;
-    enum status st = sql_query(
-        t->sql, "SELECT " COLUMNS " FROM tokens ORDER BY token_key", NULL, 0, &r, e);
+    enum status st = sql_query(t->sql, tokens.all, NULL, 0, &r, e);
 
     st = store_column_list(r, st, list_row, t, sizeof **out, &list, n, e);
     *out = list;
@@ -159,21 +135,7 @@ enum status row_token_list(struct store_txn *t, struct store_token **out, size_t
 enum status row_token_each(struct store_txn *t, row_event_see *see, void *arg,
                            struct errinfo *e)
 {
-    struct row_event_row now;
-    struct sql_rows *r;
-    char name[80];
-    enum status st = sql_query(
-        t->sql, "SELECT " COLUMNS " FROM tokens ORDER BY token_key", NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r)) {
-        char id[STORE_ID_LEN + 1];
-
-        (void)store_column_text(r, COL_ID, id, sizeof id);
-        left_of(t, r, &now);
-        (void)snprintf(name, sizeof name, "token %s", now.gone ? "?" : id);
-        st = see(arg, &now, name, e);
-    }
-    return sql_done(r, st, e);
+    return row_table_see(t, &tokens, see, arg, e);
 }
 
 /* ---- writing */
