@@ -50,7 +50,8 @@ bool row_check_latest(const struct row_check *c, struct store_latest *l)
     bool done = store_latest_begin(l);
 
     for (size_t i = 0; i < c->n && done; i++)
-        done = store_latest_add(l, c->left[i].object, c->left[i].seq);
+        done = store_latest_add(l, c->left[i].object, c->left[i].seq,
+                                c->left[i].gone ? NULL : c->left[i].mac);
     return done;
 }
 

@@ -105,6 +105,8 @@ static enum status append(struct store_txn *t, struct store_chain_entry *entry,
         st = set_end(t, entry->chain, entry->seq, hash, e);
     if (st == ST_OK && store_chain_due(entry->seq, entry->kind))
         st = add_mark(t, entry, hash, e);
+    if (st == ST_OK && entry->chain == STORE_CHAIN_CHANGES)
+        t->made = entry->seq;
     return st;
 }
 
@@ -191,14 +193,29 @@ enum status row_event_renew(struct store_txn *t, const struct vault *next,
 
 /* ---- rows */
 
-/* A store that serves knows of no later one; but what it knows may be from after this
- * transaction's moment. */
-static bool is_latest(struct store_txn *t, const unsigned char object[STORE_CHAIN_OBJECT],
-                      uint64_t seq)
+/* Is this, entry seq or 0, what a store that serves knows of the row?  What it knows does not have
+ * what this transaction has made, and may be later than what was asked for. */
+static bool is_known(struct store_txn *t, uint64_t seq, const struct row_event_row *row,
+                     uint64_t asked)
 {
-    const uint64_t known = store_latest_find(&t->store->heads.latest, object);
+    static const unsigned char gone[STORE_LATEST_ROW];
+    struct store_latest_slot known;
 
-    return seq >= known || known > t->head;
+    if (!store_latest_find(&t->store->heads.latest, row->object, &known))
+        return true;
+    if (seq > t->head)
+        return seq <= t->made;
+    return known.seq > asked ||
+           (known.seq == seq &&
+            memcmp(known.row, row->gone ? gone : row->mac, sizeof known.row) == 0);
+}
+
+static enum status not_known(struct errinfo *e)
+{
+    return errinfo_set(
+        e, ST_ECORRUPT,
+        "the latest entry of the audit log that tells of it is missing, or "
+        "not what it was");
 }
 
 enum status row_event_latest(struct store_txn *t,
@@ -218,9 +235,7 @@ enum status row_event_latest(struct store_txn *t,
     row->gone = !found || !store_column_bytes(r, 1, row->mac, sizeof row->mac);
     if ((st = sql_done(r, st, e)) != ST_OK)
         return st;
-    return is_latest(t, object, seq)
-               ? ST_OK
-               : errinfo_set(e, ST_ECORRUPT, "a later entry of the audit log is missing");
+    return is_known(t, seq, row, t->head) ? ST_OK : not_known(e);
 }
 
 /* Entries of a subject's templates have its id too. */
@@ -229,20 +244,27 @@ enum status row_event_named(struct store_txn *t, const char *subject,
 {
     unsigned char ref[ROW_CRYPT_REF];
     struct sql_rows *r;
+    uint64_t seq = 0;
     enum status st;
 
     memset(row, 0, sizeof *row);
     row->gone = true;
     row_crypt_ref(t->vault, subject, ref);
-    st = SQL_QUERY(t->sql, &r, e,
-                   "SELECT object, row_mac FROM events WHERE chain = 0 AND subject = $1 "
-                   "AND template_id = '' AND length(object) = 16 "
-                   "ORDER BY seq DESC LIMIT 1",
-                   sql_blob(ref, sizeof ref));
+    st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT object, row_mac, seq FROM events WHERE chain = 0 AND subject = $1 "
+        "AND template_id = '' AND length(object) = 16 "
+        "ORDER BY seq DESC LIMIT 1",
+        sql_blob(ref, sizeof ref));
     if (st == ST_OK && sql_next(r) &&
-        store_column_bytes(r, 0, row->object, sizeof row->object))
+        store_column_bytes(r, 0, row->object, sizeof row->object)) {
         row->gone = !store_column_bytes(r, 1, row->mac, sizeof row->mac);
-    return sql_done(r, st, e);
+        seq = (uint64_t)sql_column(r, 2).i;
+    }
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    return is_known(t, seq, row, seq) ? ST_OK
+                                      : not_known(e); /* it may be renamed since */
 }
 
 enum status row_event_was(struct store_txn *t, const struct row_event_row *row, bool *was,

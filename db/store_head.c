@@ -102,7 +102,9 @@ static enum status follow(struct store_heads *h, struct sql_txn *t,
             store_chain_next(at.hash, &hashed, at.hash);
             at.seq = entry.seq;
             *follows = memcmp(at.hash, entry.hash, sizeof at.hash) == 0;
-            if (entry.nobject != 0 && !store_latest_add(&h->latest, entry.object, at.seq))
+            if (entry.nobject != 0 &&
+                !store_latest_add(&h->latest, entry.object, at.seq,
+                                  entry.nrow != 0 ? entry.row : NULL))
                 st = errinfo_set(e, ST_ENOMEM, "out of memory");
         }
     }

@@ -57,7 +57,8 @@ bool store_latest_begin(struct store_latest *l)
 }
 
 bool store_latest_add(struct store_latest *l,
-                      const unsigned char object[STORE_CHAIN_OBJECT], uint64_t seq)
+                      const unsigned char object[STORE_CHAIN_OBJECT], uint64_t seq,
+                      const unsigned char *row)
 {
     bool done = true;
 
@@ -66,21 +67,26 @@ bool store_latest_add(struct store_latest *l,
         struct store_latest_slot *s = place(l->slot, l->room, object);
 
         l->n += s->seq == 0;
-        memcpy(s->object, object, STORE_CHAIN_OBJECT);
-        s->seq = seq > s->seq ? seq : s->seq;
+        if (seq > s->seq) {
+            *s = (struct store_latest_slot){.seq = seq};
+            memcpy(s->object, object, STORE_CHAIN_OBJECT);
+            if (row != NULL)
+                memcpy(s->row, row, STORE_LATEST_ROW);
+        }
     }
     (void)pthread_mutex_unlock(&l->lock);
     return done;
 }
 
-uint64_t store_latest_find(struct store_latest *l,
-                           const unsigned char object[STORE_CHAIN_OBJECT])
+bool store_latest_find(struct store_latest *l,
+                       const unsigned char object[STORE_CHAIN_OBJECT],
+                       struct store_latest_slot *out)
 {
-    uint64_t seq = 0;
+    bool kept;
 
     (void)pthread_mutex_lock(&l->lock);
-    if (l->slot != NULL)
-        seq = place(l->slot, l->room, object)->seq;
+    if ((kept = l->slot != NULL))
+        *out = *place(l->slot, l->room, object);
     (void)pthread_mutex_unlock(&l->lock);
-    return seq;
+    return kept;
 }

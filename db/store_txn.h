@@ -32,6 +32,7 @@ struct store_txn {
     struct store_vault *held;
     enum sql_begin how;
     uint64_t head; /* the last change that it sees; 0: not known */
+    uint64_t made; /* the last one that it has made itself; 0: none */
     unsigned char
         good[VAULT_HASH]; /* MAC of the subject's row found good last, or zeros */
 };

@@ -8,7 +8,10 @@ cd "$(dirname "$0")/../.." || exit 1
 
 # people: alice is disabled, two templates of hers, one deleted since; bob was erased; the token
 # "lost" was revoked.  $T/old.db is from before all that.
-for i in 1 2 3; do scan "$i" 0 "$T/s$i.ply"; done
+for i in 1 2 3; do
+    scan "$i" 0 "$T/s$i.ply"
+    scan "$i" 1 "$T/p$i.ply"
+done
 ctl init
 ctl token create door --scope "$ALL"
 AUTH=$(said .token)
@@ -51,13 +54,13 @@ safe() {
     req GET /v1/subjects/carol
     ok "$1: the revoked token" [ "$STATUS" != 200 ]
     AUTH=$s_was
-    send POST /v1/subjects/alice/verify "$PLY" "$T/s1.ply"
+    send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
     ok "$1: alice, disabled" [ "$STATUS" != 200 ]
     req GET "/v1/templates/$gone"
     ok "$1: the deleted template" [ "$STATUS" != 200 ]
     req GET "/v1/templates/$bobs"
     ok "$1: a template of the erased" [ "$STATUS" != 200 ]
-    send POST /v1/subjects/bob/verify "$PLY" "$T/s3.ply"
+    send POST /v1/subjects/bob/verify "$PLY" "$T/p3.ply"
     ok "$1: the erased" [ "$STATUS" != 200 ]
 }
 
@@ -102,6 +105,9 @@ start_daemon
 sqlite3 "$DB" "DELETE FROM subjects WHERE subject_key = 1"
 req GET /v1/subjects/alice
 is "who is missing was not erased" "$STATUS" 500
+sqlite3 "$DB" "UPDATE events SET row_mac = x'' WHERE kind = 'disable_subject'"
+req GET /v1/subjects/alice
+is "nor when the log says so now" "$STATUS" 500
 req GET "/v1/templates/$kept"
 is "nor the template deleted" "$STATUS" 500
 req GET /v1/subjects/nobody
@@ -109,21 +115,40 @@ is "nobody is nobody" "$STATUS" 404
 req GET /v1/subjects/bob
 is "the erased are" "$STATUS" 404
 
-# ---- one of several removed: a match with the others is none
-back
-start_daemon
-scan 3 2 "$T/s3b.ply" --points 1500
-send POST /v1/subjects/carol/templates "$PLY" "$T/s3b.ply"
-is "a second one" "$STATUS" 201
-scan 3 3 "$T/s3c.ply" --points 1500
-send POST /v1/subjects/carol/verify "$PLY" "$T/s3c.ply"
-is "both are compared" "$STATUS $(get .templates_compared)" "200 2"
-sqlite3 "$DB" "DELETE FROM templates WHERE id = '$(get .template_id)'"
-send POST /v1/subjects/carol/verify "$PLY" "$T/s3c.ply"
-is "one is missing" "$STATUS" 500
-stop_daemon
-ctl verify carol "$T/s3c.ply"
-is "for the command too" "$CODE" 65
+# ---- a template that is missing from a subject's list; a token that is there twice, the same,
+# which changes nothing where it is used
+for what in missing twice; do
+    back
+    scan 3 2 "$T/again.ply"
+    ctl enroll carol "$T/again.ply"
+    second=$(said '.templates[0].template_id')
+    start_daemon
+    case $what in
+    missing)
+        wanted='500 null'
+        sqlite3 "$DB" "DELETE FROM templates WHERE id = '$second'"
+        req GET "/v1/templates/$second"
+        is "$what: asked for by its id" "$STATUS" 500
+        ctl verify carol "$T/p3.ply"
+        is "$what: by the command" "$CODE" 65
+        ;;
+    twice)
+        wanted='200 2'
+        sqlite3 "$DB" "PRAGMA foreign_keys = OFF; CREATE TABLE twin AS SELECT * FROM tokens;
+            DROP TABLE tokens; ALTER TABLE twin RENAME TO tokens;
+            INSERT INTO tokens SELECT * FROM tokens"
+        ;;
+    esac
+    send POST /v1/subjects/carol/verify "$PLY" "$T/p3.ply"
+    is "$what: a verification" "$STATUS $(get .templates_compared)" "$wanted"
+    ctl check
+    ok "$what: check" [ "$CODE" != 0 ]
+    ctl audit verify
+    is "$what: audit verify" "$CODE $(said .ok)" "1 false"
+    stop_daemon
+    start_daemon
+    ok "$what: the log of the start" grep -q 'the database is not what was written' "$T/log"
+done
 
 # ---- with the entries that tell of it: the daemon does not start
 back
@@ -162,6 +187,33 @@ for what in token subject template; do
         about = (SELECT about FROM old.subjects o WHERE o.uid = main.subjects.uid)
         WHERE subject_key = 1; DELETE FROM main.events WHERE kind = 'disable_subject'"
     safe "$what: disabled again"
+done
+
+# ---- older rows, and the entries that left them: copied behind the end of a running daemon's log,
+# instead of what the later ones say, or instead of its last entry
+columns="at, kind, actor, subject, template_id, outcome, object, row_mac, uses, uses_hash, hash"
+for what in copied changed last; do
+    case $what in
+    copied) sql="INSERT INTO main.events SELECT 1000 + event_key, chain, row_number() OVER
+            (ORDER BY seq) + (SELECT max(seq) FROM main.events WHERE chain = 0), $columns
+        FROM main.events WHERE chain = 0 AND object IN (SELECT object FROM main.events
+            WHERE kind IN ('revoke_token', 'disable_subject', 'delete_template', 'delete_subject'))
+        AND seq <= (SELECT max(seq) FROM old.events WHERE chain = 0)" ;;
+    changed) sql="UPDATE main.events SET row_mac = (SELECT row_mac FROM old.events o
+            WHERE o.object = main.events.object ORDER BY seq DESC LIMIT 1)
+        WHERE kind IN ('revoke_token', 'disable_subject', 'delete_template', 'delete_subject')" ;;
+    last) sql="UPDATE main.events SET (object, row_mac) = (SELECT object, row_mac FROM main.events
+            WHERE kind = 'create_token' ORDER BY seq DESC LIMIT 1)
+        WHERE chain = 0 AND seq = (SELECT seq FROM events_end WHERE chain = 0)" ;;
+    esac
+    back
+    start_daemon
+    sqlite3 "$DB" "PRAGMA foreign_keys = OFF; ATTACH '$T/old.db' AS old; BEGIN; $sql;
+        DELETE FROM main.tokens; INSERT INTO main.tokens SELECT * FROM old.tokens;
+        DELETE FROM main.subjects; INSERT INTO main.subjects SELECT * FROM old.subjects;
+        DELETE FROM main.templates; INSERT INTO main.templates SELECT * FROM old.templates;
+        COMMIT" || ok "$what: it can be written" false
+    safe "entries $what"
 done
 
 # ---- the whole file, or the audit log's end, under a running daemon: 503 until it is started again
