@@ -1,7 +1,7 @@
 /* replay.h -- is a probe a new scan?  Whoever has a scan of a subject, from a scanner, a log or a
  * stolen copy, must not be verified by it again: the cloud of a template is always refused, and a
  * probe that matched, for as long as the operator wants.  This tells only the same points; who
- * moves one is not found (docs/threat-model.md). */
+ * moves them by some tenths of a millimetre is not found (docs/threat-model.md). */
 #ifndef VERIFY_REPLAY_H
 #define VERIFY_REPLAY_H
 #include <stdint.h>

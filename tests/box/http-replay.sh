@@ -35,6 +35,9 @@ awk '{ printf "%s[%s,%s,%s]", NR == 1 ? "{\"points\":[" : ",", $1, $2, $3 } END 
     "$T/shuffled.xyz" >"$T/a.json"
 awk '{ print $1 / 1000, $2 / 1000, $3 / 1000 }' CONVFMT=%.9g OFMT=%.9g "$T/a.xyz" >"$T/metres.xyz"
 gzip -c "$T/a.ply" >"$T/a.ply.gz"
+# Each coordinate is moved by 0.2 mm at most.
+awk 'BEGIN { srand(1) } function moved(v) { return v + 0.4 * (rand() - 0.5) }
+    { printf "%.6f %.6f %.6f\n", moved($1), moved($2), moved($3) }' "$T/a.xyz" >"$T/moved.xyz"
 # On its side, so that the face has to be found.
 awk '{ print -$2, $1, $3 }' "$T/a1.xyz" >"$T/turned.xyz"
 tac "$T/turned.xyz" >"$T/turned-tac.xyz"
@@ -56,9 +59,11 @@ verify bob "$XYZ" "$T/turned-tac.xyz"
 problem "one that is turned, in another order" 422 replayed
 send POST "/v1/templates/$id/verify" "$JSON" "$T/a.json"
 problem "by template" 422 replayed
+verify alice "$XYZ" "$T/moved.xyz" # what is not found, as docs/threat-model.md says
+decides "other points" match
 is "they are events" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify' AND outcome = 'replayed'")" 8
 is "and counted" "$(metric surfaced_replayed_total)" 8
-is "but no decisions" "$(metric 'surfaced_decisions_total{decision="match"}')" 1
+is "but no decisions" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
 ctl verify alice "$T/shuffled.xyz"
 is "surfacectl verify" "$CODE $(grep -c 'not a new one' "$T/ctl.err")" "65 1"
 ctl verify alice "$T/a1.ply"

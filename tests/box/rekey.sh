@@ -119,7 +119,63 @@ is "every template is there" "$CODE $(said .templates)" "0 3"
 stop_daemon
 ctl subject show s1
 is "the same template" "$(said '.templates[0].template_id')" "$id"
-# What was stolen opens nothing and forges nothing: rows as they were are not what was written.
+
+# ---- what the thief writes with the old key, in a copy, and puts into the database: alone, with the
+# entries that tell of it, after those that are there or instead of them, and all but the root.
+cp "$T/stolen.db" "$T/evil.db" && cp "$T/stolen.key" "$T/evil.db.key"
+evil() {
+    "$BUILD/surfacectl" --db "$T/evil.db" "$@" 2>"$T/out"
+}
+evil accept-rollback --yes >"$T/text"
+ok "it can: a token" evil token create evil --scope "$ALL" >"$T/evil.token"
+ok "and a face" evil enroll s1 "$T/s3.ply" --force >"$T/text"
+evil check >"$T/text"
+is "they are what the old key writes" $? 0
+tables=$(sqlite3 "$DB" "SELECT name FROM sqlite_schema WHERE type = 'table'
+    AND name NOT LIKE 'sqlite_%' AND name != 'root'")
+cp "$DB" "$T/renewed.db"
+cp "$DB.key.anchor" "$T/renewed.anchor"
+door=$AUTH
+for what in tokens templates 'tokens templates subjects' 'tokens events events_end checkpoints' \
+    "$tables" appended; do
+    start_daemon
+    if [ "$what" = appended ]; then
+        cat <<'END'
+INSERT INTO main.events SELECT event_key + 1000, chain,
+    (SELECT max(seq) FROM main.events WHERE chain = 0) + row_number() OVER (ORDER BY seq), at, kind,
+    actor, subject, template_id, outcome, object, row_mac, uses, uses_hash, hash FROM evil.events
+    WHERE chain = 0 AND seq > (SELECT seq FROM evil.events WHERE kind = 'accept_rollback');
+INSERT INTO main.tokens SELECT * FROM evil.tokens WHERE name = 'evil';
+END
+    else
+        # shellcheck disable=SC2086 # a list
+        printf 'DELETE FROM main.%s;\n' $what
+        # shellcheck disable=SC2086 # a list
+        printf '%s\n' $what | sed 's/.*/INSERT INTO main.& SELECT * FROM evil.&;/'
+    fi >"$T/sql"
+    { echo "PRAGMA foreign_keys = OFF; ATTACH '$T/evil.db' AS evil; BEGIN;"
+        cat "$T/sql"
+        echo "COMMIT;"; } | sqlite3 "$DB" || ok "$what: it can be written" false
+    AUTH=$(cat "$T/evil.token")
+    req GET /v1/subjects
+    ok "$what: the thief's token: $STATUS" matches "$STATUS" '^(401|500|503)$'
+    AUTH=$door
+    send POST /v1/subjects/s1/verify "$PLY" "$T/p3.ply"
+    ok "$what: the thief's face: $STATUS $(get .decision)" [ "$STATUS $(get .decision)" != "200 match" ]
+    kill -9 "$PID"
+    wait "$PID" 2>"$T/out"
+    PID=
+    ctl audit verify --anchor none # which would find the most of it alone
+    ok "$what: at rest: $CODE" [ "$CODE" != 0 ]
+    ctl verify s1 "$T/p3.ply"
+    ok "$what: the thief's face, by the command: $CODE" [ "$CODE" != 0 ]
+    rm -f "$DB-wal" "$DB-shm"
+    cp "$T/renewed.db" "$DB"
+    cp "$T/renewed.anchor" "$DB.key.anchor"
+done
+AUTH=
+
+# ---- what was stolen opens nothing and forges nothing: rows as they were are not what was written.
 ctl subject list --key "$T/stolen.key"
 is "the stolen key opens nothing" "$CODE" 77
 sqlite3 "$DB" "ATTACH '$T/stolen.db' AS old; UPDATE main.subjects SET key =
