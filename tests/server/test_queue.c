@@ -1,6 +1,7 @@
 /* The queue: senders take turns, a full queue refuses those who have most waiting, one worker
  * stays free of large requests, and what waits can be dropped. */
 #include <pthread.h>
+#include <semaphore.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -23,15 +24,27 @@ static struct request request[MOST];
 static int order[MOST]; /* in which they were run */
 static bool on_kept[MOST];
 static atomic_int ran, runs;
-static pthread_mutex_t gate; /* run() waits for it */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static sem_t gate; /* run() waits for it, but for the requests from `held` on */
+static atomic_int held;
 
 static void run(struct worker *w, struct request *r)
 {
     (void)atomic_fetch_add(&runs, 1);
-    (void)pthread_mutex_lock(&gate);
+    while (r - request < atomic_load(&held) && sem_wait(&gate) != 0)
+        ;
+    (void)pthread_mutex_lock(&lock);
     on_kept[r - request] = w->kept;
-    order[atomic_fetch_add(&ran, 1)] = (int)(r - request);
-    (void)pthread_mutex_unlock(&gate);
+    order[atomic_load(&ran)] = (int)(r - request);
+    (void)atomic_fetch_add(&ran, 1);
+    (void)pthread_mutex_unlock(&lock);
+}
+
+/* So many more requests come to their end. */
+static void let(int n)
+{
+    while (n-- > 0)
+        (void)sem_post(&gate);
 }
 
 static void wait_for(const atomic_int *what, int n)
@@ -43,27 +56,43 @@ static void wait_for(const atomic_int *what, int n)
     assert_int_equal(atomic_load(what), n);
 }
 
-/* A queue whose workers wait at the gate, each with one of the first requests. */
-static struct queue *start(unsigned workers, unsigned limit)
+static struct queue *start_idle(unsigned workers, unsigned limit)
 {
     struct queue *q;
 
     atomic_store(&ran, 0);
     atomic_store(&runs, 0);
-    (void)pthread_mutex_init(&gate, NULL);
-    (void)pthread_mutex_lock(&gate);
+    atomic_store(&held, MOST);
+    assert_int_equal(sem_init(&gate, 0, 0), 0);
     assert_int_equal(queue_start(&app, workers, limit, run, &q), ST_OK);
+    return q;
+}
+
+/* A queue whose workers wait at the gate, each with one of the first requests. */
+static struct queue *start(unsigned workers, unsigned limit)
+{
+    struct queue *q = start_idle(workers, limit);
+
     for (unsigned i = 0; i < workers; i++)
         assert_null(queue_push(q, &request[i], QUEUE_SMALL, 99));
     wait_for(&runs, (int)workers);
     return q;
 }
 
+/* What waits still comes to its end. */
 static void finish(struct queue *q)
 {
+    struct queue_state s;
+
+    let(MOST);
     queue_stop(q);
+    assert_ptr_equal(queue_push(q, &request[1], QUEUE_SMALL, 1), &request[1]);
+    queue_look(q, &s);
+    assert_int_equal(s.waiting, 0);
+    assert_int_equal(s.running, 0);
+    assert_int_equal(s.served, atomic_load(&ran));
     queue_free(q);
-    (void)pthread_mutex_destroy(&gate);
+    (void)sem_destroy(&gate);
 }
 
 static void test_turns(void **state)
@@ -79,7 +108,25 @@ static void test_turns(void **state)
     (void)state;
     for (int i = 0; i < 8; i++)
         assert_null(queue_push(q, &request[1 + i], pushed[i].kind, pushed[i].sender));
-    (void)pthread_mutex_unlock(&gate);
+    finish(q);
+    assert_memory_equal(order, wanted, sizeof wanted);
+}
+
+/* Who comes later is not before those who have waited, nor behind for what tokens were checked. */
+static void test_later(void **state)
+{
+    static const int wanted[] = {0, 4, 5, 6, 7, 8, 9, 1, 2, 10, 3, 11};
+    struct queue *q = start(1, MOST);
+
+    (void)state;
+    for (int i = 1; i <= 3; i++)
+        assert_null(queue_push(q, &request[i], QUEUE_SMALL, 1));
+    for (int i = 4; i <= 9; i++)
+        assert_null(queue_push(q, &request[i], QUEUE_TOKEN, 4));
+    let(7);
+    wait_for(&runs, 8); /* request 1 runs */
+    assert_null(queue_push(q, &request[10], QUEUE_SMALL, 5));
+    assert_null(queue_push(q, &request[11], QUEUE_SMALL, 5));
     finish(q);
     assert_memory_equal(order, wanted, sizeof wanted);
 }
@@ -103,39 +150,47 @@ static void test_full(void **state)
     queue_look(q, &s);
     assert_int_equal(s.waiting, 3);
     assert_int_equal(s.running, 1);
-    (void)pthread_mutex_unlock(&gate);
-    wait_for(&ran, 4);
     finish(q);
     assert_int_equal(atomic_load(&ran), 4);
 }
 
+/* The others have large ones to do: the one that is kept does what is small, and waits else. */
 static void test_kept(void **state)
 {
-    struct queue *q = start(3, MOST);
-    const int kept_was = 1;
-    int on = 0;
+    const struct timespec wiped = {0, 500 * 1000 * 1000};
+    struct queue *q = start_idle(3, MOST);
+    struct queue_state s;
 
     (void)state;
-    for (int i = 3; i < 20; i++)
-        assert_null(
-            queue_push(q, &request[i], i % 2 == 0 ? QUEUE_LARGE : QUEUE_SMALL, 1));
-    (void)pthread_mutex_unlock(&gate);
-    wait_for(&ran, 20);
-    for (int i = 0; i < 20; i++)
-        if (i >= 3 && i % 2 == 0)
-            assert_false(on_kept[i]);
-        else
-            on += on_kept[i];
-    assert_true(on >= kept_was);
-    for (int i = 20; i < 30; i++) { /* one at a time: nobody sleeps through it */
+    for (int i = 0; i < 4; i++)
+        assert_null(queue_push(q, &request[i], QUEUE_LARGE, 1));
+    wait_for(&runs, 2);
+    atomic_store(&held, 4);
+    for (int i = 4; i < 10; i++)
+        assert_null(queue_push(q, &request[i], QUEUE_SMALL, 1));
+    wait_for(&ran, 6); /* while two large ones wait at the gate */
+    for (int i = 4; i < 10; i++) {
+        assert_int_equal(order[i - 4], i);
+        assert_true(on_kept[i]);
+    }
+    queue_look(q, &s);
+    assert_int_equal(s.waiting, 2);
+    let(4);
+    wait_for(&ran, 10);
+    for (int i = 0; i < 4; i++)
+        assert_false(on_kept[i]);
+    (void)nanosleep(&wiped, NULL); /* now each sleeps until it is woken */
+    for (int i = 10; i < 20; i++) {
         assert_null(
             queue_push(q, &request[i], i % 3 == 0 ? QUEUE_LARGE : QUEUE_SMALL, 1));
         wait_for(&ran, i + 1);
+        if (i % 3 == 0)
+            (void)nanosleep(&wiped, NULL);
     }
     finish(q);
     q = start(1, MOST); /* the only one takes all */
     assert_null(queue_push(q, &request[1], QUEUE_LARGE, 1));
-    (void)pthread_mutex_unlock(&gate);
+    let(2);
     wait_for(&ran, 2);
     assert_false(on_kept[1]);
     finish(q);
@@ -145,6 +200,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_turns),
+        cmocka_unit_test(test_later),
         cmocka_unit_test(test_full),
         cmocka_unit_test(test_kept),
     };
