@@ -114,7 +114,8 @@ static bool wait_for_more(struct queue *q, struct server *s)
 
     if (s->kept) {
         q->kept_waits = true;
-        if (q->waiting > 0) /* for the others; whom wake() woke may have taken a small one */
+        if (q->waiting >
+            0) /* for the others; whom wake() woke may have taken a small one */
             (void)pthread_cond_signal(&q->wake);
     }
     if (s->used) {
