@@ -23,6 +23,9 @@ void malformed_explain(struct request *r, unsigned status)
         request_problem(r, ST_EINVAL,
                         "a header, Content-Length or a chunk is not as HTTP has it");
         break;
+    case 500: /* its buffer is full, and we cannot take anything of it */
+        request_problem(r, ST_EINVAL, "a chunk's size and extension are too long");
+        break;
     default:
         request_problem(r, ST_EINTERNAL, "libmicrohttpd gave up with %u", status);
     }

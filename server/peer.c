@@ -94,7 +94,11 @@ void peer_set_current(struct peer *p, void *current)
  * that.  But it queues this response by calling its own public MHD_queue_response() through
  * the dynamic linker, which finds the one below first, because the program exports it; the
  * program itself calls the library's by queue_response.  In a build of the library that binds
- * its own calls, these responses are HTML again. */
+ * its own calls, these responses are HTML again.
+ *
+ * The library's response is queued all the same, for a socket that sends no more: were it refused
+ * here, the library would free the connection's memory at once, and go on with it where it was, as
+ * amid a header with many cookies. */
 static enum MHD_Result (*queue_response)(struct MHD_Connection *conn, unsigned status,
                                          struct MHD_Response *resp);
 
@@ -113,10 +117,11 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
     struct peer *p =
         MHD_get_connection_info(conn, MHD_CONNECTION_INFO_SOCKET_CONTEXT)->socket_context;
 
-    (void)resp; /* the caller's still */
-    if (p != NULL)
+    if (p != NULL) {
         p->host->refuse(p->host->arg, p, p->current, status);
-    return MHD_NO; /* so that the connection is closed */
+        (void)shutdown(p->fd, SHUT_WR);
+    }
+    return queue_response(conn, status, resp);
 }
 
 /* A body that is handed over a part at a time, so that the guard sees how the client takes it. */

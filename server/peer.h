@@ -18,7 +18,7 @@ struct peer_host {
     struct guard *guard;
     struct tls *tls; /* NULL: plain HTTP */
     /* refuse(arg, p, current, status): libmicrohttpd refuses by itself what p has sent; to be
-     * responded to by peer_respond_amid().  current: of peer_set_current(). */
+     * responded to by peer_respond_amid(), after which the connection sends no more.  current: of peer_set_current(). */
     void (*refuse)(void *arg, struct peer *p, void *current, unsigned status);
     void *arg;
 };

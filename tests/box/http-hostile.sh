@@ -118,6 +118,24 @@ for bytes in '\001\002\003\r\n\r\n' '\026\003\001\002\000\001\000\001' '\000\000
 done
 raw "GET /healthz HTTP/1.1\r\nHost: x\r\nA: $(printf '%030000d' 1)\r\n\r\n"
 is_problem "too many headers" 431
+
+# many TITLE BEFORE ONE BEHIND: with so many of one that libmicrohttpd has no memory left for them.
+# Of parameters it went on with memory that it had freed.
+many() {
+    n=150
+    while [ "$n" -le 240 ]; do
+        raw "$2$(one=$3 awk -v n="$n" 'BEGIN { while (n-- > 0) printf "%s", ENVIRON["one"] }')$4"
+        n=$((n + 10))
+    done
+    alive "$1"
+}
+close='Host: x\r\nConnection: close\r\n'
+many "many parameters" 'GET /healthz?' 'a&' " HTTP/1.1\r\n$close\r\n"
+many "many headers" "GET /healthz HTTP/1.1\r\n$close" 'a: b\r\n' '\r\n'
+many "many cookies" "GET /healthz HTTP/1.1\r\n${close}Cookie: " 'a=b;' '\r\n\r\n'
+many "many trailers" "POST /v1/check HTTP/1.1\r\n${close}Transfer-Encoding: chunked\r\n\r\n0\r\n" 'a: b\r\n' '\r\n'
+raw "POST /v1/check HTTP/1.1\r\n${close}Transfer-Encoding: chunked\r\n\r\n2;$(printf '%030000d' 1)\r\nab\r\n0\r\n\r\n"
+is_problem "a chunk's extension that is too long" 400
 raw "GET /$(printf '%030000d' 1) HTTP/1.1\r\nHost: x\r\n\r\n"
 is_problem "a path that is too long" 414
 raw "GET /healthz HTTP/1.1\r\nHost x\r\n\r\n"
