@@ -276,12 +276,134 @@ static void test_crowded(void **state)
     guard_stop(g);
 }
 
+/* A connection with a socket pair in fd. */
+static struct guard_peer *connect_from(const char *text, int fd[2])
+{
+    struct guard_peer *p;
+
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
+    p = guard_open(g, fd[0], from(text));
+    assert_non_null(p);
+    return p;
+}
+
+static void close_all(struct guard_peer *p[], int fd[][2], int n)
+{
+    for (int i = 0; i < n; i++) {
+        guard_close(g, p[i]);
+        (void)close(fd[i][0]);
+        (void)close(fd[i][1]);
+    }
+    guard_stop(g);
+}
+
+/* Who makes room is of the address that has most, and does so once; one that is closed already
+ * has made it. */
+static void test_crowd(void **state)
+{
+    struct guard_peer *p[4];
+    struct guard_state s;
+    int fd[4][2];
+
+    (void)state;
+    start(3, 0, false);
+    for (int i = 0; i < 3; i++)
+        p[i] = connect_from(i == 0 ? "192.0.2.1" : "192.0.2.2", fd[i]);
+    assert_true(guard_admit(g, from("192.0.2.3")));
+    assert_false(has_ended(fd[0][1])); /* the oldest, but alone */
+    assert_true(has_ended(fd[1][1]));
+    assert_true(guard_admit(g, from("192.0.2.3"))); /* there is room */
+    guard_look(g, &s);
+    assert_int_equal(s.crowded_out, 1);
+    p[3] = connect_from("192.0.2.2", fd[3]);
+    assert_true(guard_admit(g, from("192.0.2.3")));
+    assert_true(has_ended(fd[2][1]));
+    guard_look(g, &s);
+    assert_int_equal(s.crowded_out, 2);
+    close_all(p, fd, 4);
+
+    start(1, 0, false);
+    p[0] = connect_from("192.0.2.1", fd[0]);
+    guard_begin(g, p[0], GUARD_WORK);
+    assert_false(guard_admit(g, from("192.0.2.3")));
+    guard_begin(g, p[0], GUARD_IDLE);
+    guard_begin(g, p[0], GUARD_HEADERS);
+    assert_true(guard_admit(g, from("192.0.2.3")));
+    close_all(p, fd, 1);
+}
+
+/* The headers of the first request are part of it; between requests there is more time. */
+static void test_steps(void **state)
+{
+    const struct timespec pause = {0, 20 * 1000 * 1000};
+    struct guard_peer *p[2];
+    struct guard_state s;
+    int fd[2][2];
+
+    (void)state;
+    start(100, 0, false);
+    p[0] = connect_from("192.0.2.1", fd[0]);
+    p[1] = connect_from("192.0.2.1", fd[1]);
+    guard_begin(g, p[0], GUARD_IDLE);
+    guard_begin(g, p[1], GUARD_HEADERS);
+    for (int i = 0; i < 1000 && !has_ended(fd[1][1]); i++)
+        (void)nanosleep(&pause, NULL);
+    assert_true(has_ended(fd[1][1]));
+    assert_false(has_ended(fd[0][1])); /* 2 s are left to it */
+    guard_look(g, &s);
+    assert_int_equal(s.late[GUARD_REQUEST], 1);
+    assert_int_equal(s.late[GUARD_HEADERS], 0);
+    close_all(p, fd, 2);
+}
+
+static void note_when(void *arg)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    atomic_store((atomic_long *)arg, t.tv_sec * 1000L + t.tv_nsec / 1000000L);
+}
+
+/* A client that only says that it has sent all is let wait for 2 s; one that is gone is not, and is
+ * nobody's concern once the work is done. */
+static void test_half(void **state)
+{
+    const struct timespec pause = {0, 20 * 1000 * 1000};
+    struct guard_peer *p[3];
+    atomic_long when[3], begin = 0;
+    int fd[3][2];
+
+    (void)state;
+    assert_int_equal(
+        guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
+        ST_OK);
+    for (int i = 0; i < 3; i++) {
+        p[i] = connect_from("192.0.2.1", fd[i]);
+        atomic_init(&when[i], 0);
+    }
+    note_when(&begin);
+    for (int i = 0; i < 3; i++)
+        guard_work(g, p[i], note_when, &when[i]);
+    guard_begin(g, p[2], GUARD_RESPONSE);
+    (void)shutdown(fd[0][1], SHUT_WR);
+    (void)shutdown(fd[1][1], SHUT_RDWR);
+    (void)shutdown(fd[2][1], SHUT_RDWR);
+    for (int i = 0; i < 1000 && atomic_load(&when[0]) == 0; i++)
+        (void)nanosleep(&pause, NULL);
+    assert_true(atomic_load(&when[0]) - atomic_load(&begin) >= 1990);
+    assert_true(atomic_load(&when[1]) > 0);
+    assert_true(atomic_load(&when[0]) - atomic_load(&when[1]) >= 100);
+    assert_int_equal(atomic_load(&when[2]), 0);
+    close_all(p, fd, 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_in_all),  cmocka_unit_test(test_by_address),
         cmocka_unit_test(test_late),    cmocka_unit_test(test_gone),
-        cmocka_unit_test(test_crowded),
+        cmocka_unit_test(test_crowded), cmocka_unit_test(test_crowd),
+        cmocka_unit_test(test_steps),   cmocka_unit_test(test_half),
     };
 
     return cmocka_run_group_tests_name("guard", tests, NULL, NULL);
