@@ -12,8 +12,8 @@ struct errinfo;
 #define JSON_TEXT_CUTS 2 /* {"a": cloud, "b": cloud} */
 
 struct json_text_cut {
-    size_t
-        array; /* how many arrays of the document begin before the one with the points */
+    /* how many arrays of the document begin before the one with the points */
+    size_t array;
     size_t at; /* the first byte that is left out */
     size_t len;
     struct json_points points;

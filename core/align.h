@@ -37,8 +37,8 @@ struct align_result {
     double within;   /* share of the probe's points over the template, 0..1 */
     double cost_mm;  /* mean gap (capped, L1) at the coarse pose that was refined */
     double rival_mm; /* the same of the best coarse pose elsewhere; INFINITY: none */
-    double
-        turn_deg; /* standard deviation of the rotation, from the curvature at the end; */
+    /* standard deviation of the rotation, from the curvature at the end */
+    double turn_deg;
     double shift_mm; /* of the shift; INFINITY: unknown */
 };
 
@@ -46,8 +46,8 @@ struct align_result {
 struct align_how {
     const struct align_pose *start; /* tried first: probe -> template */
     const struct align_weight *u;   /* large where the template keeps its shape */
-    const struct fit_basis
-        *motion; /* for (3), which is skipped without it or without u */
+    /* for (3), which is skipped without it or without u */
+    const struct fit_basis *motion;
     /* A template that is a grid, and its axes; both or neither: */
     const struct align_grid *grid;
     const struct align_axes *axes;

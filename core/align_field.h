@@ -22,8 +22,8 @@ struct align_weight {
 
 struct align_field {
     const struct surface *surface;
-    const struct align_weight
-        *u;         /* NULL: a weight of 1 everywhere; else 0 off the grid */
+    /* NULL: a weight of 1 everywhere; else 0 off the grid */
+    const struct align_weight *u;
     uint32_t first; /* a triangle to start from */
     int64_t left; /* steps that walks may still take; below 0 no gap is found any more */
 };

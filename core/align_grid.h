@@ -14,9 +14,9 @@ struct align_patch {
 };
 
 struct align_grid {
-    struct align_patch
-        patch[GRID_N + 1];    /* by the cell of the lower left corner; the last
-                                             one stands for every place that has none */
+    /* by the cell of the lower left corner; the last one stands for every place that
+     * has none */
+    struct align_patch patch[GRID_N + 1];
     float flat[GRID_N + 1];   /* 1 / sqrt(1 + slope^2) in the middle; 0: none */
     float weight[GRID_N + 1]; /* u, the mean of the corners' */
 };

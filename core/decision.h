@@ -51,8 +51,8 @@ struct decision_terms {
     double doubt_mm; /* one above it by no more than this is inconclusive; 0 or above */
     double rise_mm, factor; /* the score s is max(0, (s - rise_mm) / factor) on the
                                calibration's scale; factor 0: t, whatever it is */
-    double
-        calibrated_mm; /* the score on the calibration's scale: at most t for a match */
+    /* the score on the calibration's scale: at most t for a match */
+    double calibrated_mm;
 };
 struct decision_terms decision_terms(double t, const struct decision_pair *p);
 

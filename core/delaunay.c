@@ -23,8 +23,8 @@ struct builder {
     uint32_t *hull; /* [v] for v on the hull: its edge to the next vertex of the hull,
                          counter-clockwise; outdated elsewhere */
     uint32_t count; /* directed edges handed out so far */
-    uint32_t
-        deleted; /* head of the list of deleted edge pairs, linked by next; or NONE */
+    /* head of the list of deleted edge pairs, linked by next; or NONE */
+    uint32_t deleted;
 };
 
 /* new_edge(b, from, to): an edge from -> to that is in no ring yet. */

@@ -24,10 +24,10 @@ struct face {
     struct surface surface;
     struct quality quality;
     struct frame frame; /* its canonical frame */
-    double
-        hidden; /* share of the face that the scan does not show, as something covers it or
-                       it is turned away, 0..1; 0 until whoever looked at more than these points
-                       says so.  It is not stored: it counts for probes */
+    /* share of the face that the scan does not show, as something covers it or it is
+     * turned away, 0..1; 0 until whoever looked at more than these points says so. It
+     * is not stored: it counts for probes */
+    double hidden;
 };
 
 struct asymmetry;  /* asymmetry.h */
@@ -107,9 +107,9 @@ struct face_result {
     double score_mm; /* what the decision was taken on (score.h) */
     double threshold_mm; /* what it had to be at most: the calibration's, changed by what
                              was compared (decision.h) */
-    double
-        calibrated_mm; /* the score as if that had not changed: to compare with scores of
-                             other pairs and with the calibration's threshold */
+    /* the score as if that had not changed: to compare with scores of other pairs and
+     * with the calibration's threshold */
+    double calibrated_mm;
     double rise_mm, factor; /* how that follows from the score (decision.h) */
     double fmr_at_score;    /* false match rate at a threshold of it (decision.h) */
     double overlap;         /* share of the template's measured area covered, 0..1 */

@@ -27,8 +27,8 @@ struct model {
     float mean[GRID_N];            /* height of the mean face, mm; NAN off the face */
     float weight[GRID_N]; /* u(x, y), 0 or more; the mean of those above 0 is 1 */
     float cap_mm;         /* at which the rest of a cell is capped in the score */
-    struct model_basis
-        motion; /* of gaps at true poses: for the last steps of alignment */
+    /* of gaps at true poses: for the last steps of alignment */
+    struct model_basis motion;
     struct model_basis change; /* of gaps at poses found: taken out before the score */
     struct model_basis shape;  /* of heights of faces about the mean: what a face may look
                                   like, identity and expression together (shape.h) */

@@ -23,8 +23,8 @@ struct taken {
 struct repair {
     struct mesh *m;
     struct insert insert;
-    uint32_t
-        *doubtful; /* triangles that may be overturned: those found so, then all that */
+    /* triangles that may be overturned: those found so, then all that */
+    uint32_t *doubtful;
     size_t doubts, doubts_most; /* have changed */
     uint32_t *edges;            /* that may have to be flipped */
     size_t count;

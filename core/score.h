@@ -31,9 +31,9 @@ struct score {
     double weight;    /* share of a whole face's weight that was covered, 0..1 */
     double change_mm; /* root mean square of the change taken out */
     double rough_mm;  /* the pair's roughness: amount(rest - blurred rest) */
-    double
-        region_mm[GRID_REGIONS]; /* score of each region alone, not raised; NAN where less
-                                       than SCORE_REGION_MIN of its weight is covered */
+    /* score of each region alone, not raised; NAN where less than SCORE_REGION_MIN of
+     * its weight is covered */
+    double region_mm[GRID_REGIONS];
     double region_weight[GRID_REGIONS]; /* its share of a whole face's weight, 0..1 */
 };
 

@@ -26,15 +26,15 @@ struct shape_fit {
     uint32_t sure;  /* cells in front of the face as no expression is (shape_cover.h) */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
-    double
-        eyes; /* the lesser of two: the likeness (frame.h) of the place round an eye to the
-                    mean face's; -1: less than SHAPE_EYE_LEAST of it is skin */
-    double
-        forehead; /* the likeness of the forehead to the fitted one; -1, as for the eyes */
+    /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
+     * face's; -1: less than SHAPE_EYE_LEAST of it is skin */
+    double eyes;
+    /* the likeness of the forehead to the fitted one; -1, as for the eyes */
+    double forehead;
     double detail; /* fine relief, as a multiple of the mean face's (shape_detail.h) */
-    double
-        likeness; /* ln of the relief (frame.h) of the skin over what is not explained, both
-                        root mean squares: how much more than a rest there is to the face */
+    /* ln of the relief (frame.h) of the skin over what is not explained, both root
+     * mean squares: how much more than a rest there is to the face */
+    double likeness;
 };
 
 /* Ready to fit, and a worker's reusable memory.  One thread at a time. */

@@ -21,8 +21,8 @@ struct ctl_command {
     const char *summary; /* begins with a small letter */
     const char *help;    /* lines of up to 88 characters */
     const char *example;
-    const char
-        *exits[3]; /* what the exit codes 0 to 2 mean; NULL: 0 is done, others never */
+    /* what the exit codes 0 to 2 mean; NULL: 0 is done, others never */
+    const char *exits[3];
     enum ctl_database database;
     unsigned shared;              /* options, besides those of a database and of all */
     struct ctl_option options[5]; /* of its own; ends with one that has no name */

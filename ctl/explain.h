@@ -37,8 +37,8 @@ struct explanation {
     const char *a, *b;                 /* as the command line names them */
     const char *engine;                /* face_engine() */
     const char *subject, *template_id; /* NULL: a is a scan */
-    unsigned
-        compared; /* templates of a, of which that one had the smallest score; 1: a scan */
+    /* templates of a, of which that one had the smallest score; 1: a scan */
+    unsigned compared;
     struct face tmpl, probe;
     struct face_result result;
     struct minimal minimal;

@@ -25,8 +25,8 @@
 static const char word[WORD] = "surface anchor1";
 
 struct place {
-    uint64_t
-        number; /* of the times that something was said; 0: nothing of this database */
+    /* of the times that something was said; 0: nothing of this database */
+    uint64_t number;
     uint64_t flags;
     struct anchor_end end;
 };

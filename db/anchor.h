@@ -22,8 +22,8 @@ struct anchor_end {                       /* of the chains */
 
 struct anchor {
     struct anchor_end last; /* the database has it */
-    struct anchor_end
-        next;             /* or this, if announced: one that takes its place is written */
+    /* or this, if announced: one that takes its place is written */
+    struct anchor_end next;
     bool said, announced; /* is there a last, a next? */
     bool served;          /* a daemon has it open, or did when it was killed */
 };

@@ -8,8 +8,8 @@ struct store_admission {
     struct store_subject subject; /* expired is set */
     struct store_attempts attempts;
     int64_t calibration; /* the version of the newest, 0: there never was one */
-    struct store_calibration
-        k; /* the newest, if that is not what the caller has, or zeros */
+    /* the newest, if that is not what the caller has, or zeros */
+    struct store_calibration k;
     struct store_template *t; /* [n], oldest first; released by free() */
     size_t n;
 };

@@ -10,9 +10,9 @@ struct store_sample {
     const char *actor, *subject, *label;
     const struct face *face;
     const char *read; /* digest of its points (struct store_probe); NULL: not known */
-    const char
-        *newest; /* the last template that it was compared with; "": there was none;
-                           NULL: it was not compared */
+    /* the last template that it was compared with; "": there was none; NULL: it was
+     * not compared */
+    const char *newest;
     const char *captured; /* follows in the event on its outcome; NULL for nothing */
 };
 

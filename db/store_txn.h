@@ -33,8 +33,8 @@ struct store_txn {
     enum sql_begin how;
     uint64_t head; /* the last change that it sees; 0: not known */
     uint64_t made; /* the last one that it has made itself; 0: none */
-    unsigned char
-        good[VAULT_HASH]; /* MAC of the subject's row found good last, or zeros */
+    /* MAC of the subject's row found good last, or zeros */
+    unsigned char good[VAULT_HASH];
 };
 
 /* store_txn_begin(s, how, t, e): as sql_begin().  ST_EREFUSED: the database is not the one that

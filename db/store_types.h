@@ -34,8 +34,8 @@ struct store_key {               /* where the master key of vault.h comes from *
     const char *of;              /* NULL: the database that is opened, else another */
     const struct keyfile *given; /* instead of a file, while the store is open; or NULL */
     enum vault_kind make;        /* of a database that is made or gets its first key */
-    bool
-        plaintext; /* the database is plaintext, which is refused otherwise; and no other */
+    /* the database is plaintext, which is refused otherwise; and no other */
+    bool plaintext;
     const char *anchor; /* its file; NULL: beside the key (store_anchor.h) */
     bool copy;          /* the anchor is not asked: the file is a copy of the database */
     bool weak;          /* a passphrase of few characters may be made */
@@ -77,8 +77,8 @@ struct store_subject {
     char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
     bool hold;        /* neither it nor a template of it can be deleted */
     bool disabled;    /* not to be verified or identified */
-    bool
-        expired; /* as of when it was read; set by store_subject_get() and store_admit() */
+    /* as of when it was read; set by store_subject_get() and store_admit() */
+    bool expired;
     uint32_t templates;
 };
 
@@ -258,8 +258,8 @@ struct store_copied { /* what is in a copy that was verified */
 };
 
 struct store_restored {
-    struct store_copied
-        backup;     /* as it was verified, before subjects were erased again */
+    /* as it was verified, before subjects were erased again */
+    struct store_copied backup;
     bool was_there; /* there was a database, and it is PATH.before-restore */
     uint64_t had_subjects, had_templates; /* it had so many */
     uint64_t lost;    /* subjects of it that the backup does not have */

@@ -29,8 +29,8 @@ struct store_vaults {
     bool plaintext; /* the database must be plaintext, else must not be */
     bool weak;      /* a new passphrase may have few characters */
     bool made;      /* the key's file is new */
-    int64_t
-        failed_s; /* when the newest root could not be opened, monotonic; 0: it could */
+    /* when the newest root could not be opened, monotonic; 0: it could */
+    int64_t failed_s;
     struct errinfo failed; /* why */
 };
 

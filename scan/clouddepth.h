@@ -15,11 +15,11 @@ struct clouddepth_camera {
     double fx, fy; /* focal length, pixels; not above 0 or NaN: not given */
     double cx, cy; /* where its axis meets the image, pixels, of which the first has its
                       centre at 0; NaN: not given */
-    double
-        scale; /* 0: a value is a millimetre.  Programs mean three things by it, which no
-                      camera's numbers confuse: from 100, how many values are a metre (TUM's
-                      5000); up to 0.01, how many metres a value is (librealsense's 0.001);
-                      between them, how many millimetres it is */
+    /* 0: a value is a millimetre. Programs mean three things by it, which no camera's
+     * numbers confuse: from 100, how many values are a metre (TUM's 5000); up to 0.01,
+     * how many metres a value is (librealsense's 0.001); between them, how many
+     * millimetres it is */
+    double scale;
 };
 
 #define CLOUDDEPTH_NO_CAMERA                                                             \

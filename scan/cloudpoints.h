@@ -25,8 +25,8 @@ struct cloudpoints {
     size_t n; /* of at, normal and index */
     size_t read;
     double unit_mm; /* millimetres per unit; 0: neither the caller nor the file says */
-    bool
-        as_scanned; /* either says: x to the image's right, y up, z towards the scanner */
+    /* either says: x to the image's right, y up, z towards the scanner */
+    bool as_scanned;
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
 };
 

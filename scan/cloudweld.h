@@ -11,8 +11,8 @@ struct cloudlist; /* cloudlist.h */
 
 struct cloudweld {
     struct cloudlist *list;
-    uint32_t
-        *slot; /* [mask + 1] a hash table: indices of list->out.at plus 1, 0: empty */
+    /* [mask + 1] a hash table: indices of list->out.at plus 1, 0: empty */
+    uint32_t *slot;
     size_t mask;
 };
 

@@ -20,8 +20,8 @@ struct crop_view {
 /* What became of the points. */
 struct crop_count {
     size_t face; /* seen from the front, on the face's skin and the rim round it */
-    size_t
-        other; /* where something covers it: of what does, however far before it, and below */
+    /* where something covers it: of what does, however far before it, and below */
+    size_t other;
     size_t kept; /* of face, after thinning */
 };
 

@@ -26,8 +26,8 @@ struct gate {
     double support;  /* how much of what is seen a face explains, at most 1 */
     double likeness; /* how little is left (shape.h) */
     double eyes;     /* how much like eyes the places of both are, -1..1 (shape.h) */
-    double
-        detail; /* how much of a face's fine relief there is; 1: the mean face's (shape.h) */
+    /* how much of a face's fine relief there is; 1: the mean face's (shape.h) */
+    double detail;
     double seen;     /* share of the mean face's cells that are skin, 0..1 */
     double forehead; /* how much like a fitted face's it is, -1..1 (shape.h) */
     /* likeness + 4 eyes + 5 support + 5 detail (at most 5) + 2 seen + 2 forehead */

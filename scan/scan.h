@@ -26,9 +26,8 @@ struct scan_options {
     bool enrolment;             /* the strict gate */
     struct scan_search *search; /* kept from the first call to the second for the same
                                    points (scan_search.h); NULL: not kept */
-    const atomic_bool
-        *stop; /* another thread sets it where nobody wants the model any more;
-                                NULL: none does */
+    /* another thread sets it where nobody wants the model any more; NULL: none does */
+    const atomic_bool *stop;
 };
 
 /* What a scan of which a face model can be made has nevertheless, as bits. */
@@ -52,14 +51,14 @@ struct scan_found {
     double extent[3]; /* of the points, in the unit given */
     double view[16];  /* from the file's unit and axes to the frontal view in mm */
     bool found;       /* the face was searched for; else the axes were as agreed */
-    double
-        yaw_deg; /* the face's front, seen from the scanner: positive to the image's right;
-                          NAN: where the scanner was cannot be told */
+    /* the face's front, seen from the scanner: positive to the image's right; NAN:
+     * where the scanner was cannot be told */
+    double yaw_deg;
     double pitch_deg, roll_deg; /* likewise; positive upwards, and anticlockwise */
     double occluded; /* share of the mean face's cells that something covers, 0..1 */
-    double
-        elsewhere;  /* share of the points of neither the face nor what covers it, 0..1 */
-    uint32_t faces; /* in the cloud */
+    /* share of the points of neither the face nor what covers it, 0..1 */
+    double elsewhere;
+    uint32_t faces;    /* in the cloud */
     struct gate gate;  /* the evidence for a face, and the least that is wanted here */
     unsigned warnings; /* 1 << enum scan_warning */
     char digest[65];   /* of the set of points as they were read; set by sample_build() */

@@ -47,8 +47,8 @@ struct cache_state {
     size_t bytes, limit, entries;
     uint64_t hits, misses;
     uint64_t evictions; /* dropped for want of room, not forgotten */
-    uint64_t
-        reencoded; /* of the misses: made by another engine, re-encoded by this one */
+    /* of the misses: made by another engine, re-encoded by this one */
+    uint64_t reencoded;
 };
 
 void cache_look(struct cache *c, struct cache_state *out);

@@ -18,8 +18,8 @@ struct route {
     enum request_method method;
     const char *pattern; /* "/v1/subjects/{subject}/verify" */
     enum route_body body;
-    unsigned
-        scope; /* a token must have one of these (enum store_scope); 0: none is needed */
+    /* a token must have one of these (enum store_scope); 0: none is needed */
+    unsigned scope;
     const char *query; /* the query parameters it has: "units, detail"; "": none */
     /* handle(r, w): sets r->response.  Called on worker w; or, where quick, on the I/O thread
      * with NULL: then it neither computes nor touches the store. */

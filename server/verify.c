@@ -37,8 +37,8 @@ struct verification {
     struct admission admission;
     struct nearest best;
     struct minimal least; /* not for PARAMS_DECISION */
-    double
-        *gap; /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
+    /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
+    double *gap;
     /* The probe; the builder's until builder_wait(). */
     bool begun; /* with the builder */
     struct cloudpoints cloud;

@@ -23,8 +23,8 @@ struct relief {
         double kx, ky, phase, h;
     } wave[RELIEF_WAVES];
     uint32_t waves;
-    double
-        even; /* 1: waves as drawn; 0: their part even in x alone, as in a symmetric thing */
+    /* 1: waves as drawn; 0: their part even in x alone, as in a symmetric thing */
+    double even;
 };
 
 /* relief_draw(seed, out): waves of a band of lengths, 100 to 5 mm; of two in three besides a

@@ -41,9 +41,9 @@ struct describe_times { /* ms; NAN: not measured, null in JSON */
 
 struct describe_comparison {
     const struct face_result *result;
-    const struct minimal
-        *minimal; /* NULL: the decision and the ids alone; of the rest only
-                                      subject and template_id are used */
+    /* NULL: the decision and the ids alone; of the rest only subject and template_id
+     * are used */
+    const struct minimal *minimal;
     const struct face *probe;
     const struct scan_found *scan;  /* the probe's; NULL: left out */
     const struct scan_found *other; /* of what is compared with it in a template's place;
