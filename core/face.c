@@ -27,10 +27,10 @@ struct face_work {
     struct surface upright; /* asymmetry_find()'s */
     struct face mirrored;   /* face_compare_mirrored()'s probe */
     const struct model *model;
-    struct frame_mean mean;             /* the model's */
-    struct fit_basis motion, change;    /* the model's */
-    struct fit_basis part[SCORE_PARTS]; /* its change, for a part of the face alone */
-    struct shape_work *shape;           /* NULL until it is asked for */
+    struct frame_mean mean;          /* the model's */
+    struct fit_basis motion, change; /* the model's */
+    struct fit_basis *part;   /* [SCORE_PARTS], its change for a part of the face */
+    struct shape_work *shape; /* both NULL until they are asked for */
     struct decision decision;
 };
 
@@ -61,8 +61,6 @@ struct face_work *face_work_new(const struct model *m)
     w->decision = w->model->decision;
     fit_prepare(&w->model->motion, &w->motion);
     fit_prepare(&w->model->change, &w->change);
-    for (int i = 0; i < SCORE_PARTS; i++)
-        score_prepare_part(w->model, (enum score_part)i, &w->part[i]);
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
@@ -103,6 +101,7 @@ void face_work_free(struct face_work *w)
     if (w->shape != NULL)
         shape_work_free(w->shape);
     mem_free(w->shape);
+    mem_free(w->part);
     mem_free(w);
 }
 
@@ -290,6 +289,18 @@ enum status face_gap(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
+/* Few comparisons are open, and the parts' tables take 70 KB. */
+static bool need_parts(struct face_work *w)
+{
+    if (w->part != NULL)
+        return true;
+    if ((w->part = mem_array(SCORE_PARTS, sizeof *w->part)) == NULL)
+        return false;
+    for (int i = 0; i < SCORE_PARTS; i++)
+        score_prepare_part(w->model, (enum score_part)i, &w->part[i]);
+    return true;
+}
+
 /* The terms of a comparison by the threshold t. */
 static enum status terms_of(const struct face *tmpl, const struct face *probe,
                             const struct cells *cells, const struct score *score,
@@ -303,6 +314,8 @@ static enum status terms_of(const struct face *tmpl, const struct face *probe,
         .hidden = probe->hidden};
     const bool open = decision_open(t, &p);
 
+    if (open && !need_parts(w))
+        return ST_ENOMEM;
     for (int i = 0; i < SCORE_PARTS && open; i++) {
         double mm;
         const enum status st = score_of_part(w->model, (enum score_part)i, &w->part[i],
