@@ -13,6 +13,11 @@
 #define IDLE_MS 200
 #define BUSY_MS 500.0
 
+/* For so long after a sender was served, another that has a request running leaves it the last free
+ * worker: longer than a client needs between the response and its next request.  What the senders
+ * who come now and then cost the others is at most this, of one worker, for each request. */
+#define ABOUT_MS 200.0
+
 /* A thread and what it works with. */
 struct server {
     struct queue *queue;
@@ -20,6 +25,8 @@ struct server {
     pthread_t thread;
     bool kept; /* for what is not large */
     bool used; /* since it was wiped */
+    bool runs; /* what is more than a token to check, of this sender */
+    uint64_t sender;
     double wiped_ms;
 };
 
@@ -31,6 +38,12 @@ struct waiting {
     uint64_t sender, turn, serial;
 };
 
+/* When a sender was last served. */
+struct served {
+    uint64_t sender;
+    double ms;
+};
+
 struct queue {
     void (*run)(struct worker *w, struct request *r);
     pthread_mutex_t lock;
@@ -39,9 +52,10 @@ struct queue {
     unsigned waiting, limit, running;
     uint64_t turn; /* of the last that was served */
     uint64_t serial, served;
-    bool kept_waits; /* the kept worker waits for wake_kept */
+    struct served latest, other; /* other: the latest of another sender than latest's */
+    bool kept_waits;             /* the kept worker waits for wake_kept */
     bool closed;
-    unsigned nservers; /* how many there are */
+    unsigned workers, started;
     struct server *servers;
 };
 
@@ -54,12 +68,42 @@ static bool before(const struct waiting *a, const struct waiting *b)
     return a->turn != b->turn ? a->turn < b->turn : a->serial < b->serial;
 }
 
+static void note_served(struct queue *q, uint64_t sender)
+{
+    if (q->latest.sender != sender)
+        q->other = q->latest;
+    q->latest = (struct served){sender, log_clock_ms()};
+}
+
+static bool was_about(const struct queue *q, uint64_t sender)
+{
+    const struct served *s = q->latest.sender != sender ? &q->latest : &q->other;
+
+    return log_clock_ms() - s->ms < ABOUT_MS;
+}
+
+/* Whether the last free worker is to be left to others than w's sender. */
+static bool is_left(const struct queue *q, const struct waiting *w)
+{
+    bool has_one = false, others = false;
+
+    if (w->kind == QUEUE_TOKEN || q->closed || q->running + 1 < q->workers)
+        return false;
+    for (const struct server *s = q->servers; s < q->servers + q->workers; s++) {
+        has_one = has_one || (s->runs && s->sender == w->sender);
+        others = others || (s->runs && s->sender != w->sender);
+    }
+    return has_one && (others || was_about(q, w->sender));
+}
+
+/* What a worker takes now; kept: the kept one. */
 static struct waiting *first(struct queue *q, bool kept)
 {
     struct waiting *best = NULL;
 
     for (struct waiting *w = q->waits; w < q->waits + q->waiting; w++)
-        if ((!kept || w->kind != QUEUE_LARGE) && (best == NULL || before(w, best)))
+        if ((!kept || w->kind != QUEUE_LARGE) && (best == NULL || before(w, best)) &&
+            !is_left(q, w))
             best = w;
     return best;
 }
@@ -92,33 +136,32 @@ static uint64_t turn_of(const struct queue *q, uint64_t sender)
     return turn + 1;
 }
 
-/* The kept worker first: it can take fewer than the others. */
-static void wake(struct queue *q, enum queue_kind kind)
+/* Who waits, for what it can take; the kept worker first: it can take fewer than the others.  For
+ * what is left to others, who waits looks again in IDLE_MS. */
+static void wake(struct queue *q)
 {
-    if (kind != QUEUE_LARGE && q->kept_waits) {
-        q->kept_waits = false;
+    if (q->kept_waits && first(q, true) != NULL) {
         (void)pthread_cond_signal(&q->wake_kept);
-    } else {
+    } else if (first(q, false) != NULL) {
+        (void)pthread_cond_signal(&q->wake);
+    } else if (q->waiting > 0) {
+        (void)pthread_cond_signal(&q->wake_kept);
         (void)pthread_cond_signal(&q->wake);
     }
 }
 
 /* ---- workers */
 
-/* Until there may be something to take; false: nothing came for IDLE_MS, and s was used. */
+/* Until there may be something to take; false: nothing came for IDLE_MS, and s was used, or what
+ * waits may no longer be left to others. */
 static bool wait_for_more(struct queue *q, struct server *s)
 {
     pthread_cond_t *wake_up = s->kept ? &q->wake_kept : &q->wake;
     struct timespec t;
     int got = 0;
 
-    if (s->kept) {
-        q->kept_waits = true;
-        if (q->waiting >
-            0) /* for the others; whom wake() woke may have taken a small one */
-            (void)pthread_cond_signal(&q->wake);
-    }
-    if (s->used) {
+    q->kept_waits = q->kept_waits || s->kept;
+    if (s->used || q->waiting > 0) {
         (void)clock_gettime(CLOCK_MONOTONIC, &t);
         t.tv_nsec += IDLE_MS * 1000000L;
         t.tv_sec += t.tv_nsec / 1000000000L;
@@ -141,14 +184,20 @@ static struct request *take(struct queue *q, struct server *s, bool was_running)
     (void)pthread_mutex_lock(&q->lock);
     q->running -= was_running;
     q->served += was_running;
+    if (s->runs)
+        note_served(q, s->sender);
+    s->runs = false;
     while ((w = first(q, s->kept)) == NULL && !q->closed && wait_for_more(q, s))
         ;
     if ((w = first(q, s->kept)) != NULL) {
         if (w->kind != QUEUE_TOKEN && w->turn > q->turn)
             q->turn = w->turn;
+        s->runs = w->kind != QUEUE_TOKEN;
+        s->sender = w->sender;
         r = remove_one(q, w);
         q->running++;
     }
+    wake(q); /* for what s could not take, or what could not be taken while it ran */
     (void)pthread_mutex_unlock(&q->lock);
     return r;
 }
@@ -213,6 +262,7 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
         return ST_ENOMEM;
     q->run = run;
     q->limit = limit;
+    q->workers = workers;
     (void)pthread_mutex_init(&q->lock, NULL);
     make_conditions(q);
     q->waits = calloc(limit, sizeof *q->waits);
@@ -230,7 +280,7 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
             worker_close(&s->worker);
             goto fail;
         }
-        q->nservers++;
+        q->started++;
     }
     *out = q;
     return ST_OK;
@@ -257,7 +307,7 @@ struct request *queue_push(struct queue *q, struct request *r, enum queue_kind k
     }
     if (out != r) {
         q->waits[q->waiting++] = w;
-        wake(q, kind);
+        wake(q);
     }
     (void)pthread_mutex_unlock(&q->lock);
     return out;
@@ -282,11 +332,11 @@ void queue_stop(struct queue *q)
     (void)pthread_cond_broadcast(&q->wake);
     (void)pthread_cond_broadcast(&q->wake_kept);
     (void)pthread_mutex_unlock(&q->lock);
-    for (unsigned i = 0; i < q->nservers; i++) {
+    for (unsigned i = 0; i < q->started; i++) {
         (void)pthread_join(q->servers[i].thread, NULL);
         worker_close(&q->servers[i].worker);
     }
-    q->nservers = 0;
+    q->started = 0;
 }
 
 void queue_free(struct queue *q)

@@ -1,7 +1,9 @@
 /* queue.h -- a bounded queue of requests, and the workers that serve it.
  * Those who send many take turns with those who send few: each sender's requests are served in
  * order, and of all senders' first ones the one that has waited for the fewest others of its
- * own.  Where there are two or more workers, one of them takes no large requests. */
+ * own.  Where there are two or more workers, one of them takes no large requests, and a sender that
+ * has a request running leaves the last free one to others while they are about: while one of them
+ * has a request running, and for 200 ms after it. */
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>

@@ -1,5 +1,6 @@
 /* The queue: senders take turns, a full queue refuses those who have most waiting, one worker
- * stays free of large requests, and what waits can be dropped. */
+ * stays free of large requests, and one for senders that have nothing running, and what waits can
+ * be dropped. */
 #include <pthread.h>
 #include <semaphore.h>
 #include <setjmp.h>
@@ -17,7 +18,7 @@
 #include "request.h"
 #include "worker.h"
 
-#define MOST 32
+#define MOST 64
 
 static struct app app;
 static struct request request[MOST];
@@ -196,13 +197,128 @@ static void test_kept(void **state)
     finish(q);
 }
 
+/* Pushes what one sender wants at once, and waits until so many run in all. */
+static void push(struct queue *q, int from, int n, uint64_t sender, int all)
+{
+    for (int i = from; i < from + n; i++)
+        assert_null(queue_push(q, &request[i], QUEUE_SMALL, sender));
+    wait_for(&runs, all);
+}
+
+static void assert_waiting(struct queue *q, unsigned n)
+{
+    const struct timespec little = {0, 20 * 1000 * 1000};
+    struct queue_state s;
+
+    (void)nanosleep(&little, NULL);
+    queue_look(q, &s);
+    assert_int_equal(s.waiting, n);
+}
+
+/* The last free worker is for who has nothing running, as long as there is anybody else. */
+static void test_last_free(void **state)
+{
+    struct queue *q = start_idle(4, MOST);
+
+    (void)state;
+    push(q, 0, 4, 1, 4); /* alone: all of them */
+    let(4);
+    wait_for(&ran, 4);
+    push(q, 4, 1, 2, 5);
+    push(q, 5, 3, 1, 7); /* two of three */
+    assert_waiting(q, 1);
+    assert_null(queue_push(q, &request[8], QUEUE_TOKEN, 1)); /* takes no time */
+    wait_for(&runs, 8);
+    finish(q);
+
+    q = start_idle(3, MOST);
+    push(q, 0, 1, 1, 1);
+    push(q, 1, 1, 2, 2);
+    push(q, 2, 2, 1, 2); /* wait, though a worker is free */
+    assert_waiting(q, 2);
+    push(q, 4, 1, 3, 3); /* for this one */
+    finish(q);
+
+    q = start_idle(3, MOST);
+    assert_null(queue_push(q, &request[0], QUEUE_TOKEN, 2)); /* is nobody who waits */
+    wait_for(&runs, 1);
+    push(q, 1, 2, 1, 3);
+    finish(q);
+}
+
+static double clock_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec / 1e6;
+}
+
+/* It stays free for 200 ms after the others' last request, and no longer. */
+static void test_about(void **state)
+{
+    const struct timespec wiped = {0, 500 * 1000 * 1000};
+    struct queue *q = start_idle(2, MOST);
+    double ended;
+
+    (void)state;
+    push(q, 0, 1, 2, 1);
+    ended = clock_ms();
+    let(1);
+    wait_for(&ran, 1);
+    push(q, 1, 1, 1, 2);
+    let(1);
+    wait_for(&ran, 2);
+    push(q, 2, 2, 1, 4);
+    assert_true(clock_ms() - ended >= 200);
+    let(2);
+    wait_for(&ran, 4);
+    ended = clock_ms();
+    for (int i = 0; i < 20; i++) { /* alone by now: at once */
+        push(q, 4 + 2 * i, 2, 1, 6 + 2 * i);
+        let(2);
+        wait_for(&ran, 6 + 2 * i);
+    }
+    assert_true(clock_ms() - ended < 20 * 200);
+    (void)nanosleep(&wiped, NULL); /* now each sleeps until it is woken */
+    push(q, 44, 1, 2, 45);
+    let(1);
+    wait_for(&ran, 45);
+    push(q, 45, 2, 1, 47); /* the second by a worker that slept all the while */
+    finish(q);
+}
+
+static void *stop(void *q)
+{
+    queue_stop(q);
+    return NULL;
+}
+
+/* Nothing is left to anybody: only this worker can take it. */
+static void test_closed(void **state)
+{
+    struct queue *q = start_idle(3, MOST);
+    pthread_t thread;
+
+    (void)state;
+    push(q, 0, 1, 1, 1);
+    push(q, 1, 1, 2, 2);
+    assert_null(queue_push(q, &request[2], QUEUE_LARGE, 1));
+    assert_waiting(q, 1);
+    assert_int_equal(pthread_create(&thread, NULL, stop, q), 0);
+    wait_for(&runs, 3);
+    let(3);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    finish(q);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_turns),
-        cmocka_unit_test(test_later),
-        cmocka_unit_test(test_full),
-        cmocka_unit_test(test_kept),
+        cmocka_unit_test(test_turns),     cmocka_unit_test(test_later),
+        cmocka_unit_test(test_full),      cmocka_unit_test(test_kept),
+        cmocka_unit_test(test_last_free), cmocka_unit_test(test_about),
+        cmocka_unit_test(test_closed),
     };
 
     return cmocka_run_group_tests_name("queue", tests, NULL, NULL);
