@@ -163,14 +163,17 @@ static void digest_key(const struct idempotency *m, const struct request *r,
 static void digest_request(const struct idempotency *m, const struct request *r,
                            unsigned char out[DIGEST])
 {
-    const unsigned char kind[3] = {(unsigned char)r->method, (unsigned char)r->media,
-                                   (unsigned char)r->format};
+    const unsigned char kind[4] = {(unsigned char)r->method, (unsigned char)r->media,
+                                   (unsigned char)r->format, r->capture.bad};
     crypto_generichash_state h;
 
     (void)crypto_generichash_init(&h, m->secret, sizeof m->secret, DIGEST);
     (void)crypto_generichash_update(&h, kind, sizeof kind);
     (void)crypto_generichash_update(&h, (const unsigned char *)r->target,
                                     strlen(r->target) + 1);
+    /* What was signed does not answer for a request that is not, or by another. */
+    (void)crypto_generichash_update(&h, (const unsigned char *)r->capture.header,
+                                    strlen(r->capture.header) + 1);
     (void)crypto_generichash_update(&h, r->body, r->len);
     (void)crypto_generichash_final(&h, out, DIGEST);
 }

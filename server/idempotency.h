@@ -27,7 +27,8 @@ void idempotency_free(struct idempotency *m); /* NULL is allowed */
 /* idempotency_begin(m, r, now_ms, ticket): true: do r, then call idempotency_end() with the
  * ticket.  False: r->response is set: that of the first time; 409, the first is not
  * finished; 422, the key was used for another request; 400, the key is malformed.
- * The same request: method, path with its query, media type, and body (unpacked). */
+ * The same request: method, path with its query, media type, signed capture, and body
+ * (unpacked). */
 bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
                        uint32_t *ticket);
 

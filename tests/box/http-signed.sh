@@ -171,6 +171,14 @@ for way in "signed, by the same key" "once more"; do
     is "$way" "$STATUS" 201
 done
 is "was answered as before" "$(field Idempotent-Replayed)" true
+challenge
+no_life="Capture-Signature: $(sign door-2 door-2 /v1/subjects/carol/templates "$T/b.ply" "$NONCE" fail)"
+for other in X-None: 'Capture-Signature: junk' "$no_life"; do
+    send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$other" -H 'Idempotency-Key: one'
+    problem "by the same key, without that capture: $(echo "$other" | cut -c 1-25)" 422 idempotency_key_reused
+done
+send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$header" -H "$no_life" -H 'Idempotency-Key: one'
+problem "with that capture and another" 422 idempotency_key_reused
 
 # ---- counted
 is "taken" "$(metric 'surfaced_captures_total{outcome="taken"}')" 6
