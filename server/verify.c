@@ -24,6 +24,7 @@
 #include "render.h"
 #include "replay.h"
 #include "request.h"
+#include "route.h"
 #include "scan.h"
 #include "store.h"
 #include "verdict.h"
@@ -334,17 +335,29 @@ void verify_template(struct request *r, struct worker *w)
 /* ---- retries */
 
 /* A response that is sent again must still be true: of a template that was deleted since
- * nothing is told any more, and a late retry does not enrol it again. */
+ * nothing is told any more, and a late retry does not enrol it again; nor is a decision told of a
+ * subject that may not be verified any more. */
+static enum status still_true(struct request *r, enum admit *admit, struct errinfo *e)
+{
+    struct store_subject one;
+    struct store_template t;
+    enum status st = store_template_get(r->app->store, r->response.template_id, &t, e);
+
+    *admit = ADMIT_YES;
+    if (st != ST_OK || r->route->scope != STORE_SCOPE_VERIFY ||
+        (st = store_subject_get(r->app->store, t.subject, &one, e)) != ST_OK)
+        return st;
+    *admit = admit_subject(&one, e);
+    return *admit == ADMIT_YES ? ST_OK : ST_EDENIED;
+}
+
 static void check_again(struct request *r)
 {
-    struct store_template t;
     struct errinfo e = {0};
+    enum admit admit;
     enum status st;
 
-    if (r->response.template_id[0] == '\0')
-        return;
-    st = store_template_get(r->app->store, r->response.template_id, &t, &e);
-    if (st == ST_OK)
+    if (r->response.template_id[0] == '\0' || (st = still_true(r, &admit, &e)) == ST_OK)
         return;
     r->response.replayed = r->response.minimal = false;
     if (st == ST_ENOTFOUND) {
@@ -353,7 +366,7 @@ static void check_again(struct request *r)
             r, st,
             "the template that this Idempotency-Key was about has been deleted "
             "since");
-    } else {
+    } else if (verify_admitted(r, admit, &e)) {
         request_fail(r, &e);
     }
 }

@@ -159,6 +159,25 @@ for i in 1 2 3; do
     decides "a failure, try $i" no_match
 done
 is "it is one event" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE outcome = 'no_match'")" 3
+# Who may not be verified by now does not match again.
+for state in disable expire; do
+    case $state in
+    disable) ctl subject disable alice ;;
+    *) ctl subject set alice --expires 2020-01-01 ;;
+    esac
+    for path in subjects/alice "templates/$id"; do
+        key=one file=$T/a1.ply
+        [ "$path" = subjects/alice ] || key=three file=$T/a2.ply
+        send POST "/v1/$path/verify" "$PLY" "$file" -H "Idempotency-Key: $key"
+        ok "a retry after $state, $path: $STATUS $(get .code)" matches "$STATUS $(get .code)" "^403 subject_$state"
+        is "which is no response from before" "$(field Idempotent-Replayed)" ''
+    done
+    ctl subject enable alice
+    ctl subject set alice --expires never
+done
+verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: one'
+decides "a retry when alice may again" match
+is "is the response from before" "$(cmp "$T/body" "$T/before" && echo same)" same
 # Where nobody has that response any more a retry is compared anew, once.
 URL=$second_url
 verify alice "$PLY" "$T/a1.ply" -H 'Idempotency-Key: two'
