@@ -2,6 +2,7 @@
 
 #include "errinfo.h"
 #include "row_subject.h"
+#include "store_column.h"
 #include "store_txn.h"
 
 /* NULL where it names no request, or is not to be kept. */
@@ -70,6 +71,25 @@ enum status row_cloud_keep(struct store_txn *t, const struct store_subject *who,
                    "(SELECT until_ms FROM clouds WHERE subject_key = " OF
                    " AND until_ms IS NOT NULL ORDER BY until_ms DESC LIMIT 1 OFFSET $2)",
                    row_subject_lookup(t, who->id, lookup), sql_int(STORE_PROBES - 1));
+}
+
+enum status row_cloud_template(struct store_txn *t, const struct row_subject *p,
+                               const char *digest, char id[STORE_ID_LEN + 1],
+                               struct errinfo *e)
+{
+    unsigned char read[VAULT_HASH];
+    struct sql_rows *r;
+    enum status st;
+
+    id[0] = '\0';
+    row_crypt_cloud(t->vault, p->key.uid, digest, read);
+    st = SQL_QUERY(t->sql, &r, e,
+                   "SELECT t.id FROM clouds c JOIN templates t USING (template_key) "
+                   "WHERE c.subject_key = $1 AND c.digest = $2 AND t.subject_key = $1",
+                   sql_int(p->row), sql_blob(read, sizeof read));
+    if (st == ST_OK && sql_next(r) && !store_column_text(r, 0, id, STORE_ID_LEN + 1))
+        st = errinfo_set(e, ST_ECORRUPT, "a template's id is damaged");
+    return sql_done(r, st, e);
 }
 
 enum status row_cloud_enroll(struct store_txn *t, const struct row_subject *p,

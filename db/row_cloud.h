@@ -18,6 +18,12 @@ enum status row_cloud_keep(struct store_txn *t, const struct store_subject *who,
                            const struct store_probe *probe, int64_t now, bool *known,
                            struct errinfo *e);
 
+/* row_cloud_template(t, p, digest, id, e): the template of the subject that was made of this cloud;
+ * "" where none is known. */
+enum status row_cloud_template(struct store_txn *t, const struct row_subject *p,
+                               const char *digest, char id[STORE_ID_LEN + 1],
+                               struct errinfo *e);
+
 /* row_cloud_enroll(t, p, id, digest, e): what the template of this id was made of, as it was
  * read. */
 enum status row_cloud_enroll(struct store_txn *t, const struct row_subject *p,

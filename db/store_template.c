@@ -51,6 +51,23 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
     return errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
 }
 
+/* The template of the subject that was made of the same cloud: of the same points as they were used, or as
+ * they were read, since which of many are used depends on their order and unit. */
+static enum status find_same(struct store_txn *x, const struct row_subject *p,
+                             const struct store_sample *what,
+                             const struct store_template *t, struct store_template *old,
+                             bool *found, struct errinfo *e)
+{
+    char id[STORE_ID_LEN + 1] = "";
+    enum status st = row_template_same(x, p, t->digest, old, found, e);
+
+    if (st != ST_OK || *found || what->read == NULL ||
+        (st = row_cloud_template(x, p, what->read, id, e)) != ST_OK || id[0] == '\0')
+        return st;
+    *found = true;
+    return row_template_get(x, id, old, e);
+}
+
 static enum status enroll_row(struct store_txn *x, const struct store_act *by,
                               const struct store_sample *what, const char *outcome,
                               const void *model, size_t len, struct store_template *t,
@@ -62,7 +79,7 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
     enum status st = need_subject(x, by, t->subject, &p, &added, e);
 
     if (st == ST_OK && !added)
-        st = row_template_same(x, &p, t->digest, &old, &found, e);
+        st = find_same(x, &p, what, t, &old, &found, e);
     if (st == ST_OK && !found && what->newest != NULL)
         st = expect_newest(x, p.row, what->newest, e);
     if (st == ST_OK && !found &&

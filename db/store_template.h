@@ -17,8 +17,8 @@ struct store_sample {
 };
 
 /* store_enroll(s, what, t, created, e): encode and store a template, and the subject where it is
- * new; an event with it.  *created is false when the subject has this very cloud (digest)
- * already: then *t describes the one that is there.
+ * new; an event with it.  *created is false when the subject has this very cloud
+ * already (by its digest as it was used, or what->read): then *t describes the one that is there.
  * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
  * there may be one that the sample was not compared with, by whatever thread or process. */
 enum status store_enroll(struct store *s, const struct store_sample *what,
