@@ -59,8 +59,9 @@ bool auth_may(struct request *r, unsigned scopes)
         return true;
     store_scopes_write(r->scopes, has);
     store_scopes_write(scopes, lacks);
-    request_problem(r, ERRMAP_SCOPE, "this takes a token with the scope %s; it has %s",
-                    lacks, has);
+    request_problem(r, ERRMAP_SCOPE, "this takes a token with %s %s; it has %s",
+                    strchr(lacks, ',') != NULL ? "one of the scopes" : "the scope", lacks,
+                    has);
     r->response.lacks = scopes;
     r->response.challenge = true;
     return false;

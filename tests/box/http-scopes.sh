@@ -86,7 +86,11 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
             ok "$scope alone may $verb $route: $STATUS" matches "$STATUS" '^20[014]$'
             ;;
         *)
-            problem "$scope alone may not $verb $route" 403 insufficient_scope "$needs"
+            case $needs in
+            *,*) needed="with one of the scopes $needs;" ;;
+            *) needed="with the scope $needs;" ;;
+            esac
+            problem "$scope alone may not $verb $route" 403 insufficient_scope "$needed"
             is "nor is told what it would need otherwise" "$(field WWW-Authenticate)" \
                 "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$(echo "$needs" | tr ',' ' ')\""
             ;;
