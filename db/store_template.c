@@ -51,8 +51,8 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
     return errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
 }
 
-/* The template of the subject that was made of the same cloud: of the same points as they were used, or as
- * they were read, since which of many are used depends on their order and unit. */
+/* The template of the subject that was made of the same cloud: of the same points as they were
+ * used, or as they were read: which of many are used depends on their order and unit. */
 static enum status find_same(struct store_txn *x, const struct row_subject *p,
                              const struct store_sample *what,
                              const struct store_template *t, struct store_template *old,
