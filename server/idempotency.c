@@ -10,9 +10,9 @@
 #include "errmap.h"
 #include "request.h"
 
-#define NONE    UINT32_MAX /* no entry, no ticket */
-#define DIGEST  32
-#define LIFE_MS (IDEMPOTENCY_HOURS * 3600.0 * 1000.0)
+#define NONE   UINT32_MAX /* no entry, no ticket */
+#define DIGEST 32
+#define DAY_MS (IDEMPOTENCY_HOURS * 3600.0 * 1000.0)
 
 enum state { FREE, RUNNING, DONE };
 
@@ -22,7 +22,7 @@ struct entry {
     unsigned char request[DIGEST]; /* of the request */
     char subject[STORE_SUBJECT_MAX + 1];
     bool erased; /* the subject was, while it ran */
-    double since_ms;
+    double since_ms, life_ms;
     uint32_t next;            /* in its bucket */
     struct response response; /* DONE: body is the entry's own */
 };
@@ -115,7 +115,7 @@ static void sweep(struct idempotency *m, double now_ms)
         struct entry *x = &m->entry[m->oldest];
 
         if (x->state == RUNNING ||
-            (x->state == DONE && m->used < m->room && now_ms - x->since_ms < LIFE_MS))
+            (x->state == DONE && m->used < m->room && now_ms - x->since_ms < x->life_ms))
             return;
         if (x->state == DONE)
             forget(m, x);
@@ -230,7 +230,7 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
     digest_request(m, r, request);
     (void)pthread_mutex_lock(&m->lock);
     x = find(m, key);
-    if (x != NULL && x->state == DONE && now_ms - x->since_ms >= LIFE_MS) {
+    if (x != NULL && x->state == DONE && now_ms - x->since_ms >= x->life_ms) {
         forget(m, x);
         x = NULL;
     }
@@ -239,6 +239,7 @@ bool idempotency_begin(struct idempotency *m, struct request *r, double now_ms,
     } else if ((x = add(m, key, now_ms)) != NULL) { /* else it is done without */
         memcpy(x->request, request, DIGEST);
         memcpy(x->subject, r->subject, sizeof x->subject);
+        x->life_ms = r->capture.header[0] == '\0' ? DAY_MS : STORE_NONCE_LIFE_MS;
         *ticket = (uint32_t)(x - m->entry);
     }
     (void)pthread_mutex_unlock(&m->lock);

@@ -1,7 +1,9 @@
 /* idempotency.h -- a request that is repeated because its response was lost gets that response
  * and takes effect once (draft-ietf-httpapi-idempotency-key-header).
- * Requests are identified by the client's key and token, and kept for IDEMPOTENCY_HOURS or
- * until newer ones need the room.  In memory alone, and of this process: the store recognises a
+ * Requests are identified by the client's key and token, and kept for IDEMPOTENCY_HOURS, those of
+ * a signed capture for as long as a nonce (store_capture.h): who recorded one shall not have its
+ * decision again all day; or until newer ones need the room.
+ * In memory alone, and of this process: the store recognises a
  * template by its content anyway (store.h), so that after a restart a retry gets 200 instead of
  * 201 at worst; a verification is done again then, once where probes are kept (row_cloud.h), and is
  * one more event.

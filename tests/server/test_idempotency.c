@@ -104,7 +104,7 @@ static void test_coding(void **state)
 enum outcome { DONE, AGAIN, REUSED, BUSY, BAD };
 
 struct ask {
-    const char *key, *actor, *target, *body;
+    const char *key, *actor, *target, *body, *capture;
     enum cloudformat format;
     double now_ms;
 };
@@ -116,6 +116,8 @@ static void make(struct request *r, const struct ask *a)
     (void)snprintf(r->key, sizeof r->key, "%s", a->key);
     (void)snprintf(r->actor, sizeof r->actor, "%s", a->actor ? a->actor : "");
     (void)snprintf(r->subject, sizeof r->subject, "alice");
+    (void)snprintf(r->capture.header, sizeof r->capture.header, "%s",
+                   a->capture ? a->capture : "");
     r->target = strdup(a->target ? a->target : "/t");
     r->body = (unsigned char *)strdup(a->body ? a->body : "body");
     assert_true(r->target != NULL && r->body != NULL);
@@ -166,6 +168,7 @@ static void test_again(void **state)
     assert_int_equal(ask(m, &(struct ask){.key = "k", .target = "/t?x"}, 0, ""), REUSED);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .format = CLOUDFORMAT_PLY}, 0, ""),
                      REUSED);
+    assert_int_equal(ask(m, &(struct ask){.key = "k", .capture = "sig"}, 0, ""), REUSED);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .actor = "b"}, 409, "two"), DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .actor = "b"}, 409, "two"), AGAIN);
     assert_int_equal(ask(m, &(struct ask){.key = "k"}, 201, "one"), AGAIN);
@@ -201,6 +204,13 @@ static void test_time(void **state)
                      DONE);
     assert_int_equal(ask(m, &(struct ask){.key = "k", .now_ms = DAY_MS + 9}, 201, "two"),
                      AGAIN);
+    for (int i = 0; i < 2; i++) { /* a signed capture: as long as its nonce, 2 minutes */
+        struct ask c = {.key = "c", .capture = "sig", .now_ms = 120000.0 * i};
+
+        assert_int_equal(ask(m, &c, 200, "match"), DONE);
+        c.now_ms += 119999;
+        assert_int_equal(ask(m, &c, 200, "match"), AGAIN);
+    }
     idempotency_free(m);
 }
 
