@@ -1,6 +1,5 @@
 #include "malformed.h"
 
-#include "body.h"
 #include "errmap.h"
 #include "request.h"
 
@@ -16,8 +15,9 @@ void malformed_explain(struct request *r, unsigned status)
     case 505:
         request_problem(r, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0");
         break;
-    case 413:
-        body_refuse_size(r);
+    case 413: /* it may be a stranger, who is not told the limit */
+        request_problem(r, ST_ESIZE,
+                        "Content-Length or a chunk's size has too many digits");
         break;
     case 400:
         request_problem(r, ST_EINVAL,

@@ -186,4 +186,7 @@ is "members of /readyz and /version" "$(curl -sS "$URL/readyz" "$URL/version" | 
     "status version"
 req GET /healthz -H 'Expect:' -H 'Content-Length: 99999999' -d x -m 5
 ok "nor does an error" sh -c "! grep -q 7654321 '$T/body'"
+req GET /healthz -H 'Content-Length: 99999999999999999999999' -m 5
+is "a length that is no number" "$STATUS" 413
+ok "nor does that error" sh -c "! grep -q 7654321 '$T/body'"
 finish
