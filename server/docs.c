@@ -1,7 +1,5 @@
 #include "docs.h"
 
-#include <string.h>
-
 #include "request.h"
 
 #include "docs_css.h"
@@ -16,7 +14,7 @@
 
 static void send_file(struct request *r, const char *type, const char *text)
 {
-    request_text(r, type, strdup(text));
+    request_page(r, type, text);
     r->response.policy = POLICY;
 }
 
@@ -41,5 +39,5 @@ void docs_script(struct request *r, struct worker *w)
 void docs_openapi(struct request *r, struct worker *w)
 {
     (void)w;
-    request_respond(r, 200, strdup(openapi_json));
+    request_page(r, "application/json", openapi_json);
 }

@@ -2,6 +2,7 @@
 #include "peer.h"
 
 #include <dlfcn.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,14 +128,15 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
 /* A body that is handed over a part at a time, so that the guard sees how the client takes it. */
 struct parts {
     struct peer *peer;
-    char *body;
+    const char *text;
+    char *body; /* to be released; NULL: text is static */
 };
 
 static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)
 {
     const struct parts *s = arg;
 
-    memcpy(to, s->body + pos, max);
+    memcpy(to, s->text + pos, max);
     peer_more(s->peer, max);
     return (ssize_t)max;
 }
@@ -153,14 +155,15 @@ static struct MHD_Response *make_body(struct peer *p, const struct response *a)
     struct MHD_Response *resp;
     struct parts *s;
 
-    if (a->body == NULL)
-        return MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT);
+    if (a->body == NULL && a->len <= PART)
+        return MHD_create_response_from_buffer(a->len, (void *)(uintptr_t)a->page,
+                                               MHD_RESPMEM_PERSISTENT);
     if (a->len <= PART)
         return MHD_create_response_from_buffer_with_free_callback(a->len, a->body,
                                                                   mem_free);
     if ((s = malloc(sizeof *s)) == NULL)
         return NULL;
-    *s = (struct parts){p, a->body};
+    *s = (struct parts){p, a->body != NULL ? a->body : a->page, a->body};
     resp = MHD_create_response_from_callback(a->len, PART, read_part, s, free_parts);
     if (resp == NULL)
         free(s);

@@ -151,6 +151,7 @@ static void set_body(struct request *r, int http, const char *type, char *body)
     r->response.problem = 0;
     r->response.type = type;
     r->response.body = body;
+    r->response.page = NULL;
     r->response.len = body == NULL ? 0 : strlen(body);
 }
 
@@ -160,6 +161,13 @@ void request_text(struct request *r, const char *type, char *text)
         request_problem(r, ST_ENOMEM, "no memory for the response");
     else
         set_body(r, 200, type, text);
+}
+
+void request_page(struct request *r, const char *type, const char *text)
+{
+    set_body(r, 200, type, NULL);
+    r->response.page = text;
+    r->response.len = strlen(text);
 }
 
 void request_respond(struct request *r, int http, char *json)

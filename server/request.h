@@ -50,10 +50,11 @@ enum request_stage {                  /* what the time of a request is spent on 
 };
 
 struct response {
-    int http;         /* 0: none yet */
-    unsigned problem; /* errmap.h; 0: it is none */
-    char *body;       /* heap, or NULL with len 0 */
-    size_t len;
+    int http;                           /* 0: none yet */
+    unsigned problem;                   /* errmap.h; 0: it is none */
+    char *body;                         /* heap, or NULL */
+    const char *page;                   /* static, in the place of body; NULL for none */
+    size_t len;                         /* of either; 0 for neither */
     const char *type;                   /* static */
     char location[192];                 /* "" for none */
     char template_id[STORE_ID_LEN + 1]; /* that it is about; "" for none */
@@ -154,6 +155,9 @@ void request_written(struct request *r, int http, char *json);
 
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);
+
+/* request_page(r, type, text): the same with static text. */
+void request_page(struct request *r, const char *type, const char *text);
 
 /* request_problem(r, kind, fmt, ...): problem+json; kind as in errmap.h.  For a 5xx the
  * formatted detail goes to the log alone, and the client gets a general phrase. */

@@ -35,7 +35,7 @@ bool upload_has_room(const struct upload *u);
 enum status upload_add(struct upload *u, const char *data, size_t n);
 
 /* upload_respond(u): r->response is there: the body is released, and a large response counts in
- * its place until upload_end(). */
+ * its place until upload_end(), but for a page, of which there is one for all. */
 void upload_respond(struct upload *u);
 void upload_end(struct upload *u);
 

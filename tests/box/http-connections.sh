@@ -116,6 +116,19 @@ done
 alive "slow clients"
 stop_daemon
 
+# ---- what strangers do not read takes no room from others
+start_daemon --timeout 30 --max-body 300000
+AUTH=$(new_token me)
+hold 25 "$many" --deaf # 25 times 135 KB are more than the room for all large bodies and responses
+held "strangers who do not read the API's description" sent
+sleep 1
+is "they hold" "$(metric 'surfaced_held_bytes{size="large"}')" 0
+send POST '/v1/subjects/a/verify?detail=heatmap' "$PLY" "$T/p.ply"
+is "a heat map beside them" "$STATUS $(get .decision)" "200 match"
+let_go
+AUTH=
+stop_daemon
+
 # ---- time in the queue and the workers does not count; others are served beside slow clients
 start_daemon --no-auth --timeout 60 --workers 2
 hold 200 "$headers" --drip 20
