@@ -47,6 +47,17 @@ static enum status see_head(struct store_txn *t, const struct store_head *before
     return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
 }
 
+static enum status see_schema(struct store_txn *t, struct errinfo *e)
+{
+    struct errinfo why;
+    const enum status st =
+        t->how == SQL_READ ? ST_OK : sql_file_expect_schema(t->sql, &why);
+
+    if (st == ST_EREFUSED)
+        (void)store_txn_refuse(t->store, &why);
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
+}
+
 static void release(struct store_txn *t)
 {
     store_vault_release(&t->store->vaults, t->held);
@@ -66,7 +77,8 @@ enum status store_txn_begin(struct store *s, enum sql_begin how, struct store_tx
     t->held = store_vault_take(&s->vaults);
     before = store_head_now(&s->heads);
     if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK &&
-        ((st = use_vault(s, t, e)) != ST_OK || (st = see_head(t, &before, e)) != ST_OK))
+        ((st = see_schema(t, e)) != ST_OK || (st = use_vault(s, t, e)) != ST_OK ||
+         (st = see_head(t, &before, e)) != ST_OK))
         (void)sql_end(t->sql, st, NULL);
     if (st != ST_OK)
         release(t);

@@ -167,12 +167,9 @@ out:
     return st;
 }
 
-enum status sql_file_check_schema(struct sql_txn *t,
-                                  void (*report)(void *arg, const char *line), void *arg,
-                                  struct errinfo *e)
+static enum status compare_schema(struct sql_txn *t, bool *same, struct errinfo *e)
 {
     sqlite3 *model = NULL;
-    bool same = true;
     enum status st;
 
     if (sqlite3_open_v2(":memory:", &model, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY,
@@ -181,10 +178,44 @@ enum status sql_file_check_schema(struct sql_txn *t,
         st = errinfo_set(e, ST_EDB, "cannot make the schema to compare with: %s",
                          model != NULL ? sqlite3_errmsg(model) : "out of memory");
     else
-        st = same_schema(t, model, &same, e);
+        st = same_schema(t, model, same, e);
     (void)sqlite3_close(model);
+    return st;
+}
+
+enum status sql_file_check_schema(struct sql_txn *t,
+                                  void (*report)(void *arg, const char *line), void *arg,
+                                  struct errinfo *e)
+{
+    bool same = true;
+    const enum status st = compare_schema(t, &same, e);
+
     if (st == ST_OK && !same)
         report(arg, "schema: the tables are not those of this program");
+    return st;
+}
+
+/* SQLite reads the schema once, and again when its number has changed.  An attacker may have had
+ * another text read under a number and put back, hence the reset: what is compared is what the
+ * transaction's statements are prepared with. */
+enum status sql_file_expect_schema(struct sql_txn *t, struct errinfo *e)
+{
+    struct sql_rows *r;
+    bool same = true;
+    int64_t number = 0;
+    enum status st = sql_query(t, "PRAGMA schema_version", NULL, 0, &r, e);
+
+    if (st == ST_OK && sql_next(r))
+        number = sql_column(r, 0).i;
+    if ((st = sql_done(r, st, e)) != ST_OK || (t->expected && t->schema == number))
+        return st;
+    st = sql_sqlite_conn_exec(t, "PRAGMA writable_schema=RESET", "cannot read", e);
+    if (st == ST_OK && (st = compare_schema(t, &same, e)) == ST_OK && !same)
+        st = errinfo_set(e, ST_EREFUSED,
+                         "the database's tables are not those of this program: somebody "
+                         "has altered them; restore a backup");
+    t->expected = st == ST_OK;
+    t->schema = number;
     return st;
 }
 

@@ -26,12 +26,16 @@ enum status sql_file_ready(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_check(t, report, arg, e): pages, indexes, references; report() is called once a
  * problem with a line of text.
- * sql_file_check_schema(t, report, arg, e): are the tables those of this program? */
+ * sql_file_check_schema(t, report, arg, e): are the tables those of this program?
+ * sql_file_expect_schema(t, e): ST_EREFUSED if they are not: with a default or without a key of
+ * its making a table would hold other rows than those that are written.  1 ms for the first
+ * transaction of a connection and after each change of the schema, else next to nothing. */
 enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
                            void *arg, struct errinfo *e);
 enum status sql_file_check_schema(struct sql_txn *t,
                                   void (*report)(void *arg, const char *line), void *arg,
                                   struct errinfo *e);
+enum status sql_file_expect_schema(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_copy(t, path, e): all that t sees, into a file that is there and empty: one file
  * without a WAL.  It is not on the disk yet.

@@ -25,6 +25,8 @@ struct sql_txn { /* of a connection, which has one at a time */
     struct sql_txn *next; /* in the list of those at rest */
     bool writes, makes;   /* the transaction */
     uint64_t changed;
+    bool expected; /* the schema of this number was compared with the program's */
+    int64_t schema;
     struct sql_rows slot[SQL_SQLITE_SLOTS];
 };
 

@@ -287,11 +287,11 @@ release_db
 wait $clients
 
 # ---- a damaged database
-sqlite3 "$DB" 'ALTER TABLE tokens RENAME TO gone'
+sqlite3 "$DB" 'UPDATE tokens SET name = name || 1'
 each 500 '.responses["500"]' -d x
 
 # ---- lock-out and rate limit
-sqlite3 "$DB" 'ALTER TABLE gone RENAME TO tokens'
+sqlite3 "$DB" 'UPDATE tokens SET name = substr(name, 1, length(name) - 1)'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
 sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch() FROM tokens, templates

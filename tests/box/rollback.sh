@@ -115,8 +115,33 @@ is "nobody is nobody" "$STATUS" 404
 req GET /v1/subjects/bob
 is "the erased are" "$STATUS" 404
 
-# ---- a template that is missing from a subject's list; a token that is there twice, the same,
-# which changes nothing where it is used
+# ---- tables that put something into rows by themselves: another's secret into a new token
+guess=$(printf '%064d' 7)
+hash=$(printf %s "$guess" | b2sum -l 256 | cut -d' ' -f1)
+for at in rest work; do
+    back
+    [ "$at" = rest ] || start_daemon
+    sqlite3 "$DB" "PRAGMA writable_schema = ON; UPDATE sqlite_schema SET
+        sql = replace(replace(sql, 'old_hash  BLOB', 'old_hash  BLOB DEFAULT x''$hash'''),
+        'old_until TEXT', 'old_until TEXT DEFAULT ''2099-01-01T00:00:00.000Z''')
+        WHERE name = 'tokens'"
+    is "altered tables, at $at" "$(sqlite3 "$DB" .schema | grep -c 2099)" 1
+    ctl token create admin --scope "$ALL"
+    is "altered tables, at $at: a new token" "$CODE" 77
+    contains "altered tables, at $at" "$T/ctl.err" 'tables are not those of this program'
+    ctl check
+    contains "altered tables, at $at: check" "$T/ctl" 'the tables are not those of this program'
+    if [ "$at" = work ]; then
+        AUTH=$guess req GET /v1/subjects
+        is "altered tables, at $at: the secret" "$STATUS" 401
+        stop_daemon
+    fi
+    start_fails "altered tables, at $at" 1 'tables are not those of this program' \
+        --db "$DB" --listen 127.0.0.1:0
+done
+
+# ---- a template that is missing from a subject's list; a token that is there twice, the same:
+# its table is altered, so that nothing is written any more
 for what in missing twice; do
     back
     scan 3 2 "$T/again.ply"
@@ -133,7 +158,7 @@ for what in missing twice; do
         is "$what: by the command" "$CODE" 65
         ;;
     twice)
-        wanted='200 2'
+        wanted='503 null'
         sqlite3 "$DB" "PRAGMA foreign_keys = OFF; CREATE TABLE twin AS SELECT * FROM tokens;
             DROP TABLE tokens; ALTER TABLE twin RENAME TO tokens;
             INSERT INTO tokens SELECT * FROM tokens"
@@ -146,8 +171,13 @@ for what in missing twice; do
     ctl audit verify
     is "$what: audit verify" "$CODE $(said .ok)" "1 false"
     stop_daemon
-    start_daemon
-    ok "$what: the log of the start" grep -q 'the database is not what was written' "$T/log"
+    if [ "$what" = missing ]; then
+        start_daemon
+        ok "$what: the log of the start" grep -q 'the database is not what was written' "$T/log"
+    else
+        start_fails "$what: the start" 1 'tables are not those of this program' \
+            --db "$DB" --listen 127.0.0.1:0
+    fi
 done
 
 # ---- with the entries that tell of it: the daemon does not start

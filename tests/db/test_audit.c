@@ -355,7 +355,7 @@ static void test_back(void **state)
         struct errinfo why;
 
         assert_int_equal(store_subject_add(s, "test", &alice, &e), ST_OK);
-        tempdb_sql("CREATE TABLE old AS SELECT * FROM events_end");
+        tempdb_sql("CREATE TABLE aside.old AS SELECT * FROM events_end");
         assert_int_equal(store_subject_add(s, "test", &bob, &e), ST_OK);
         assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
         assert_false(store_refused(s, &why));
@@ -380,7 +380,7 @@ static void test_uses_cut(void **state)
 
     (void)state;
     event(s, "verify", "alice");
-    tempdb_sql("CREATE TABLE old AS SELECT * FROM events_end WHERE chain = 1");
+    tempdb_sql("CREATE TABLE aside.old AS SELECT * FROM events_end WHERE chain = 1");
     event(s, "verify", "mallory");
     assert_int_equal(store_audit_sign(s, "test", "checkpoint", &m, &e), ST_OK);
     tempdb_sql("DELETE FROM events WHERE chain = 1 AND seq = 2;"

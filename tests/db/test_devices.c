@@ -197,10 +197,10 @@ static void test_put_back(void **state)
 
     (void)state;
     add(s, "door-2");
-    tempdb_sql("CREATE TABLE old AS SELECT * FROM devices");
+    tempdb_sql("CREATE TABLE aside.old AS SELECT * FROM devices");
     assert_int_equal(store_device_remove(s, "", "door-2", &e), ST_OK);
     add(s, "door-1");
-    tempdb_sql("CREATE TABLE now AS SELECT * FROM devices");
+    tempdb_sql("CREATE TABLE aside.now AS SELECT * FROM devices");
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         tempdb_sql(damage[i]);
         make_nonce(s, nonce);

@@ -123,7 +123,7 @@ static void test_changed(void **state)
     char text[200];
 
     (void)state;
-    tempdb_sql("CREATE TABLE kept AS SELECT * FROM root");
+    tempdb_sql("CREATE TABLE aside.kept AS SELECT * FROM root");
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
         assert_int_equal(store_ready(s, &e), ST_OK);
         assert_false(store_refused(s, &e));
@@ -147,7 +147,7 @@ static void test_older(void **state)
     (void)state;
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     (void)snprintf(kept, sizeof kept, "%s.kept", tempdb_path);
-    tempdb_sql("CREATE TABLE kept AS SELECT * FROM root");
+    tempdb_sql("CREATE TABLE aside.kept AS SELECT * FROM root");
     assert_int_equal(link(key, kept), 0);
     rekey(s);
     assert_int_equal(store_ready(s, &e), ST_OK);

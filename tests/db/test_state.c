@@ -182,8 +182,8 @@ static void test_attacks(void **state)
             if (!running)
                 store_close(s);
             tempdb_sql(sql);
-            if (!running)
-                s = tempdb_open(STORE_WRITE);
+            if (!running) /* with altered tables nothing is written any more: test_altered */
+                s = tempdb_open(strstr(sql, "DROP TABLE") ? STORE_READ : STORE_WRITE);
             if (strstr(sql, "DELETE FROM main.events") == NULL)
                 must_be_safe(s);
             must(store_audit_verify(s, note, &f, &audit, &e));
@@ -241,7 +241,7 @@ static void test_serving(void **state)
         struct found f = {.n = 0};
 
         must(store_subject_add(s, "test", &one, &e));
-        tempdb_sql("CREATE TABLE was AS SELECT * FROM subjects");
+        tempdb_sql("CREATE TABLE aside.was AS SELECT * FROM subjects");
         if (!by_itself)
             must(store_subject_set(s, "test", "ann", &disable, &e));
         must(store_state_verify(s, note, &f, &audit, &e));
@@ -258,6 +258,54 @@ static void test_serving(void **state)
         assert_int_equal(store_state_verify(s, note, &f, &audit, &e), ST_EREFUSED);
         store_close(s);
     }
+}
+
+#define DEFAULT                                                                          \
+    "PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, "          \
+    "'old_until TEXT', 'old_until TEXT DEFAULT ''2099-01-01T00:00:00.000Z''') "          \
+    "WHERE name = 'tokens';"
+
+/* Tables with defaults, or without keys, would hold other rows than those that are written, and
+ * the row's MAC would be made of these. */
+static void test_altered(void **state)
+{
+    static const char *const alter[] = {
+        DEFAULT "PRAGMA schema_version = 99",
+        "CREATE UNIQUE INDEX one ON tokens (length(id))",
+        "CREATE TABLE more (id BLOB)",
+        "ALTER TABLE devices RENAME TO gone",
+        DEFAULT, /* who has read the tables goes on with them as they were */
+    };
+    const struct store_key key = {.make = VAULT_FILE};
+    const size_t n = sizeof alter / sizeof *alter;
+    struct store *s, *other;
+    struct store_token t;
+    struct store_subject one;
+    struct errinfo why;
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        s = written();
+        tempdb_sql(alter[i]);
+        if (i < n - 1) {
+            assert_int_equal(
+                store_token_create(s, "test", "x", STORE_SCOPE_READ, 0, secret, &t, &e),
+                ST_EREFUSED);
+            assert_non_null(strstr(e.msg, "tables are not those of this program"));
+            assert_true(store_refused(s, &why));
+            assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_EREFUSED);
+        } else {
+            must(store_token_create(s, "test", "x", STORE_SCOPE_READ, 0, secret, &t, &e));
+        }
+        assert_int_equal(store_open(tempdb_path, STORE_WRITE, &key, &other, &e),
+                         ST_EREFUSED);
+        assert_int_equal(tempdb_number("SELECT count(old_until) FROM tokens"), 0);
+        store_close(s);
+    }
+    s = written();
+    tempdb_sql("VACUUM; CREATE TABLE more (id BLOB); DROP TABLE more"); /* as before */
+    must(store_token_create(s, "test", "x", STORE_SCOPE_READ, 0, secret, &t, &e));
+    store_close(s);
 }
 
 /* After a rename the former id is free. */
@@ -280,10 +328,9 @@ static void test_renamed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_attacks),
-        cmocka_unit_test(test_removed),
-        cmocka_unit_test(test_serving),
-        cmocka_unit_test(test_renamed),
+        cmocka_unit_test(test_attacks), cmocka_unit_test(test_removed),
+        cmocka_unit_test(test_serving), cmocka_unit_test(test_renamed),
+        cmocka_unit_test(test_altered),
     };
 
     return cmocka_run_group_tests_name("state", tests, tempdb_begin_faces,
