@@ -14,8 +14,8 @@
 #define BUSY_MS 500.0
 
 /* For so long after a sender was served, another that has a request running leaves it the last free
- * worker: longer than a client needs between the response and its next request.  What the senders
- * who come now and then cost the others is at most this, of one worker, for each request. */
+ * worker: longer than a client needs between the response and its next request.  So a request keeps
+ * a worker free for little more than this. */
 #define ABOUT_MS 200.0
 
 /* A thread and what it works with. */

@@ -3,7 +3,7 @@
  * order, and of all senders' first ones the one that has waited for the fewest others of its
  * own.  Where there are two or more workers, one of them takes no large requests, and a sender that
  * has a request running leaves the last free one to others while they are about: while one of them
- * has a request running, and for 200 ms after it. */
+ * has a request running, and for some 200 ms after it. */
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>
