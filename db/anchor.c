@@ -91,7 +91,7 @@ static enum status open_file(const char *path, const struct vault *v, int flags,
     unsigned char in[PLACE];
 
     *f = (struct file){.path = path};
-    if ((f->fd = open(path, flags | O_CLOEXEC | O_NOFOLLOW)) < 0)
+    if ((f->fd = open(path, flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) < 0)
         return fail("open", path, e);
     if (!lock(f->fd, flags == O_RDONLY ? LOCK_SH : LOCK_EX)) {
         const enum status st = fail("lock", path, e);
@@ -255,13 +255,16 @@ enum status anchor_announce(const char *path, const struct vault *v,
 bool anchor_used(const char *path)
 {
     unsigned char in[PLACE];
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     bool used = fd < 0 && errno != ENOENT;
 
-    for (int i = 0; i < PLACES && fd >= 0; i++)
-        used = used || (pread(fd, in, sizeof in, (off_t)i * STEP) == (ssize_t)sizeof in &&
-                        memcmp(in, word, WORD) == 0 &&
-                        (bytes_number(in + WORD + 8, 8) & FLAG_NEXT) == 0);
+    for (int i = 0; i < PLACES && fd >= 0; i++) {
+        const ssize_t got = pread(fd, in, sizeof in, (off_t)i * STEP);
+
+        used = used || got < 0 || /* it is no file */
+               (got == (ssize_t)sizeof in && memcmp(in, word, WORD) == 0 &&
+                (bytes_number(in + WORD + 8, 8) & FLAG_NEXT) == 0);
+    }
     if (fd >= 0)
         (void)close(fd);
     return used;

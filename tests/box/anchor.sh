@@ -103,6 +103,14 @@ cp "$T/other.db.key.anchor" "$ANCHOR"
 refused "another database's anchor" 'damaged, or another database'
 ctl init
 is "init does not make a new one" "$CODE" 77
+rm "$ANCHOR"
+mkfifo "$ANCHOR"
+start_fails "a FIFO, which nobody writes to" 1 'damaged, or another database' \
+    --db "$DB" --listen 127.0.0.1:0
+rm "$ANCHOR"
+mkdir "$ANCHOR"
+refused "a folder" 'anchor'
+rmdir "$ANCHOR"
 cp "$T/then.anchor" "$ANCHOR"
 ctl check
 is "an anchor that lags is good" "$CODE" 0
