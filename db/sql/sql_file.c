@@ -200,14 +200,11 @@ enum status sql_file_check_schema(struct sql_txn *t,
  * transaction's statements are prepared with. */
 enum status sql_file_expect_schema(struct sql_txn *t, struct errinfo *e)
 {
-    struct sql_rows *r;
     bool same = true;
     int64_t number = 0;
-    enum status st = sql_query(t, "PRAGMA schema_version", NULL, 0, &r, e);
+    enum status st = sql_sqlite_conn_int(t, "PRAGMA schema_version", &number, e);
 
-    if (st == ST_OK && sql_next(r))
-        number = sql_column(r, 0).i;
-    if ((st = sql_done(r, st, e)) != ST_OK || (t->expected && t->schema == number))
+    if (st != ST_OK || (t->expected && t->schema == number))
         return st;
     st = sql_sqlite_conn_exec(t, "PRAGMA writable_schema=RESET", "cannot read", e);
     if (st == ST_OK && (st = compare_schema(t, &same, e)) == ST_OK && !same)
