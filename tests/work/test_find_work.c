@@ -136,8 +136,8 @@ static void test_stopped(void **state)
         assert_int_equal(find_face(pts, POINTS, 0, work, &stop, &f), ST_EBUSY);
         const uint64_t soon = work_executed() - before - all * i / 20;
         print_message("at %2d%%: %.2f\n", (int)(5 * i), (double)soon / (double)all);
-        assert_true(soon <
-                    all / 2); /* the longest single step is 0.3, with sanitizers 0.4 */
+        /* the longest single step is 0.3, with sanitizers 0.4 */
+        assert_true(soon < all / 2);
     }
     face_work_free(work);
 }
