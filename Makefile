@@ -133,8 +133,8 @@ $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-MODEL_H := $(addprefix core/,model.h decision.h grid.h status.h)
-$(BUILD)/gen/model: tools/model_main.c core/model.c core/decision.c $(MODEL_H) Makefile
+MODEL_H := $(addprefix core/,model.h calibration.h grid.h status.h)
+$(BUILD)/gen/model: tools/model_main.c core/model.c core/calibration.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
 	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off -Icore -o $@ $(filter %.c,$^) -lm

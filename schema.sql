@@ -180,13 +180,12 @@ CREATE TABLE calibrations (
     engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
     shipped      INTEGER NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
     fmr          REAL NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
-    threshold_mm REAL NOT NULL CHECK (threshold_mm > 0),
-    low_mm       REAL NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
-    high_mm      REAL NOT NULL CHECK (high_mm >= low_mm),
+    threshold    REAL NOT NULL CHECK (abs(threshold) < 10000),
+    low          REAL NOT NULL CHECK (low <= threshold),   -- 95 % interval of it
+    high         REAL NOT NULL CHECK (high >= threshold),
     subjects     INTEGER NOT NULL CHECK (subjects >= 0),
     impostors    INTEGER NOT NULL CHECK (impostors >= 0),    -- comparisons
     genuine      INTEGER NOT NULL CHECK (genuine >= 0),
-    halving_mm   REAL NOT NULL CHECK (halving_mm > 0),
-    knots        BLOB NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+    knots        BLOB NOT NULL -- score, rate of each, as little-endian IEEE 754 doubles
                  CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
 ) STRICT;

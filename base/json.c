@@ -155,11 +155,17 @@ static void add_rounded(struct json *j, const char *key, double value, double pe
 
 #define LENGTH    1e4
 #define EXTENT    1e1
+#define SCORE     1e2
 #define DIRECTION 1e7
 
 void json_number(struct json *j, const char *key, double value)
 {
     add_rounded(j, key, value, LENGTH);
+}
+
+void json_score(struct json *j, const char *key, double value)
+{
+    add_rounded(j, key, value, SCORE);
 }
 
 void json_extent(struct json *j, const char *key, double value)

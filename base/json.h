@@ -41,9 +41,10 @@ void json_close(struct json *j); /* the object or array begun last; not the oute
 void json_text(struct json *j, const char *key, const char *value);
 void json_flag(struct json *j, const char *key, bool value);
 
-/* A count (exact up to 10^15), a length or score in mm, an angle in degrees, a time in
- * ms, a share of 1: at most 4 decimals. */
+/* A count (exact up to 10^15), a length in mm, an angle in degrees, a time in ms, a share of
+ * 1: at most 4 decimals. */
 void json_number(struct json *j, const char *key, double value);
+void json_score(struct json *j, const char *key, double value);  /* 2 decimals */
 void json_extent(struct json *j, const char *key, double value); /* mm2, mm3: 1 decimal */
 void json_rate(struct json *j, const char *key, double value); /* error rate: 3 digits */
 

@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "align_field.h"
 #include "asymmetry.h"
-#include "cells.h"
-#include "decision.h"
+#include "calibration.h"
+#include "encode.h"
 #include "fit.h"
+#include "heights.h"
 #include "lattice.h"
 #include "measure.h"
 #include "mem.h"
@@ -17,7 +17,8 @@
 #include "model.h"
 #include "model_digest.h"
 #include "quality.h"
-#include "score.h"
+#include "ratio.h"
+#include "shape.h"
 #include "shape_work.h"
 #include "tuning.h"
 
@@ -25,13 +26,14 @@ struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct align_work align;
     struct surface upright; /* asymmetry_find()'s */
-    struct face mirrored;   /* face_compare_mirrored()'s probe */
+    struct scratch normal;  /* of encodings, and of ratios */
     const struct model *model;
-    struct frame_mean mean;          /* the model's */
-    struct fit_basis motion, change; /* the model's */
-    struct fit_basis *part;   /* [SCORE_PARTS], its change for a part of the face */
-    struct shape_work *shape; /* both NULL until they are asked for */
-    struct decision decision;
+    struct frame_mean mean;  /* the model's */
+    struct fit_basis change; /* the model's, for alignment */
+    struct encode_basis encode;
+    float weight[GRID_N]; /* how well each place tells people apart (face_weigh()) */
+    struct shape_work shape;
+    struct calibration calibration;
 };
 
 void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1])
@@ -50,6 +52,54 @@ bool face_same_engine(const char *a, const char *b)
     return x != NULL && y != NULL && strcmp(x, y) == 0;
 }
 
+/* mm and the trace of a rotation of 4 degrees: two starts farther apart are both tried. */
+#define FACE_START_MM    4.0
+#define FACE_START_TRACE 2.995
+
+/* Support below which nothing is a face, or whoever looks at more than its surface would know. */
+#define FACE_SUPPORT 0.15
+
+/* The weights as a weight of the papers' measure: of places (lattice units) on a surface. */
+struct places {
+    const float *weight;     /* [GRID_N] */
+    struct align_pose frame; /* surface -> canonical frame */
+};
+
+static float weight_at(const void *arg, double x, double y, double z)
+{
+    const struct places *p = arg;
+    const double mm = 1 / LATTICE_PER_MM;
+    const struct dvec3 q =
+        align_pose_apply(&p->frame, (struct dvec3){mm * x, mm * y, mm * z});
+    const uint32_t i = grid_cell(q.x, q.y);
+
+    return i == GRID_NONE ? 0 : p->weight[i];
+}
+
+/* How well each place tells people apart: the variance of identity over that of all. */
+static void weigh_places(const struct model *m, float weight[GRID_N])
+{
+    double sum = 0;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        double identity = 0, change = m->noise_floor_mm * m->noise_floor_mm;
+
+        weight[i] = 0.0f;
+        if (!(m->change.rest[i] > 0.0f))
+            continue;
+        for (uint32_t k = 0; k < m->identity.n; k++)
+            identity += (double)m->identity.mode[i][k] * (double)m->identity.mode[i][k];
+        for (uint32_t k = 0; k < m->change.n; k++)
+            change += (double)m->change.mode[i][k] * (double)m->change.mode[i][k];
+        weight[i] = (float)(identity / (identity + change));
+        sum += (double)weight[i];
+        n++;
+    }
+    for (uint32_t i = 0; i < GRID_N && sum > 0; i++)
+        weight[i] = (float)((double)weight[i] * n / sum);
+}
+
 struct face_work *face_work_new(const struct model *m)
 {
     struct face_work *w = mem_array(1, sizeof *w);
@@ -58,19 +108,21 @@ struct face_work *face_work_new(const struct model *m)
         return NULL;
     memset(w, 0, sizeof *w);
     w->model = m != NULL ? m : &model_default;
-    w->decision = w->model->decision;
-    fit_prepare(&w->model->motion, &w->motion);
-    fit_prepare(&w->model->change, &w->change);
+    w->calibration = w->model->calibration;
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
         face_work_free(w);
         return NULL;
     }
+    fit_prepare(&w->model->change, &w->change);
+    encode_prepare(w->model, &w->encode);
+    shape_work_prepare(w->model, &w->shape);
+    weigh_places(w->model, w->weight);
     return w;
 }
 
-void face_work_decide(struct face_work *w, const struct decision *d)
+void face_work_decide(struct face_work *w, const struct calibration *c)
 {
-    w->decision = d != NULL ? *d : w->model->decision;
+    w->calibration = c != NULL ? *c : w->model->calibration;
 }
 
 const struct model *face_work_model(const struct face_work *w)
@@ -85,9 +137,7 @@ const struct frame_mean *face_work_mean(const struct face_work *w)
 
 struct shape_work *face_work_shape(struct face_work *w)
 {
-    if (w->shape == NULL && (w->shape = mem_array(1, sizeof *w->shape)) != NULL)
-        shape_work_prepare(w->model, w->shape);
-    return w->shape;
+    return &w->shape;
 }
 
 void face_work_free(struct face_work *w)
@@ -97,11 +147,8 @@ void face_work_free(struct face_work *w)
     measure_work_free(&w->measure);
     align_work_free(&w->align);
     surface_free(&w->upright);
-    face_free(&w->mirrored);
-    if (w->shape != NULL)
-        shape_work_free(w->shape);
-    mem_free(w->shape);
-    mem_free(w->part);
+    scratch_free(&w->normal);
+    shape_work_free(&w->shape);
     mem_free(w);
 }
 
@@ -110,9 +157,8 @@ void face_work_wipe(struct face_work *w)
     measure_work_wipe(&w->measure, FACE_WORK_KEEP);
     align_work_wipe(&w->align, FACE_WORK_KEEP);
     surface_free(&w->upright);
-    face_free(&w->mirrored);
-    if (w->shape != NULL)
-        shape_work_wipe(w->shape, FACE_WORK_KEEP);
+    scratch_wipe(&w->normal, FACE_WORK_KEEP);
+    shape_work_wipe(&w->shape, FACE_WORK_KEEP);
 }
 
 void face_free(struct face *f)
@@ -137,21 +183,48 @@ static void clear(struct face *f)
     f->surface.mesh.nv = f->surface.mesh.nt = 0;
 }
 
+/* Do the poses differ by more than a fit corrects without fail? */
+static bool apart(const struct align_pose *a, const struct align_pose *b)
+{
+    double trace = 0, way = 0;
+
+    for (int i = 0; i < 9; i++)
+        trace += a->r[i] * b->r[i];
+    for (int i = 0; i < 3; i++)
+        way += (a->t[i] - b->t[i]) * (a->t[i] - b->t[i]);
+    return trace < FACE_START_TRACE || way > FACE_START_MM * FACE_START_MM;
+}
+
 enum status face_place(struct face *f, struct face_work *w)
 {
+    /* What comes from a search has been turned to the front by a fit already. */
+    struct align_pose start[2] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
+    struct shape_fit fit;
+    uint32_t seen;
     enum status st;
 
     exchange(w);
     st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
     exchange(w);
-    return st;
+    if (st != ST_OK)
+        return st;
+    start[1] = f->frame.pose;
+    if (apart(&start[0], &start[1]))
+        st = shape_place(&w->shape, &f->surface, start, 2, &fit);
+    else
+        st = shape_place(&w->shape, &f->surface, start + 1, 1, &fit);
+    if (st != ST_OK)
+        return st;
+    f->frame.pose = fit.pose;
+    seen = fit.skin + fit.cover + fit.apart;
+    f->frame.support = seen > 0 ? fit.support * w->shape.cells / seen : -1;
+    return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
 }
 
 enum status face_adopt(struct face *f, struct face_work *w)
 {
     enum status st = mesh_link(&f->surface.mesh, &w->measure.scratch);
 
-    f->hidden = 0;
     if (st == ST_OK)
         st = surface_derive(&f->surface, &w->measure.scratch);
     if (st == ST_OK && f->frame.mean_id != w->mean.mean_id)
@@ -178,7 +251,7 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
     if ((st = quality_rate(&out->surface, s, &out->quality)) != ST_OK ||
         (st = face_place(out, w)) != ST_OK)
         return st;
-    return quality_place(&out->frame);
+    return out->frame.support > FACE_SUPPORT ? ST_OK : ST_ENOTFACE;
 }
 
 enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
@@ -189,7 +262,6 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
 
     clear(out);
     out->frame = (struct frame){0};
-    out->hidden = 0;
     if (n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
     if (n > MESH_MAX_POINTS)
@@ -222,204 +294,124 @@ enum status face_rebuild(struct face *f, struct face_work *w)
     return st;
 }
 
-static bool comparable(const struct face_result *r)
+enum status face_align(const struct face *tmpl, const struct face *probe,
+                       double (*clock_ms)(void), struct face_work *w,
+                       struct face_result *r)
 {
-    return r->align.stop != ALIGN_APART && r->overlap >= DECISION_MIN_OVERLAP &&
-           r->weight_overlap >= DECISION_MIN_WEIGHT;
-}
-
-/* doubt_mm: how far above the threshold nothing can be said. */
-static enum face_decision decide(const struct face_result *r, double doubt_mm)
-{
-    if (!r->comparable)
-        return FACE_INCONCLUSIVE;
-    if (r->score_mm <= r->threshold_mm)
-        return FACE_MATCH;
-    return r->score_mm <= r->threshold_mm + doubt_mm ? FACE_INCONCLUSIVE : FACE_NO_MATCH;
-}
-
-/* The deviation of the sum of two errors.  (sqrt() has the same digits everywhere, hypot()
- * has not.) */
-static double together(double a, double b)
-{
-    return sqrt(a * a + b * b);
-}
-
-/* The pose of the probe over the template. */
-static enum status search(const struct face *tmpl, const struct face *probe,
-                          struct face_work *w, struct align_result *out)
-{
+    const double begin = clock_ms != NULL ? clock_ms() : 0;
     const struct align_pose first =
         align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
     const struct align_weight u = {w->mean.rigid, tmpl->frame.pose};
-    const struct align_how how = {.start = &first, .u = &u, .motion = &w->motion};
+    const struct align_how how = {.start = &first, .u = &u, .motion = &w->change};
     enum status st;
 
     exchange(w);
-    st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, out);
+    st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, &r->align);
     exchange(w);
+    if (clock_ms != NULL)
+        r->align_ms = clock_ms() - begin;
     return st;
 }
 
-/* The gap per cell at a pose, and the overlap there (cells.h). */
-static enum status gaps(const struct face *tmpl, const struct face *probe,
-                        const double transform[16], struct face_work *w,
-                        struct cells *cells, double *overlap)
+/* The cells that both scans have, as a share of the template's. */
+static double common(const struct encoding *tmpl, const struct encoding *probe)
 {
-    const enum status st =
-        measure_gaps(&tmpl->surface, &probe->surface, transform, &w->measure);
+    uint32_t both = 0;
 
-    if (st != ST_OK)
-        return st;
-    return cells_measure(&tmpl->surface, &w->measure, &tmpl->frame.pose, cells, overlap);
+    for (uint32_t i = 0; i < GRID_N / 8; i++)
+        both += (uint32_t)__builtin_popcount(tmpl->there[i] & probe->there[i]);
+    return tmpl->cells > 0 ? (double)both / tmpl->cells : 0;
 }
 
-enum status face_gap(const struct face *tmpl, const struct face *probe,
-                     const double *transform, struct face_work *w, struct cells *out)
+/* Two scans that tell nothing have the score 0, at or above which a threshold may be. */
+static enum face_decision decide(const struct face_result *r)
 {
-    struct align_result found;
-    enum status st = ST_OK;
-    double overlap;
-
-    if (transform == NULL)
-        st = search(tmpl, probe, w, &found);
-    if (st == ST_OK)
-        st = gaps(tmpl, probe, transform != NULL ? transform : found.transform, w, out,
-                  &overlap);
-    return st;
+    if (!(r->expected > 0))
+        return FACE_INCONCLUSIVE;
+    if (r->score >= r->threshold)
+        return FACE_MATCH;
+    return r->expected >= r->threshold ? FACE_NO_MATCH : FACE_INCONCLUSIVE;
 }
 
-/* Few comparisons are open, and the parts' tables take 70 KB. */
-static bool need_parts(struct face_work *w)
+static enum status score_of(const struct encoding *tmpl, const struct encoding *probe,
+                            struct face_work *w, struct face_result *out)
 {
-    if (w->part != NULL)
-        return true;
-    if ((w->part = mem_array(SCORE_PARTS, sizeof *w->part)) == NULL)
-        return false;
-    for (int i = 0; i < SCORE_PARTS; i++)
-        score_prepare_part(w->model, (enum score_part)i, &w->part[i]);
-    return true;
-}
+    struct ratio_probe *r = ratio_probe(probe, w->model->kinship, &w->normal);
 
-/* The terms of a comparison by the threshold t. */
-static enum status terms_of(const struct face *tmpl, const struct face *probe,
-                            const struct cells *cells, const struct score *score,
-                            double t, struct face_work *w, struct decision_terms *out)
-{
-    struct decision_pair p = {
-        .score_mm = score->mm,
-        .part_mm = (double)INFINITY,
-        .noise_mm = together(tmpl->quality.noise_mm, probe->quality.noise_mm),
-        .rough_mm = score->rough_mm,
-        .hidden = probe->hidden};
-    const bool open = decision_open(t, &p);
-
-    if (open && !need_parts(w))
+    if (r == NULL)
         return ST_ENOMEM;
-    for (int i = 0; i < SCORE_PARTS && open; i++) {
-        double mm;
-        const enum status st = score_of_part(w->model, (enum score_part)i, &w->part[i],
-                                             cells, &w->align.fit, &mm);
-
-        if (st != ST_OK)
-            return st;
-        p.part_mm = fmin(p.part_mm, mm);
-    }
-    *out = decision_terms(t, &p);
+    out->score = ratio_score(r, tmpl, &out->expected);
+    out->overlap = common(tmpl, probe);
     return ST_OK;
 }
 
 enum status face_compare(const struct face *tmpl, const struct face *probe,
-                         double threshold_mm, double (*clock_ms)(void),
-                         struct face_work *w, struct face_result *out)
+                         double threshold, double (*clock_ms)(void), struct face_work *w,
+                         struct face_result *out)
 {
     const double start = clock_ms != NULL ? clock_ms() : 0;
-    struct cells cells;
-    struct score score;
-    struct fit fit;
-    struct decision_terms terms;
-    double aligned;
-    enum status st;
+    const enum status st = (memset(out, 0, sizeof *out),
+                            score_of(&tmpl->encoding, &probe->encoding, w, out));
 
-    memset(out, 0, sizeof *out);
-    if ((st = search(tmpl, probe, w, &out->align)) != ST_OK)
-        return st;
-    aligned = clock_ms != NULL ? clock_ms() : 0;
-    if ((st = gaps(tmpl, probe, out->align.transform, w, &cells, &out->overlap)) !=
-            ST_OK ||
-        (st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score)) !=
-            ST_OK ||
-        (st = terms_of(tmpl, probe, &cells, &score,
-                       threshold_mm > 0 ? threshold_mm : w->decision.threshold_mm, w,
-                       &terms)) != ST_OK)
-        return st;
-    out->align_ms = aligned - start;
-    out->measure_ms = clock_ms != NULL ? clock_ms() - aligned : 0;
+    out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
+    out->decision = decide(out);
+    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    out->score_ms = clock_ms != NULL ? clock_ms() - start : 0;
+    return st;
+}
 
-    out->threshold_mm = terms.threshold_mm;
-    out->score_mm = score.mm;
-    out->calibrated_mm = terms.calibrated_mm;
-    out->rise_mm = terms.rise_mm;
-    out->factor = terms.factor;
-    out->weight_overlap = score.weight;
-    out->fmr_at_score =
-        score.weight > 0 ? decision_fmr(&w->decision, out->calibrated_mm) : 1;
-    out->change_mm = score.change_mm;
-    memcpy(out->region_mm, score.region_mm, sizeof out->region_mm);
-    memcpy(out->region_weight, score.region_weight, sizeof out->region_weight);
-    out->comparable = comparable(out);
-    out->decision = decide(out, terms.doubt_mm);
-    return ST_OK;
+void face_shown(const struct face_result *r, double steps, double *score,
+                double *threshold)
+{
+    const double least = ceil(r->threshold * steps - 1e-6); /* 8.3 is 8.3 */
+    const double near = round(r->score * steps);
+    const bool fits = r->score >= r->threshold;
+
+    *threshold = least / steps;
+    *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
 }
 
 void face_round(struct face_result *r, const struct face_work *w)
 {
-    const double above = ceil(r->threshold_mm * 1e3 - 1e-9); /* 0.138 is 0.138 */
-    const double score = round(r->score_mm * 1e3);
-    const bool fits = r->score_mm <= r->threshold_mm;
-
-    if (r->rise_mm > 0)
-        r->rise_mm += above / 1e3 - r->threshold_mm;
-    r->threshold_mm = above / 1e3;
-    r->score_mm = (fits ? score : fmax(score, above + 1)) / 1e3;
+    face_shown(r, 10, &r->score, &r->threshold);
     r->overlap = round(r->overlap * 1e2) / 1e2;
-    if (r->factor > 0) {
-        r->calibrated_mm = fmax(0, (r->score_mm - r->rise_mm) / r->factor);
-        if (r->weight_overlap > 0)
-            r->fmr_at_score = decision_fmr(&w->decision, r->calibrated_mm);
-    }
+    if (r->fmr_at_score < 1) /* else nothing was in common, or the score is the least */
+        r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
 }
 
 enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
-                                  double (*clock_ms)(void), struct face_work *w,
-                                  struct face_result *out)
+                                  struct face_work *w, struct face_result *out)
 {
-    static const double swap[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct face *m = &w->mirrored;
-    double *r = m->frame.pose.r;
-    enum status st = surface_move(&probe->surface, swap, &w->measure.points,
-                                  &w->measure.scratch, &m->surface);
+    struct encoding mirrored;
+    float z[GRID_N], swapped[GRID_N];
+    enum status st =
+        heights_of(&probe->surface, &probe->frame.pose, &w->measure.scratch, z);
 
+    memset(out, 0, sizeof *out);
     if (st != ST_OK)
         return st;
-    m->quality = probe->quality;
-    m->hidden = probe->hidden;
-    m->frame = probe->frame;
-    r[1] = -r[1]; /* the frame is mirrored with it */
-    r[2] = -r[2];
-    r[3] = -r[3];
-    r[6] = -r[6];
-    m->frame.pose.t[0] = -m->frame.pose.t[0];
-    return face_compare(tmpl, m, 0, clock_ms, w, out);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        swapped[i] = z[grid_mirror(i)];
+    st = encode_heights(&w->encode, swapped, (double)probe->encoding.residual_mm,
+                        &w->normal, &mirrored);
+    if (st == ST_OK)
+        st = score_of(&tmpl->encoding, &mirrored, w, out);
+    out->threshold = w->calibration.threshold;
+    out->decision = decide(out);
+    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    return st;
 }
 
 enum status face_minimal(const struct face *tmpl, const struct face *probe,
-                         const double transform[16], double (*clock_ms)(void),
-                         struct face_work *w, struct minimal *out)
+                         double (*clock_ms)(void), struct face_work *w,
+                         struct face_result *r, struct minimal *out)
 {
+    enum status st = face_align(tmpl, probe, clock_ms, w, r);
     const double start = clock_ms != NULL ? clock_ms() : 0;
-    const enum status st =
-        minimal_find(&tmpl->surface, &probe->surface, transform, &w->measure, out);
+
+    if (st == ST_OK)
+        st = minimal_find(&tmpl->surface, &probe->surface, r->align.transform,
+                          &w->measure, out);
     if (clock_ms != NULL)
         out->ms = clock_ms() - start;
     return st;
@@ -428,43 +420,73 @@ enum status face_minimal(const struct face *tmpl, const struct face *probe,
 enum status face_weigh(const struct face *tmpl, const struct face *probe,
                        struct face_work *w, struct minimal *least)
 {
-    const struct score_weight u = {w->model->weight, tmpl->frame.pose};
+    const struct places u = {w->weight, tmpl->frame.pose};
 
     return measure_at(&tmpl->surface, &probe->surface, least->transform,
-                      &(struct disparity_weight){score_weight_at, &u}, &w->measure,
+                      &(struct disparity_weight){weight_at, &u}, &w->measure,
                       &least->disparity);
 }
 
-enum status face_field(const struct face *tmpl, const struct face *probe,
-                       const double transform[16], struct face_work *w,
-                       struct face_field *out)
+static bool counts(const struct face *tmpl, const struct face *probe, uint32_t cell)
 {
-    struct score_cells part;
-    struct cells cells;
-    struct score score;
-    struct fit fit;
-    double overlap;
-    enum status st = gaps(tmpl, probe, transform, w, &cells, &overlap);
+    const int either = tmpl->encoding.there[cell / 8] | probe->encoding.there[cell / 8];
 
-    if (st == ST_OK)
-        st = score_of(w->model, &w->change, &cells, &w->align.fit, &fit, &score);
-    if (st != ST_OK)
-        return st;
-    score_cells(w->model, &cells, &fit, &score, &part);
-    memcpy(out->gap_mm, cells.gap, sizeof out->gap_mm);
-    memcpy(out->rest_mm, fit.rest, sizeof out->rest_mm);
-    memcpy(out->weight, part.weight, sizeof out->weight);
-    memcpy(out->local_mm, part.local_mm, sizeof out->local_mm);
-    return ST_OK;
+    return (either >> cell % 8 & 1) != 0;
+}
+
+enum status face_field(const struct face *tmpl, const struct face *probe,
+                       struct face_work *w, struct face_field *out)
+{
+    const struct face *const face[] = {tmpl, probe};
+    float z[2][GRID_N];
+    double slope[2][MODEL_MODES], part[GRID_N] = {0}, rest = 0, all = 0;
+    struct ratio_probe *r;
+    enum status st = ST_OK;
+
+    memset(out, 0, sizeof *out);
+    if ((r = ratio_probe(&probe->encoding, w->model->kinship, &w->normal)) == NULL)
+        return ST_ENOMEM;
+    rest = ratio_slopes(r, &tmpl->encoding, slope[0], slope[1]);
+    for (int i = 0; st == ST_OK && i < 2; i++) {
+        st = heights_of(&face[i]->surface, &face[i]->frame.pose, &w->measure.scratch,
+                        z[i]);
+        if (st == ST_OK)
+            st = encode_parts(&w->encode, z[i], (double)face[i]->encoding.residual_mm,
+                              slope[i], &w->normal, part);
+    }
+    for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
+        const float flat = w->encode.normal_z[i];
+
+        out->gap_mm[i] = flat > 0.0f ? (z[1][i] - z[0][i]) * flat : (float)NAN;
+        all += counts(tmpl, probe, i) ? (double)w->weight[i] : 0;
+        rest -= part[i];
+    }
+    for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
+        if (counts(tmpl, probe, i) && all > 0)
+            part[i] += rest * (double)w->weight[i] / all;
+        out->part[i] = part[i] != 0 ? (float)part[i] : (float)NAN;
+        out->region[grid_region_of(i)] += part[i];
+    }
+    return st;
+}
+
+enum status face_regions(const struct face *tmpl, const struct face *probe,
+                         struct face_work *w, struct face_result *r)
+{
+    struct face_field field;
+    const enum status st = face_field(tmpl, probe, w, &field);
+
+    memcpy(r->region, field.region, sizeof r->region);
+    return st;
 }
 
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out)
 {
     static const struct align_pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct score_weight u = {w->model->weight, upright};
+    const struct places u = {w->weight, upright};
 
     return asymmetry_find(&f->surface, &f->frame.pose,
-                          &(struct disparity_weight){score_weight_at, &u}, &w->measure,
+                          &(struct disparity_weight){weight_at, &u}, &w->measure,
                           &w->upright, out);
 }

@@ -7,7 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "align.h"
-#include "decision.h"
+#include "calibration.h"
+#include "encode.h"
 #include "frame.h"
 #include "grid.h"
 #include "quality.h"
@@ -23,11 +24,8 @@
 struct face {
     struct surface surface;
     struct quality quality;
-    struct frame frame; /* its canonical frame */
-    /* share of the face that the scan does not show, as something covers it or it is
-     * turned away, 0..1; 0 until whoever looked at more than these points says so. It
-     * is not stored: it counts for probes */
-    double hidden;
+    struct frame frame;       /* its canonical frame */
+    struct encoding encoding; /* what is compared (encode.h) */
 };
 
 struct asymmetry;  /* asymmetry.h */
@@ -62,19 +60,18 @@ void face_work_wipe(struct face_work *w);
 
 /* face_work_decide(w, d): from now on decide by the calibration d (copied); NULL: by the
  * model's own. */
-void face_work_decide(struct face_work *w, const struct decision *d);
+void face_work_decide(struct face_work *w, const struct calibration *d);
 
 /* The model that w was made with, its mean face ready to align to, and its shape ready to be
- * fitted, which takes 0.4 MB from the first call on; NULL: out of memory. */
+ * fitted. */
 const struct model *face_work_model(const struct face_work *w);
 const struct frame_mean *face_work_mean(const struct face_work *w);
 struct shape_work *face_work_shape(struct face_work *w);
 
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.
- * The gate is a coarse one (quality_place()): out->frame.likeness may be low, and NAN where too
- * little of the mean face is covered to tell; it decides nothing later.  Whether the points are
- * a face, scan/gate.h judges, for which what cannot be told is a refusal.
+ * The gate is a coarse one: the quality's (quality.h), and ST_ENOTFACE where no face explains the
+ * surface at all.  Whether the points are a face, scan/gate.h judges.
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   the index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL
@@ -103,84 +100,87 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    bool comparable; /* there is enough in common; else the decision is inconclusive */
-    double score_mm; /* what the decision was taken on (score.h) */
-    double threshold_mm; /* what it had to be at most: the calibration's, changed by what
-                             was compared (decision.h) */
-    /* the score as if that had not changed: to compare with scores of other pairs and
-     * with the calibration's threshold */
-    double calibrated_mm;
-    double rise_mm, factor; /* how that follows from the score (decision.h) */
-    double fmr_at_score;    /* false match rate at a threshold of it (decision.h) */
-    double overlap;         /* share of the template's measured area covered, 0..1 */
-    double weight_overlap;  /* share of a whole face's weight in the common area, 0..1 */
-    double change_mm;       /* root mean square of the change taken out (score.h) */
-    double region_mm[GRID_REGIONS];     /* score of each region alone; NAN: not covered */
-    double region_weight[GRID_REGIONS]; /* its share of a whole face's weight, 0..1 */
-    struct align_result align;          /* transform probe -> template, certainty */
-    double align_ms, measure_ms;        /* by the caller's clock; 0 without one */
+    double score;     /* the log-likelihood ratio (ratio.h): higher is more alike */
+    double threshold; /* a match at or above it */
+    double expected;  /* the mean score of two such scans of one person: below the
+                            threshold what is no match is inconclusive */
+    double
+        fmr_at_score; /* false match rate at a threshold of the score (calibration.h) */
+    double overlap;   /* share of the template's cells that the probe has, 0..1 */
+    struct align_result align;   /* transform probe -> template: of face_align() */
+    double region[GRID_REGIONS]; /* of the score: of face_regions() */
+    double score_ms, align_ms;   /* by the caller's clock; 0 without one */
 };
 
-/* face_compare(tmpl, probe, threshold_mm, clock_ms, w, out): align the probe to the
- * template, compute the score at that pose, decide.
- * threshold_mm  in place of that of w's calibration; 0 or less: that
- * clock_ms      may be NULL; used only for align_ms and measure_ms
+/* face_compare(tmpl, probe, threshold, clock_ms, w, out): the score, from both encodings alone,
+ * and the decision.
+ * threshold  in place of that of w's calibration; NAN: that
+ * clock_ms   may be NULL; used only for the times
  * The result depends only on the two faces, w's model, the calibration and the threshold.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */
 enum status face_compare(const struct face *tmpl, const struct face *probe,
-                         double threshold_mm, double (*clock_ms)(void),
-                         struct face_work *w, struct face_result *out);
+                         double threshold, double (*clock_ms)(void), struct face_work *w,
+                         struct face_result *out);
 
-/* face_round(r, w): the score is rounded to 0.001 mm, the threshold up to 0.001 mm, the overlap
- * to 0.01, and fmr_at_score is that of the rounded score, by w's calibration (that of the
- * comparison), and of a rise of the threshold that is rounded as the threshold is: for who may
- * be told the decision, and should not learn a face from many scores.  The decision stays, and
- * the rounded numbers agree with it: a score above the threshold stays above, by 0.001 mm or
- * more. */
+/* face_align(tmpl, probe, clock_ms, w, r): r->align and r->align_ms: the pose of the probe over
+ * the template, from which the minimal disparity is found and the gaps are shown.  The score
+ * does not depend on it.  Returns ST_OK, ST_ENOMEM. */
+enum status face_align(const struct face *tmpl, const struct face *probe,
+                       double (*clock_ms)(void), struct face_work *w,
+                       struct face_result *r);
+
+/* face_shown(r, steps, score, threshold): both in steps of 1 / steps, the threshold rounded up,
+ * the score so that it agrees with the decision: below the threshold stays below. */
+void face_shown(const struct face_result *r, double steps, double *score,
+                double *threshold);
+
+/* face_round(r, w): score and threshold as face_shown() in steps of 0.1, the overlap to 0.01,
+ * and fmr_at_score that of the rounded score, by w's calibration (that of the comparison):
+ * for who may be told the decision, and should not learn a face from many scores.  The
+ * decision stays, and the rounded numbers agree with it: a score below the threshold stays
+ * below, by 0.1 or more.  */
 void face_round(struct face_result *r, const struct face_work *w);
 
-/* face_compare_mirrored(tmpl, probe, clock_ms, w, out): face_compare() with the mirror image of
- * the probe (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The
- * cost of a triangulation more.  Returns ST_OK, ST_ENOMEM. */
+/* face_compare_mirrored(tmpl, probe, w, out): face_compare() with the mirror image of the probe
+ * (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The cost of an
+ * encoding.  Returns ST_OK, ST_ENOMEM. */
 enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
-                                  double (*clock_ms)(void), struct face_work *w,
-                                  struct face_result *out);
+                                  struct face_work *w, struct face_result *out);
 
-/* face_minimal(tmpl, probe, transform, clock_ms, w, out): the minimal disparity, from the pose
- * that face_compare() found (minimal.h).  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
+/* face_minimal(tmpl, probe, clock_ms, w, r, out): the minimal disparity (minimal.h), from the pose
+ * of face_align(), which it calls for r.  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
 enum status face_minimal(const struct face *tmpl, const struct face *probe,
-                         const double transform[16], double (*clock_ms)(void),
-                         struct face_work *w, struct minimal *out);
+                         double (*clock_ms)(void), struct face_work *w,
+                         struct face_result *r, struct minimal *out);
 
 /* face_weigh(tmpl, probe, w, least): least->disparity.weighted_mm and weight_mm2 by the
- * learned u of w's model, at the pose that face_minimal() found.  The cost of a measure.
+ * weight of each place in telling people apart, at the pose that face_minimal() found.  The cost of a measure.
  * Returns ST_OK, ST_ENOMEM. */
 enum status face_weigh(const struct face *tmpl, const struct face *probe,
                        struct face_work *w, struct minimal *least);
 
-/* face_place(f, w): find f->frame by the mean face of w's model.  ST_OK, ST_ENOMEM. */
+/* face_place(f, w): find f->frame and f->encoding by w's model.  ST_OK, ST_ENOMEM. */
 enum status face_place(struct face *f, struct face_work *w);
 
-/* face_gap(tmpl, probe, transform, w, out): the gap per cell at a pose (probe -> template, as
- * in align_result); transform NULL: at the pose that face_compare() would find.  A sample to
- * learn from (learn.h).  Returns ST_OK, ST_ENOMEM. */
-enum status face_gap(const struct face *tmpl, const struct face *probe,
-                     const double *transform, struct face_work *w, struct cells *out);
-
-/* What a comparison was decided on, per cell of the template's canonical frame (grid.h). */
+/* What a comparison was decided on, per cell of the canonical frame (grid.h). */
 struct face_field {
-    float gap_mm[GRID_N]; /* the mean gap, probe minus template (cells.h) */
     float
-        rest_mm[GRID_N]; /* of it what is left once learned change is taken out (fit.h) */
-    float weight[GRID_N];   /* what the cell counts, the sum is 1; 0: not covered */
-    float local_mm[GRID_N]; /* what weight averages to the score (score_cells()) */
+        gap_mm[GRID_N]; /* probe minus template, each at its own frame, at right angles to
+                             the mean face; NAN where either has none */
+    float part[GRID_N]; /* of the score, whose sum is the score; NAN: neither counts */
+    double region[GRID_REGIONS]; /* likewise */
 };
 
-/* face_field(tmpl, probe, transform, w, out): what face_compare(), whose transform it is,
- * decided on.  The cost of a measure.  Returns ST_OK, ST_ENOMEM. */
+/* face_field(tmpl, probe, w, out): what face_compare() decided on.  The score is a quadratic
+ * form of the heights of both scans and a constant; a cell's part is half of its height times
+ * the derivative of the score by it, and of the constant the share that the place has, among
+ * those that count, in telling people apart.  The cost of two encodings.  Returns ST_OK, ST_ENOMEM. */
 enum status face_field(const struct face *tmpl, const struct face *probe,
-                       const double transform[16], struct face_work *w,
-                       struct face_field *out);
+                       struct face_work *w, struct face_field *out);
+
+/* face_regions(tmpl, probe, w, r): r->region by face_field().  Returns ST_OK, ST_ENOMEM. */
+enum status face_regions(const struct face *tmpl, const struct face *probe,
+                         struct face_work *w, struct face_result *r);
 
 /* face_asymmetry(f, w, out): f against its mirror image, from the symmetry plane of its
  * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */

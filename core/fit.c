@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "normal.h"
 #include "tuning.h"
 
 /* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
@@ -13,21 +14,14 @@
  * - so are rows whose weight changes in a pass;
  * - sums are done in tiles of TILE x LANES, which stay in registers, over blocks of rows,
  *   which stay in the first-level cache. */
-#define LANES 8
-#define TILE  4
-#define ROWS  32
+#define LANES NORMAL_LANES
 #define GAP   6 /* its place in the tail */
 #define WIDTH (MODEL_MODES + LANES)
 
 _Static_assert(MODEL_MODES % LANES == 0, "modes fill whole tiles");
+_Static_assert(WIDTH <= NORMAL_WIDTH, "a row has room");
 
 typedef float lane4 __attribute__((vector_size(16)));
-
-/* Rows to be added: the rows, and the rows times the rise of their weights. */
-struct block {
-    float row[ROWS][WIDTH], times[ROWS][WIDTH];
-    uint32_t n;
-};
 
 struct work {
     float tail[GRID_N][LANES];
@@ -35,7 +29,7 @@ struct work {
     float full[GRID_N];    /* its weight: over^2 times how far the cell is covered */
     float weight[GRID_N];  /* that times Huber's */
     uint32_t cell[GRID_N]; /* of each row */
-    struct block block;
+    struct normal_rows block;
     float sum[WIDTH][WIDTH];
     double h[WIDTH][WIDTH], g[WIDTH];
     uint32_t n, modes, unknowns; /* modes: padded */
@@ -46,41 +40,9 @@ static uint32_t padded(uint32_t n)
     return (n + LANES - 1) / LANES * LANES;
 }
 
-/* sum[k..k+3][l..l+7] += the products of a block of rows; sum is stride wide. */
-static inline void add_tile(const struct block *b, uint32_t k, uint32_t l, float *sum,
-                            uint32_t stride)
-{
-    lane4 t[TILE][2];
-
-    for (uint32_t i = 0; i < TILE; i++)
-        memcpy(t[i], &sum[(k + i) * stride + l], sizeof t[i]);
-    for (uint32_t r = 0; r < b->n; r++) {
-        const float *a = &b->times[r][k];
-        lane4 v[2];
-
-        memcpy(v, &b->row[r][l], sizeof v);
-        for (uint32_t i = 0; i < TILE; i++) {
-            t[i][0] += a[i] * v[0];
-            t[i][1] += a[i] * v[1];
-        }
-    }
-    for (uint32_t i = 0; i < TILE; i++)
-        memcpy(&sum[(k + i) * stride + l], t[i], sizeof t[i]);
-}
-
-/* Columns from..to-1 of the upper triangle; from and to are multiples of LANES. */
-static void add_block(struct block *b, uint32_t from, uint32_t to, float *sum,
-                      uint32_t stride)
-{
-    for (uint32_t l = from; l < to; l += LANES)
-        for (uint32_t k = 0; k < l + LANES; k += TILE)
-            add_tile(b, k, l, sum, stride);
-    b->n = 0;
-}
-
 /* One row more in the block, its modes and its tail (NULL: no tail). */
-static void put_row(struct block *b, const float *modes, uint32_t n, const float *tail,
-                    float rise)
+static void put_row(struct normal_rows *b, const float *modes, uint32_t n,
+                    const float *tail, float rise)
 {
     float *row = b->row[b->n], *times = b->times[b->n];
 
@@ -93,35 +55,24 @@ static void put_row(struct block *b, const float *modes, uint32_t n, const float
     b->n++;
 }
 
-static bool everywhere(uint32_t cell)
-{
-    (void)cell;
-    return true;
-}
-
 void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 {
-    fit_prepare_part(b, everywhere, out);
-}
-
-void fit_prepare_part(const struct model_basis *b, bool (*in)(uint32_t cell),
-                      struct fit_basis *out)
-{
     const uint32_t n = padded(b->n);
-    struct block block;
+    struct normal_rows block;
 
     block.n = 0;
     out->b = b;
     out->prior = 1.0;
+    out->modes = b->n;
     memset(out->gram, 0, sizeof out->gram);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
 
-        out->used[i] = over > 0.0f && in(i);
+        out->used[i] = over > 0.0f;
         if (out->used[i])
             put_row(&block, b->mode[i], n, NULL, over * over);
-        if (block.n == ROWS || i == GRID_N - 1)
-            add_block(&block, 0, n, out->gram[0], MODEL_MODES);
+        if (block.n == NORMAL_ROWS || i == GRID_N - 1)
+            normal_add(&block, 0, n, out->gram[0], MODEL_MODES);
     }
 }
 
@@ -131,7 +82,7 @@ static void load(struct work *w, const struct fit_basis *p, const struct cells *
     const struct model_basis *b = p->b;
 
     w->n = 0;
-    w->modes = padded(b->n);
+    w->modes = padded(p->modes);
     w->unknowns = w->modes + 6;
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *m = c->normal[i];
@@ -171,7 +122,7 @@ static void load(struct work *w, const struct fit_basis *p, const struct cells *
 static void add_first(struct work *w, const struct fit_basis *p)
 {
     const struct model_basis *b = p->b;
-    struct block *const k = &w->block;
+    struct normal_rows *const k = &w->block;
     uint32_t r = 0;
 
     for (uint32_t i = 0; i < w->modes; i++)
@@ -187,13 +138,13 @@ static void add_first(struct work *w, const struct fit_basis *p)
         r += covered;
         if (rise != 0.0f)
             put_row(k, b->mode[i], w->modes, NULL, rise);
-        if (k->n == ROWS || i == GRID_N - 1)
-            add_block(k, 0, w->modes, w->sum[0], WIDTH);
+        if (k->n == NORMAL_ROWS || i == GRID_N - 1)
+            normal_add(k, 0, w->modes, w->sum[0], WIDTH);
     }
     for (r = 0; r < w->n; r++) {
         put_row(k, b->mode[w->cell[r]], w->modes, w->tail[r], w->weight[r]);
-        if (k->n == ROWS || r == w->n - 1)
-            add_block(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
+        if (k->n == NORMAL_ROWS || r == w->n - 1)
+            normal_add(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
     }
 }
 
@@ -234,14 +185,13 @@ static bool reweight(struct work *w, const struct model_basis *b, const float *y
             w->weight[r] = now;
             put_row(&w->block, modes, w->modes, w->tail[r], rise);
         }
-        if (w->block.n == ROWS || r == w->n - 1)
-            add_block(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
+        if (w->block.n == NORMAL_ROWS || r == w->n - 1)
+            normal_add(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
     }
     return changed;
 }
 
-/* The lower Cholesky factor of the sum plus the priors, in h; column by column, so that
- * the inner loop has no chain of additions.  False: not positive definite. */
+/* The lower Cholesky factor of the sum plus the priors, in h.  False: not positive definite. */
 static bool factor(struct work *w, double prior, double tie)
 {
     const uint32_t n = w->unknowns;
@@ -252,39 +202,7 @@ static bool factor(struct work *w, double prior, double tie)
         w->h[i][i] += i < w->modes ? prior : tie;
         w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
-    for (uint32_t k = 0; k < n; k++) {
-        double *col = w->h[k], over;
-
-        if (!(col[k] > 1e-9))
-            return false;
-        over = 1.0 / sqrt(col[k]);
-        for (uint32_t i = k; i < n; i++)
-            col[i] *= over;
-        for (uint32_t j = k + 1; j < n; j++) {
-            const double c = col[j];
-
-            for (uint32_t i = j; i < n; i++)
-                w->h[j][i] -= c * col[i];
-        }
-    }
-    return true;
-}
-
-/* v becomes the solution of L L^T y = v. */
-static void substitute(const struct work *w, double *v)
-{
-    const uint32_t n = w->unknowns;
-
-    for (uint32_t k = 0; k < n; k++) {
-        v[k] /= w->h[k][k];
-        for (uint32_t i = k + 1; i < n; i++)
-            v[i] -= v[k] * w->h[k][i];
-    }
-    for (uint32_t k = n; k-- > 0;) {
-        for (uint32_t i = k + 1; i < n; i++)
-            v[k] -= w->h[k][i] * v[i];
-        v[k] /= w->h[k][k];
-    }
+    return normal_factor(w->h[0], WIDTH, 0, n, n);
 }
 
 /* The deviation of an unknown is the length of its column of the inverse factor; those of
@@ -329,10 +247,11 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
             break;
         if (!(solved = factor(w, p->prior, tie)))
             break;
-        substitute(w, w->g);
+        normal_forward(w->h[0], WIDTH, w->unknowns, w->unknowns, w->g);
+        normal_backward(w->h[0], WIDTH, w->unknowns, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)
             y[k] = (float)-w->g[k];
-        memcpy(out->a, w->g, p->b->n * sizeof *out->a);
+        memcpy(out->a, w->g, p->modes * sizeof *out->a);
         for (uint32_t i = 0; i < 6; i++)
             out->x[i] = w->g[w->modes + i] / (i < 3 ? POSE_LEVER_MM : 1.0);
     }

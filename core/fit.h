@@ -31,19 +31,17 @@ struct fit {
  * everywhere: the sum of their products over the cells in use, weighted by 1 / variance. */
 struct fit_basis {
     const struct model_basis *b;
-    double prior;      /* strength of |a|^2; 1: as the modes' variance says */
+    double prior; /* strength of |a|^2; 1: as the modes' variance says */
+    /* The first so many are fitted, a multiple of NORMAL_LANES or all; the others are 0. */
+    uint32_t modes;
     bool used[GRID_N]; /* cells that are fitted; all others are as not covered */
     float gram[MODEL_MODES][MODEL_MODES]; /* upper triangle, in tiles */
 };
 
-/* fit_prepare(b, out): once for many fits; again after a change of *b.  out->prior is 1.
+/* fit_prepare(b, out): once for many fits; again after a change of *b.  out->prior is 1, and
+ * all modes are fitted.
  * Cost  O(GRID_N n^2), n the number of modes. */
 void fit_prepare(const struct model_basis *b, struct fit_basis *out);
-
-/* fit_prepare_part(b, in, out): the same for a part of the face: the cells where in() is true
- * alone.  A fit costs less by as much as the part is smaller. */
-void fit_prepare_part(const struct model_basis *b, bool (*in)(uint32_t cell),
-                      struct fit_basis *out);
 
 /* fit_solve(p, c, tie, passes, s, out): split c's gap.
  * tie     strength of the prior on x, in 1 / mm^2 with rotations at POSE_LEVER_MM; a

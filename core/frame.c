@@ -33,7 +33,7 @@ enum status frame_mean_make(const struct model *m, struct frame_mean *out)
     struct surface points = {.mesh = {.xy = xy, .z = z}};
 
     out->mean_id = model_mean_id(m);
-    rigidity(&m->motion, out->rigid);
+    rigidity(&m->change, out->rigid);
     memcpy(out->height, m->mean, sizeof out->height);
     if (align_grid_make(out->height, out->rigid, &out->grid) == 0)
         return ST_EDEGENERATE;
@@ -61,31 +61,7 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
     out->mean_id = mean->mean_id;
     out->cost_mm = found.cost_mm;
     out->within = found.within;
-    out->likeness = frame_likeness(mean, face, &out->pose);
     return ST_OK;
-}
-
-/* The sum of the heights of the face's points in each cell, and how many there are.  By
- * points, not by area: cheap, and enough for a likeness. */
-static void add_heights(const struct mesh *m, const struct align_pose *pose,
-                        double z[GRID_N], double n[GRID_N])
-{
-    struct align_pose mm = *pose; /* of lattice units */
-
-    for (int i = 0; i < 9; i++)
-        mm.r[i] /= LATTICE_PER_MM;
-    memset(z, 0, GRID_N * sizeof *z);
-    memset(n, 0, GRID_N * sizeof *n);
-    for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 q =
-            align_pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
-        const uint32_t i = grid_cell(q.x, q.y);
-
-        if (i == GRID_NONE)
-            continue;
-        z[i] += q.z;
-        n[i] += 1;
-    }
 }
 
 /* Sums over the cells that the face and the mean face cover, of heights z and h. */
@@ -185,13 +161,4 @@ double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID
                    r.hh > FRAME_RELIEF_MIN_MM2 * r.common[0][0]
                ? r.zh / sqrt(r.zz * r.hh)
                : 0;
-}
-
-double frame_likeness(const struct frame_mean *mean, const struct surface *face,
-                      const struct align_pose *pose)
-{
-    double z[GRID_N], n[GRID_N];
-
-    add_heights(&face->mesh, pose, z, n);
-    return frame_likeness_heights(mean, z, n);
 }

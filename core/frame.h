@@ -30,7 +30,7 @@ struct frame {
     uint32_t mean_id;       /* of the mean face it was found by; 0: not found yet */
     double cost_mm;         /* mean distance from the mean face there (capped, L1) */
     double within;          /* share of the face's points over the mean face */
-    double likeness;        /* frame_likeness() there */
+    double support; /* share of what is seen that a face's shape explains (shape.h) */
 };
 
 /* frame_find(mean, face, w, out): align the face to the mean face.  (Of a decoded template
@@ -39,18 +39,13 @@ struct frame {
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);
 
-/* frame_likeness(mean, face, pose): how much the surface is shaped like a face, -1..1: the
- * correlation of its relief with the mean face's, over the cells that both cover.  A relief
- * is what is left of the heights once the best-fitting quadric z(x, y) is subtracted (least
- * squares, for each surface by itself): nose, orbits and lips.  With the quadric any egg,
- * cylinder or cone would be like a face.  0: there is no relief.
+/* frame_likeness_heights(mean, z, n): how much a face whose mean height in a cell is z / n (mm;
+ * n 0: none) is shaped like a face, -1..1: the correlation of its relief with the mean face's,
+ * over the cells that both cover.  A relief is what is left of the heights once the best-fitting
+ * quadric z(x, y) is subtracted (least squares, for each surface by itself): nose, orbits and
+ * lips.  With the quadric any egg, cylinder or cone would be like a face.  0: there is no relief.
  * NAN where fewer than FRAME_LIKENESS_CELLS are common: a part of a face may align to another
- * part.  O(nv); nothing is allocated. */
-double frame_likeness(const struct frame_mean *mean, const struct surface *face,
-                      const struct align_pose *pose);
-
-/* frame_likeness_heights(mean, z, n): the same of a face whose mean height in a cell is z / n
- * (mm); n 0: none. */
+ * part. */
 double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID_N],
                               const double n[GRID_N]);
 

@@ -2,6 +2,8 @@
  * is installed: surface_*. */
 #include "libsurface.h"
 
+#include <math.h>
+
 #include <string.h>
 
 #include "face.h"
@@ -131,22 +133,22 @@ enum surface_status surface_compare(struct surface_work *work,
     };
     struct face_result r;
     struct minimal m;
-    enum status st = face_compare(&tmpl->face, &probe->face, 0, NULL, work->face, &r);
+    enum status st =
+        face_compare(&tmpl->face, &probe->face, (double)NAN, NULL, work->face, &r);
 
     if (st == ST_OK)
-        st = face_minimal(&tmpl->face, &probe->face, r.align.transform, NULL, work->face,
-                          &m);
+        st = face_minimal(&tmpl->face, &probe->face, NULL, work->face, &r, &m);
     *out = (struct surface_comparison){.decision = SURFACE_INCONCLUSIVE};
     if (st != ST_OK)
         return public(st);
     out->decision = decision[r.decision];
-    out->score_mm = r.score_mm;
-    out->threshold_mm = r.threshold_mm;
+    out->score = r.score;
+    out->threshold = r.threshold;
     out->false_match_rate = r.fmr_at_score;
     out->overlap = r.overlap;
     memcpy(out->transform, r.align.transform, sizeof out->transform);
     memcpy(out->minimal_transform, m.transform, sizeof out->minimal_transform);
-    out->minimal_mm = m.disparity.plain_mm;
+    out->disparity_mm = m.disparity.plain_mm;
     out->volume_mm3 = m.disparity.volume_mm3;
     out->area_mm2 = m.disparity.area_mm2;
     return SURFACE_OK;

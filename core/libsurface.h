@@ -7,7 +7,7 @@
  *     if (work != NULL && surface_face_new(work, p, np, &a, NULL) == SURFACE_OK &&
  *         surface_face_new(work, q, nq, &b, NULL) == SURFACE_OK &&
  *         surface_compare(work, a, b, &c) == SURFACE_OK)
- *         printf("%d by %.3f mm\n", c.decision == SURFACE_MATCH, c.score_mm);
+ *         printf("%d: score %.1f\n", c.decision == SURFACE_MATCH, c.score);
  *
  * Points are in millimetres: x to the image's right, y up, z towards the scanner; the face
  * roughly frontal (yaw within 30 degrees, pitch and roll within 20), anywhere in space.
@@ -86,17 +86,17 @@ enum surface_decision { SURFACE_MATCH, SURFACE_NO_MATCH, SURFACE_INCONCLUSIVE };
 struct surface_comparison {
     enum surface_decision
         decision;            /* SURFACE_INCONCLUSIVE: too little in common to say */
-    double score_mm;         /* what decides: SURFACE_MATCH at or below ... */
-    double threshold_mm;     /* ... this, where there is enough in common */
-    double false_match_rate; /* share of pairs of different people who score as low or
-                                       lower, 0..1: by the shipped model's table */
+    double score;            /* higher is more alike: SURFACE_MATCH at or above ... */
+    double threshold;        /* ... this, where there is enough in common */
+    double false_match_rate; /* share of pairs of different people who score as high or
+                                       higher, 0..1: by the shipped model's table */
     double overlap;          /* share of the template's measured area covered, 0..1 */
     double transform[16];    /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
     /* The minimal disparity of the papers, at its own pose near that one.  It does not
      * decide. */
-    double minimal_mm; /* volume over area; 0 when there is none */
-    double volume_mm3; /* between both surfaces, over what both cover */
-    double area_mm2;   /* of what both cover, as the template's scanner sees it */
+    double disparity_mm; /* volume over area; 0 when there is none */
+    double volume_mm3;   /* between both surfaces, over what both cover */
+    double area_mm2;     /* of what both cover, as the template's scanner sees it */
     double minimal_transform[16]; /* as transform */
 };
 

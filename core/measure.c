@@ -5,7 +5,6 @@
 #include "interpolate.h"
 #include "lattice.h"
 #include "merge.h"
-#include "tuning.h"
 
 void measure_work_free(struct measure_work *w)
 {
@@ -42,37 +41,16 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
     w->moved_in_tmpl = mem_take(block, &at, nb, sizeof *w->moved_in_tmpl);
     w->tmpl_gap = mem_take(block, &at, na, sizeof *w->tmpl_gap);
     w->moved_gap = mem_take(block, &at, nb, sizeof *w->moved_gap);
-    w->tmpl_trust = mem_take(block, &at, na, sizeof *w->tmpl_trust);
-    w->moved_trust = mem_take(block, &at, nb, sizeof *w->moved_trust);
     w->b_vertex = mem_take(block, &at, nb, sizeof *w->b_vertex);
     w->vertex = mem_take(block, &at, na + nb, sizeof *w->vertex);
     return at;
 }
 
-/* A triangulated surface cuts across what is curved between its points, by as much as the
- * square of a triangle's sides: with their fourth power the variance of the gap grows at the
- * points that lie in it. */
-static void trust(const struct mesh *m, const struct location *loc, uint32_t n,
-                  float *out)
-{
-    const double side = CELLS_SIDE_MM * LATTICE_PER_MM;
-    const float over = (float)(1 / (3 * side * side));
-
-    for (uint32_t v = 0; v < n; v++) {
-        const uint32_t *k = &m->org[loc[v].he - loc[v].he % 3];
-        const struct ivec2 a = m->xy[k[0]], b = m->xy[k[1]], c = m->xy[k[2]];
-        const float ux = (float)(b.x - a.x), uy = (float)(b.y - a.y);
-        const float vx = (float)(c.x - b.x), vy = (float)(c.y - b.y);
-        const float wx = ux + vx, wy = uy + vy;
-        const float s =
-            over * (ux * ux + uy * uy + vx * vx + vy * vy + wx * wx + wy * wy);
-
-        out[v] = 1 / (1 + s * s);
-    }
-}
-
-enum status measure_gaps(const struct surface *tmpl, const struct surface *probe,
-                         const double transform[16], struct measure_work *w)
+/* The gap between tmpl and probe moved by transform at the vertices of either: w->moved, the
+ * locations and the gaps.  Where a moved point leaves the lattice, or the probe is seen edge-on,
+ * the surfaces have nothing in common: w->moved.mesh.nv is 0.  So it is on failure. */
+static enum status gaps(const struct surface *tmpl, const struct surface *probe,
+                        const double transform[16], struct measure_work *w)
 {
     const struct mesh *a = &tmpl->mesh, *b = &w->moved.mesh;
     unsigned char *block;
@@ -94,8 +72,6 @@ enum status measure_gaps(const struct surface *tmpl, const struct surface *probe
     }
     interpolate_mesh(a, b, w->moved_in_tmpl, w->moved_gap);
     interpolate_mesh(b, a, w->tmpl_in_moved, w->tmpl_gap);
-    trust(a, w->moved_in_tmpl, b->nv, w->moved_trust);
-    trust(b, w->tmpl_in_moved, a->nv, w->tmpl_trust);
     disparity_gaps(tmpl, &w->moved, w->tmpl_in_moved, false, w->tmpl_gap);
     disparity_gaps(&w->moved, tmpl, w->moved_in_tmpl, true, w->moved_gap);
     return ST_OK;
@@ -109,7 +85,7 @@ enum status measure_at(const struct surface *tmpl, const struct surface *probe,
 
     memset(out, 0, sizeof *out);
     w->general.nv = w->general.nt = 0;
-    st = measure_gaps(tmpl, probe, transform, w);
+    st = gaps(tmpl, probe, transform, w);
     if (st != ST_OK || w->moved.mesh.nv == 0)
         return st;
     st = merge_build(&tmpl->mesh, &w->moved.mesh, w->moved_in_tmpl, &w->scratch,

@@ -23,9 +23,6 @@ struct measure_work {
     struct location *tmpl_in_moved, *moved_in_tmpl;
     double *tmpl_gap, *moved_gap; /* at their vertices: moved minus template
                                      (disparity.h), lattice units */
-    float *tmpl_trust,
-        *moved_trust;    /* what these gaps count, 0..1: little where the other
-                                        surface's triangle is large (CELLS_SIDE_MM) */
     struct mesh general; /* the general triangulation; template vertices come first */
     uint32_t *b_vertex;  /* [moved nv] merge_build()'s */
     struct disparity_vertex *vertex; /* [general.nv] */
@@ -37,17 +34,8 @@ void measure_work_free(struct measure_work *w); /* w is empty again; NULL is all
  * keep bytes are kept (scratch_wipe()). */
 void measure_work_wipe(struct measure_work *w, size_t keep);
 
-/* measure_gaps(tmpl, probe, transform, w): the gap between tmpl and probe moved by transform
- * (mm, row-major 4 x 4, a rigid motion or a reflection) at the vertices of either: w->moved,
- * the locations, the gaps and what they count.
- * Where a moved point leaves the lattice, or the probe is seen edge-on, the surfaces have
- * nothing in common: w->moved.mesh.nv is 0.  So it is on failure.
- * Cost  O(n log n).  Returns ST_OK, ST_ENOMEM. */
-enum status measure_gaps(const struct surface *tmpl, const struct surface *probe,
-                         const double transform[16], struct measure_work *w);
-
-/* measure_at(tmpl, probe, transform, u, w, out): measure_gaps(), and the disparity of tmpl
- * (surface a) and the moved probe (surface b).
+/* measure_at(tmpl, probe, transform, u, w, out): the disparity of tmpl (surface a) and the probe
+ * (surface b) moved by transform (mm, row-major 4 x 4, a rigid motion or a reflection).
  * u  the weight; NULL: 1 everywhere
  * Surfaces with nothing in common: *out is all zero.  Then, and on failure, w->general.nv
  * is 0.

@@ -6,19 +6,19 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Units of the text's integers, per millimetre (of the weight: per 1). */
-#define MEAN_UNITS 1000
-#define REST_UNITS 10000
-#define MODE_UNITS 1000
-#define U_UNITS    1000
-#define MM_UNITS   1e6
-#define RATE_UNITS 1e9
+/* Units of the text's integers, per millimetre or per 1. */
+#define MEAN_UNITS   1000
+#define REST_UNITS   10000
+#define MODE_UNITS   1000
+#define SCALAR_UNITS 1000.0 /* of the scalars, and of scores */
+#define RATE_UNITS   1e9
 
-#define VERSION 2 /* of the text */
+#define VERSION 3 /* of the text */
 
 #define HEIGHT_MAX 200000 /* of the mean face, in its units */
 #define VALUE_MAX  100000
-#define CAP_MAX    100000000
+#define SCALAR_MAX 100000
+#define SCORE_MAX  10000000
 
 /* ---- reading */
 
@@ -110,11 +110,8 @@ static void table(struct reader *r, const char *word, float *out, size_t step, i
     }
 }
 
-static void basis(struct reader *r, const char *word, struct model_basis *b)
+static void modes(struct reader *r, struct model_basis *b)
 {
-    expect(r, word);
-    b->n = (uint32_t)integer(r, 0, MODEL_MODES);
-    table(r, "rest", b->rest, 1, 0, VALUE_MAX, REST_UNITS);
     for (uint32_t k = 0; k < b->n && !r->bad; k++) {
         table(r, "mode", &b->mode[0][k], MODEL_MODES, -VALUE_MAX, VALUE_MAX, MODE_UNITS);
         for (uint32_t i = 0; i < GRID_N; i++)
@@ -122,36 +119,47 @@ static void basis(struct reader *r, const char *word, struct model_basis *b)
     }
 }
 
-static void decision(struct reader *r, struct decision *d)
+static void basis(struct reader *r, const char *word, bool rest, struct model_basis *b)
 {
-    expect(r, "threshold");
-    d->threshold_mm = (double)integer(r, 1, INT32_MAX) / MM_UNITS;
-    expect(r, "halving");
-    d->halving_mm = (double)integer(r, 1, INT32_MAX) / MM_UNITS;
-    expect(r, "knots");
-    d->n = (uint32_t)integer(r, 2, DECISION_KNOTS);
-    for (uint32_t i = 0; i < d->n; i++) {
-        d->knot[i].mm = (double)integer(r, 1, INT32_MAX) / MM_UNITS;
-        d->knot[i].rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
-    }
-    r->bad |= r->bad || !decision_valid(d);
+    expect(r, word);
+    b->n = (uint32_t)integer(r, 0, MODEL_MODES);
+    if (rest)
+        table(r, "rest", b->rest, 1, 0, VALUE_MAX, REST_UNITS);
+    modes(r, b);
 }
 
-/* A mean face to lay others on and to bend, and something to weigh. */
+static double scalar(struct reader *r, const char *word, int64_t lo, int64_t hi)
+{
+    expect(r, word);
+    return (double)integer(r, lo, hi) / SCALAR_UNITS;
+}
+
+static void calibration(struct reader *r, struct calibration *c)
+{
+    c->threshold = scalar(r, "threshold", -SCORE_MAX, SCORE_MAX);
+    expect(r, "knots");
+    c->n = (uint32_t)integer(r, 2, CALIBRATION_KNOTS);
+    for (uint32_t i = 0; i < c->n; i++) {
+        c->knot[i].score = (double)integer(r, -SCORE_MAX, SCORE_MAX) / SCALAR_UNITS;
+        c->knot[i].rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
+    }
+    r->bad |= r->bad || !calibration_valid(c);
+}
+
+/* A mean face to lay others on, to bend and to measure; and modes that tell people apart. */
 static bool usable(const struct model *m)
 {
-    uint32_t face = 0, bends = 0, measured = 0, weighed = 0;
+    uint32_t face = 0, bends = 0, measured = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
-        face += isnan(m->mean[i]) ? 0 : 1;
-        bends += !isnan(m->mean[i]) && m->shape.rest[i] > 0.0f;
+        if (isnan(m->mean[i]))
+            continue;
+        face++;
+        bends += m->shape.rest[i] > 0.0f;
         measured += m->change.rest[i] > 0.0f;
-        weighed += m->change.rest[i] > 0.0f && m->weight[i] > 0.0f;
-        if (isnan(m->weight[i]))
-            return false;
     }
     return face >= MODEL_FACE_MIN && bends >= MODEL_FACE_MIN &&
-           measured >= MODEL_FACE_MIN && weighed >= 20;
+           measured >= MODEL_FACE_MIN && m->identity.n > 0;
 }
 
 enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line)
@@ -167,14 +175,14 @@ enum status model_parse(const char *text, size_t len, struct model *out, uint32_
         expect(&r, "name");
         if (!r.bad)
             name(&r, out->name);
-        expect(&r, "cap");
-        out->cap_mm = (float)((double)integer(&r, 1, CAP_MAX) / MM_UNITS);
-        decision(&r, &out->decision);
+        out->kinship = scalar(&r, "kinship", 0, (int64_t)SCALAR_UNITS - 1);
+        out->noise_floor_mm = scalar(&r, "noise_floor", 1, SCALAR_MAX);
+        out->noise_factor = scalar(&r, "noise_factor", 0, SCALAR_MAX);
+        calibration(&r, &out->calibration);
         table(&r, "mean", out->mean, 1, -HEIGHT_MAX, HEIGHT_MAX, MEAN_UNITS);
-        table(&r, "weight", out->weight, 1, 0, VALUE_MAX, U_UNITS);
-        basis(&r, "motion", &out->motion);
-        basis(&r, "change", &out->change);
-        basis(&r, "shape", &out->shape);
+        basis(&r, "change", true, &out->change);
+        basis(&r, "identity", false, &out->identity);
+        basis(&r, "shape", true, &out->shape);
         expect(&r, "end");
         skip_space(&r);
         if (r.bad || r.at != r.end || !usable(out))
@@ -219,32 +227,34 @@ static void put_table(struct writer *w, const char *word, const float *v, size_t
     put(w, "\n");
 }
 
-static void put_basis(struct writer *w, const char *word, const struct model_basis *b)
+static void put_basis(struct writer *w, const char *word, bool rest,
+                      const struct model_basis *b)
 {
     put(w, "%s %u\n", word, (unsigned)b->n);
-    put_table(w, "rest", b->rest, 1, REST_UNITS);
+    if (rest)
+        put_table(w, "rest", b->rest, 1, REST_UNITS);
     for (uint32_t k = 0; k < b->n; k++)
         put_table(w, "mode", &b->mode[0][k], MODEL_MODES, MODE_UNITS);
 }
 
 size_t model_write(const struct model *m, char *buf, size_t size)
 {
-    const struct decision *d = &m->decision;
+    const struct calibration *c = &m->calibration;
     struct writer w = {buf, size, 0};
 
-    put(&w, "surfaced-model %d\nname %s\ncap %lld\n", VERSION, m->name,
-        llrint((double)m->cap_mm * MM_UNITS));
-    put(&w, "threshold %lld\nhalving %lld\nknots %u\n",
-        llrint(d->threshold_mm * MM_UNITS), llrint(d->halving_mm * MM_UNITS),
-        (unsigned)d->n);
-    for (uint32_t i = 0; i < d->n; i++)
-        put(&w, "%lld %lld\n", llrint(d->knot[i].mm * MM_UNITS),
-            llrint(d->knot[i].rate * RATE_UNITS));
+    put(&w, "surfaced-model %d\nname %s\n", VERSION, m->name);
+    put(&w, "kinship %lld\nnoise_floor %lld\nnoise_factor %lld\n",
+        llrint(m->kinship * SCALAR_UNITS), llrint(m->noise_floor_mm * SCALAR_UNITS),
+        llrint(m->noise_factor * SCALAR_UNITS));
+    put(&w, "threshold %lld\nknots %u\n", llrint(c->threshold * SCALAR_UNITS),
+        (unsigned)c->n);
+    for (uint32_t i = 0; i < c->n; i++)
+        put(&w, "%lld %lld\n", llrint(c->knot[i].score * SCALAR_UNITS),
+            llrint(c->knot[i].rate * RATE_UNITS));
     put_table(&w, "mean", m->mean, 1, MEAN_UNITS);
-    put_table(&w, "weight", m->weight, 1, U_UNITS);
-    put_basis(&w, "motion", &m->motion);
-    put_basis(&w, "change", &m->change);
-    put_basis(&w, "shape", &m->shape);
+    put_basis(&w, "change", true, &m->change);
+    put_basis(&w, "identity", false, &m->identity);
+    put_basis(&w, "shape", true, &m->shape);
     put(&w, "end\n");
     return w.at;
 }

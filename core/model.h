@@ -1,16 +1,16 @@
-/* model.h -- the model: what is known of faces in general, learned from many scans.  A
- * comparison depends on it and on the two faces, nothing else.
+/* model.h -- the model: what is known of faces in general.  A comparison depends on it and on
+ * the two faces, nothing else.
  * One model is shipped (core/default.model, compiled in as model_default); `surfacectl train`
- * learns another.  How it is learned: learn/train.h and docs/accuracy.md. */
+ * learns another.  How it is learned: docs/model.md. */
 #ifndef CORE_MODEL_H
 #define CORE_MODEL_H
 #include <stddef.h>
 #include <stdint.h>
-#include "decision.h"
+#include "calibration.h"
 #include "grid.h"
 #include "status.h"
 
-#define MODEL_MODES    72 /* at most; a multiple of 8 (fit.c) */
+#define MODEL_MODES    104 /* at most; a multiple of 8 (fit.c) */
 #define MODEL_NAME_MAX 79
 #define MODEL_FACE_MIN 200 /* cells that a mean face must have: a sixth of the grid */
 
@@ -22,17 +22,24 @@ struct model_basis {
     float mode[GRID_N][MODEL_MODES];
 };
 
+/* One Gaussian model of faces.  A scan's gap from the mean face, at right angles to it, is
+ *     motion + change + identity + noise:
+ * the motion is what moving the mean face a little brings, and the modes are free of it. */
 struct model {
     char name[MODEL_NAME_MAX + 1]; /* what it was learned from; printable ASCII */
     float mean[GRID_N];            /* height of the mean face, mm; NAN off the face */
-    float weight[GRID_N]; /* u(x, y), 0 or more; the mean of those above 0 is 1 */
-    float cap_mm;         /* at which the rest of a cell is capped in the score */
-    /* of gaps at true poses: for the last steps of alignment */
-    struct model_basis motion;
-    struct model_basis change; /* of gaps at poses found: taken out before the score */
-    struct model_basis shape;  /* of heights of faces about the mean: what a face may look
-                                  like, identity and expression together (shape.h) */
-    struct decision decision;  /* its own calibration */
+    struct model_basis change; /* of gaps: what differs between two scans of one person */
+    struct model_basis identity; /* of gaps: what differs between people; its rest is 0 */
+    struct model_basis shape;    /* of heights: what a face may look like, identity and
+                                    change together (shape.h) */
+    double kinship; /* correlation of two people's identities, 0 to below 1: they have
+                              in common what the mean face has not */
+    double
+        noise_floor_mm; /* deviation of a scan's noise per cell, above 0: the root of */
+    double
+        noise_factor; /* (noise_factor residual)^2 + noise_floor_mm^2, where residual is
+                              the root mean square of what the shape leaves of the scan, mm */
+    struct calibration calibration; /* its own */
 };
 
 extern const struct model model_default;

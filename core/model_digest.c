@@ -53,11 +53,12 @@ static uint64_t digest_basis(uint64_t hash, const struct model_basis *b)
 
 static uint64_t digest_all(const struct model *m)
 {
+    const float scalar[] = {(float)m->kinship, (float)m->noise_floor_mm,
+                            (float)m->noise_factor};
     uint64_t hash = digest_floats(DIGEST_BASIS, m->mean, GRID_N);
 
-    hash = digest_floats(hash, m->weight, GRID_N);
-    hash = digest_floats(hash, &m->cap_mm, 1);
-    hash = digest_basis(digest_basis(hash, &m->motion), &m->change);
+    hash = digest_floats(hash, scalar, sizeof scalar / sizeof *scalar);
+    hash = digest_basis(digest_basis(hash, &m->change), &m->identity);
     return digest_basis(hash, &m->shape);
 }
 

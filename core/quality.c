@@ -149,17 +149,6 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
     return ST_OK;
 }
 
-enum status quality_place(const struct frame *frame)
-{
-    const bool loose =
-        frame->cost_mm > QUALITY_LOOSE_MM && frame->within < QUALITY_LOOSE_SHARE;
-
-    /* An unknown likeness is NAN, for which the comparison is false. */
-    if (frame->cost_mm > QUALITY_APART_MM || loose || frame->likeness < QUALITY_LIKENESS)
-        return ST_ENOTFACE;
-    return ST_OK;
-}
-
 /* Is the face turned away from the scanner?  The frame's pose maps the scanner's axes to the
  * face's. */
 static bool turned(const struct align_pose *p)
@@ -181,17 +170,16 @@ unsigned quality_reasons(const struct quality *q, const struct frame *frame)
     if (frame == NULL)
         return bits;
     bits |= turned(&frame->pose) ? 1U << QUALITY_TURNED : 0;
-    if (frame->cost_mm > QUALITY_UNUSUAL_MM || frame->likeness < QUALITY_UNUSUAL_LIKENESS)
-        bits |= 1U << QUALITY_UNUSUAL;
     return bits;
 }
 
 const char *quality_reason_name(enum quality_reason r)
 {
     static const char *const name[QUALITY_REASONS] = {
-        [QUALITY_SPARSE] = "sparse",         [QUALITY_NOISY] = "noisy",
-        [QUALITY_INCOMPLETE] = "incomplete", [QUALITY_TURNED] = "turned",
-        [QUALITY_UNUSUAL] = "unusual",
+        [QUALITY_SPARSE] = "sparse",
+        [QUALITY_NOISY] = "noisy",
+        [QUALITY_INCOMPLETE] = "incomplete",
+        [QUALITY_TURNED] = "turned",
     };
 
     return name[r];

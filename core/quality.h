@@ -30,26 +30,18 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
  * a tenth of the outline was measured; ST_ENOMEM. */
 enum status quality_rate(const struct surface *f, struct scratch *s, struct quality *q);
 
-/* quality_place(frame): the gate after alignment to the mean face: ST_ENOTFACE where the
- * surface is too far from it (QUALITY_APART_MM, QUALITY_LOOSE_MM) or its relief is not a
- * face's (QUALITY_LIKENESS), else ST_OK.  A coarse one, which lets narrow parts of a face pass,
- * of which no likeness can be told; what is enrolled, scan/gate.h judges. */
-enum status quality_place(const struct frame *frame);
-
 /* Defects of a scan that can still be used. */
 enum quality_reason {
     QUALITY_SPARSE,     /* density_mm above QUALITY_SPARSE_MM */
     QUALITY_NOISY,      /* noise_mm above QUALITY_NOISY_MM */
     QUALITY_INCOMPLETE, /* coverage below QUALITY_INCOMPLETE_SHARE */
-    QUALITY_TURNED,  /* away from the scanner: more than 30 degrees of yaw, or 20 of pitch
+    QUALITY_TURNED, /* away from the scanner: more than 30 degrees of yaw, or 20 of pitch
                            or roll */
-    QUALITY_UNUSUAL, /* farther from the mean face than QUALITY_UNUSUAL_MM, or less like it
-                           than QUALITY_UNUSUAL_LIKENESS */
     QUALITY_REASONS
 };
 
 /* quality_reasons(q, frame): the defects as bits, 1 << reason each; 0: none.
- * frame  NULL where it is not known; then the last two are not looked for */
+ * frame  NULL where it is not known; then the last is not looked for */
 unsigned quality_reasons(const struct quality *q, const struct frame *frame);
 
 /* quality_reason_name(r): "sparse", "noisy", ...; static. */

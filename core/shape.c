@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cells.h"
+#include "heights.h"
 #include "shape_cells.h"
 #include "shape_map.h"
 #include "tuning.h"
@@ -11,6 +12,7 @@
 struct shape_pass {
     float limit_mm; /* beyond which a cell counts nothing */
     double prior;   /* fit.h */
+    uint32_t modes; /* at most so many */
 };
 
 /* Parts of the face that something may cover, to start from the others. */
@@ -36,12 +38,13 @@ static bool in_part(enum part p, uint32_t cell)
     }
 }
 
-/* The surface that the coefficients a say. */
-static void bend(const struct shape_work *w, const double *a, float height[GRID_N])
+/* The surface that the first n coefficients say, the others being 0. */
+static void bend(const struct shape_work *w, const double *a, uint32_t n,
+                 float height[GRID_N])
 {
     float by[MODEL_MODES] = {0.0f};
 
-    for (uint32_t k = 0; k < w->modes->n; k++)
+    for (uint32_t k = 0; k < n; k++)
         by[k] = (float)a[k];
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *mode = w->modes->mode[i];
@@ -50,7 +53,7 @@ static void bend(const struct shape_work *w, const double *a, float height[GRID_
         height[i] = w->mean[i];
         if (isnan(height[i]))
             continue;
-        for (uint32_t k = 0; k < MODEL_MODES; k += 8)
+        for (uint32_t k = 0; k < n; k += 8)
             for (uint32_t l = 0; l < 8; l++)
                 sum[l] += mode[k + l] * by[k + l];
         height[i] += ((sum[0] + sum[4]) + (sum[2] + sum[6])) +
@@ -89,6 +92,23 @@ static void weigh(const struct shape_work *w, const float *height, const float *
     }
 }
 
+/* What the fit explains, in cells, where the points are over[] in front of it; less by so much as
+ * the coefficients are larger than faces' are. */
+static double worth_of(const struct shape_work *w, const float *over, const double *a)
+{
+    double sum = 0.0, square = 0.0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double r = (double)(over[i] * w->normal[i][2]) / SHAPE_WORTH_MM;
+
+        if (r * r < 1.0) /* NAN is not */
+            sum += (1.0 - r * r) * (1.0 - r * r);
+    }
+    for (uint32_t k = 0; k < w->modes->n; k++)
+        square += a[k] * a[k];
+    return sum - SHAPE_WORTH_COST * square;
+}
+
 /* First b, then a. */
 static struct align_pose follow(const struct align_pose *a, const struct align_pose *b)
 {
@@ -113,11 +133,32 @@ static void shift(const float *before, const float *height, float *over)
         over[i] += before[i] - height[i];
 }
 
+/* What is fitted to, in the frame of the start: points, or samples of a surface. */
+struct target {
+    struct shape_points *points; /* near the face */
+    const struct heights *samples;
+};
+
+/* How far the target, moved by pose, is in front of the surface height. */
+static void look(const struct target *t, const struct align_pose *pose,
+                 const float *height, float *over)
+{
+    if (t->samples == NULL) {
+        shape_map_make(t->points, pose, height, over);
+        for (int k = 0; k < SHAPE_FILL; k++)
+            shape_map_fill(height, over);
+        return;
+    }
+    heights_at(t->samples, pose, over);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        over[i] -= height[i];
+}
+
 /* Fit in passes, from the mean face; the first SHAPE_PART_PASSES see the part alone.  out->pose
- * then moves the points p; fixed: it does not. */
-static enum status fit_from(struct shape_work *w, struct shape_points *p, enum part part,
+ * then moves the target; fixed: it does not. */
+static enum status fit_from(struct shape_work *w, const struct target *t, enum part part,
                             const struct shape_pass *pass, uint32_t passes, bool fixed,
-                            struct shape_fit *out)
+                            bool rate, struct shape_fit *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
@@ -128,31 +169,49 @@ static enum status fit_from(struct shape_work *w, struct shape_points *p, enum p
     memset(out->a, 0, sizeof out->a);
     memcpy(out->height, w->mean, sizeof out->height);
     out->pose = still;
-    shape_map_make(p, &out->pose, out->height, over);
+    look(t, &out->pose, out->height, over);
     for (uint32_t k = 0; k < passes; k++) {
         enum status st;
 
         weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE,
               pass[k].limit_mm, &cells);
         w->fit.prior = pass[k].prior;
+        w->fit.modes = pass[k].modes < w->modes->n ? pass[k].modes : w->modes->n;
         st = fit_solve(&w->fit, &cells, fixed ? SHAPE_FIXED : SHAPE_TIE, 0, &w->solve,
                        &fit);
         if (st != ST_OK)
             return st;
         memcpy(out->a, fit.a, sizeof out->a);
         memcpy(before, out->height, sizeof before);
-        bend(w, out->a, out->height);
+        bend(w, out->a, w->fit.modes, out->height);
         if (fixed) {
             shift(before, out->height, over);
         } else {
             align_pose_move(&out->pose, centre, fit.x);
-            shape_map_make(p, &out->pose, out->height, over);
+            look(t, &out->pose, out->height, over);
         }
     }
-    shape_cells_rate(w, over, out);
+    out->worth = worth_of(w, over, out->a);
+    if (rate)
+        shape_cells_rate(w, over, out);
     return ST_OK;
 }
 
+enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                       const struct align_pose *start, struct shape_fit *out)
+{
+    static const struct shape_pass pass[] = SHAPE_SEEK;
+    struct shape_points p;
+    enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
+
+    if (st == ST_OK)
+        st = fit_from(w, &(struct target){.points = &p}, WHOLE, pass,
+                      sizeof pass / sizeof *pass, false, false, out);
+    out->pose = follow(&out->pose, start);
+    return st;
+}
+
+/* The fits from a start, of parts; *out becomes one that is worth more. */
 static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size_t n,
                              const struct align_pose *start, enum part from, enum part to,
                              struct shape_fit *out)
@@ -164,8 +223,9 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
     enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
 
     for (enum part part = from; st == ST_OK && part <= to; part++) {
-        st = fit_from(w, &p, part, pass, passes, false, &one);
-        if (st != ST_OK || !(one.support > out->support))
+        st = fit_from(w, &(struct target){.points = &p}, part, pass, passes, false, true,
+                      &one);
+        if (st != ST_OK || !(one.worth > out->worth))
             continue;
         *out = one;
         out->pose = follow(&one.pose, start);
@@ -177,28 +237,25 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out)
 {
-    struct shape_fit part = {.support = -INFINITY};
+    struct shape_fit part = {.worth = -INFINITY};
     enum status st = ST_OK;
     uint32_t best = 0;
 
-    out->support = -INFINITY;
+    out->worth = -INFINITY;
     out->skin = out->cover = out->apart = out->sure = 0;
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
-        const double before = out->support;
+        const double before = out->worth;
 
         st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
-        best = out->support > before ? i : best;
+        best = out->worth > before ? i : best;
     }
     if (!hard || st != ST_OK)
         return st;
-    if (out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart)) {
-        st = fit_start(w, pts, n, &start[best], UPPER, LOWER, &part);
-        if (st == ST_OK && part.sure >= SHAPE_SURE_CELLS && part.support > out->support)
-            *out = part;
-        return st;
-    }
-    for (uint32_t i = 0; st == ST_OK && i < nstart; i++)
-        st = fit_start(w, pts, n, &start[i], WHOLE + 1, PARTS - 1, out);
+    if (out->skin < SHAPE_GOOD * (out->skin + out->cover + out->apart))
+        return fit_start(w, pts, n, &start[best], WHOLE + 1, PARTS - 1, out);
+    st = fit_start(w, pts, n, &start[best], UPPER, LOWER, &part);
+    if (st == ST_OK && part.sure >= SHAPE_SURE_CELLS && part.worth > out->worth)
+        *out = part;
     return st;
 }
 
@@ -210,7 +267,31 @@ enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
     enum status st = shape_map_points(pts, n, pose, w->mean, &w->points, &p);
 
     if (st == ST_OK)
-        st = fit_from(w, &p, WHOLE, pass, sizeof pass / sizeof *pass, true, out);
+        st = fit_from(w, &(struct target){.points = &p}, WHOLE, pass,
+                      sizeof pass / sizeof *pass, true, true, out);
     out->pose = *pose;
     return st;
+}
+
+enum status shape_place(struct shape_work *w, const struct surface *f,
+                        const struct align_pose *start, uint32_t nstart,
+                        struct shape_fit *out)
+{
+    static const struct shape_pass pass[] = SHAPE_PLACE;
+    struct shape_fit one;
+    struct heights samples;
+    enum status st = ST_OK;
+
+    out->worth = -INFINITY;
+    for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
+        if ((st = heights_take(f, &start[i], &w->points, &samples)) == ST_OK)
+            st = fit_from(w, &(struct target){.samples = &samples}, WHOLE, pass,
+                          sizeof pass / sizeof *pass, false, true, &one);
+        if (st != ST_OK || !(one.worth > out->worth))
+            continue;
+        *out = one;
+        out->pose = follow(&one.pose, &start[i]);
+    }
+    /* As whoever knows the pose alone sees it. */
+    return st != ST_OK ? st : heights_of(f, &out->pose, &w->points, out->z);
 }

@@ -20,6 +20,8 @@
 #include "shape_work.h"
 #include "status.h"
 
+struct surface; /* surface.h */
+
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
@@ -35,6 +37,18 @@
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out);
+
+/* shape_seek(w, pts, n, start, out): quickly, by few modes, from a start that is right to about 25 mm and 20 degrees:
+ * out's pose, a, height and worth alone. */
+enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                       const struct align_pose *start, struct shape_fit *out);
+
+/* shape_place(w, f, start, nstart, out): the fit of most support to a surface of a face alone,
+ * from nstart > 0 starting poses, as shape_fit(), not hard: the canonical frame of a face.
+ * Cost  about 0.8 ms for each start.  Returns ST_OK, ST_ENOMEM. */
+enum status shape_place(struct shape_work *w, const struct surface *f,
+                        const struct align_pose *start, uint32_t nstart,
+                        struct shape_fit *out);
 
 /* shape_judge(w, pts, n, pose, out): the same at a pose that is known: cheap, for a face whose
  * frame has been found (frame.h).  out->pose = *pose.  About 0.15 ms for 3,000 points.

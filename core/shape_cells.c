@@ -163,10 +163,26 @@ static void classify(const struct shape_work *w, const float *gap, uint8_t *cell
     }
 }
 
+static double residual(const float *gap)
+{
+    double sum = 0;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float left = fminf(fabsf(gap[i]), (float)SHAPE_RESIDUAL_MM);
+
+        if (isnan(gap[i]))
+            continue;
+        sum += (double)left * (double)left;
+        n++;
+    }
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
 void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
                       struct shape_fit *fit)
 {
-    float gap[GRID_N], z[GRID_N];
+    float gap[GRID_N], *const z = fit->z;
     uint32_t skin[GRID_N], near, behind;
     double a = 0;
 
@@ -174,6 +190,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
         gap[i] = over[i] * w->normal[i][2];
         z[i] = fit->height[i] + over[i];
     }
+    fit->residual_mm = residual(gap);
     classify(w, gap, fit->cell, &near, &behind);
     fit->sure = shape_cover_mark(w, gap, z, fit->height, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;

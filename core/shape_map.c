@@ -185,3 +185,28 @@ void shape_map_make(struct shape_points *p, const struct align_pose *pose,
     for (uint32_t i = 0; i < GRID_N; i++)
         out[i] = count[i] > 0 ? sum[i] / (float)count[i] : (float)NAN;
 }
+
+void shape_map_fill(const float height[GRID_N], float over[GRID_N])
+{
+    float was[GRID_N + 2 * GRID_NX];
+    float *const at = was + GRID_NX; /* with a row of none below and above */
+
+    for (uint32_t i = 0; i < GRID_N + 2 * GRID_NX; i++)
+        was[i] = (float)NAN;
+    memcpy(at, over, GRID_N * sizeof *at);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float none = (float)NAN;
+        const float beside[4] = {i % GRID_NX > 0 ? at[i - 1] : none,
+                                 i % GRID_NX < GRID_NX - 1 ? at[i + 1] : none, was[i],
+                                 at[i + GRID_NX]};
+        float sum = 0.0f, n = 0.0f;
+
+        if (!isnan(over[i]) || isnan(height[i]))
+            continue;
+        for (int k = 0; k < 4; k++) {
+            sum += isnan(beside[k]) ? 0.0f : beside[k];
+            n += isnan(beside[k]) ? 0.0f : 1.0f;
+        }
+        over[i] = n > 1.0f ? sum / n : none;
+    }
+}

@@ -38,4 +38,8 @@ void shape_map_slope(const float h[GRID_N], uint32_t i, float *zx, float *zy);
 void shape_map_make(struct shape_points *p, const struct align_pose *pose,
                     const float height[GRID_N], float out[GRID_N]);
 
+/* shape_map_fill(height, over): cells of the surface without points take the mean of those beside
+ * them, where two or more have one. */
+void shape_map_fill(const float height[GRID_N], float over[GRID_N]);
+
 #endif

@@ -18,11 +18,16 @@ enum shape_cell {
 };
 
 struct shape_fit {
-    struct align_pose pose;      /* points -> canonical frame, mm */
-    double a[MODEL_MODES];       /* coefficients of the modes */
-    float height[GRID_N];        /* of the fitted face, mm; NAN off it */
-    uint8_t cell[GRID_N];        /* enum shape_cell */
+    struct align_pose pose; /* points -> canonical frame, mm */
+    double a[MODEL_MODES];  /* coefficients of the modes */
+    float height[GRID_N];   /* of the fitted face, mm; NAN off it */
+    float z[GRID_N];        /* of the points; NAN: none */
+    uint8_t cell[GRID_N];   /* enum shape_cell */
+    /* root mean square of what the fit leaves of the cells with points, each up to
+     * SHAPE_RESIDUAL_MM */
+    double residual_mm;
     uint32_t skin, cover, apart; /* cells of each kind */
+    double worth;   /* by which fits to the same points are chosen (shape.h) */
     uint32_t sure;  /* cells in front of the face as no expression is (shape_cover.h) */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */

@@ -109,26 +109,12 @@
  * most; a face seen from 28 degrees aside folds over itself in a tenth of its points. */
 #define QUALITY_SPIKES_MAX 0.25
 
-/* Mean distance from the mean face (mm, capped, L1) above which a scan is no face; a lower
- * limit holds where less than LOOSE_SHARE of its points lie over the mean face.  Of 1,200
- * scans of faces the farthest had 2.90 mm, and 0.74 was the least share. */
-#define QUALITY_APART_MM    3.2
-#define QUALITY_LOOSE_MM    2.8
-#define QUALITY_LOOSE_SHARE 0.6
-
-/* Least likeness (frame.h).  Of 1,200 scans of faces the least had 0.47, of half faces 0.48;
- * refuses 96 % of cylinders and 95 % of faces upside down. */
-#define QUALITY_LIKENESS 0.35
-
 /* Warnings.  Density (mm): beyond it the score begins to fall, and with it q->score.  The
- * others: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm, distance 2.68
- * mm, likeness 0.72); a third of the outline missing; turns beyond what align_search() is
+ * others: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm); a third of the outline missing; turns beyond what align_search() is
  * made for. */
 #define QUALITY_SPARSE_MM        3.0
 #define QUALITY_NOISY_MM         0.6
 #define QUALITY_INCOMPLETE_SHARE 0.7
-#define QUALITY_UNUSUAL_MM       2.75
-#define QUALITY_UNUSUAL_LIKENESS 0.55
 #define QUALITY_TURNED_YAW_DEG   30
 #define QUALITY_TURNED_OTHER_DEG 20 /* pitch, roll */
 
@@ -200,34 +186,9 @@
 /* mm, along x: wider than any head.  By hand. */
 #define SCAN_PLAIN_WIDE_MM 300
 
-/* The gate (scan/gate.h): the evidence that an enrolment needs, and a probe.  Of 1,400 scans of
- * faces the least support is 0.61 (neutral ones; one expression 0.43), likeness 2.08, share seen
- * 0.49, likeness of the forehead 0.53, detail 0.61; of 300 made-up ones 0.63, 1.8, 0.69, 0.36 and
- * 0.67.  All of the evidence (weights by hand) is 15.86 at least of 1,396 and 15.99 of 299, with a
- * median of 19.2 and 18.3; of 191 surfaces sought against it 5 have more, 15.7 to 16.4.  Detail
- * has the weight that makes it tell most beside the others: of surfaces that a search found without
- * it the median is 0.51.  Of 9 that a search found without the forehead 8 showed none of it; faces
- * show 19 % at least.
- * Probes covered by masks and glasses have 0.28 and 1.7 at least. */
-#define GATE_SUPPORT        0.55
-#define GATE_LIKENESS       1.5
-#define GATE_EYES           0.42
-#define GATE_SEEN           0.45
-#define GATE_FOREHEAD       0.3
-#define GATE_DETAIL         0.5
-#define GATE_EVIDENCE       15.6
-#define GATE_SUPPORT_PROBE  0.2
-#define GATE_LIKENESS_PROBE 1.2
-
-/* An enrolment of less support than SURE is fitted at other scales too, and refused where the
- * support of one is more by GAIN: of faces it is 0.1 at most, of 48 that are 1.25 times as large
- * 0.3 in the median. */
-#define GATE_SURE       0.7
-#define GATE_SCALE_GAIN 0.15
-
 /* Share of the face that may be covered at enrolment; and from which it is told, as is the
  * share of points elsewhere. */
-#define SCAN_OCCLUDED_MOST  0.15
+#define SCAN_OCCLUDED_MOST  0.2
 #define SCAN_OCCLUDED_SOME  0.05
 #define SCAN_ELSEWHERE_SOME 0.05
 
@@ -428,15 +389,6 @@
  * gap at right angles says little there, and the area is seen edge-on. */
 #define CELLS_STEEP 0.25
 
-/* mm^2: smaller triangles are sampled once, larger ones at three points, so that no cell
- * under a triangle is passed over. */
-#define CELLS_SMALL_MM2 4.0
-
-/* Root mean square of the sides, mm, of a triangle in which a gap counts half: over a face's
- * curvature it is off by some 0.3 mm there.  Of 720 pairs with 800 points, 1 % of spikes and
- * 20 % of holes 12 are refused instead of 68; 8 and 9.5 fare alike. */
-#define CELLS_SIDE_MM 9.0
-
 /* Huber's limit, in standard deviations: 1.2 % of a normal distribution lies beyond. */
 #define FIT_HUBER 2.5
 
@@ -454,13 +406,25 @@
  * third of it the worst of 20 faces with glasses has no more support than the best of 200 things
  * that are no faces; with twice as much 88 % of the cells of masks are told instead of 96. */
 /* clang-format off */
-#define SHAPE_PASSES { {12, 100}, {12, 100}, {8, 50}, {8, 50}, {5, 20}, {5, 20}, {3, 10}, {3, 10} }
+#define SHAPE_PASSES { {12, 100, 88}, {12, 100, 88}, {8, 50, 88}, {8, 50, 88}, {5, 20, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
+#define SHAPE_SEEK { {25, 100, 8}, {18, 100, 16}, {12, 100, 16}, {12, 100, 16}, {8, 50, 16} }
+#define SHAPE_FILL 1
+#define SHAPE_WORTH_MM 2.5
+#define SHAPE_WORTH_COST 2.5
 /* clang-format on */
 #define SHAPE_PART_PASSES 4
 
+/* The same for a face that stands alone, near its pose. */
+/* clang-format off */
+#define SHAPE_PLACE { {12, 100, 88}, {8, 50, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
+/* clang-format on */
+
+/* mm: the most that a cell adds to the residual. */
+#define SHAPE_RESIDUAL_MM 5.0
+
 /* At a pose that is known one pass tells as much. */
 /* clang-format off */
-#define SHAPE_JUDGE { {12, 10} }
+#define SHAPE_JUDGE { {12, 10, 88} }
 /* clang-format on */
 
 /* The prior on the motion, 1 / mm^2 (fit.h): next to none, and so strong that nothing moves.
@@ -556,81 +520,13 @@
  * have 0.96 at least. */
 #define SHAPE_GOOD 0.95
 
-/* ---- the score (score.h) */
-
-/* The pose is known within about half a degree and half a millimetre (docs/accuracy.md, "The
- * pose"): how far the fit may still move the probe, 1 / mm^2. */
-#define SCORE_TIE 4.0
-
-/* Reweightings of the robust fit.  By hand. */
-#define SCORE_PASSES 2
-
-/* Share of the roughness that is taken off: 97.9 instead of 92.5 % accepted with 1,000
- * points, 92.5 instead of 90.3 with an expression on a coarse, noisy grid. */
-#define SCORE_ROUGH 0.6
-
-/* Below this share of a whole face's weight the score is raised, by THIN for all of it
- * missing.  0.85 is what whole faces cover; 0.2 to 0.5 fare alike ("Partial scans"). */
-#define SCORE_WHOLE 0.85
-#define SCORE_THIN  0.3
-
-/* The parts of a face that are scored alone, mm in the frame: UPPER, above this, with the nose
- * (to X on either side, from LOW up); LOWER, below this; MIDDLE, what of the upper one is below
- * this and within X.  4 mm more or less on any side fare alike ("The parts").  The smaller a part,
- * the better the modes explain it: the middle's score is raised to MORE times as much.  And the
- * share of a part's weight that must be covered. */
-#define SCORE_NOSE_X_MM   17.0
-#define SCORE_NOSE_LOW_MM (-12.0)
-#define SCORE_UPPER_MM    12.0
-#define SCORE_LOWER_MM    34.0
-#define SCORE_MIDDLE_X_MM 46.0
-#define SCORE_MIDDLE_MM   42.0
-#define SCORE_MIDDLE_MORE 1.4
-#define SCORE_PART_SEEN   0.8
-
-/* Share of a region's weight that must be covered for the region to have a score. */
-#define SCORE_REGION_MIN (1.0 / 3.0)
-
 /* ---- the decision (face.h) */
 
-/* A comparison over less than this share of the template's measured area, or of a whole
- * face's weight, is inconclusive.  Down to a fifth of the weight the false match rate does
- * not rise; below, there were eight comparisons ("Partial scans"). */
-#define DECISION_MIN_OVERLAP 0.3
-#define DECISION_MIN_WEIGHT  0.2
-
-/* The threshold rises by RISE mm for each mm of noise above MM, up to MOST_MM (more was not
- * measured), and by no more than ROUGH_RISE times the roughness above ROUGH_MM, the least
- * that such noise makes.  One person's scores rise by 0.13, strangers' lowest by 0.06 to 0.09.
- * Of 29,893 non-mated comparisons above MM 5, 12, 15 match with a RISE of 0.08, 0.09, 0.1
- * ("Noise").  From 0.5 mm on, a close relative more would match. */
-#define DECISION_NOISE_MM      0.55
-#define DECISION_NOISE_MOST_MM 1.0
-#define DECISION_NOISE_RISE    0.09
-#define DECISION_ROUGH_MM      0.125
-#define DECISION_ROUGH_RISE    0.5
-
-/* From SOME of the face hidden to MUCH the threshold falls by LESS of it, and the scores up to
- * DOUBT of it above that become inconclusive.  With glasses or a mask 0.8 and 1.3 % of the
- * strangers are below the full threshold, 0.04 and 0.12 % below four fifths of it; of the
- * scores of one person none was beyond the doubt ("Hidden faces"). */
-#define DECISION_HIDDEN_SOME  0.05
-#define DECISION_HIDDEN_MUCH  0.2
-#define DECISION_HIDDEN_LESS  0.2
-#define DECISION_HIDDEN_DOUBT 0.5
-
-/* Where the score is above the threshold t, by RISE t at most, and that of a part of the face
- * alone at or below PART t, it is a match.  Of expressions that were left out in learning 97.0 %
- * match instead of 82.5, at a false match rate of 0.080 instead of 0.069 %; with 0.81 t 98 %, at
- * 0.09 %.  Beyond RISE nobody was found ("The parts"). */
-#define DECISION_PART      0.77
-#define DECISION_PART_RISE 0.5
-
-/* A non-match is that of a mirrored scan where its mirror image matches, with less than this
- * share of its score.  Of 110 mirrored scans that do not match all but one are told; of 5,943
- * strangers none had a mirror image that matched where he did not, and where it came below
- * 0.2 mm the share was 0.83 or more ("Mirror images"). */
-#define DECISION_MIRRORED 0.8
+/* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
+ * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20
+ * to 65, to 26 or more; of 120 strangers the mirror image of one matches, with 10.3, where the
+ * scan does not. */
+#define DECISION_MIRRORED 10.0
 
 /* ---- finding a face in a cloud (scan/find.h)
  * Keys, counts and times are those of 20 simulated people as scanners deliver them (whole heads,
@@ -644,114 +540,52 @@
 
 /* The largest side, mm, of what may be a head with shoulders, and of a room; leaving out one
  * point in STRAY_IN at either end, or, where that finds nothing, one in STRAYS_IN.  The
- * smallest crops are 130 mm, busts 500. */
+ * smallest crops are 130 mm, busts 500.  Nothing farther than REACH from the median is looked
+ * at. */
 #define FIND_HEAD_MIN_MM 110
 #define FIND_ROOM_MIN_MM 900
 #define FIND_ROOM_MAX_MM 6000
 #define FIND_STRAY_IN    100
 #define FIND_STRAYS_IN   10
+#define FIND_REACH_MM    4000
 
-/* Cells of 20 mm from the median that a grid reaches on each side: numbers of voxels have 32
- * bits. */
-#define FIND_REACH_CELLS 200
+/* A view (find_view.h), mm: its cells; a nose stands out by OUT from a ring about it, of which so
+ * many of 16 places must be SEEN; what lies farther than NEAR before or behind the nose is
+ * something else.  The samples of the mean face: without what hair, a collar or the view hides.
+ * So great a share of them must be SEEN; gaps count up to CAP; the plane may be so STEEP. */
+#define FIND_CELL_MM        8.0
+#define FIND_RING_MM        32.0
+#define FIND_RING_SEEN      10
+#define FIND_OUT_MM         5.0
+#define FIND_NEAR_MM        60.0
+#define FIND_FACE_X_MM      54.0
+#define FIND_FACE_BOTTOM_MM (-62.0)
+#define FIND_FACE_TOP_MM    50.0
+#define FIND_SEEN           0.6
+#define FIND_CAP_MM         6.0
+#define FIND_STEEP          0.6
 
-/* A face has so many points at least; the whole of it in one part. */
-#define FIND_PART_POINTS 300
+/* Starts that are kept, and of these followed by a quick fit at most: of those along a scanner's
+ * axes, and of the others. */
+#define FIND_STARTS       64
+#define FIND_SEEKS        12
+#define FIND_SEEKS_OTHERS 30
 
-/* A nose sticks out of what lies within BALL of its tip, mm, by 10 (covered) to 22 mm; more
- * than MAX is sorted as MAX.  A ball has so many voxels at least; a scan of 300 points a face
- * 40, a solid more than twice as many as SOLID, the greatest number in the 100 mm about a
- * cell.  Noses are APART.  At most so many voxels are tried for one. */
-#define FIND_BALL_MM      45.0
-#define FIND_OUT_MIN_MM   4.0
-#define FIND_OUT_MAX_MM   32.0
-#define FIND_BALL_VOXELS  24
-#define FIND_SOLID_VOXELS 1500
-#define FIND_APART_MM     12.0
-#define FIND_LOOKS        4000
+/* Noses looked at in all, some 4 us each, before the search ends with what it has. */
+#define FIND_NOSES 40000
 
-/* Noses are looked for in so many cells, the densest, of so many points at least: 2.4 m^2 of
- * surface.  A whole head has 700, a wall behind one 3,000 or more. */
-#define FIND_CELLS       6000
-#define FIND_CELL_POINTS 2
-
-/* Noses tried, and poses refined, the best first: in a cloud or part of a head's size; the
- * same with tilted axes; in a room as a whole, where corners and edges stick out as well (with
- * 40 noses a third of the cluttered rooms, with 150 half, with 300 two thirds). */
-#define FIND_NOSES         40
-#define FIND_PLACES        12
-#define FIND_NOSES_TILTED  60
-#define FIND_PLACES_TILTED 60
-#define FIND_NOSES_ROOM    250
-#define FIND_PLACES_ROOM   24
-#define FIND_STARTS        60 /* kept, to choose from */
-
-/* Axes are tilted by 28 degrees: of a half profile too much is missing around the nose. */
-#define FIND_TILT_COS 0.88294759285892694203
-#define FIND_TILT_SIN 0.46947156278589077596
-
-/* Parts that are searched with tilted axes, those with the best keys: the right one was the
- * best or the second; and voxels of parts that are kept for that. */
-#define FIND_TILTED      3
-#define FIND_KEPT_VOXELS 400000
-
-/* What of a cloud may belong to the face at a nose, mm: within NEAR of the tip; not more than
- * FRONT in front of the mean face nor BEHIND behind it.  Distances count up to FAR in the cost
- * of a starting pose. */
-#define FIND_NEAR_MM   150.0
-#define FIND_FRONT_MM  25.0
-#define FIND_BEHIND_MM 40.0
-#define FIND_FAR_MM    10.0
-
-/* Half the size, mm, of the box about the mean face that a refinement looks at: 30 mm more
- * than the face. */
-#define FIND_BOX_X_MM 94.0
-#define FIND_BOX_Y_MM 112.0
-#define FIND_BOX_Z_MM 130.0 /* behind the nose */
-
-/* Refinement: Tukey's limits, mm, coarse and fine; in front of the mean face this share of
- * them: glasses and masks pulled poses by 7 and 11 degrees, now by 2.  A stage ends after so
- * many steps or one shorter than SHORT. */
-#define FIND_TUKEY_COARSE_MM                                                             \
-    {                                                                                    \
-        25, 15                                                                           \
-    }
-#define FIND_TUKEY_FINE_MM                                                               \
-    {                                                                                    \
-        8, 5                                                                             \
-    }
-#define FIND_TUKEY_FRONT 0.5
-#define FIND_STEPS       4
-#define FIND_SHORT_MM    0.5
-#define FIND_DAMPING     1e-3
-
-/* The key: the share of the mean face's cells with points, each counted by Tukey's weight at
- * SCORE, less those COVER behind, and LIKENESS times the likeness of what is not COVER in
- * front.  FLAT: the slope of cells at the edge, which have none.  By a key without COVER 12 of
- * 20 faces with glasses were turned over or shifted, now none. */
-#define FIND_SCORE_MM     6.0
-#define FIND_COVER_MM     5.0
-#define FIND_KEY_LIKENESS 0.7
-#define FIND_EDGE_FLAT    0.7
-
-/* Keys.  Wrong poses have 1.04 at most, 99 in 100 less than 0.98; right ones of uncovered
- * faces 1.2 or more, of covered ones 0.85 to 1.3.  PLAIN is a face; where there is a LIKELY one
- * the costliest ways are not tried; a HOPEFUL coarse pose is refined at once, the FINE best of
- * the others when all have been seen. */
-#define FIND_PLAIN   1.1
-#define FIND_LIKELY  1.0
-#define FIND_HOPEFUL 0.8
-#define FIND_FINE    8
+/* The worth (shape.h) of a quick fit that is plainly a face: of those along a scanner's axes, and
+ * of others, among which the smooth back of a head is; and of what may well be one, so that other
+ * units are not tried. */
+#define FIND_PLAIN        450.0
+#define FIND_PLAIN_OTHERS 600.0
+#define FIND_LIKELY       300.0
 
 /* Poses are the same within MM and 10 degrees (1 + 2 cos).  Another face is OTHER_MM away, of
- * nose from nose, and its starting pose costs less than COST (right ones 3 to 7 mm). */
-#define FIND_SAME_MM       10.0
-#define FIND_SAME_TRACE    2.9696
-#define FIND_OTHER_MM      120.0
-#define FIND_OTHER_COST_MM 7.0
-
-/* Points and voxels looked at, some 15 ns each, before the search ends with what it has: twice
- * what a cluttered room of 300,000 points takes. */
-#define FIND_WORK 8000000
+ * nose from nose, and its start costs less than COST. */
+#define FIND_SAME_MM    10.0
+#define FIND_SAME_TRACE 2.9696
+#define FIND_OTHER_MM   120.0
+#define FIND_OTHER_COST 18.0
 
 #endif

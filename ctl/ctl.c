@@ -43,7 +43,7 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
     if (c->yes)
         return ST_OK;
     if (terminal) {
-        (void)fprintf(stderr, "This %s for good.\nType %s to go on: ", what, word);
+        (void)fprintf(stderr, "This %s.\nType %s to go on: ", what, word);
         if (fgets(line, sizeof line, stdin) != NULL) {
             line[strcspn(line, "\r\n")] = '\0';
             if (strcmp(line, word) == 0)
@@ -53,8 +53,7 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
     c->code = EXIT_USAGE;
     return errinfo_set(
         &c->e, ST_EDENIED,
-        "nothing was changed: what %.120s needs --yes, or %.40s typed on a terminal",
-        what, word);
+        "not done: this %.160s. Use --yes, or type \"%.40s\" on a terminal", what, word);
 }
 
 const char *ctl_bytes(uint64_t n, char out[32])

@@ -72,13 +72,13 @@ struct ctl {
     struct ctl_scans scans;
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */
-    double threshold_mm;    /* 0: the default */
+    double threshold;       /* NAN: the default */
     double fmr;             /* that is wanted; 0: the default */
     uint32_t threads;       /* 0: one a core */
     const char *public_key; /* 64 hexadecimal digits, or NULL */
     struct ctl_expires expires;
     const char *model_path; /* --model; NULL: the shipped one */
-    bool dry_run, yes, json, help, version;
+    bool dry_run, yes, force, json, help, version;
 
     const struct model *model;        /* that model_path names */
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */

@@ -47,7 +47,7 @@ static enum status measure(struct ctl *c)
         describe_asymmetry(c->out, &a, &f, c->engine,
                            &(struct describe_times){.parse = NAN,
                                                     .prepare = NAN,
-                                                    .measure = end - prepared,
+                                                    .minimal = end - prepared,
                                                     .total = end - start});
         if (!c->json)
             print_asymmetry(&a, &f, &found);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "calibrate.h"
-#include "calibration.h"
+#include "in_force.h"
 #include "model.h"
 #include "rates.h"
 #include "ctl_command.h"
@@ -18,10 +18,7 @@
 #define DEFAULT_FMR  0.001
 #define LEAST_LIMIT  20000.0 /* non-mated comparisons: so many, or */
 #define ERRORS_LIMIT 60.0    /* as many as give so many errors at the wanted rate */
-#define SUSPICIOUS                                                                       \
-    1e-4            /* false match rate by the shipped table, below which two people
-                                may be one, or relatives */
-#define SUSPECTS 20 /* shown as text; all as JSON */
+#define SUSPECTS     20      /* shown as text; all as JSON */
 
 static bool wants_list, wants_reset; /* --list, --reset */
 static const char *mated;            /* --mated */
@@ -39,6 +36,13 @@ struct result {
 
 /* ---- two ids, one face? */
 
+/* From this score on two people may be one, or relatives: the highest that the shipped table
+ * gives a false match rate for. */
+static const struct calibration_knot *suspicious(const struct ctl *c)
+{
+    return &c->model->calibration.knot[c->model->calibration.n - 1];
+}
+
 /* Pairs of subjects that are too alike, each once, the most alike first. */
 static enum status find_suspects(const struct ctl *c, struct result *r)
 {
@@ -50,15 +54,14 @@ static enum status find_suspects(const struct ctl *c, struct result *r)
     for (size_t i = 0; i < p->nscore; i++) {
         const struct rates_score *s = &p->score[i];
 
-        if (s->template == s->probe ||
-            decision_fmr(&c->model->decision, s->mm) >= SUSPICIOUS)
+        if (s->template == s->probe || s->score < suspicious(c)->score)
             continue;
         r->suspect[n++] = s->template <s->probe ? (struct ctl_pair){.x = s->template,
                                                                     .y = s->probe,
-                                                                    .mm = s->mm}
+                                                                    .score = s->score}
                                                 : (struct ctl_pair){.x = s->probe,
                                                                     .y = s->template,
-                                                                    .mm = s->mm};
+                                                                    .score = s->score};
     }
     r->nsuspect = ctl_pairs_sort(r->suspect, n);
     return ST_OK;
@@ -107,6 +110,16 @@ static enum status compare_all(struct ctl *c, struct result *r)
     return st;
 }
 
+/* The highest score: where no threshold keeps the rate, the interval ends there. */
+static double highest(const struct ctl_cross *p)
+{
+    double most = -(double)INFINITY;
+
+    for (size_t i = 0; i < p->nscore; i++)
+        most = fmax(most, p->score[i].score);
+    return most;
+}
+
 /* From the scores to the calibration. */
 static enum status learn(struct ctl *c, struct result *r)
 {
@@ -119,17 +132,17 @@ static enum status learn(struct ctl *c, struct result *r)
     if (st == ST_OK)
         st = find_suspects(c, r);
     if (st == ST_OK)
-        st = calibrate_learn(r->rates, c->fmr, &k->decision);
-    threshold = k->decision.threshold_mm;
+        st = calibrate_learn(r->rates, c->fmr, &k->table);
+    threshold = k->table.threshold;
     if (st == ST_OK)
-        st = rates_at_bootstrap(r->rates, c->fmr, RATES_REPLICATES, SEED, &k->low_mm,
-                                &k->high_mm);
+        st = rates_at_bootstrap(r->rates, c->fmr, RATES_REPLICATES, SEED, &k->low,
+                                &k->high);
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, RATES_REPLICATES, SEED, &low, &high);
     if (st != ST_OK)
         return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));
-    k->low_mm = fmin(fmax(0, k->low_mm), threshold);
-    k->high_mm = fmax(k->high_mm, threshold);
+    k->low = fmin(k->low, threshold);
+    k->high = fmax(fmin(k->high, highest(&r->cross)), threshold);
     k->fmr = c->fmr;
     k->subjects = r->cross.nsubject;
     k->impostors = rates_nimpostor(r->rates);
@@ -137,8 +150,8 @@ static enum status learn(struct ctl *c, struct result *r)
     r->fnmr = rates_fnmr(r->rates, threshold);
     r->fnmr_low = low.fnmr;
     r->fnmr_high = high.fnmr;
-    r->shipped_fmr = rates_fmr(r->rates, c->model->decision.threshold_mm);
-    r->shipped_fnmr = rates_fnmr(r->rates, c->model->decision.threshold_mm);
+    r->shipped_fmr = rates_fmr(r->rates, c->model->calibration.threshold);
+    r->shipped_fnmr = rates_fnmr(r->rates, c->model->calibration.threshold);
     return ST_OK;
 }
 
@@ -147,14 +160,14 @@ static enum status learn(struct ctl *c, struct result *r)
 /* What is the same of a new one and of those in the list. */
 static void out_calibration(struct json *o, const struct store_calibration *k)
 {
-    const struct decision *d = &k->decision;
+    const struct calibration *d = &k->table;
 
     json_text(o, "source", k->shipped ? "shipped" : "database");
-    json_number(o, "threshold_mm", d->threshold_mm);
+    json_score(o, "threshold", d->threshold);
     json_rate(o, "fmr", k->fmr);
     if (!k->shipped) {
-        json_number(o, "low_mm", k->low_mm);
-        json_number(o, "high_mm", k->high_mm);
+        json_score(o, "low", k->low);
+        json_score(o, "high", k->high);
         json_number(o, "subjects", (double)k->subjects);
         json_number(o, "non_mated", (double)k->impostors);
         json_number(o, "mated", (double)k->genuine);
@@ -162,12 +175,11 @@ static void out_calibration(struct json *o, const struct store_calibration *k)
     json_array(o, "table");
     for (uint32_t i = 0; i < d->n; i++) {
         json_object(o, NULL);
-        json_number(o, "mm", d->knot[i].mm);
+        json_score(o, "score", d->knot[i].score);
         json_rate(o, "rate", d->knot[i].rate);
         json_close(o);
     }
     json_close(o);
-    json_number(o, "halving_mm", d->halving_mm);
 }
 
 static void out_result(struct ctl *c, const struct result *r)
@@ -181,7 +193,7 @@ static void out_result(struct ctl *c, const struct result *r)
     json_number(o, "replicates", RATES_REPLICATES);
     json_number(o, "seed", (double)SEED);
     json_object(o, "shipped");
-    json_number(o, "threshold_mm", c->model->decision.threshold_mm);
+    json_score(o, "threshold", c->model->calibration.threshold);
     json_rate(o, "fmr", r->shipped_fmr);
     if (r->k.genuine > 0)
         json_rate(o, "fnmr", r->shipped_fnmr);
@@ -198,25 +210,25 @@ static void out_result(struct ctl *c, const struct result *r)
         json_object(o, NULL);
         json_text(o, "a", who[r->suspect[i].x].id);
         json_text(o, "b", who[r->suspect[i].y].id);
-        json_number(o, "disparity_mm", r->suspect[i].mm);
+        json_score(o, "score", r->suspect[i].score);
         json_close(o);
     }
     json_close(o);
 }
 
-static void print_suspects(const struct result *r)
+static void print_suspects(const struct ctl *c, const struct result *r)
 {
     const struct ctl_cross_subject *who = r->cross.subject;
 
     if (r->nsuspect == 0)
         return;
     (void)printf(
-        "\nAs alike as one person's scans, by the shipped table (a false match rate "
-        "below %g).\nOne person under two ids, or relatives?  They are counted as "
-        "different people:\n",
-        SUSPICIOUS);
+        "\nAs alike as one person's scans: a score of %.2f or more, the false match rate of "
+        "which the\nshipped table has as %g.  One person under two ids, or relatives?  They "
+        "are counted as\ndifferent people:\n",
+        suspicious(c)->score, suspicious(c)->rate);
     for (size_t i = 0; i < r->nsuspect && i < SUSPECTS; i++)
-        (void)printf("  %.3f mm  %s  %s\n", r->suspect[i].mm, who[r->suspect[i].x].id,
+        (void)printf("  %7.2f  %s  %s\n", r->suspect[i].score, who[r->suspect[i].x].id,
                      who[r->suspect[i].y].id);
     if (r->nsuspect > SUSPECTS)
         (void)printf("  and %zu pairs more (--json has all)\n", r->nsuspect - SUSPECTS);
@@ -226,19 +238,18 @@ static void print_result(const struct ctl *c, const struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
     const struct store_calibration *k = &r->k;
-    const struct decision *d = &k->decision;
+    const struct calibration *d = &k->table;
 
     (void)printf("subjects     %u%s, %u templates\n", p->nsubject,
                  p->nenrolled > p->nsubject ? " of more, drawn" : "", p->ntemplate);
     (void)printf("non-mated    %llu comparisons of %zu pairs of subjects\n",
                  (unsigned long long)k->impostors, r->pairs);
-    (void)printf("threshold    %.4f mm for a false match rate of %g %%\n",
-                 d->threshold_mm, 100 * k->fmr);
-    (void)printf(
-        "             95 %% interval %.4f to %.4f mm (%d bootstrap replicates over "
-        "subjects, seed %llu)\n",
-        k->low_mm, k->high_mm, RATES_REPLICATES, (unsigned long long)SEED);
-    (void)printf("shipped      %.4f mm: %.3g %% here\n", c->model->decision.threshold_mm,
+    (void)printf("threshold    %.2f for a false match rate of %g %%\n", d->threshold,
+                 100 * k->fmr);
+    (void)printf("             95 %% interval %.2f to %.2f (%d bootstrap replicates over "
+                 "subjects, seed %llu)\n",
+                 k->low, k->high, RATES_REPLICATES, (unsigned long long)SEED);
+    (void)printf("shipped      %.2f: %.3g %% here\n", c->model->calibration.threshold,
                  100 * r->shipped_fmr);
     if (k->genuine > 0)
         (void)printf(
@@ -255,17 +266,40 @@ static void print_result(const struct ctl *c, const struct result *r)
             p->outside, p->refused);
     (void)printf("\n  false match rate      score\n");
     for (uint32_t i = 0; i < d->n; i++)
-        (void)printf("  %14.4g %%  %6.4f mm\n", 100 * d->knot[i].rate, d->knot[i].mm);
-    print_suspects(r);
+        (void)printf("  %14.4g %%  %7.2f\n", 100 * d->knot[i].rate, d->knot[i].score);
+    print_suspects(c, r);
 }
 
 /* ---- the command */
 
+/* A lower threshold than the one in force lets more other people match: only when that is
+ * confirmed.  A calibration in force that is damaged decides nothing, so that none is laxer. */
+static enum status may_store(struct ctl *c, const struct store_calibration *k)
+{
+    struct store_calibration now;
+    char what[160];
+    const enum status st = in_force_get(c->store, &now, &c->e);
+
+    if (st != ST_OK)
+        return st == ST_ECORRUPT ? ST_OK : st;
+    if (k->table.threshold >= now.table.threshold)
+        return ST_OK;
+    (void)snprintf(
+        what, sizeof what,
+        "lowers the threshold from %.2f to %.2f, so that more other people match",
+        now.table.threshold, k->table.threshold);
+    if (!c->dry_run)
+        return ctl_confirm(c, what, "accept");
+    json_flag(c->out, "needs_yes", true);
+    ctl_say(c, "\nthis %s: it needs --yes\n", what);
+    return ST_OK;
+}
+
 static enum status store_it(struct ctl *c, struct store_calibration *k)
 {
-    enum status st = ST_OK;
+    enum status st = may_store(c, k);
 
-    if (!c->dry_run)
+    if (st == ST_OK && !c->dry_run)
         st = store_calibration_add(c->store, CTL_ACTOR, k, &c->e);
     if (st != ST_OK)
         return st;
@@ -300,15 +334,15 @@ static enum status calibrate(struct ctl *c)
 
 static enum status reset(struct ctl *c)
 {
-    const struct decision *d = &c->model->decision;
+    const struct calibration *d = &c->model->calibration;
     struct store_calibration k = {.shipped = true,
-                                  .fmr = decision_fmr(d, d->threshold_mm),
-                                  .low_mm = d->threshold_mm,
-                                  .high_mm = d->threshold_mm,
-                                  .decision = *d};
+                                  .fmr = calibration_fmr(d, d->threshold),
+                                  .low = d->threshold,
+                                  .high = d->threshold,
+                                  .table = *d};
 
     out_calibration(c->out, &k);
-    ctl_say(c, "back to the shipped table: %.4f mm\n", d->threshold_mm);
+    ctl_say(c, "back to the shipped table: %.2f\n", d->threshold);
     return store_it(c, &k);
 }
 
@@ -320,7 +354,7 @@ static enum status list(struct ctl *c)
 
     if (st != ST_OK)
         return st;
-    if ((st = calibration_in_force(c->store, &now, &c->e)) != ST_OK)
+    if ((st = in_force_get(c->store, &now, &c->e)) != ST_OK)
         goto out;
     json_array(c->out, "calibrations");
     ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",
@@ -333,19 +367,19 @@ static enum status list(struct ctl *c)
         json_text(c->out, "engine", k[i].engine);
         out_calibration(c->out, &k[i]);
         json_close(c->out);
-        ctl_say(c, "%7lld  %-24s  %-8s  %9.4f  %6.4f - %6.4f  %7.2g  %8llu\n",
+        ctl_say(c, "%7lld  %-24s  %-8s  %9.2f  %6.2f - %6.2f  %7.2g  %8llu\n",
                 (long long)k[i].version, k[i].created,
-                k[i].shipped ? "shipped" : "database", k[i].decision.threshold_mm,
-                k[i].low_mm, k[i].high_mm, k[i].fmr, (unsigned long long)k[i].subjects);
+                k[i].shipped ? "shipped" : "database", k[i].table.threshold, k[i].low,
+                k[i].high, k[i].fmr, (unsigned long long)k[i].subjects);
     }
     json_close(c->out);
     json_object(c->out, "in_force");
     json_number(c->out, "version", (double)now.version);
     json_text(c->out, "source", now.shipped ? "shipped" : "database");
-    json_number(c->out, "threshold_mm", now.decision.threshold_mm);
+    json_score(c->out, "threshold", now.table.threshold);
     json_close(c->out);
-    ctl_say(c, "in force: %s, %.4f mm\n",
-            now.shipped ? "the shipped table" : "the newest", now.decision.threshold_mm);
+    ctl_say(c, "in force: %s, %.2f\n", now.shipped ? "the shipped table" : "the newest",
+            now.table.threshold);
 out:
     free(k);
     return st;
@@ -357,9 +391,9 @@ static enum status run(struct ctl *c)
     enum status st;
 
     if ((wants_list && wants_reset) || (!learns && (mated != NULL || c->fmr > 0)) ||
-        (wants_list && c->dry_run))
+        (wants_list && (c->dry_run || c->yes)))
         return ctl_usage(c, "--list takes no other option of calibrate, and --reset only "
-                            "--dry-run");
+                            "--dry-run and --yes");
     if (!(c->fmr > 0))
         c->fmr = DEFAULT_FMR;
     st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE);
@@ -372,7 +406,7 @@ const struct ctl_command ctl_calibrate = {
     .name = "calibrate",
     .args = "[--list | --reset]",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN | CTL_YES,
     .options = {CTL_OPTION(
                     "mated", "MANIFEST", ctl_option_text, &mated,
                     "more scans of the subjects: a folder, or a table with the columns\n"
@@ -387,5 +421,6 @@ const struct ctl_command ctl_calibrate = {
         "The templates of different subjects are compared with each other.  At the threshold the\n"
         "share --fmr (0.001) of these comparisons would match.  Subjects with several templates,\n"
         "and the scans of --mated, tell the false non-match rate.  A running daemon decides by\n"
-        "the new threshold at once.",
+        "the new threshold at once.  A lower threshold than the one in force needs --yes, or\n"
+        "accept typed on a terminal.",
     .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

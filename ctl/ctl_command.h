@@ -25,7 +25,7 @@ struct ctl_command {
     const char *exits[3];
     enum ctl_database database;
     unsigned shared;              /* options, besides those of a database and of all */
-    struct ctl_option options[5]; /* of its own; ends with one that has no name */
+    struct ctl_option options[8]; /* of its own; ends with one that has no name */
 
     /* Do it.  Where that failed c->e says why; else c->code is the exit code. */
     enum status (*run)(struct ctl *c);

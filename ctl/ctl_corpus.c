@@ -26,13 +26,16 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
 
 enum status ctl_corpus_face(const struct ctl *c, const struct corpus_scan *scan,
                             bool enrolment, struct face_work *w, struct face *out,
-                            struct scan_found *found, char **refused, struct errinfo *e)
+                            struct scan_found *found, enum status *code, char **refused,
+                            struct errinfo *e)
 {
     struct ctl mine = {.scans = c->scans};
     const enum status st = ctl_sample_read(&mine, scan->path, enrolment, w, out, found);
 
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)
         return errinfo_set(e, st, "%s", mine.e.msg);
+    if (code != NULL)
+        *code = st;
     if (st != ST_OK && (*refused = strdup(mine.e.msg)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     return ST_OK;

@@ -19,11 +19,13 @@ struct scan_found;  /* scan.h */
 void ctl_corpus_tell(const struct corpus *k);
 void ctl_corpus_left(struct json *j, const struct corpus *k);
 
-/* ctl_corpus_face(c, scan, enrolment, w, out, found, refused, e): a scan as a face, read as c->scans
- * says; enrolment: by the strict gate.  On any thread, since c is not changed.  Where it is malformed or no face *refused says why, for
- * free(), and that is no failure.  ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
+/* ctl_corpus_face(c, scan, enrolment, w, out, found, code, refused, e): a scan as a face, read
+ * as c->scans says; enrolment: by the strict gate.  On any thread, since c is not changed.  Where
+ * it is malformed or no face *refused says why, for free(), *code (NULL is allowed) is the
+ * status, and that is no failure.  Returns ST_OK, ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
 enum status ctl_corpus_face(const struct ctl *c, const struct corpus_scan *scan,
                             bool enrolment, struct face_work *w, struct face *out,
-                            struct scan_found *found, char **refused, struct errinfo *e);
+                            struct scan_found *found, enum status *code, char **refused,
+                            struct errinfo *e);
 
 #endif

@@ -11,6 +11,7 @@
 #include "ctl_each.h"
 #include "ctl_sample.h"
 #include "corpus.h"
+#include "corpus_read.h"
 #include "pool.h"
 
 #define NOBODY UINT32_MAX
@@ -132,22 +133,21 @@ void ctl_cross_free(struct ctl_cross *p)
 
 /* A probe against the templates of a subject, but template skip. */
 static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t skip,
-                           const struct face *probe, struct face_work *w, double *mm,
+                           const struct face *probe, struct face_work *w, double *score,
                            struct errinfo *e)
 {
     const struct ctl_cross_subject *one = &p->subject[subject];
 
-    *mm = (double)INFINITY;
+    *score = -(double)INFINITY;
     for (uint32_t t = one->first; t < one->first + one->n; t++) {
         struct face_result r;
         enum status st;
 
         if (t == skip)
             continue;
-        if ((st = face_compare(&p->face[t], probe, 0, NULL, w, &r)) != ST_OK)
+        if ((st = face_compare(&p->face[t], probe, (double)NAN, NULL, w, &r)) != ST_OK)
             return errinfo_set(e, st, "comparing: %s", status_message(st));
-        if (r.comparable && r.calibrated_mm < *mm)
-            *mm = r.calibrated_mm;
+        *score = fmax(*score, r.score);
     }
     return ST_OK;
 }
@@ -185,8 +185,8 @@ static enum status do_trial(void *arg, size_t i, struct face_work *w, struct err
 
     t->score[i].template = x->subject;
     t->score[i].probe = owner(t->p, x->probe);
-    return compare(t->p, x->subject, x->probe, &t->p->face[x->probe], w, &t->score[i].mm,
-                   e);
+    return compare(t->p, x->subject, x->probe, &t->p->face[x->probe], w,
+                   &t->score[i].score, e);
 }
 
 /* Room for n more scores; what they will be, at *out. */
@@ -277,12 +277,16 @@ enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p)
 
 /* ---- scans of a manifest */
 
+/* What became of a scan. */
+enum fate { OUTSIDE, REFUSED, COMPARED };
+
 struct scans {
     const struct ctl *c;
     const struct ctl_cross *p;
     const struct corpus *corpus;
     const uint32_t *subject;   /* [corpus->nsubject] or NOBODY */
-    struct rates_score *score; /* [corpus->nscan]; mm: -1 refused, -2 not compared */
+    struct rates_score *score; /* [corpus->nscan] */
+    enum fate *fate;           /* [corpus->nscan] */
 };
 
 static enum status do_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
@@ -297,7 +301,8 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     char digest[65];
     enum status st;
 
-    *x = (struct rates_score){.mm = -2, .template = subject, .probe = subject};
+    *x = (struct rates_score){.template = subject, .probe = subject};
+    s->fate[i] = OUTSIDE;
     if (subject == NOBODY)
         return ST_OK;
     st = ctl_sample_read(&c, scan->path, false, w, &f, &found);
@@ -307,10 +312,12 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
 
         while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
             t++;
-        if (t == one->n) /* else it is one of the templates */
-            st = compare(s->p, subject, NOBODY, &f, w, &x->mm, &c.e);
+        if (t == one->n) { /* else it is one of the templates */
+            st = compare(s->p, subject, NOBODY, &f, w, &x->score, &c.e);
+            s->fate[i] = COMPARED;
+        }
     } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
-        x->mm = -1;
+        s->fate[i] = REFUSED;
         st = ST_OK;
     }
     face_free(&f);
@@ -325,16 +332,13 @@ static uint32_t find_subject(const struct ctl_cross *p, const char *id)
     return NOBODY;
 }
 
-/* Keep the scores that are some. */
-static void keep_scores(struct ctl_cross *p, const struct rates_score *score, size_t n)
+static void keep_scores(struct ctl_cross *p, const struct scans *s)
 {
-    for (size_t i = 0; i < n; i++) {
-        if (score[i].mm >= 0)
-            p->score[p->nscore++] = score[i];
-        else if (score[i].mm < -1)
-            p->outside++;
-        else
-            p->refused++;
+    for (size_t i = 0; i < s->corpus->nscan; i++) {
+        if (s->fate[i] == COMPARED)
+            p->score[p->nscore++] = s->score[i];
+        p->outside += s->fate[i] == OUTSIDE;
+        p->refused += s->fate[i] == REFUSED;
     }
 }
 
@@ -348,7 +352,9 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     if (st != ST_OK)
         return st;
     s.corpus = corpus;
-    if ((subject = malloc(corpus->nsubject * sizeof *subject)) == NULL) {
+    subject = malloc(corpus->nsubject * sizeof *subject);
+    s.fate = malloc(corpus->nscan * sizeof *s.fate);
+    if (subject == NULL || s.fate == NULL) {
         st = no_memory(c);
         goto out;
     }
@@ -359,12 +365,13 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
         goto out;
     st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
     if (st == ST_OK)
-        keep_scores(p, s.score, corpus->nscan);
+        keep_scores(p, &s);
     json_array(c->out, "left_out");
     ctl_corpus_left(c->out, corpus);
     ctl_corpus_tell(corpus);
 out:
     free(subject);
+    free(s.fate);
     corpus_free(corpus);
     return st;
 }

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "in_force.h"
 #include "calibration.h"
-#include "decision.h"
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_each.h"
@@ -35,7 +35,7 @@ struct dedup {
     uint32_t alone; /* the subject that is compared with all others; or NOBODY */
 
     struct store_calibration calibration; /* in force */
-    double threshold_mm;
+    double threshold;
     double pairs;      /* of templates that are to be compared */
     double estimate_s; /* that it takes, where the threads have a core each */
 
@@ -121,32 +121,32 @@ static void count_pairs(struct dedup *d)
     }
 }
 
-/* The largest score whose false match rate is at most fmr. */
+/* The smallest score whose false match rate is at most fmr. */
 static enum status threshold_for(struct dedup *d, double fmr)
 {
-    const struct decision *k = &d->calibration.decision;
-    double low = 0, high = k->knot[k->n - 1].mm;
+    const struct calibration *k = &d->calibration.table;
+    double low = k->knot[0].score, high = k->knot[k->n - 1].score;
 
-    if (decision_fmr(k, low) >= fmr)
+    if (calibration_fmr(k, high) > fmr)
         return errinfo_set(&d->c->e, ST_EINVAL,
-                           "no threshold has a false match rate of %g: that of 0 mm is "
-                           "%.2g",
-                           fmr, decision_fmr(k, low));
+                           "no threshold has a false match rate of %g: the calibration "
+                           "supports no rate below %.2g",
+                           fmr, calibration_fmr(k, high));
     for (int i = 0; i < 60; i++) {
         const double mid = (low + high) / 2;
 
-        if (decision_fmr(k, mid) <= fmr)
-            low = mid;
-        else
+        if (calibration_fmr(k, mid) <= fmr)
             high = mid;
+        else
+            low = mid;
     }
-    d->threshold_mm = low;
+    d->threshold = high;
     return ST_OK;
 }
 
 /* ---- comparing */
 
-static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double mm)
+static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
 {
     void *larger = ctl_grow(d->found, d->nfound, sizeof *d->found);
 
@@ -154,7 +154,7 @@ static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double mm)
         return ST_ENOMEM;
     d->found = larger;
     d->found[d->nfound++] =
-        (struct ctl_pair){d->entry[a].owner, d->entry[b].owner, a, b, mm};
+        (struct ctl_pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
     return ST_OK;
 }
 
@@ -181,7 +181,7 @@ static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_
                            struct row *r, struct errinfo *e)
 {
     struct face_result x;
-    enum status st = face_compare(&r->a, &r->b, d->threshold_mm, NULL, w, &x);
+    enum status st = face_compare(&r->a, &r->b, d->threshold, NULL, w, &x);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));
@@ -190,7 +190,7 @@ static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_
     if (x.decision != FACE_MATCH)
         return ST_OK;
     (void)pthread_mutex_lock(&d->lock);
-    st = keep(d, a, b, x.calibrated_mm);
+    st = keep(d, a, b, x.score);
     (void)pthread_mutex_unlock(&d->lock);
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "out of memory");
 }
@@ -252,7 +252,7 @@ static enum status estimate(struct dedup *d)
             (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK ||
             r.a.surface.mesh.nv == 0 || r.b.surface.mesh.nv == 0)
             continue;
-        if ((st = face_compare(&r.a, &r.b, 0, NULL, w, &x)) != ST_OK)
+        if ((st = face_compare(&r.a, &r.b, (double)NAN, NULL, w, &x)) != ST_OK)
             (void)errinfo_set(&d->c->e, st, "comparing: %s", status_message(st));
         n++;
     }
@@ -268,28 +268,27 @@ static enum status estimate(struct dedup *d)
 
 static void tell_costs(const struct dedup *d)
 {
-    const double chance =
-        d->pairs * decision_fmr(&d->calibration.decision, d->threshold_mm);
+    const double chance = d->pairs * calibration_fmr(&d->calibration.table, d->threshold);
 
     json_text(d->c->out, "engine", d->c->engine);
     json_number(d->c->out, "subjects", d->nsubject);
     json_number(d->c->out, "templates", d->n);
     json_number(d->c->out, "pairs", d->pairs);
     json_number(d->c->out, "estimate_s", d->estimate_s);
-    json_number(d->c->out, "threshold_mm", d->threshold_mm);
+    json_score(d->c->out, "threshold", d->threshold);
     json_rate(d->c->out, "by_chance", chance);
     (void)fprintf(stderr,
                   "surfacectl: %.0f comparisons of %" PRIu32
                   " subjects' templates, about "
-                  "%.*f s; by chance about %.2g of them at or below %.4f mm\n",
+                  "%.*f s; by chance about %.2g of them at or above %.2f\n",
                   d->pairs, d->nsubject, d->estimate_s < 10 ? 1 : 0, d->estimate_s,
-                  chance, d->threshold_mm);
+                  chance, d->threshold);
 }
 
 static void tell_pair(const struct dedup *d, const struct ctl_pair *p)
 {
     const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
-    const double fmr = decision_fmr(&d->calibration.decision, p->mm);
+    const double fmr = calibration_fmr(&d->calibration.table, p->score);
     const bool same = strcmp(a->digest, b->digest) == 0;
 
     json_object(d->c->out, NULL);
@@ -297,11 +296,11 @@ static void tell_pair(const struct dedup *d, const struct ctl_pair *p)
     json_text(d->c->out, "subject_b", d->subject[p->y]);
     json_text(d->c->out, "template_a", a->id);
     json_text(d->c->out, "template_b", b->id);
-    json_number(d->c->out, "disparity_mm", p->mm);
+    json_score(d->c->out, "score", p->score);
     json_rate(d->c->out, "fmr_at_score", fmr);
     json_flag(d->c->out, "same_scan", same);
     json_close(d->c->out);
-    ctl_say(d->c, "%9.4f  %8.1e  %s  %s%s\n", p->mm, fmr, d->subject[p->x],
+    ctl_say(d->c, "%9.2f  %8.1e  %s  %s%s\n", p->score, fmr, d->subject[p->x],
             d->subject[p->y], same ? "  (the very same scan)" : "");
 }
 
@@ -335,12 +334,12 @@ static enum status dedup(struct dedup *d)
     struct ctl *c = d->c;
     enum status st;
 
-    if ((st = calibration_in_force(d->c->store, &d->calibration, &c->e)) != ST_OK ||
+    if ((st = in_force_get(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
-    d->threshold_mm = d->calibration.decision.threshold_mm;
-    if (c->threshold_mm > 0)
-        d->threshold_mm = c->threshold_mm;
+    d->threshold = d->calibration.table.threshold;
+    if (!isnan(c->threshold))
+        d->threshold = c->threshold;
     else if (c->fmr > 0 && (st = threshold_for(d, c->fmr)) != ST_OK)
         return st;
     count_pairs(d);
@@ -363,8 +362,8 @@ static enum status run(struct ctl *c)
     struct dedup d = {.c = c};
     enum status st;
 
-    if (c->fmr > 0 && c->threshold_mm > 0)
-        return ctl_usage(c, "--fmr or --threshold-mm, not both");
+    if (c->fmr > 0 && !isnan(c->threshold))
+        return ctl_usage(c, "--fmr or --threshold, not both");
     (void)pthread_mutex_init(&d.lock, NULL);
     if ((st = ctl_model_open(c, STORE_READ)) == ST_OK)
         st = dedup(&d);
@@ -387,7 +386,7 @@ const struct ctl_command ctl_dedup = {
     .summary = "find one face enrolled under two subjects",
     .help =
         "All templates of each subject are compared with those of every other, as in a\n"
-        "verification.  The pairs at or below the threshold in force, --threshold-mm or that\n"
+        "verification.  The pairs at or above the threshold in force, --threshold or that\n"
         "for --fmr are listed, the most alike first.  They may be one person, relatives, or\n"
         "alike by chance: about one comparison in a thousand is, at the shipped threshold, so\n"
         "choose a smaller --fmr for a large database.  The number of comparisons and the time\n"

@@ -44,6 +44,23 @@ enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e)
     return unlinkat(dir, name, 0) == 0 || errno == ENOENT ? ST_OK : fail(e, name);
 }
 
+enum status ctl_dir_may_write(const char *path, bool force, char *const *input,
+                              size_t ninput, struct errinfo *e)
+{
+    struct stat there, read;
+
+    if (stat(path, &there) != 0)
+        return ST_OK; /* or the writing says why not */
+    for (size_t i = 0; i < ninput; i++)
+        if (stat(input[i], &read) == 0 && read.st_dev == there.st_dev &&
+            read.st_ino == there.st_ino)
+            return errinfo_set(
+                e, ST_EEXISTS,
+                "%.160s is a file that this command reads: it is not replaced", path);
+    return force ? ST_OK
+                 : errinfo_set(e, ST_EEXISTS, "%.160s exists: --force replaces it", path);
+}
+
 /* A mesh as PLY, its coordinates to the last digit of the lattice. */
 static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
 {

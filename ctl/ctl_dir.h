@@ -2,6 +2,8 @@
  * readable by their owner alone, since they are biometric data. */
 #ifndef CTL_DIR_H
 #define CTL_DIR_H
+#include <stdbool.h>
+#include <stddef.h>
 #include "errinfo.h"
 #include "newfile.h"
 
@@ -16,6 +18,12 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
  * everything could be written, nothing has changed. */
 enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
                           const void *arg, struct errinfo *e);
+
+/* ctl_dir_may_write(path, force, input, ninput, e): may a file be written at path?  To be asked
+ * before anything is computed.  ST_EEXISTS: there is one, and no force; or it is one of those
+ * that the command reads, by whatever name ("-" is none), which is never replaced. */
+enum status ctl_dir_may_write(const char *path, bool force, char *const *input,
+                              size_t ninput, struct errinfo *e);
 
 /* ctl_dir_file(path, write, arg, e): the same for a path; its folder is made if it is
  * missing.

@@ -1,8 +1,13 @@
 /* enroll: the files of a subject; ctl_enroll_folder.h: many subjects. */
+#include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
+#include "cloudformat.h"
 #include "describe.h"
+#include "utf8.h"
 #include "ctl_command.h"
 #include "ctl_enroll_folder.h"
 #include "ctl_face.h"
@@ -12,67 +17,164 @@
 static bool force;       /* --force */
 static const char *kind; /* --kind */
 
-static enum status enroll_file(struct ctl *c, const char *subject, const char *path,
-                               struct face *f)
+/* The scans of a subject that are enrolled together. */
+struct burst {
+    char *path[ENROLMENT_SAMPLES];
+    struct face face[ENROLMENT_SAMPLES];
+    struct scan_found found[ENROLMENT_SAMPLES];
+    struct enrolment_result each[ENROLMENT_SAMPLES];
+    size_t n; /* more than there is room for: so many were named */
+};
+
+/* ---- which files */
+
+static enum status add_path(struct ctl *c, struct burst *b, const char *folder,
+                            const char *name)
 {
-    struct scan_found found;
-    const struct enrolment x = {.actor = CTL_ACTOR,
-                                .subject = subject,
-                                .label = c->label != NULL ? c->label : "",
-                                .face = f,
-                                .read = found.digest,
-                                .force = force};
-    struct json *o = c->out;
-    struct enrolment_outcome out;
-    enum status st = ctl_sample_read(c, path, true, c->work, f, &found);
+    const size_t size = strlen(folder) + strlen(name) + 2;
+    char *path;
 
-    if (st == ST_OK)
-        st = ctl_face_enroll(c, &x, path, c->work, &out);
-    json_object(o, NULL);
-    json_text(o, "file", path);
-    if (st == ST_OK) {
-        const struct store_template *t = &out.tmpl;
+    if (b->n++ >= ENROLMENT_SAMPLES)
+        return ST_OK;
+    if ((path = malloc(size)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    (void)snprintf(path, size, "%s%s%s", folder, folder[0] != '\0' ? "/" : "", name);
+    b->path[b->n - 1] = path;
+    return ST_OK;
+}
 
-        json_flag(o, "new", out.created);
-        describe_template(o, t, &f->frame);
-        describe_scan(o, "scan", &found);
-        if (!c->json) {
-            (void)printf("%s  %s  %u points, quality %.2f%s", t->id, path, t->points,
-                         t->quality.score, out.created ? "" : " (was there already)");
-            ctl_face_reasons(stdout, f);
-        }
-    } else {
-        json_text(o, "error", c->e.msg);
-        (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
+static int is_scan(const struct dirent *d)
+{
+    return d->d_name[0] != '.' && cloudformat_ending(d->d_name) != NULL;
+}
+
+static int by_name(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static enum status add_folder(struct ctl *c, struct burst *b, const char *folder)
+{
+    struct dirent **list;
+    const int n = scandir(folder, &list, is_scan, by_name);
+    enum status st = ST_OK;
+
+    if (n < 0)
+        return errinfo_set(&c->e, ST_EIO, "%.200s: the folder cannot be read", folder);
+    if (n == 0)
+        st = errinfo_set(&c->e, ST_ENOTFOUND,
+                         "%.200s: no scan in the folder, by the endings of the names",
+                         folder);
+    for (int i = 0; i < n; i++) {
+        if (st == ST_OK && !utf8_is_text(list[i]->d_name, sizeof list[i]->d_name))
+            st = errinfo_set(&c->e, ST_EINVAL,
+                             "%.200s: the name of scan %d in the folder has a control "
+                             "character, or is not UTF-8",
+                             folder, i + 1);
+        if (st == ST_OK)
+            st = add_path(c, b, folder, list[i]->d_name);
+        free(list[i]);
     }
-    json_close(o);
+    free(list);
     return st;
+}
+
+static enum status list_files(struct ctl *c, struct burst *b)
+{
+    enum status st = ST_OK;
+    struct stat sb;
+
+    for (int i = 1; st == ST_OK && i < c->nargs; i++)
+        st = stat(c->args[i], &sb) == 0 && S_ISDIR(sb.st_mode)
+                 ? add_folder(c, b, c->args[i])
+                 : add_path(c, b, "", c->args[i]);
+    if (st == ST_OK && b->n > ENROLMENT_SAMPLES)
+        return ctl_usage(c, "%zu scans: at most %d are enrolled at once", b->n,
+                         ENROLMENT_SAMPLES);
+    return st;
+}
+
+/* ---- enrolling them */
+
+static enum status enroll(struct ctl *c, struct burst *b)
+{
+    struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
+    const struct enrolment x = {.actor = CTL_ACTOR,
+                                .subject = c->args[0],
+                                .label = c->label != NULL ? c->label : "",
+                                .sample = sample,
+                                .n = b->n,
+                                .force = force};
+    struct enrolment_outcome out;
+    enum status st;
+
+    for (size_t i = 0; i < b->n; i++) { /* one bad scan does not stop the others */
+        st = ctl_sample_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
+        if (st == ST_ENOMEM)
+            return st;
+        if (st == ST_OK)
+            sample[i] = (struct store_sample){&b->face[i], b->found[i].digest};
+        else
+            b->each[i].why = c->e;
+    }
+    st = ctl_face_enroll(c, &x, c->work, b->each, &out);
+    return out.none ? ST_OK : st;
+}
+
+/* Returns how many were refused, and the status of the last in *worst. */
+static size_t report(struct ctl *c, const struct burst *b, enum status *worst)
+{
+    size_t failed = 0;
+
+    json_text(c->out, "subject", c->args[0]);
+    json_array(c->out, "templates");
+    for (size_t i = 0; i < b->n; i++) {
+        const struct enrolment_result *x = &b->each[i];
+        const struct face *f = &b->face[i];
+
+        json_object(c->out, NULL);
+        describe_enrolled(c->out, b->path[i], x, &b->found[i], &f->frame);
+        json_close(c->out);
+        if (x->why.code == ST_OK) {
+            ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, b->path[i],
+                    x->tmpl.points, x->tmpl.quality.score,
+                    x->created ? "" : " (was there already)");
+            if (!c->json)
+                ctl_face_reasons(stdout, f);
+            continue;
+        }
+        (void)fprintf(stderr, "surfacectl: %s%s%s\n",
+                      x->why.code == ST_EMISMATCH ? b->path[i] : "",
+                      x->why.code == ST_EMISMATCH ? ": " : "", x->why.msg);
+        *worst = x->why.code;
+        failed++;
+    }
+    json_close(c->out);
+    json_number(c->out, "failed", (double)failed);
+    return failed;
 }
 
 static enum status enroll_files(struct ctl *c)
 {
-    const char *subject = c->args[0];
-    struct face f = {0};
-    int failed = 0;
-    enum status st = ctl_face_subject(c, subject, ""), worst;
+    struct burst *b;
+    enum status st = ctl_face_subject(c, c->args[0], ""), worst = ST_OK;
+    size_t failed;
 
-    if (st != ST_OK || (st = ctl_model_open(c, STORE_WRITE)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    json_text(c->out, "subject", subject);
-    json_array(c->out, "templates");
-    worst = ST_OK;
-    for (int i = 1; i < c->nargs; i++) /* one bad scan does not stop the others */
-        if ((st = enroll_file(c, subject, c->args[i], &f)) != ST_OK) {
-            failed++;
-            worst = st;
-        }
-    json_close(c->out);
-    json_number(c->out, "failed", failed);
-    face_free(&f);
-    if (failed == 0)
-        return ST_OK;
-    return errinfo_set(&c->e, worst, "%d of %d scans were not enrolled", failed,
-                       c->nargs - 1);
+    if ((b = calloc(1, sizeof *b)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if ((st = list_files(c, b)) == ST_OK &&
+        (st = ctl_model_open(c, STORE_WRITE)) == ST_OK && (st = enroll(c, b)) == ST_OK &&
+        (failed = report(c, b, &worst)) > 0)
+        st =
+            errinfo_set(&c->e, worst, "%zu of %zu scans were not enrolled", failed, b->n);
+    for (size_t i = 0; i < ENROLMENT_SAMPLES; i++) {
+        face_free(&b->face[i]);
+        free(b->path[i]);
+    }
+    free(b);
+    return st;
 }
 
 static enum status run(struct ctl *c)
@@ -105,10 +207,11 @@ const struct ctl_command ctl_enroll = {
     .run = run,
     .summary = "enroll scans of a subject, or of many",
     .help =
-        "Each FILE (PLY, OBJ, STL, PCD, GLB, XYZ, PTS, CSV, depth PNG, JSON; - is standard input)\n"
-        "becomes a template.  Enrolling the same scan again changes nothing.  A scan that matches\n"
-        "none of the subject's templates, or does not tell (inconclusive), is refused unless\n"
-        "--force is given.\n"
+        "Each FILE (a scan in any format that the manual lists; - is standard input; a folder:\n"
+        "the scans in it) becomes a template, at most 20 at once, all together or none.  The first\n"
+        "that is a face must match one of the subject's templates, if there are any, and the\n"
+        "others the first; one that does not, or does not tell (inconclusive), is refused and\n"
+        "listed, unless --force is given.  Enrolling the same scan again changes nothing.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"

@@ -6,6 +6,7 @@
 
 #include "codec.h"
 #include "corpus.h"
+#include "corpus_read.h"
 #include "pool.h"
 #include "ctl.h"
 #include "ctl_corpus.h"
@@ -93,11 +94,12 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
                                 .subject = w->corpus->subject[scan->subject].id,
                                 .label = c->label != NULL ? c->label
                                                           : w->corpus->kind[scan->kind],
-                                .face = f,
-                                .read = found.digest,
+                                .sample = &(struct store_sample){f, found.digest},
+                                .n = 1,
                                 .force = w->force};
     struct outcome *o = &w->outcome[i];
-    struct enrolment_outcome out = {.created = false};
+    struct enrolment_result one = {.created = false};
+    struct enrolment_outcome out;
     bool there = false, stored = false;
     char where[104];
     enum status st;
@@ -110,11 +112,13 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = is_there(c, x.subject, f, &there);
     }
     if (st == ST_OK && !there)
-        st = ctl_face_enroll(c, &x, scan->path, work, &out);
+        st = ctl_face_enroll(c, &x, work, &one, &out);
     if (st == ST_OK) {
-        o->result = out.created ? ENROLLED : PRESENT;
+        o->result = one.created ? ENROLLED : PRESENT;
         return ST_OK;
     }
+    if (st == ST_EMISMATCH)
+        (void)errinfo_set(&c->e, st, "%s%s", where, one.why.msg);
     o->e = c->e;
     o->e.code = st;
     if (!is_fault(st, stored))

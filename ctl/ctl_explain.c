@@ -1,4 +1,5 @@
 /* surfacectl explain: why a comparison was decided as it was. */
+#include <math.h>
 #include <unistd.h>
 
 #include "ctl_command.h"
@@ -64,12 +65,15 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
     if (st == ST_OK && scan) {
         st = ctl_sample_read(c, x->a, false, c->work, &x->tmpl, &found);
         if (st == ST_OK)
-            st = face_compare(&x->tmpl, &x->probe, 0.0, NULL, c->work, &x->result);
+            st =
+                face_compare(&x->tmpl, &x->probe, (double)NAN, NULL, c->work, &x->result);
         if (st == ST_OK)
-            st = face_minimal(&x->tmpl, &x->probe, x->result.align.transform, NULL,
-                              c->work, &x->minimal);
+            st =
+                face_minimal(&x->tmpl, &x->probe, NULL, c->work, &x->result, &x->minimal);
         if (st == ST_OK)
             st = face_weigh(&x->tmpl, &x->probe, c->work, &x->minimal);
+        if (st == ST_OK)
+            st = face_regions(&x->tmpl, &x->probe, c->work, &x->result);
     }
     if (st == ST_OK)
         st = explain_fields(x, c->work);

@@ -68,30 +68,23 @@ enum status ctl_face_template(struct ctl *c, const char *id, const struct face *
     return nearest(c, &(struct admission_request){.template_id = id}, probe, best);
 }
 
-enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, const char *path,
-                            struct face_work *w, struct enrolment_outcome *out)
+enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, struct face_work *w,
+                            struct enrolment_result *each, struct enrolment_outcome *out)
 {
     struct admission_context with = context(c->store, w);
-    const enum status st = enrolment_add(&with, x, out, &c->e);
 
-    if (st == ST_EMISMATCH) {
-        const struct errinfo e = c->e;
-
-        (void)errinfo_set(&c->e, st, "%.100s: %s", path, e.msg);
-    }
-    return st;
+    return enrolment_add(&with, x, each, out, &c->e);
 }
 
 void ctl_face_regions(FILE *to, const struct face_result *r)
 {
-    (void)fprintf(to, "regions          score  of the weight\n");
+    (void)fprintf(to, "regions      part of the score\n");
     for (int i = 0; i < GRID_REGIONS; i++) {
         (void)fprintf(to, "  %-10s ", grid_region_name((enum grid_region)i));
-        if (isnan(r->region_mm[i]))
-            (void)fprintf(to, "%12s", "not covered");
+        if (isnan(r->region[i]))
+            (void)fprintf(to, "not covered\n");
         else
-            (void)fprintf(to, "%9.3f mm", r->region_mm[i]);
-        (void)fprintf(to, " %8.1f %%\n", 100 * r->region_weight[i]);
+            (void)fprintf(to, "%+8.2f\n", r->region[i]);
     }
 }
 
@@ -104,23 +97,26 @@ void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
         (void)fprintf(to, "its uncertainty is not known");
 }
 
-void ctl_face_score(FILE *to, const struct face_result *r)
+void ctl_face_score(FILE *to, const struct face_result *r, uint32_t compared)
 {
+    double score, threshold;
+
+    face_shown(r, 100, &score, &threshold);
     (void)fprintf(to,
-                  "score        %.3f mm (threshold %.3f mm)\n"
-                  "false match  a share of %.2g of other people would score this low or "
-                  "lower\n",
-                  r->score_mm, r->threshold_mm, r->fmr_at_score);
+                  "score        %.2f (a match at %.2f or above)\n"
+                  "false match  rate at this score: %.2g\n",
+                  score, threshold, verdict_fmr(r, compared));
 }
 
 void ctl_face_minimal(FILE *to, const struct minimal *m)
 {
     const struct disparity *d = &m->disparity;
 
-    (void)fprintf(to,
-                  "minimal      %.3f mm (%.1f mm3 over %.1f mm2), %.3f mm by the learned "
-                  "weight\n",
-                  d->plain_mm, d->volume_mm3, d->area_mm2, d->weighted_mm);
+    (void)fprintf(
+        to,
+        "disparity    %.3f mm, minimal (%.1f mm3 over %.1f mm2); %.3f mm by the "
+        "learned weight\n",
+        d->plain_mm, d->volume_mm3, d->area_mm2, d->weighted_mm);
 }
 
 void ctl_face_scan(FILE *to, const struct face *f)

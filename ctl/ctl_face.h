@@ -24,10 +24,9 @@ enum status ctl_face_nearest(struct ctl *c, const char *subject, const struct fa
 enum status ctl_face_template(struct ctl *c, const char *id, const struct face *probe,
                               struct ctl_nearest *best);
 
-/* ctl_face_enroll(c, x, path, w, out): enrolment_add(); the path begins what c->e says of a
- * sample that does not fit. */
-enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, const char *path,
-                            struct face_work *w, struct enrolment_outcome *out);
+/* ctl_face_enroll(c, x, w, each, out): enrolment_add(). */
+enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, struct face_work *w,
+                            struct enrolment_result *each, struct enrolment_outcome *out);
 
 /* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
@@ -37,7 +36,7 @@ int ctl_face_exit(enum face_decision d);
 /* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)"; how
  * well a pose is known, without its end. */
 void ctl_face_known(FILE *to, double turn_deg, double shift_mm);
-void ctl_face_score(FILE *to, const struct face_result *r);
+void ctl_face_score(FILE *to, const struct face_result *r, uint32_t compared);
 void ctl_face_minimal(FILE *to, const struct minimal *m);
 void ctl_face_scan(FILE *to, const struct face *f);
 void ctl_face_regions(FILE *to, const struct face_result *r);

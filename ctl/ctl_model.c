@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "calibration.h"
+#include "in_force.h"
 #include "model.h"
 #include "modelfile.h"
 #include "ctl_command.h"
@@ -35,8 +35,8 @@ enum status ctl_model_open(struct ctl *c, enum store_mode mode)
     if (st != ST_OK || (st = store_open(c->db, mode, &key, &c->store, &c->e)) != ST_OK)
         return st;
     store_use_model(c->store, c->model);
-    if ((c->cmd->shared & CTL_MODEL) != 0 &&
-        calibration_in_force(c->store, &k, NULL) == ST_OK && k.ignored)
+    if ((c->cmd->shared & CTL_MODEL) != 0 && in_force_get(c->store, &k, NULL) == ST_OK &&
+        k.ignored)
         (void)fprintf(stderr,
                       "surfacectl: calibration %" PRId64
                       " is not used: it was made by %s, "

@@ -39,23 +39,30 @@ static const char *read_axes(const char *text, void *value)
     return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
 }
 
-/* Four numbers and perhaps a fifth, with commas between them. */
+static bool is_side(double v)
+{
+    return v >= 1 && v <= CLOUDDEPTH_SIDE_MAX && v == floor(v);
+}
+
+/* Four, five or seven numbers with commas between them. */
 static const char *read_camera(const char *text, void *value)
 {
-    static const char wanted[] = "FX,FY,CX,CY or FX,FY,CX,CY,SCALE, pixels";
+    static const char wanted[] = "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
     struct clouddepth_camera *c = value;
-    double v[5] = {0};
+    double v[7] = {0};
     const char *const end = text + strlen(text);
     int n = 0;
 
     do {
-        if (n == 5 || (text = number_read(text, end, &v[n])) == NULL || !isfinite(v[n]))
+        if (n == 7 || (text = number_read(text, end, &v[n])) == NULL || !isfinite(v[n]))
             return wanted;
         n++;
     } while (*text++ == ',');
-    if (text - 1 != end || n < 4 || !(v[0] > 0) || !(v[1] > 0) || (n == 5 && !(v[4] > 0)))
+    if (text - 1 != end || n < 4 || n == 6 || !(v[0] > 0) || !(v[1] > 0) ||
+        (n > 4 && !(v[4] > 0)) || (n > 5 && !(is_side(v[5]) && is_side(v[6]))))
         return wanted;
-    *c = (struct clouddepth_camera){v[0], v[1], v[2], v[3], v[4]};
+    *c = (struct clouddepth_camera){v[0], v[1],           v[2],          v[3],
+                                    v[4], (uint32_t)v[5], (uint32_t)v[6]};
     return NULL;
 }
 
@@ -70,6 +77,17 @@ static bool read_number(const char *text, double *to, double most)
 const char *ctl_option_mm(const char *text, void *value)
 {
     return read_number(text, value, 999) ? NULL : "millimetres above 0";
+}
+
+const char *ctl_option_score(const char *text, void *value)
+{
+    double *to = value;
+    char *end;
+
+    *to = strtod(text, &end);
+    return end != text && *end == '\0' && fabs(*to) < 1e4
+               ? NULL
+               : "a score between -10000 and 10000";
 }
 
 const char *ctl_option_rate(const char *text, void *value)
@@ -166,10 +184,11 @@ static const struct ctl_option shared_options[] = {
            "the image's right, y up, z towards the scanner, and all of it face"),
     SHARED("camera", "FX,FY,CX,CY", read_camera, scans.camera, 0,
            "of depth images: focal length and centre in pixels; and \",SCALE\" if\n"
-           "a value is not a millimetre (see the manual)"),
+           "a value is not a millimetre, and \",WIDTH,HEIGHT\" of files that have\n"
+           "the values alone (see the manual)"),
     SHARED("model", "FILE", ctl_option_text, model_path, 0,
            "a model that surfacectl train wrote; or set SURFACED_MODEL"),
-    SHARED("threshold-mm", "MM", ctl_option_mm, threshold_mm, 0,
+    SHARED("threshold", "SCORE", ctl_option_score, threshold, 0,
            "count by this threshold instead of the calibration's"),
     SHARED("fmr", "RATE", ctl_option_rate, fmr, 0,
            "the false match rate that the threshold is for"),
@@ -192,6 +211,7 @@ static const struct ctl_option shared_options[] = {
     SHARED("dry-run", NULL, ctl_option_flag, dry_run, 0,
            "show what would be done, change nothing"),
     SHARED("yes", NULL, ctl_option_flag, yes, 0, "do not ask for confirmation"),
+    SHARED("force", NULL, ctl_option_flag, force, 0, "replace files that exist"),
     SHARED("json", NULL, ctl_option_flag, json, 0, "print the result as JSON"),
     SHARED("help", NULL, ctl_option_flag, help, 'h', "print this text"),
     SHARED("version", NULL, ctl_option_flag, version, 0, "print the version"),

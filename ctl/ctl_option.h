@@ -49,9 +49,10 @@ enum ctl_shared {
     CTL_EXPIRES = 1 << 18,
     CTL_DRY_RUN = 1 << 19,
     CTL_YES = 1 << 20,
-    CTL_JSON = 1 << 21,
-    CTL_HELP = 1 << 22,
-    CTL_VERSION = 1 << 23
+    CTL_FORCE = 1 << 21,
+    CTL_JSON = 1 << 22,
+    CTL_HELP = 1 << 23,
+    CTL_VERSION = 1 << 24
 };
 
 /* Of commands that read scans. */
@@ -68,11 +69,12 @@ const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_optio
                                          const char *name);
 
 /* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: millimetres above 0, a
- * rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
+ * score, a rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
 const char *ctl_option_flag(const char *text, void *value);
 const char *ctl_option_text(const char *text, void *value);
 const char *ctl_option_whole(const char *text, void *value);
 const char *ctl_option_mm(const char *text, void *value);
+const char *ctl_option_score(const char *text, void *value);
 const char *ctl_option_rate(const char *text, void *value);
 const char *ctl_option_duration(const char *text, void *value);
 const char *ctl_option_scopes(const char *text, void *value);

@@ -10,16 +10,17 @@ static int by_subjects(const void *p, const void *q)
         return v->x < w->x ? -1 : 1;
     if (v->y != w->y)
         return v->y < w->y ? -1 : 1;
-    if (v->mm != w->mm)
-        return v->mm < w->mm ? -1 : 1;
+    if (v->score != w->score)
+        return v->score > w->score ? -1 : 1;
     return v->a != w->a ? (v->a > w->a) - (v->a < w->a) : (v->b > w->b) - (v->b < w->b);
 }
 
-static int by_mm(const void *p, const void *q)
+static int by_score(const void *p, const void *q)
 {
     const struct ctl_pair *v = p, *w = q;
 
-    return v->mm != w->mm ? (v->mm > w->mm) - (v->mm < w->mm) : by_subjects(p, q);
+    return v->score != w->score ? (v->score < w->score) - (v->score > w->score)
+                                : by_subjects(p, q);
 }
 
 size_t ctl_pairs_sort(struct ctl_pair *pair, size_t n)
@@ -32,6 +33,6 @@ size_t ctl_pairs_sort(struct ctl_pair *pair, size_t n)
     for (size_t i = 0; i < n; i++)
         if (kept == 0 || pair[kept - 1].x != pair[i].x || pair[kept - 1].y != pair[i].y)
             pair[kept++] = pair[i];
-    qsort(pair, kept, sizeof *pair, by_mm);
+    qsort(pair, kept, sizeof *pair, by_score);
     return kept;
 }

@@ -7,10 +7,10 @@
 struct ctl_pair {
     uint32_t x, y; /* two subjects, in their order */
     uint32_t a, b; /* a template of each */
-    double mm;
+    double score;
 };
 
-/* ctl_pairs_sort(pair, n): keep the smallest mm of each two subjects, the smallest of all
+/* ctl_pairs_sort(pair, n): keep the highest score of each two subjects, the highest of all
  * first: the same list in whatever order they came.  Returns how many are left. */
 size_t ctl_pairs_sort(struct ctl_pair *pair, size_t n);
 

@@ -13,7 +13,7 @@
 #include "ctl_sample.h"
 #include "scan_picture.h"
 
-static const char *picture; /* --picture */
+static const char *picture, *face_file; /* --picture, --face */
 
 struct checked {
     struct cloudpoints raw,
@@ -156,6 +156,8 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
     }
     if (st == ST_OK && picture != NULL && k.raw.n > 0)
         st = draw(c, &k);
+    if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
+        st = ctl_dir_mesh(face_file, &k.face.surface.mesh, &c->e);
     face_free(&k.face);
     cloudpoints_free(&k.raw);
     cloudpoints_free(&k.points);
@@ -165,11 +167,21 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 /* A fault that is no scan's does not stop the others either. */
 static enum status run(struct ctl *c)
 {
+    const char *const output[] = {picture, face_file};
     struct errinfo fault = {.code = ST_OK};
     bool usable;
 
-    if (picture != NULL && c->nargs > 1)
-        return ctl_usage(c, "--picture is of one scan");
+    if ((picture != NULL || face_file != NULL) && c->nargs > 1)
+        return ctl_usage(c, "--picture and --face are of one scan");
+    for (int i = 0; i < 2; i++) {
+        const enum status st = output[i] == NULL
+                                   ? ST_OK
+                                   : ctl_dir_may_write(output[i], c->force, c->args,
+                                                       (size_t)c->nargs, &c->e);
+
+        if (st != ST_OK)
+            return st;
+    }
     json_array(c->out, "scans");
     for (int i = 0; i < c->nargs; i++) {
         const enum status st = scan_file(c, c->args[i], &usable);
@@ -190,9 +202,11 @@ const struct ctl_command ctl_scan = {
     .name = "scan",
     .args = "FILE...",
     .takes = {1, CTL_MANY},
-    .shared = CTL_SCANS | CTL_MODEL,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
     .options = {CTL_OPTION("picture", "FILE", ctl_option_text, &picture,
-                           "draw what was found (PNG); of one scan")},
+                           "draw what was found (PNG); of one scan"),
+                CTL_OPTION("face", "FILE", ctl_option_text, &face_file,
+                           "write the face as it is compared (PLY, mm); of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
     .summary = "say what is found in scans, and what to do better",
@@ -200,5 +214,7 @@ const struct ctl_command ctl_scan = {
         "For each FILE: format and points, the unit, how the face is turned and covered, the\n"
         "quality, whether it can be enrolled and verified with or why not, and what to change at\n"
         "the scanner.  Nothing is stored.  --picture shows the points as they were delivered\n"
-        "beside the face that was found.  It is biometric data: only its owner can read it.",
+        "beside the face that was found; --face writes that face with its triangles: cropped, in\n"
+        "millimetres, seen from the front (x to the image's right, y up, z towards the scanner).\n"
+        "Both are biometric data: only their owner can read them.",
     .example = "surfacectl scan alice.glb --picture alice.png"};

@@ -1,21 +1,25 @@
-/* The command train: a model from a collection of scans (docs/model.md). */
+/* The command train: a model from a morphable model and from scans (docs/model.md). */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "model.h"
-#include "modelfile.h"
 #include "corpus.h"
-#include "pool.h"
+#include "corpus_read.h"
 #include "ctl_command.h"
 #include "ctl_corpus.h"
+#include "ctl_dir.h"
+#include "model.h"
+#include "modelfile.h"
+#include "pool.h"
 #include "train.h"
-#include "train_set.h"
+
+static const char *morphable, *name, *scores; /* options of its own */
+static double weight = -1;
 
 /* The scans of a collection as faces. */
 struct scans {
     const struct ctl *c;
-    const struct corpus *corpus;
+    struct corpus *corpus;
     struct face *face;
     char **refused; /* [nscan] why, or NULL */
 };
@@ -25,7 +29,7 @@ static enum status read_scan(void *arg, size_t i, struct face_work *w, struct er
     const struct scans *s = arg;
     struct scan_found found;
 
-    return ctl_corpus_face(s->c, &s->corpus->scan[i], false, w, &s->face[i], &found,
+    return ctl_corpus_face(s->c, &s->corpus->scan[i], false, w, &s->face[i], &found, NULL,
                            &s->refused[i], e);
 }
 
@@ -44,13 +48,37 @@ static void list_refused(struct ctl *c, const struct scans *s)
     ctl_corpus_tell(s->corpus);
 }
 
-static void say(void *arg, const char *line)
+static enum status read_scans(struct ctl *c, struct scans *s)
 {
-    (void)arg;
-    (void)fprintf(stderr, "surfacectl: %s\n", line);
+    enum status st = corpus_read(c->args[0], &s->corpus, &c->e);
+
+    if (st != ST_OK)
+        return st;
+    s->face = calloc(s->corpus->nscan, sizeof *s->face);
+    s->refused = calloc(s->corpus->nscan, sizeof *s->refused);
+    if (s->face == NULL || s->refused == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = pool_run("reading", c->threads, c->model, s->corpus->nscan, read_scan, s, &c->e);
+    if (st == ST_OK)
+        list_refused(c, s);
+    return st;
 }
 
-static void print_figures(struct ctl *c, const char *key, const struct rates_figures *f)
+static void free_scans(struct scans *s)
+{
+    for (uint32_t i = 0; s->corpus != NULL && i < s->corpus->nscan; i++) {
+        if (s->face != NULL)
+            face_free(&s->face[i]);
+        if (s->refused != NULL)
+            free(s->refused[i]);
+    }
+    free(s->face);
+    free(s->refused);
+    corpus_free(s->corpus);
+}
+
+static void print_figures(struct ctl *c, const char *key, const char *title,
+                          const struct rates_figures *f)
 {
     json_object(c->out, key);
     json_rate(c->out, "eer", f->eer);
@@ -58,11 +86,35 @@ static void print_figures(struct ctl *c, const char *key, const struct rates_fig
     json_number(c->out, "tar_at_fmr_1e-3", f->tar[1]);
     json_close(c->out);
     ctl_say(c, "%-12s EER %.2f %%; accepted %.1f %% at FMR 1 %%, %.1f %% at 0.1 %%\n",
-            key, 100 * f->eer, 100 * f->tar[0], 100 * f->tar[1]);
+            title, 100 * f->eer, 100 * f->tar[0], 100 * f->tar[1]);
 }
 
-static void print_report(struct ctl *c, const char *path, const struct model *m,
-                         const struct train_report *r)
+static void print_scans(struct ctl *c, const struct train_report *r)
+{
+    json_number(c->out, "subjects", r->nsubject);
+    json_number(c->out, "scans", r->nscan);
+    json_number(c->out, "weight", r->weight);
+    json_number(c->out, "mated", (double)r->mated);
+    json_number(c->out, "non_mated", (double)r->non_mated);
+    ctl_say(c,
+            "scans        %u of %u subjects, with a weight of %.2f\n"
+            "comparisons  %zu mated, %zu non-mated; the same for both models\n",
+            r->nscan, r->nsubject, r->weight, r->mated, r->non_mated);
+    print_figures(c, "base", "base model", &r->base);
+    print_figures(c, "trained", "new model", &r->own);
+    json_flag(c->out, "worse", r->worse);
+    ctl_say(c, "             The new model's figures are of people that it had not "
+               "learned from: each half of\n"
+               "             the subjects by what the other half taught.  If the base "
+               "model was learned from\n"
+               "             these scans, its figures are in-sample, and flatter it.\n");
+    if (r->worse)
+        (void)fprintf(stderr, "surfacectl: warning: the new model is worse than the base "
+                              "model on people that it has\n"
+                              "not learned from: keep the base model\n");
+}
+
+static void print_model(struct ctl *c, const char *path, const struct model *m)
 {
     char engine[FACE_ENGINE_MAX + 1];
 
@@ -70,100 +122,126 @@ static void print_report(struct ctl *c, const char *path, const struct model *m,
     json_text(c->out, "model", path);
     json_text(c->out, "name", m->name);
     json_text(c->out, "engine", engine);
-    json_number(c->out, "mated", (double)r->genuine);
-    json_number(c->out, "non_mated", (double)r->impostor);
-    json_number(c->out, "threshold_mm", r->threshold_mm);
-    ctl_say(c, "pairs        %zu of one subject, %zu of different ones\n", r->genuine,
-            r->impostor);
-    print_figures(c, "before", &r->before);
-    print_figures(c, "after", &r->after);
-    ctl_say(c,
-            "             (after: each half of the subjects judged by what the "
-            "other taught)\n"
-            "threshold    %.4f mm for a false match rate of 0.1 %%\n"
-            "model        %s: %s\n",
-            r->threshold_mm, path, strchr(engine, ' ') + 1);
+    json_number(c->out, "threshold", m->calibration.threshold);
+    ctl_say(c, "threshold    %.3f, %s\nmodel        %s: %s\n", m->calibration.threshold,
+            scores != NULL ? "by the scores given" : "of the base model's calibration",
+            path, strchr(engine, ' ') + 1);
 }
 
 /* A name that the file can hold? */
-static bool valid_name(const char *name)
+static bool valid_name(const char *text)
 {
-    const size_t n = strlen(name);
+    const size_t n = strlen(text);
 
     for (size_t i = 0; i < n; i++)
-        if (n > MODEL_NAME_MAX || name[i] < ' ' || name[i] > '~')
+        if (n > MODEL_NAME_MAX || text[i] < ' ' || text[i] > '~')
             return false;
     return true;
 }
 
-/* The learning and the file, when the scans have been found. */
-static enum status train(struct ctl *c, struct scans *s, const char *path,
-                         const char *name)
+/* An existing file is replaced by --force alone, and none that is read. */
+static enum status may_write(struct ctl *c)
 {
-    const struct train_set set = {s->corpus, s->face};
-    struct model *m = malloc(sizeof *m);
-    struct train_report report;
-    enum status st;
+    const char *const read[] = {c->nargs > 0 ? c->args[0] : NULL, scores, c->model_path};
+    enum status st = ST_OK;
 
-    if (m == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    st = pool_run("reading", c->threads, c->model, s->corpus->nscan, read_scan, s, &c->e);
-    if (st == ST_OK) {
-        list_refused(c, s);
-        st = train_model(&set, c->model, name, c->threads, say, NULL, m, &report, &c->e);
+    for (size_t i = 0; i < sizeof read / sizeof *read && st == ST_OK; i++) {
+        char *const input = read[i] != NULL ? strdup(read[i]) : NULL;
+
+        st = ctl_dir_may_write(c->dir, c->force, &input, input != NULL, &c->e);
+        free(input);
     }
-    if (st == ST_OK)
-        st = modelfile_write(path, m, &c->e);
-    if (st == ST_OK)
-        print_report(c, path, m, &report);
-    free(m);
     return st;
+}
+
+static enum status check(struct ctl *c)
+{
+    if (c->dir == NULL)
+        return ctl_usage(c, "--out FILE is needed: the model that is written");
+    if (name != NULL && !valid_name(name))
+        return ctl_usage(c, "a model's name is up to %d printable ASCII characters",
+                         MODEL_NAME_MAX);
+    if (morphable == NULL && scores == NULL && c->nargs == 0)
+        return ctl_usage(c, "nothing to learn from: a collection of scans, --morphable "
+                            "DIR or --calibrate FILE");
+    if (weight >= 0 && c->nargs == 0)
+        return ctl_usage(c, "--weight is that of scans, and there are none");
+    return may_write(c);
 }
 
 static enum status run(struct ctl *c)
 {
-    const char *path = c->dir != NULL ? c->dir : "faces.model";
-    const char *name = c->label != NULL ? c->label : "a collection of scans";
+    struct train t = {.base = c->model,
+                      .morphable = morphable,
+                      .weight = weight,
+                      .scores = scores,
+                      .threads = c->threads};
     struct scans s = {.c = c};
-    struct corpus *corpus = NULL;
-    enum status st;
+    struct train_report report;
+    struct model *m = NULL;
+    enum status st = check(c);
 
-    if (!valid_name(name))
-        return ctl_usage(c, "a model's label is up to %d printable ASCII characters",
-                         MODEL_NAME_MAX);
-    if ((st = corpus_read(c->args[0], &corpus, &c->e)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    s.corpus = corpus;
-    s.face = calloc(corpus->nscan, sizeof *s.face);
-    s.refused = calloc(corpus->nscan, sizeof *s.refused);
-    if (s.face == NULL || s.refused == NULL)
+    if (c->nargs > 0)
+        st = read_scans(c, &s);
+    t.corpus = s.corpus;
+    t.face = s.face;
+    if (st == ST_OK && (m = malloc(sizeof *m)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    else
-        st = train(c, &s, path, name);
-    for (uint32_t i = 0; i < corpus->nscan; i++) {
-        if (s.face != NULL)
-            face_free(&s.face[i]);
-        if (s.refused != NULL)
-            free(s.refused[i]);
+    if (st == ST_OK)
+        st = train_model(&t, name != NULL ? name : c->model->name, m, &report, &c->e);
+    if (st == ST_OK)
+        st = modelfile_write(c->dir, m, &c->e);
+    if (st == ST_OK) {
+        if (s.corpus != NULL)
+            print_scans(c, &report);
+        print_model(c, c->dir, m);
+        c->code = report.worse ? EXIT_NO : EXIT_FINE;
     }
-    free(s.face);
-    free(s.refused);
-    corpus_free(corpus);
+    free(m);
+    free_scans(&s);
     return st;
+}
+
+static const char *read_weight(const char *text, void *value)
+{
+    static const char wanted[] = "a number from 0 to 1";
+    char *end;
+    const double x = strtod(text, &end);
+
+    if (end == text || *end != '\0' || !(x >= 0 && x <= 1))
+        return wanted;
+    *(double *)value = x;
+    return NULL;
 }
 
 const struct ctl_command ctl_train = {
     .name = "train",
-    .args = "DIR|MANIFEST",
-    .takes = {1, 1},
-    .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_OUT | CTL_THREADS,
+    .args = "[DIR|MANIFEST]",
+    .takes = {0, 1},
+    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT | CTL_THREADS | CTL_FORCE,
+    .options = {CTL_OPTION("name", "TEXT", ctl_option_text, &name,
+                           "the model's name (the base model's)"),
+                CTL_OPTION("morphable", "DIR", ctl_option_text, &morphable,
+                           "a morphable model's OBJ files, as of ICT-FaceKit (the base\n"
+                           "model's population)"),
+                CTL_OPTION("weight", "W", read_weight, &weight,
+                           "of the scans, 0 to 1 (N subjects: N / (N + 200))"),
+                CTL_OPTION("calibrate", "FILE", ctl_option_text, &scores,
+                           "threshold and rates by the scores.csv of an evaluation (the\n"
+                           "base model's)")},
+    .exits = {"the model was written",
+              "it was, but is worse than the base model on people "
+              "that it has not learned from"},
     .run = run,
-    .summary = "learn a model from a collection of scans",
+    .summary = "learn a model from a morphable model and from scans",
     .help =
-        "DIR or MANIFEST is as for evaluate.  The model has the mean face, how a face changes\n"
-        "between two scans of one person, and the weight of each place.  It is written to the\n"
-        "file --out (./faces.model), for --model of other commands and of surfaced.  The error\n"
-        "rates before and after are printed, the latter of subjects that it did not learn from.\n"
-        "It takes 20 subjects and 250 scans besides the enrolled ones at least; hundreds of\n"
-        "subjects are better.  --label names the model; --model is the one to begin with.",
-    .example = "surfacectl train scans/ --label 'door scanner' --out door.model"};
+        "What is learned is one Gaussian model of faces: the mean face, how a face changes\n"
+        "between two scans of a person, and how people differ.  It comes from a morphable\n"
+        "model or from the base model (--model, or the shipped one), and is adapted to a\n"
+        "collection of scans, named as for evaluate: of 20 subjects with two scans or more.\n"
+        "Error rates are printed for the base model and for the new one, on the same pairs of\n"
+        "people that the new one did not learn from.  The file --out is for --model of other\n"
+        "commands and of surfaced.",
+    .example = "surfacectl train scans/ --name 'door scanner' --out door.model"};

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "minimal.h"
 #include "model.h"
 #include "pool.h"
 #include "ctl_corpus.h"
@@ -17,13 +18,19 @@ static const double pi = 3.14159265358979323846;
 static bool plan_add(struct ctl_trials *t, uint32_t template, uint32_t probe,
                      enum corpus_pair type)
 {
-    struct ctl_trial *larger = ctl_grow(t->trial, t->n, sizeof *t->trial);
+    struct ctl_trial *larger = ctl_grow(t->trial, t->n, sizeof *t->trial), *x;
 
     if (larger == NULL)
         return false;
     t->trial = larger;
-    t->trial[t->n++] = (struct ctl_trial){
-        .template = template, .probe = probe, .type = type, .rotation_deg = (double)NAN};
+    x = &t->trial[t->n++];
+    *x = (struct ctl_trial){.template = template,
+                            .probe = probe,
+                            .type = type,
+                            .disparity_mm = NAN,
+                            .rotation_deg = NAN};
+    for (int i = 0; i < GRID_REGIONS; i++)
+        x->region[i] = NAN;
     return true;
 }
 
@@ -46,11 +53,14 @@ static bool plan_probe(struct ctl_trials *t, uint32_t probe, uint32_t *list)
     const uint32_t subject = c->scan[probe].subject;
     uint64_t seed = SEED + ((uint64_t)probe << 32);
     uint32_t m = 0;
-    bool ok = plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
+    bool ok = c->subject[subject].enrolled == CORPUS_NONE ||
+              plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
 
     for (uint32_t s = 0; s < c->nsubject && ok; s++) {
         const enum corpus_pair type = corpus_pair(c, s, subject);
 
+        if (c->subject[s].enrolled == CORPUS_NONE)
+            continue;
         if (type == CORPUS_RELATIVE)
             ok = plan_add(t, c->subject[s].enrolled, probe, type);
         else if (type == CORPUS_IMPOSTOR)
@@ -62,7 +72,8 @@ static bool plan_probe(struct ctl_trials *t, uint32_t probe, uint32_t *list)
     return ok;
 }
 
-/* How many non-mated comparisons of each probe keep the sum below the limit; UINT32_MAX: all of them. */
+/* How many non-mated comparisons of each probe keep the sum below the limit, or all; 0: out of
+ * memory. */
 static uint32_t share(const struct corpus *c)
 {
     uint32_t *size = calloc(c->npopulation, sizeof *size);
@@ -72,16 +83,32 @@ static uint32_t share(const struct corpus *c)
     if (size == NULL)
         return 0;
     for (uint32_t i = 0; i < c->nsubject; i++)
-        size[c->subject[i].population]++;
+        size[c->subject[i].population] += c->subject[i].enrolled != CORPUS_NONE;
     for (uint32_t i = 0; i < c->nscan; i++)
         if (!c->scan[i].enrolled) {
+            const struct corpus_subject *s = &c->subject[c->scan[i].subject];
+
             nprobe++;
-            all += size[c->subject[c->scan[i].subject].population] - 1;
+            all += size[s->population] - (s->enrolled != CORPUS_NONE);
         }
     free(size);
     if (all <= CTL_TRIALS_NON_MATED)
-        return UINT32_MAX;
+        return CTL_TRIALS_ALL;
     return nprobe < CTL_TRIALS_NON_MATED ? CTL_TRIALS_NON_MATED / nprobe : 1;
+}
+
+static bool plan_listed(struct ctl_trials *t)
+{
+    const struct corpus *c = t->corpus;
+    bool ok = true;
+
+    for (size_t i = 0; i < c->nlisted && ok; i++) {
+        const uint32_t template = c->listed[i].template, probe = c->listed[i].probe;
+
+        ok = plan_add(t, template, probe,
+                      corpus_pair(c, c->scan[template].subject, c->scan[probe].subject));
+    }
+    return ok;
 }
 
 static enum status plan_all(struct ctl_trials *t)
@@ -90,9 +117,18 @@ static enum status plan_all(struct ctl_trials *t)
     uint32_t *list = malloc(c->nsubject * sizeof *list);
     bool ok = list != NULL && t->non_mated > 0;
 
-    for (uint32_t i = 0; i < c->nscan && ok; i++)
-        if (!c->scan[i].enrolled)
+    if (ok && c->nlisted > 0)
+        ok = plan_listed(t);
+    for (uint32_t i = 0; i < c->nscan && ok && c->nlisted == 0; i++) {
+        if (c->scan[i].enrolled)
+            t->template[i].used = true; /* also where nothing is compared with it */
+        else
             ok = plan_probe(t, i, list);
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        t->template[t->trial[i].template].used = true;
+        t->probe[t->trial[i].probe].used = true;
+    }
     free(list);
     return ok ? ST_OK : ST_ENOMEM;
 }
@@ -107,18 +143,23 @@ struct sample {
 struct run {
     struct ctl_trials *t;
     const struct ctl *c;
-    const struct decision *decision; /* NULL: the model's */
-    struct sample *template;         /* [nsubject] */
-    size_t *first; /* the comparisons of item i: first[i] .. first[i + 1] - 1 */
+    const struct ctl_trials_how *how;
+    uint32_t *templates;     /* [ntemplate] of corpus.scan */
+    uint32_t *slot;          /* [nscan] a template's place among them */
+    struct sample *template; /* [ntemplate] */
+    size_t ntemplate;
+    size_t *order; /* the comparisons by probe, as many as there are */
+    size_t *first; /* those of item i: order[first[i]] .. order[first[i + 1] - 1] */
+    size_t nprobe; /* items */
 };
 
-static enum status build(const struct run *r, uint32_t scan, struct face_work *w,
-                         struct sample *out, struct errinfo *e)
+static enum status build(const struct run *r, uint32_t scan, bool enrolment,
+                         struct face_work *w, struct sample *out, struct errinfo *e)
 {
-    const struct corpus_scan *s = &r->t->corpus->scan[scan];
+    struct ctl_trials_scan *s = enrolment ? &r->t->template[scan] : &r->t->probe[scan];
 
-    return ctl_corpus_face(r->c, s, s->enrolled, w, &out->face, &out->found,
-                           &r->t->refused[scan], e);
+    return ctl_corpus_face(r->c, &r->t->corpus->scan[scan], enrolment, w, &out->face,
+                           &out->found, &s->st, &s->why, e);
 }
 
 static enum status enroll_item(void *arg, size_t i, struct face_work *w,
@@ -126,7 +167,7 @@ static enum status enroll_item(void *arg, size_t i, struct face_work *w,
 {
     const struct run *r = arg;
 
-    return build(r, r->t->corpus->subject[i].enrolled, w, &r->template[i], e);
+    return build(r, r->templates[i], true, w, &r->template[i], e);
 }
 
 /* rotation(s, r): Rz Rx Ry. */
@@ -187,28 +228,35 @@ static enum status compare(const struct run *r, const struct sample *sample,
     const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
                              *probe = &c->scan[x->probe];
+    const struct sample *own = &r->template[r->slot[x->template]];
+    const bool posed = c->posed && x->type == CORPUS_GENUINE;
     struct face_result f;
-    const struct sample *own = &r->template[template->subject];
-    const enum status st =
-        face_compare(&own->face, &sample->face, r->c->threshold_mm, ctl_clock_ms, w, &f);
+    struct minimal least;
+    enum status st =
+        face_compare(&own->face, &sample->face, r->c->threshold, ctl_clock_ms, w, &f);
 
+    if (st == ST_OK && r->how->regions)
+        st = face_regions(&own->face, &sample->face, w, &f);
+    if (st == ST_OK && r->how->minimal) /* which aligns them */
+        st = face_minimal(&own->face, &sample->face, NULL, w, &f, &least);
+    else if (st == ST_OK && posed)
+        st = face_align(&own->face, &sample->face, NULL, w, &f);
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
-    x->comparable = f.comparable;
-    x->score_mm = f.score_mm;
-    x->threshold_mm = f.threshold_mm;
-    x->calibrated_mm = f.calibrated_mm;
+    x->score = f.score;
     x->fmr_at_score = f.fmr_at_score;
-    x->overlap = f.overlap;
-    x->weight_overlap = f.weight_overlap;
-    x->align_ms = f.align_ms;
-    x->measure_ms = f.measure_ms;
-    if (c->posed && x->type == CORPUS_GENUINE)
+    x->overlap = (float)f.overlap;
+    for (int i = 0; i < GRID_REGIONS && r->how->regions; i++)
+        x->region[i] = (float)f.region[i];
+    if (r->how->minimal)
+        x->disparity_mm = (float)least.disparity.plain_mm;
+    if (posed)
         x->rotation_deg =
-            angle(template, &own->found, probe, &sample->found, f.align.transform);
+            (float)angle(template, &own->found, probe, &sample->found, f.align.transform);
+    x->score_ms = (float)f.score_ms;
     return ST_OK;
 }
 
@@ -216,79 +264,107 @@ static enum status probe_item(void *arg, size_t i, struct face_work *w, struct e
 {
     const struct run *r = arg;
     struct ctl_trials *t = r->t;
-    const uint32_t scan = t->trial[r->first[i]].probe;
+    const uint32_t scan = t->trial[r->order[r->first[i]]].probe;
     struct sample sample = {.face = {.quality = {0}}};
-    enum status st = build(r, scan, w, &sample, e);
+    enum status st = build(r, scan, false, w, &sample, e);
 
-    if (r->decision != NULL)
-        face_work_decide(w, r->decision);
-    for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++)
-        if (t->refused[scan] == NULL && t->refused[t->trial[k].template] == NULL)
-            st = compare(r, &sample, w, &t->trial[k], e);
+    if (r->how->calibration != NULL)
+        face_work_decide(w, r->how->calibration);
+    for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++) {
+        struct ctl_trial *x = &t->trial[r->order[k]];
+
+        if (t->probe[scan].st == ST_OK && t->template[x->template].st == ST_OK)
+            st = compare(r, &sample, w, x, e);
+    }
     face_free(&sample.face);
     return st;
 }
 
-/* Where each probe's comparisons begin; their number in *n. */
-static enum status find_items(struct run *r, size_t *n)
+/* The templates, and each probe's comparisons in their order. */
+static enum status find_items(struct run *r)
 {
     const struct ctl_trials *t = r->t;
+    const uint32_t nscan = t->corpus->nscan;
+    size_t *at = calloc(nscan + (size_t)1, sizeof *at); /* where a probe's begin */
+    size_t begin = 0;
 
-    *n = 0;
-    if ((r->first = malloc((t->corpus->nscan + (size_t)1) * sizeof *r->first)) == NULL)
+    r->templates = malloc(nscan * sizeof *r->templates);
+    r->slot = malloc(nscan * sizeof *r->slot);
+    r->order = malloc((t->n + 1) * sizeof *r->order);
+    r->first = malloc((nscan + (size_t)1) * sizeof *r->first);
+    if (at == NULL || r->templates == NULL || r->slot == NULL || r->order == NULL ||
+        r->first == NULL) {
+        free(at);
         return ST_ENOMEM;
+    }
     for (size_t i = 0; i < t->n; i++)
-        if (i == 0 || t->trial[i].probe != t->trial[i - 1].probe)
-            r->first[(*n)++] = i;
-    r->first[*n] = t->n;
-    return ST_OK;
+        at[t->trial[i].probe]++;
+    for (uint32_t i = 0; i < nscan; i++) {
+        const size_t n = at[i];
+
+        at[i] = begin;
+        if (n > 0)
+            r->first[r->nprobe++] = begin;
+        begin += n;
+        r->slot[i] = (uint32_t)r->ntemplate;
+        if (t->template[i].used)
+            r->templates[r->ntemplate++] = i;
+    }
+    r->first[r->nprobe] = t->n;
+    for (size_t i = 0; i < t->n; i++)
+        r->order[at[t->trial[i].probe]++] = i;
+    free(at);
+    r->template = calloc(r->ntemplate + 1, sizeof *r->template);
+    return r->template != NULL ? ST_OK : ST_ENOMEM;
 }
 
 static enum status run_all(struct run *r, struct errinfo *e)
 {
     struct ctl_trials *t = r->t;
     const double start = ctl_clock_ms();
-    size_t nprobe;
-    enum status st = find_items(r, &nprobe);
+    enum status st = find_items(r);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "the comparisons: %s", status_message(st));
-    st = pool_run("enrolling", t->nthread, r->c->model, t->corpus->nsubject, enroll_item,
-                  r, e);
+    st = pool_run("enrolling", t->nthread, r->c->model, r->ntemplate, enroll_item, r, e);
     t->build_s = (ctl_clock_ms() - start) / 1e3;
     if (st == ST_OK)
-        st = pool_run("comparing", t->nthread, r->c->model, nprobe, probe_item, r, e);
+        st = pool_run("comparing", t->nthread, r->c->model, r->nprobe, probe_item, r, e);
     t->compare_s = (ctl_clock_ms() - start) / 1e3 - t->build_s;
     return st;
 }
 
 enum status ctl_trials_run(struct ctl *c, const struct corpus *corpus,
-                           const struct decision *decision, uint32_t non_mated,
-                           struct ctl_trials **out)
+                           const struct ctl_trials_how *how, struct ctl_trials **out)
 {
     struct ctl_trials *t = calloc(1, sizeof *t);
-    struct run r = {.t = t, .c = c, .decision = decision};
+    struct run r = {.t = t, .c = c, .how = how};
     enum status st = ST_ENOMEM;
 
     *out = NULL;
     if (t != NULL) {
         t->corpus = corpus;
-        t->threshold_mm = c->threshold_mm > 0 ? c->threshold_mm
-                          : decision != NULL  ? decision->threshold_mm
-                                              : c->model->decision.threshold_mm;
+        t->threshold = !isnan(c->threshold)       ? c->threshold
+                       : how->calibration != NULL ? how->calibration->threshold
+                                                  : c->model->calibration.threshold;
         t->seed = SEED;
         t->nthread = pool_threads(c->threads);
-        t->non_mated = non_mated > 0 ? non_mated : share(corpus);
-        t->refused = calloc(corpus->nscan, sizeof *t->refused);
-        r.template = calloc(corpus->nsubject, sizeof *r.template);
+        t->non_mated = corpus->nlisted > 0  ? CTL_TRIALS_ALL
+                       : how->non_mated > 0 ? how->non_mated
+                                            : share(corpus);
+        t->template = calloc(corpus->nscan, sizeof *t->template);
+        t->probe = calloc(corpus->nscan, sizeof *t->probe);
     }
-    if (t == NULL || t->refused == NULL || r.template == NULL || plan_all(t) != ST_OK)
+    if (t == NULL || t->template == NULL || t->probe == NULL || plan_all(t) != ST_OK)
         (void)errinfo_set(&c->e, st, "the comparisons: out of memory");
     else
         st = run_all(&r, &c->e);
-    for (uint32_t i = 0; r.template != NULL && i < corpus->nsubject; i++)
+    for (size_t i = 0; r.template != NULL && i < r.ntemplate; i++)
         face_free(&r.template[i].face);
     free(r.template);
+    free(r.templates);
+    free(r.slot);
+    free(r.order);
     free(r.first);
     if (st == ST_OK)
         *out = t;
@@ -301,9 +377,14 @@ void ctl_trials_free(struct ctl_trials *t)
 {
     if (t == NULL)
         return;
-    for (uint32_t i = 0; t->refused != NULL && i < t->corpus->nscan; i++)
-        free(t->refused[i]);
-    free(t->refused);
+    for (uint32_t i = 0; i < t->corpus->nscan; i++) {
+        if (t->template != NULL)
+            free(t->template[i].why);
+        if (t->probe != NULL)
+            free(t->probe[i].why);
+    }
+    free(t->template);
+    free(t->probe);
     free(t->trial);
     free(t);
 }

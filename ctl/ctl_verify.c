@@ -19,10 +19,8 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
-    ctl_face_score(stdout, r);
-    (void)printf("common       %.0f %% of the template's area, %.0f %% of the weight\n",
-                 100 * r->overlap, 100 * r->weight_overlap);
-    (void)printf("change       %.3f mm taken out as change of one face\n", r->change_mm);
+    ctl_face_score(stdout, r, x->templates_compared);
+    (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &r->align);
     ctl_face_regions(stdout, r);
     ctl_face_minimal(stdout, x->minimal);
@@ -48,8 +46,7 @@ static enum status settle(struct ctl *c, const struct ctl_nearest *best,
                                       .template_id = best->tmpl.id,
                                       .outcome = verdict_decision(decision),
                                       .probe = decision == FACE_MATCH ? &probe : NULL};
-    enum status st =
-        replay_probe(best->nearest.result.score_mm, found, f, 0, &probe, &c->e);
+    enum status st = replay_probe(&best->tmpl, found, f, 0, &probe, &c->e);
 
     if (st == ST_OK)
         st = store_settle(c->store, &what, &out, &c->e);
@@ -77,19 +74,20 @@ static enum status verify(struct ctl *c)
         st = nearest_judge(&best.nearest, &c->e);
     if (st == ST_OK) {
         c->code = ctl_face_exit(best.nearest.result.decision);
-        print_result(c, &(struct describe_comparison){
-                            .result = &best.nearest.result,
-                            .minimal = &best.minimal,
-                            .probe = &probe,
-                            .scan = &found,
-                            .engine = c->engine,
-                            .subject = subject,
-                            .template_id = best.tmpl.id,
-                            .templates_compared = best.nearest.compared,
-                            .measure = true,
-                            .times = &(struct describe_times){
-                                NAN, NAN, best.nearest.align_ms, best.nearest.measure_ms,
-                                best.minimal.ms, ctl_clock_ms() - start}});
+        print_result(
+            c, &(struct describe_comparison){
+                   .result = &best.nearest.result,
+                   .minimal = &best.minimal,
+                   .probe = &probe,
+                   .scan = &found,
+                   .engine = c->engine,
+                   .subject = subject,
+                   .template_id = best.tmpl.id,
+                   .templates_compared = best.nearest.compared,
+                   .measure = true,
+                   .times = &(struct describe_times){
+                       NAN, NAN, best.nearest.score_ms, best.nearest.result.align_ms,
+                       best.minimal.ms, ctl_clock_ms() - start}});
         ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n",
                 best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
     }
@@ -108,10 +106,10 @@ static enum status compare(struct ctl *c)
 
     if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a, &found[0])) == ST_OK &&
         (st = ctl_sample_read(c, c->args[1], false, c->work, &b, &found[1])) == ST_OK &&
-        ((st = face_compare(&a, &b, 0.0, ctl_clock_ms, c->work, &r)) != ST_OK ||
-         (st = face_minimal(&a, &b, r.align.transform, ctl_clock_ms, c->work, &least)) !=
-             ST_OK ||
-         (st = face_weigh(&a, &b, c->work, &least)) != ST_OK))
+        ((st = face_compare(&a, &b, (double)NAN, ctl_clock_ms, c->work, &r)) != ST_OK ||
+         (st = face_minimal(&a, &b, ctl_clock_ms, c->work, &r, &least)) != ST_OK ||
+         (st = face_weigh(&a, &b, c->work, &least)) != ST_OK ||
+         (st = face_regions(&a, &b, c->work, &r)) != ST_OK))
         (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
         print_result(
@@ -124,7 +122,7 @@ static enum status compare(struct ctl *c)
                    .engine = c->engine,
                    .templates_compared = 1,
                    .measure = true,
-                   .times = &(struct describe_times){NAN, NAN, r.align_ms, r.measure_ms,
+                   .times = &(struct describe_times){NAN, NAN, r.score_ms, r.align_ms,
                                                      least.ms, ctl_clock_ms() - start}});
     face_free(&a);
     face_free(&b);
@@ -141,7 +139,7 @@ const struct ctl_command ctl_verify = {
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = verify,
     .summary = "compare a scan with a subject's templates",
-    .help = "The template with the lowest score decides.",
+    .help = "The template with the highest score decides.",
     .example = "surfacectl --db faces.db verify alice probe.ply"};
 
 const struct ctl_command ctl_verify_compare = {

@@ -7,9 +7,8 @@
 #define EXPLAIN_COLOR_GREY 150 /* all three: no value */
 
 /* explain_color(kind, value, end, rgb): full at explain_end().
- * gap   blue behind the template, light where they meet, red in front of it
- * rest  the same; within a threshold of 0 nearly white, darker in steps beyond
- * part  white at 0, yellow up to a threshold, red beyond; below 0 as 0
+ * gap, cell  blue behind the template, light where they meet, red in front of it
+ * part       purple below 0, white at 0, green above
  * A value of NAN is grey. */
 void explain_color(enum explain_kind kind, double value, double end, uint8_t rgb[3]);
 

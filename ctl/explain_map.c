@@ -124,7 +124,7 @@ static void paint(const struct canvas *c, size_t i, const struct corner *p, doub
 
         explain_color((enum explain_kind)k,
                       a * p->value[k] + b * q->value[k] + d * r->value[k],
-                      explain_end(c->x, (enum explain_kind)k), rgba);
+                      explain_end((enum explain_kind)k), rgba);
         for (int l = 0; l < 3; l++) /* little enough that the scale can still be read */
             rgba[l] = (uint8_t)lround(rgba[l] * fmin(1, 0.74 + 0.32 * light));
         rgba[3] = 255;

@@ -5,7 +5,6 @@
 #include "explain_color.h"
 #include "explain_map.h"
 #include "plot.h"
-#include "tuning.h"
 
 #define SHADES 96  /* of each colour scale */
 #define RIM_MM 5.0 /* round the face */
@@ -32,22 +31,20 @@ static void print_heading(FILE *to, const struct face_result *r)
     static const char *const words[] = {[FACE_MATCH] = "Match",
                                         [FACE_NO_MATCH] = "Non-match",
                                         [FACE_INCONCLUSIVE] = "Inconclusive"};
+    double score, threshold;
+
+    face_shown(r, 100, &score, &threshold);
 
     (void)fprintf(to,
                   "set label 100 \"{/:Bold*1.8 %s}\" at screen 0.5,0.972 center\n"
                   "set label 101 \"{/*1.15 ",
                   words[r->decision]);
-    if (!r->comparable)
-        (void)fprintf(to, "too little in common to decide");
-    else
-        (void)fprintf(to, "score %.3f mm %s threshold %.3f mm%s", r->score_mm,
-                      r->decision == FACE_MATCH ? "≤" : ">", r->threshold_mm,
-                      r->decision == FACE_INCONCLUSIVE ? ", but a part is hidden" : "");
     (void)fprintf(to,
-                  "}\\ncommon area %.0f %% (at least %.0f %%), %.0f %% of the weight (at "
-                  "least %.0f %%)\" at screen 0.5,0.942 center\n",
-                  100 * r->overlap, 100 * DECISION_MIN_OVERLAP, 100 * r->weight_overlap,
-                  100 * DECISION_MIN_WEIGHT);
+                  "score %.2f %s threshold %.2f%s}\\ncommon area %.0f %%\" at screen "
+                  "0.5,0.942 center\n",
+                  score, r->decision == FACE_MATCH ? "≥" : "<", threshold,
+                  r->decision == FACE_INCONCLUSIVE ? ": too little to tell" : "",
+                  100 * r->overlap);
 }
 
 static void print_margins(FILE *to, double left, double right, double low, double high)
@@ -60,18 +57,17 @@ static void print_margins(FILE *to, double left, double right, double low, doubl
 
 /* ---- the three maps */
 
-static void print_scale(FILE *to, const struct explanation *x, enum explain_kind kind)
+static void print_scale(FILE *to, enum explain_kind kind)
 {
     static const char *const label[EXPLAIN_KINDS] = {
         "mm (blue: probe behind, red: in front; grey: no value)",
-        "mm (pale band: within the threshold)",
-        "in thresholds (the mean over the face is score / threshold)"};
-    const double end = explain_end(x, kind), low = kind == EXPLAIN_PART ? 0 : -end;
-    const double t = x->result.threshold_mm;
+        "mm (blue: probe behind, red: in front; grey: no value)",
+        "score of a cell (green: for one person, purple: for two)"};
+    const double end = explain_end(kind);
 
     (void)fprintf(to, "set palette defined (");
     for (int k = 0; k <= SHADES; k++) {
-        const double value = low + k * (end - low) / SHADES;
+        const double value = -end + 2 * k * end / SHADES;
         uint8_t rgb[3];
 
         explain_color(kind, value, end, rgb);
@@ -82,22 +78,18 @@ static void print_scale(FILE *to, const struct explanation *x, enum explain_kind
         to,
         ")\nset palette maxcolors 0\nset cbrange [%g:%g]\n"
         "set colorbox horizontal user origin screen %g,%g size screen %g,0.014\n"
-        "unset cbtics\nset cbtics 1 out nomirror scale 0.6 offset 0,0.4\n"
+        "unset cbtics\nset cbtics %g out nomirror scale 0.6 offset 0,0.4\n"
         "set cblabel '%s' offset 0,0.7\n",
-        low, end, column[kind], SCALE_AT, WIDE, label[kind]);
-    if (kind == EXPLAIN_REST) /* the threshold on either side of 0, and the ends */
-        (void)fprintf(to,
-                      "set cbtics ('-%.3f' %g, '-%.3f' %g, 0, '%.3f' %g, '%.3f' %g)\n",
-                      end, -end, t, -t, t, t, end, end);
+        -end, end, column[kind], SCALE_AT, WIDE, kind == EXPLAIN_PART ? end / 2 : 1,
+        label[kind]);
 }
 
-static void print_map(FILE *to, const struct explanation *x,
-                      const struct explain_map *map, enum explain_kind kind)
+static void print_map(FILE *to, const struct explain_map *map, enum explain_kind kind)
 {
     static const char *const title[EXPLAIN_KINDS] = {
         "{/:Bold The gap as measured}\\nit does not decide",
-        "{/:Bold What is left without learned change}\\nof it the score is taken, by weight",
-        "{/:Bold What each place adds to the score}\\nwith its weight"};
+        "{/:Bold The gap by cells, each face in its own frame}\\nof it the score is taken",
+        "{/:Bold What each place adds to the score}\\nthe sum decides"};
     const double wide = map->w * map->pixel_mm + 2 * RIM_MM,
                  high = map->h * map->pixel_mm + 2 * RIM_MM;
     /* As wide as it may be in the column at the row's height. */
@@ -106,7 +98,7 @@ static void print_map(FILE *to, const struct explanation *x,
 
     print_margins(to, column[kind] + (WIDE - share) / 2,
                   column[kind] + (WIDE + share) / 2, MAP_LOW, MAP_HIGH);
-    print_scale(to, x, kind);
+    print_scale(to, kind);
     (void)fprintf(to,
                   "set title \"%s\" offset 0,-0.4\n"
                   "set size ratio -1\nset tics out nomirror\nset xtics 40 format '%%g'\n"
@@ -136,10 +128,10 @@ static int color_of(enum explain_kind kind, double value, double end)
     return rgb[0] << 16 | rgb[1] << 8 | rgb[2];
 }
 
-/* How a field is spread, with a grey band from -limit to limit. */
+/* How a field is spread, with a grey band of what is not far. */
 static void print_spread(FILE *to, const struct explain_spread *s, enum explain_kind kind)
 {
-    const double width = 2 * s->end_mm / EXPLAIN_BINS;
+    const double end = EXPLAIN_GAP_MM, width = 2 * end / EXPLAIN_BINS;
     double most = 0.01;
 
     for (int k = 0; k < EXPLAIN_BINS; k++)
@@ -154,22 +146,21 @@ static void print_spread(FILE *to, const struct explain_spread *s, enum explain_
         "set xlabel '%s (outer bars: and beyond)' offset 0,0.4\n"
         "set object 1 rectangle from %g,graph 0 to %g,graph 1 fc rgb '#e9e9e9' "
         "fs solid noborder behind\n",
-        width, -s->end_mm, s->end_mm, 112 * most,
+        width, -end, end, 112 * most,
         kind == EXPLAIN_GAP ? "gap in mm, share of the points"
-                            : "what is left in mm, share of the weight",
-        -s->limit_mm, s->limit_mm);
+                            : "gap in mm, share of the cells",
+        -EXPLAIN_BEYOND_MM, EXPLAIN_BEYOND_MM);
     if (s->n > 0)
         (void)fprintf(
-            to, "set title 'mean amount %.3f mm; grey: within %s%.3g mm' offset 0,-0.6\n",
-            s->mean_mm, kind == EXPLAIN_REST ? "the threshold, " : "", s->limit_mm);
+            to, "set title 'mean amount %.3f mm; grey: within %.3g mm' offset 0,-0.6\n",
+            s->mean_mm, EXPLAIN_BEYOND_MM);
     else
         (void)fprintf(to, "set title 'nothing to compare'\n");
     (void)fprintf(to, "$bar << EOD\n");
     for (int k = 0; k < EXPLAIN_BINS; k++) {
-        const double mm = (k + 0.5) * width - s->end_mm;
+        const double mm = (k + 0.5) * width - end;
 
-        (void)fprintf(to, "%.6g %.6g %d\n", mm, 100 * s->bin[k],
-                      color_of(kind, mm, s->end_mm));
+        (void)fprintf(to, "%.6g %.6g %d\n", mm, 100 * s->bin[k], color_of(kind, mm, end));
     }
     (void)fprintf(to,
                   "EOD\nplot $bar using 1:2:3 with boxes lc rgb variable fc rgb variable "
@@ -177,36 +168,32 @@ static void print_spread(FILE *to, const struct explain_spread *s, enum explain_
                   "unset object 1\n");
 }
 
-/* The score of the face and of each region of it, beside the threshold. */
-static void print_regions(FILE *to, const struct face_result *r)
+/* Each region's part of the score. */
+static void print_regions(FILE *to, const double region[GRID_REGIONS])
 {
-    double most = fmax(r->score_mm, r->threshold_mm);
+    double low = 0, high = 0;
 
     for (int k = 0; k < GRID_REGIONS; k++)
-        most = fmax(most, isnan(r->region_mm[k]) ? 0 : r->region_mm[k]);
+        if (!isnan(region[k])) {
+            low = fmin(low, region[k]);
+            high = fmax(high, region[k]);
+        }
     print_margins(to, column[EXPLAIN_PART], column[EXPLAIN_PART] + WIDE, BAR_LOW,
                   BAR_HIGH);
-    (void)fprintf(
-        to,
-        "set xrange [-0.6:%g]\nset yrange [0:%g]\nset boxwidth 0.7\n"
-        "set format y '%%g'\nset xlabel 'score in mm, share of the weight' offset 0,-0.7\n"
-        "set title 'score of the face and of its regions; dashed: threshold' "
-        "offset 0,-0.6\n"
-        "set arrow 1 from graph 0,first %g to graph 1,first %g nohead dt 2 lw 2 "
-        "lc rgb 'black' front\n"
-        "set xtics scale 0 font 'Sans,11' (\"face\\n100 %%%%\" 0",
-        GRID_REGIONS + 0.6, 1.15 * most, r->threshold_mm, r->threshold_mm);
+    (void)fprintf(to,
+                  "set xrange [-0.6:%g]\nset yrange [%g:%g]\nset boxwidth 0.7\n"
+                  "set format y '%%g'\nset xlabel 'part of the score' offset 0,-0.7\n"
+                  "set title 'the score, by region' offset 0,-0.6\n"
+                  "set xtics scale 0 font 'Sans,11' (",
+                  GRID_REGIONS - 0.4, 1.15 * low - 0.1, 1.15 * high + 0.1);
     for (int k = 0; k < GRID_REGIONS; k++)
-        (void)fprintf(to, ", \"%s\\n%.0f %%%%\" %d",
-                      grid_region_name((enum grid_region)k), 100 * r->region_weight[k],
-                      k + 1);
-    (void)fprintf(to, ")\n$region << EOD\n0 %.6g %d\n", r->score_mm,
-                  color_of(EXPLAIN_PART, r->score_mm / r->threshold_mm, EXPLAIN_TIMES));
+        (void)fprintf(to, "%s\"%s\" %d", k > 0 ? ", " : "",
+                      grid_region_name((enum grid_region)k), k);
+    (void)fprintf(to, ")\n$region << EOD\n");
     for (int k = 0; k < GRID_REGIONS; k++)
-        if (!isnan(r->region_mm[k]))
-            (void)fprintf(
-                to, "%d %.6g %d\n", k + 1, r->region_mm[k],
-                color_of(EXPLAIN_PART, r->region_mm[k] / r->threshold_mm, EXPLAIN_TIMES));
+        if (!isnan(region[k]))
+            (void)fprintf(to, "%d %.6g %d\n", k, region[k],
+                          color_of(EXPLAIN_PART, region[k], fmax(-low, high)));
     (void)fprintf(to, "EOD\nset style fill solid border rgb '#707070'\n"
                       "plot $region using 1:2:3 with boxes fc rgb variable notitle\n");
 }
@@ -222,10 +209,10 @@ static void script(FILE *to, const void *arg)
                   PIXELS_X, PIXELS_Y);
     print_heading(to, &d->x->result);
     for (int k = 0; k < EXPLAIN_KINDS; k++)
-        print_map(to, d->x, d->map, (enum explain_kind)k);
+        print_map(to, d->map, (enum explain_kind)k);
     print_spread(to, &d->x->gap, EXPLAIN_GAP);
-    print_spread(to, &d->x->rest, EXPLAIN_REST);
-    print_regions(to, &d->x->result);
+    print_spread(to, &d->x->cell, EXPLAIN_CELL);
+    print_regions(to, d->x->result.region);
     (void)fprintf(to, "unset multiplot\n");
 }
 

@@ -5,23 +5,15 @@
 #include "describe.h"
 #include "ctl_face.h"
 #include "ctl.h"
-#include "tuning.h"
 #include "verdict.h"
 
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct face_result *r)
 {
-    if (r->decision == FACE_MATCH)
-        return "the score is not above the threshold";
-    if (r->decision == FACE_NO_MATCH)
-        return "the score is above the threshold";
-    if (r->comparable)
-        return "a part of B is hidden, and the score is not far above the threshold";
-    if (r->align.stop == ALIGN_APART)
-        return "no pose was found in which the surfaces have enough in common";
-    if (r->overlap < DECISION_MIN_OVERLAP)
-        return "the common area is too small a share of the template's";
-    return "the common area has too small a share of the weight";
+    return r->decision == FACE_MATCH      ? "the score is not below the threshold"
+           : r->decision == FACE_NO_MATCH ? "the score is below the threshold"
+                                          : "the scans have too little in common, or are "
+                                            "too noisy, to tell";
 }
 
 /* What the comparison found; by region of the face at the end. */
@@ -30,19 +22,10 @@ static void print_result(FILE *to, const struct explanation *x)
     const struct face_result *r = &x->result;
 
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
-    ctl_face_score(to, r);
+    ctl_face_score(to, r, x->compared);
     ctl_face_minimal(to, &x->minimal);
-    (void)fprintf(
-        to,
-        "common       %.1f %% of the template's area, %.1f %% of a face's weight "
-        "(at least %.0f and %.0f %% are needed)\n",
-        100 * r->overlap, 100 * r->weight_overlap, 100 * DECISION_MIN_OVERLAP,
-        100 * DECISION_MIN_WEIGHT);
-    (void)fprintf(
-        to,
-        "change       %.3f mm (root mean square) taken out as learned change of "
-        "one face\n",
-        r->change_mm);
+    (void)fprintf(to, "expected     %.2f of two such scans of one person\n", r->expected);
+    (void)fprintf(to, "common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(to, &r->align);
     ctl_face_regions(to, r);
 }
@@ -64,7 +47,7 @@ static void print_spread(FILE *to, const struct explain_spread *s)
     (void)fprintf(to, "  median     %+.3f mm (probe minus template)\n", s->median_mm);
     (void)fprintf(to, "  mean       %.3f mm (amount)\n", s->mean_mm);
     (void)fprintf(to, "  beyond     %.1f %% by more than %.3g mm\n", 100 * s->beyond,
-                  s->limit_mm);
+                  EXPLAIN_BEYOND_MM);
     (void)fprintf(to, "  amount    ");
     for (int k = 0; k < EXPLAIN_QUANTILES; k++)
         (void)fprintf(to, " %.0f %%: %.3f%s", 100 * explain_levels[k], s->quantile_mm[k],
@@ -79,7 +62,7 @@ enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
     (void)e;
     (void)fprintf(to, "template     %s\n", x->a);
     if (x->template_id != NULL)
-        (void)fprintf(to, "             %s, with the smallest score of %u\n",
+        (void)fprintf(to, "             %s, with the highest score of %u\n",
                       x->template_id, x->compared);
     (void)fprintf(to, "probe        %s\n", x->b);
     print_result(to, x);
@@ -92,11 +75,10 @@ enum status explain_text(FILE *to, const void *arg, struct errinfo *e)
     print_spread(to, &x->gap);
     (void)fprintf(
         to,
-        "rest         what learned change leaves of the gap, in %zu cells of %g "
-        "mm, by weight;\n"
-        "             without the roughness from cell to cell its mean is the score\n",
-        x->rest.n, GRID_MM);
-    print_spread(to, &x->rest);
+        "cells        the gap of %zu cells of %g mm, each face in its own frame; of "
+        "it the score is taken\n",
+        x->cell.n, GRID_MM);
+    print_spread(to, &x->cell);
     (void)fprintf(to, "transform    of the probe onto the template, mm\n");
     for (int i = 0; i < 16; i += 4)
         (void)fprintf(to, "  %12.6f %12.6f %12.6f %12.4f\n", r->align.transform[i],
@@ -109,7 +91,7 @@ static void out_spread(struct json *o, const struct explain_spread *s)
 {
     json_number(o, "median_mm", s->median_mm);
     json_number(o, "mean_amount_mm", s->mean_mm);
-    json_number(o, "limit_mm", s->limit_mm);
+    json_number(o, "limit_mm", EXPLAIN_BEYOND_MM);
     json_number(o, "share_beyond", s->beyond);
     json_array(o, "amount_quantiles");
     for (int k = 0; k < EXPLAIN_QUANTILES; k++) {
@@ -136,18 +118,16 @@ void explain_text_out(struct json *o, const struct explanation *x)
                                                       .measure = true});
     describe_quality(o, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
     json_text(o, "reason", reason(&x->result));
-    json_object(o, "region_weight");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        json_number(o, grid_region_name((enum grid_region)i), x->result.region_weight[i]);
-    json_close(o);
+    json_score(o, "expected", x->result.expected);
     json_object(o, "gap");
     json_number(o, "points", (double)x->n);
     json_number(o, "compared", (double)x->gap.n);
     out_spread(o, &x->gap);
     json_close(o);
-    json_object(o, "rest");
-    json_number(o, "cells", (double)x->rest.n);
-    out_spread(o, &x->rest);
+    json_object(o, "cells");
+    describe_cells(o, &x->field);
+    json_number(o, "compared", (double)x->cell.n);
+    out_spread(o, &x->cell);
     json_close(o);
 }
 

@@ -2,6 +2,7 @@
  * daemon or without one. */
 #include <getopt.h>
 #include <sodium.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -223,7 +224,7 @@ static void print_error(struct ctl *c, int code)
 
 int main(int argc, char **argv)
 {
-    struct line l = {.noption = 0};
+    struct line l = {.c = {.threshold = (double)NAN}};
     struct ctl *c = &l.c;
     struct model *model = NULL;
     bool ok = read_line(argc, argv, &l);

@@ -1,12 +1,14 @@
 /* report.h -- what an evaluation found, in the terms of ISO/IEC 19795-1.  Its forms are
- * report_text.h, report_html.h, report_json.h, report_csv.h and report_plot.h. */
+ * report_text.h, report_json.h and report_csv.h. */
 #ifndef CTL_REPORT_H
 #define CTL_REPORT_H
 #include <stdint.h>
 #include "ctl_trials.h"
 #include "rates.h"
 
-/* The share of n comparisons that went wrong; NaN when n is 0. */
+struct model; /* model.h */
+
+/* The share of n that went wrong; NaN when n is 0. */
 struct report_rate {
     double value, low, high; /* 95 %, by a bootstrap over subjects */
     size_t n;
@@ -14,56 +16,79 @@ struct report_rate {
 
 /* How many comparisons of one sort were decided how. */
 struct report_count {
+    size_t planned; /* those besides that a refused scan made impossible */
     size_t n, match, no_match, inconclusive;
+};
+
+/* Of which mated comparisons a rate is.  The non-mated ones are always those scored: a refusal
+ * must not pay for a threshold that is easier to reach. */
+enum report_of {
+    REPORT_SCORED, /* those that were made */
+    REPORT_ALL, /* all that were planned: what a refused scan made impossible is an error */
+    REPORT_OF
+};
+
+struct report_curve {
+    size_t n; /* mated comparisons */
+    struct rates *rates;
+    struct rates_figures f, low, high; /* at the report's threshold */
 };
 
 /* The probes of one kind, or all. */
 struct report_group {
     const char *name;
     uint32_t kind;          /* of the corpus, or CORPUS_NONE: all */
-    uint32_t probe;         /* how many */
-    uint32_t refused;       /* of which no model could be made: failures to acquire */
+    struct report_rate fta; /* failures to acquire, of the probes */
     uint32_t ranked, first; /* probes compared with others too; own template nearest */
     struct report_count mated;
-    struct report_rate no_match;  /* mated comparisons decided so */
-    struct report_rate unmatched; /* and the inconclusive ones besides */
-    struct rates *rates; /* this kind's mated scores, everybody's non-mated scores */
-    struct rates_figures f, low, high;
-    size_t posed;  /* probes whose rotation error is known, and its quantiles */
-    size_t beyond; /* more than 3 degrees */
+    struct report_rate fnmr;      /* mated comparisons that are a non-match */
+    struct report_rate unmatched; /* those that are no match: inconclusive ones too */
+    struct report_rate
+        frr; /* and those that refusals made impossible, of the planned ones:
+                               the generalised false reject rate */
+    struct report_curve
+        curve[REPORT_OF]; /* this kind's mated scores, everybody's others */
+    size_t posed;         /* probes whose rotation error is known, and its quantiles */
+    size_t beyond;        /* more than 3 degrees */
     double median_deg, most_deg, worst_deg; /* 50, 90, 100 per cent */
 };
 
 struct report {
     const struct ctl_trials *t;
-    const char *source, *made; /* folder or manifest; when */
+    const char *source, *made; /* folder, manifest or list; when */
     const char *calibration;   /* whose decided */
     const char *engine;        /* face_engine() */
-    double threshold_mm;
+    const struct model *model;
+    const char *enroll_kind; /* that was asked for, or NULL */
+    double threshold;
     unsigned replicates; /* of the bootstrap */
     uint64_t seed;
     struct report_group *group; /* the first is all */
     uint32_t ngroup;
-    uint32_t unenrolled; /* templates refused: failures to enrol */
-    size_t undone;       /* comparisons planned that a refused scan made impossible */
+    uint32_t untemplated;   /* subjects without a scan of the kind that is enrolled */
+    struct report_rate fte; /* failures to enroll, of the templates */
     struct report_count non_mated, relative;
-    struct report_rate match;    /* non-mated comparisons decided so */
-    double align_ms, measure_ms; /* median of a comparison */
-    char plots[480];             /* why there are none, or "" */
+    struct report_rate fmr; /* non-mated comparisons that are a match */
+    struct report_rate far; /* of those planned: the generalised false accept rate */
+    double score_ms;        /* median of a comparison */
 };
 
-/* report_measure(r, t): fills r, which has source, made, calibration and engine, from the
- * comparisons t, which r borrows.  Released by report_free(), also on failure.
+/* report_measure(r, t): fills r, which has source, made, calibration, engine, model and
+ * enroll_kind, from the comparisons t, which r borrows.  Released by report_free(), also on
+ * failure.  Cost: a bootstrap of all non-mated comparisons for each kind, twice.
  * Returns ST_OK, ST_ENOMEM. */
 enum status report_measure(struct report *r, const struct ctl_trials *t);
 void report_free(struct report *r);
+
+/* report_done(r): comparisons that were made, of all types. */
+size_t report_done(const struct report *r);
 
 /* report_bound(rate, n): n independent comparisons of which this share, fewer than 3, went
  * wrong: what the true rate is below with 95 % confidence; 3 / n without any. */
 double report_bound(double rate, size_t n);
 
-/* report_step(r, most, n): the step of thresholds, a round number of mm, that leads from 0
- * to the largest score in *n <= most steps. */
-double report_step(const struct report *r, size_t most, size_t *n);
+/* report_step(r, most, from, n): the step of thresholds, a round number, that leads from *from,
+ * at or below the lowest score, to the highest in *n <= most steps. */
+double report_step(const struct report *r, size_t most, double *from, size_t *n);
 
 #endif

@@ -1,12 +1,19 @@
 #include "report_text.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+#include "model.h"
+#include "model_digest.h"
 #include "report.h"
 
 struct number {
     char s[24];
+};
+
+struct cell {
+    char s[120];
 };
 
 /* A share in per cent, with as many digits as are of use. */
@@ -24,10 +31,10 @@ static struct number percent(double share)
     return c;
 }
 
-/* An error rate with its interval; without enough comparisons, what it is below. */
-static struct report_text_cell error_cell(double rate, double low, double high, size_t n)
+/* An error rate with its interval; without enough of them, what it is below. */
+static struct cell error_cell(double rate, double low, double high, size_t n)
 {
-    struct report_text_cell c;
+    struct cell c;
 
     if (isnan(rate) || n == 0)
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
@@ -42,22 +49,16 @@ static struct report_text_cell error_cell(double rate, double low, double high, 
     return c;
 }
 
-struct report_text_cell report_text_rate(const struct report_rate *x)
+static struct cell rate_cell(const struct report_rate *x)
 {
     return error_cell(x->value, x->low, x->high, x->n);
 }
 
-static size_t least_of(const struct report *r, const struct report_group *g)
-{
-    return g->mated.n < r->non_mated.n ? g->mated.n : r->non_mated.n;
-}
-
 /* Both errors are in an EER: the fewer comparisons say how small it may be. */
-static struct report_text_cell eer_cell(const struct report *r,
-                                        const struct report_group *g)
+static struct cell eer_cell(const struct report *r, const struct report_curve *g)
 {
-    const size_t n = least_of(r, g);
-    struct report_text_cell c;
+    const size_t n = g->n < r->non_mated.n ? g->n : r->non_mated.n;
+    struct cell c;
 
     if (isnan(g->f.eer) || rates_supported(g->f.eer, n) || report_bound(g->f.eer, n) >= 1)
         return error_cell(g->f.eer, g->low.eer, g->high.eer, n);
@@ -65,23 +66,22 @@ static struct report_text_cell eer_cell(const struct report *r,
     return c;
 }
 
-static struct report_text_cell tar_cell(const struct report *r,
-                                        const struct report_group *g, int k)
+static struct cell tar_cell(const struct report *r, const struct report_curve *g, int k)
 {
-    const size_t n = g->mated.n;
     const double tar = g->f.tar[k];
-    struct report_text_cell c;
+    struct cell c;
 
     if (isnan(tar))
         (void)snprintf(c.s, sizeof c.s, "no comparisons");
     else if (!rates_supported(rates_target[k], r->non_mated.n))
         (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons",
                        r->non_mated.n);
-    else if (!rates_supported(1 - tar, n) && report_bound(1 - tar, n) >= 1)
-        (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", n);
-    else if (!rates_supported(1 - tar, n))
+    else if (!rates_supported(1 - tar, g->n) && report_bound(1 - tar, g->n) >= 1)
+        (void)snprintf(c.s, sizeof c.s, "not supported by %zu comparisons", g->n);
+    else if (!rates_supported(1 - tar, g->n))
         (void)snprintf(c.s, sizeof c.s, "above %s %% (%.0f of %zu)",
-                       percent(1 - report_bound(1 - tar, n)).s, tar * (double)n, n);
+                       percent(1 - report_bound(1 - tar, g->n)).s, tar * (double)g->n,
+                       g->n);
     else
         (void)snprintf(c.s, sizeof c.s, "%s %% [%s–%s]", percent(tar).s,
                        percent(g->low.tar[k]).s, percent(g->high.tar[k]).s);
@@ -97,28 +97,48 @@ static void name(FILE *to, const char *s)
 
 /* ---- text */
 
+static void text_made(const struct report *r, FILE *to)
+{
+    (void)fprintf(to, "# Evaluation of face comparison\n\n| | |\n|---|---|\n| scans | ");
+    name(to, r->source);
+    (void)fprintf(to, " |\n| made | %s by %s |\n| model | ", r->made, r->engine);
+    name(to, r->model->name);
+    (void)fprintf(
+        to,
+        ", digest %016" PRIx64 " |\n"
+        "| learned from these people? | not recorded in a model: if it was, the "
+        "rates are too good |\n"
+        "| threshold | %.4g, calibration %s |\n",
+        model_digest(r->model), r->threshold, r->calibration);
+}
+
 static void text_head(const struct report *r, FILE *to)
 {
     const struct ctl_trials *t = r->t;
     const struct corpus *c = t->corpus;
     const struct report_group *all = &r->group[0];
 
-    (void)fprintf(to, "# Evaluation of face comparison\n\n| | |\n|---|---|\n| scans | ");
-    name(to, r->source);
-    (void)fprintf(to, " |\n| made | %s by %s, calibration %s |\n", r->made, r->engine,
-                  r->calibration);
-    (void)fprintf(to,
-                  "| subjects | %u in %u population%s; %u scans, %u of them probes |\n",
-                  c->nsubject, c->npopulation, c->npopulation == 1 ? "" : "s", c->nscan,
-                  all->probe);
-    (void)fprintf(to, "| failures to enrol | %u of %u |\n", r->unenrolled, c->nsubject);
-    (void)fprintf(to, "| failures to acquire | %u of %u |\n", all->refused, all->probe);
+    text_made(r, to);
+    (void)fprintf(to, "| subjects | %u in %u population%s; %u scans |\n", c->nsubject,
+                  c->npopulation, c->npopulation == 1 ? "" : "s", c->nscan);
+    if (r->enroll_kind != NULL) {
+        (void)fprintf(to, "| enrolled | scans of the kind ");
+        name(to, r->enroll_kind);
+        (void)fprintf(to, "; %u subjects have none |\n", r->untemplated);
+    }
+    (void)fprintf(to, "| failures to enroll | %.0f of %zu: %s |\n",
+                  r->fte.value * (double)r->fte.n, r->fte.n, rate_cell(&r->fte).s);
+    (void)fprintf(to, "| failures to acquire | %.0f of %zu: %s |\n",
+                  all->fta.value * (double)all->fta.n, all->fta.n,
+                  rate_cell(&all->fta).s);
     (void)fprintf(to, "| comparisons | %zu mated, %zu non-mated, %zu of close relatives",
                   all->mated.n, r->non_mated.n, r->relative.n);
-    if (r->undone > 0)
-        (void)fprintf(to, "; %zu impossible, a scan was refused", r->undone);
+    if (t->n > report_done(r))
+        (void)fprintf(to, "; %zu impossible, a scan was refused", t->n - report_done(r));
     (void)fprintf(to, " |\n| non-mated pairs | ");
-    if (t->non_mated == UINT32_MAX)
+    if (c->nlisted > 0)
+        (void)fprintf(to, "as listed |\n");
+    else if (t->non_mated == CTL_TRIALS_ALL)
         (void)fprintf(to, "all of the same population |\n");
     else
         (void)fprintf(to,
@@ -130,17 +150,14 @@ static void text_head(const struct report *r, FILE *to)
     (void)fprintf(
         to,
         "| speed | %.0f comparisons a second on %u thread%s, reading the probes "
-        "included; median of one %.1f ms to align and %.1f ms to measure |\n",
-        (double)(t->n - r->undone) / t->compare_s, t->nthread, t->nthread == 1 ? "" : "s",
-        r->align_ms, r->measure_ms);
+        "included; median of one %.2f ms |\n",
+        (double)report_done(r) / t->compare_s, t->nthread, t->nthread == 1 ? "" : "s",
+        r->score_ms);
 }
 
-static void text_rates(const struct report *r, FILE *to)
+static void text_curves(const struct report *r, enum report_of of, FILE *to)
 {
-    const struct report_group *all = &r->group[0];
-
-    (void)fprintf(to, "\n## Rates\n\nOf each kind of probe, against all non-mated "
-                      "comparisons.\n\n| probes | mated | EER |");
+    (void)fprintf(to, "\n| probes | mated | EER |");
     for (int k = 0; k < RATES_TARGETS; k++)
         (void)fprintf(to, " TAR at FMR %g %% |", 100 * rates_target[k]);
     (void)fprintf(to, " own template nearest |\n|---|---|---|---|---|---|---|\n");
@@ -149,11 +166,22 @@ static void text_rates(const struct report *r, FILE *to)
 
         (void)fprintf(to, "| ");
         name(to, g->name);
-        (void)fprintf(to, " | %zu | %s |", g->mated.n, eer_cell(r, g).s);
+        (void)fprintf(to, " | %zu | %s |", g->curve[of].n, eer_cell(r, &g->curve[of]).s);
         for (int k = 0; k < RATES_TARGETS; k++)
-            (void)fprintf(to, " %s |", tar_cell(r, g, k).s);
+            (void)fprintf(to, " %s |", tar_cell(r, &g->curve[of], k).s);
         (void)fprintf(to, " %u of %u |\n", g->first, g->ranked);
     }
+}
+
+static void text_rates(const struct report *r, FILE *to)
+{
+    const struct report_group *all = &r->group[0];
+    const struct report_curve *g = &all->curve[REPORT_SCORED];
+
+    (void)fprintf(to,
+                  "\n## Rates of the comparisons made\n\nOf each kind of probe, against "
+                  "all non-mated comparisons.\n");
+    text_curves(r, REPORT_SCORED, to);
     (void)fprintf(to, "\n");
     for (int k = 0; k < RATES_TARGETS; k++)
         if (!rates_supported(rates_target[k], r->non_mated.n))
@@ -161,56 +189,56 @@ static void text_rates(const struct report *r, FILE *to)
                 to,
                 "- FMR %g %%: not supported by %zu non-mated comparisons; it takes %zu\n",
                 100 * rates_target[k], r->non_mated.n, rates_needed(rates_target[k]));
-        else if (all->f.tar_mm[k] < 0)
+        else if (!isfinite(g->f.tar_score[k]))
             (void)fprintf(to, "- FMR %g %%: no threshold keeps it\n",
                           100 * rates_target[k]);
         else
-            (void)fprintf(to, "- FMR %g %%: threshold %.3f mm [%.3f–%.3f]\n",
-                          100 * rates_target[k], all->f.tar_mm[k],
-                          fmax(0, all->low.tar_mm[k]), fmax(0, all->high.tar_mm[k]));
+            (void)fprintf(to, "- FMR %g %%: threshold %.2f [%.2f–%.2f]\n",
+                          100 * rates_target[k], g->f.tar_score[k], g->low.tar_score[k],
+                          g->high.tar_score[k]);
+    if (all->mated.n == all->mated.planned)
+        return;
+    (void)fprintf(to,
+                  "\n## Rates with refusals counted as errors\n\nA mated comparison that "
+                  "a refused scan made impossible is one that does not match.\n");
+    text_curves(r, REPORT_ALL, to);
 }
 
 static void text_count(FILE *to, const struct report_count *c)
 {
-    (void)fprintf(to, " | %zu | %zu | %zu | %zu |", c->n, c->match, c->no_match,
-                  c->inconclusive);
+    (void)fprintf(to, " | %zu | %zu | %zu | %zu | %zu |", c->planned, c->match,
+                  c->no_match, c->inconclusive, c->planned - c->n);
 }
 
 static void text_decision(const struct report *r, FILE *to)
 {
-    const struct report_group *all = &r->group[0];
-    const double fta = (double)all->refused / (double)all->probe;
-
-    (void)fprintf(to,
-                  "\n## The program's own decision, at %.4g mm\n\n"
-                  "| comparisons | number | match | non-match | inconclusive | rate |\n"
-                  "|---|---|---|---|---|---|\n",
-                  r->threshold_mm);
+    (void)fprintf(
+        to,
+        "\n## The program's own decision, at %.4g\n\n"
+        "| comparisons | number | match | non-match | inconclusive | refused | of "
+        "those made | refusals counted |\n"
+        "|---|---|---|---|---|---|---|---|\n",
+        r->threshold);
     (void)fprintf(to, "| non-mated");
     text_count(to, &r->non_mated);
-    (void)fprintf(to, " FMR %s |\n| close relatives", report_text_rate(&r->match).s);
-    text_count(to, &r->relative);
-    if (r->relative.n > 0)
-        (void)fprintf(to, " matches: %zu of %zu |\n", r->relative.match, r->relative.n);
-    else
-        (void)fprintf(to, " none |\n");
+    (void)fprintf(to, " FMR %s | FAR %s |\n", rate_cell(&r->fmr).s, rate_cell(&r->far).s);
+    if (r->relative.planned > 0) {
+        (void)fprintf(to, "| close relatives");
+        text_count(to, &r->relative);
+        (void)fprintf(to, " matches: %zu of %zu | |\n", r->relative.match, r->relative.n);
+    }
     for (uint32_t i = 0; i < r->ngroup; i++) {
         const struct report_group *g = &r->group[i];
 
         (void)fprintf(to, "| mated, ");
         name(to, g->name);
         text_count(to, &g->mated);
-        (void)fprintf(to, " FNMR %s", report_text_rate(&g->no_match).s);
+        (void)fprintf(to, " FNMR %s", rate_cell(&g->fnmr).s);
         if (g->mated.inconclusive > 0)
             (void)fprintf(to, "; with the inconclusive ones %s",
-                          report_text_rate(&g->unmatched).s);
-        (void)fprintf(to, " |\n");
+                          rate_cell(&g->unmatched).s);
+        (void)fprintf(to, " | FRR %s |\n", rate_cell(&g->frr).s);
     }
-    if (all->refused > 0 && all->mated.n > 0)
-        (void)fprintf(to,
-                      "\nWith the %u probes counted that were refused as scans: false "
-                      "reject rate %s %%.\n",
-                      all->refused, percent(fta + (1 - fta) * all->unmatched.value).s);
 }
 
 static void text_pose(const struct report *r, FILE *to)
@@ -233,23 +261,30 @@ static void text_pose(const struct report *r, FILE *to)
     }
 }
 
-static void text_refused(const struct report *r, FILE *to)
+static void text_refused_as(const struct report *r, const struct ctl_trials_scan *scan,
+                            const char *as, FILE *to)
 {
     const struct corpus *c = r->t->corpus;
 
-    if (r->unenrolled + r->group[0].refused == 0)
-        return;
-    (void)fprintf(to, "\n## Scans that were refused\n\n| scan | to be | why |\n"
-                      "|---|---|---|\n");
     for (uint32_t i = 0; i < c->nscan; i++) {
-        if (r->t->refused[i] == NULL)
+        if (scan[i].st == ST_OK)
             continue;
         (void)fprintf(to, "| ");
         name(to, c->scan[i].file);
-        (void)fprintf(to, " | %s | ", c->scan[i].enrolled ? "enrolled" : "a probe");
-        name(to, r->t->refused[i]);
+        (void)fprintf(to, " | %s | ", as);
+        name(to, scan[i].why);
         (void)fprintf(to, " |\n");
     }
+}
+
+static void text_refused(const struct report *r, FILE *to)
+{
+    if (r->fte.value + r->group[0].fta.value <= 0)
+        return;
+    (void)fprintf(to, "\n## Scans that were refused\n\n| scan | to be | why |\n"
+                      "|---|---|---|\n");
+    text_refused_as(r, r->t->template, "enrolled", to);
+    text_refused_as(r, r->t->probe, "a probe", to);
 }
 
 static const char reading[] =
@@ -257,12 +292,15 @@ static const char reading[] =
     "Terms are those of ISO/IEC 19795-1 and 2382-37; this is an evaluation of stored scans,\n"
     "without presentation attacks. A mated comparison is of two scans of one person, a\n"
     "non-mated one of two people. FMR: the share of non-mated comparisons that match. FNMR:\n"
-    "the share of mated ones that do not. TAR: 1 - FNMR, at the largest score that keeps the\n"
-    "FMR. EER: where FMR and FNMR are equal. A comparison with too little surface in common\n"
-    "matches at no threshold. The program's own decision counts the inconclusive ones apart,\n"
-    "those too that hide a part, with a score not far above the threshold. Refused scans take\n"
-    "part in no rate. Close relatives count as neither. \"Own template nearest\" counts against\n"
-    "the other templates that the probe was compared with.\n\n"
+    "the share of mated ones that do not. TAR: 1 - FNMR, at the smallest score that keeps the\n"
+    "FMR. EER: where FMR and FNMR are equal. The program's own decision counts apart the\n"
+    "comparisons that are inconclusive: no match, of scans that tell too little for one.\n"
+    "Close relatives count as neither. \"Own template nearest\" counts against the other\n"
+    "templates that the probe was compared with.\n\n"
+    "A scan that is refused is a failure to enroll (FTE) or to acquire (FTA). With refusals\n"
+    "counted as errors, FRR is the share of all mated comparisons that were planned and are no\n"
+    "match, for whatever reason, and FAR the share of all non-mated ones that are a match: the\n"
+    "generalised rates, of people who give one scan to be enrolled and one to be verified.\n\n"
     "Intervals are over subjects, because one person's scans err together. No rate is given\n"
     "that is smaller than 3 / N for N comparisons, nor a threshold for one: with no error\n"
     "seen in N independent comparisons the rate is below 3 / N with 95 % confidence, and\n"
@@ -272,8 +310,7 @@ static const char reading[] =
     "flattering.\n\n"
     "The figures hold for people, scanners and times between scans like these. Thresholds\n"
     "chosen on these scans look better on them than they are.\n\n"
-    "scores.csv has every comparison, rates.csv FMR and FNMR by threshold; report.html is this\n"
-    "report with its pictures in one file.\n";
+    "scores.csv has every comparison and every refusal, rates.csv FMR and FNMR by threshold.\n";
 
 enum status report_text(FILE *to, const void *arg, struct errinfo *e)
 {
@@ -286,9 +323,30 @@ enum status report_text(FILE *to, const void *arg, struct errinfo *e)
     text_pose(r, to);
     text_refused(r, to);
     (void)fputs(reading, to);
-    if (r->plots[0] == '\0')
-        (void)fprintf(to, "\n![DET curve](det.svg)\n\n![Scores](scores.svg)\n");
-    else
-        (void)fprintf(to, "\nThere are no pictures: %s.\n", r->plots);
     return ST_OK;
+}
+
+void report_text_sets(FILE *to, const struct report *r, size_t n)
+{
+    (void)fprintf(
+        to,
+        "| scans | subjects | FTE | FTA | mated | non-mated | EER | TAR at 1 %% | "
+        "TAR at 0.1 %% | FNMR | FMR | refusals counted: TAR at 1 %% | TAR at "
+        "0.1 %% | FRR |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < n; i++) {
+        const struct report_group *all = &r[i].group[0];
+
+        (void)fprintf(to, "| ");
+        name(to, r[i].source);
+        (void)fprintf(to, " | %u | %s | %s | %zu | %zu | %s | %s | %s |",
+                      r[i].t->corpus->nsubject, rate_cell(&r[i].fte).s,
+                      rate_cell(&all->fta).s, all->mated.n, r[i].non_mated.n,
+                      eer_cell(&r[i], &all->curve[REPORT_SCORED]).s,
+                      tar_cell(&r[i], &all->curve[REPORT_SCORED], 0).s,
+                      tar_cell(&r[i], &all->curve[REPORT_SCORED], 1).s);
+        (void)fprintf(
+            to, " %s | %s | %s | %s | %s |\n", rate_cell(&all->fnmr).s,
+            rate_cell(&r[i].fmr).s, tar_cell(&r[i], &all->curve[REPORT_ALL], 0).s,
+            tar_cell(&r[i], &all->curve[REPORT_ALL], 1).s, rate_cell(&all->frr).s);
+    }
 }

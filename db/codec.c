@@ -17,13 +17,13 @@
 
 /* The layout: db/FORMAT.md. */
 #define MAGIC   "SURF"
-#define VERSION 1
+#define VERSION 2
 #define NARROW  65535 /* the largest number that fits 2 bytes */
 
 enum {
     AT_MAGIC = 0,
     AT_VERSION = 4,
-    AT_ZERO = 6,
+    AT_MODES = 6, /* of the encoding */
     AT_LENGTH = 8,
     AT_POINTS = 16,
     AT_TRIANGLES = 20,
@@ -31,6 +31,7 @@ enum {
     AT_MARK = 28,
     AT_FRAME = 32, /* 9 + 3 doubles: rotation and shift, scanner -> canonical frame */
     HEADER = 128,
+    THERE = GRID_N / 8,
     CHECKSUM = 8 /* at the end, over all before it */
 };
 
@@ -118,17 +119,23 @@ static size_t half_width(uint32_t nv)
     return width(6 * nv - 7); /* 2 nv - 2 triangles */
 }
 
-static size_t size_of(uint32_t nv)
+/* Of an encoding with this many modes. */
+static size_t encoding_size(size_t modes)
+{
+    return 8 + THERE + 4 * modes + 2 * modes * (modes + 1);
+}
+
+static size_t size_of(uint32_t nv, uint32_t modes)
 {
     const size_t n = nv, nt = 2 * n - 2;
 
-    return HEADER + 12 * n + 2 * nt * half_width(nv) + (nt + n) * vertex_width(nv) +
-           CHECKSUM;
+    return HEADER + encoding_size(modes) + 12 * n + 2 * nt * half_width(nv) +
+           (nt + n) * vertex_width(nv) + CHECKSUM;
 }
 
-size_t codec_size(const struct mesh *m)
+size_t codec_size(const struct face *f)
 {
-    return size_of(m->nv);
+    return size_of(f->surface.mesh.nv, f->encoding.n);
 }
 
 static void put_frame(unsigned char *p, const struct align_pose *a)
@@ -145,22 +152,76 @@ static bool get_frame(const unsigned char *p, struct align_pose *a)
     return align_pose_rigid(a);
 }
 
+static unsigned char *put_float(unsigned char *p, float v)
+{
+    uint32_t bits;
+
+    memcpy(&bits, &v, sizeof bits);
+    put32(p, bits);
+    return p + 4;
+}
+
+/* False: not finite. */
+static bool get_floats(const unsigned char *p, float *v, size_t n)
+{
+    bool finite = true;
+
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t bits = get32(p + 4 * i);
+
+        memcpy(&v[i], &bits, sizeof bits);
+        finite &= (bits & 0x7f800000) != 0x7f800000;
+    }
+    return finite;
+}
+
+static unsigned char *put_encoding(unsigned char *p, const struct encoding *e)
+{
+    p = put_float(p, e->residual_mm);
+    put32(p, e->cells);
+    memcpy(p + 4, e->there, THERE);
+    p += 4 + THERE;
+    for (uint32_t i = 0; i < e->n; i++)
+        p = put_float(p, e->b[i]);
+    for (uint32_t i = 0; i < e->n * (e->n + 1) / 2; i++)
+        p = put_float(p, e->a[i]);
+    return p;
+}
+
+/* False: no encoding. */
+static bool get_encoding(const unsigned char *p, uint32_t modes, struct encoding *e)
+{
+    uint32_t cells = 0;
+    bool good;
+
+    e->n = modes;
+    good = get_floats(p, &e->residual_mm, 1) && e->residual_mm >= 0.0f;
+    e->cells = get32(p + 4);
+    memcpy(e->there, p + 8, THERE);
+    for (size_t i = 0; i < THERE; i++)
+        cells += (uint32_t)__builtin_popcount(e->there[i]);
+    p += 8 + THERE;
+    good &= cells == e->cells && get_floats(p, e->b, modes);
+    return good && get_floats(p + 4 * modes, e->a, modes * (modes + 1) / 2);
+}
+
 void codec_encode(const struct face *f, unsigned char *buf)
 {
     const struct mesh *m = &f->surface.mesh;
-    const size_t len = size_of(m->nv);
+    const size_t len = codec_size(f);
     const size_t half = half_width(m->nv), vertex = vertex_width(m->nv);
     unsigned char *p = buf + HEADER;
 
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
-    put16(buf + AT_ZERO, 0);
+    put16(buf + AT_MODES, f->encoding.n);
     bytes_set(buf + AT_LENGTH, len, 8);
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
     put32(buf + AT_MARK, f->frame.mean_id);
     put_frame(buf + AT_FRAME, &f->frame.pose);
+    p = put_encoding(p, &f->encoding);
     for (uint32_t v = 0; v < m->nv; v++, p += 8) {
         put32(p, (uint32_t)m->xy[v].x);
         put32(p + 4, (uint32_t)m->xy[v].y);
@@ -184,7 +245,7 @@ void codec_encode(const struct face *f, unsigned char *buf)
 
 static enum status check_header(const unsigned char *p, size_t len, struct errinfo *e)
 {
-    uint32_t nv;
+    uint32_t nv, modes;
 
     if (len < HEADER + CHECKSUM || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
         return errinfo_set(e, ST_ECORRUPT, "not a face model");
@@ -197,11 +258,12 @@ static enum status check_header(const unsigned char *p, size_t len, struct errin
     if (XXH3_64bits(p, len - CHECKSUM) != bytes_number(p + len - CHECKSUM, 8))
         return errinfo_set(e, ST_ECORRUPT, "its checksum is wrong");
     nv = get32(p + AT_POINTS);
-    if (nv < 3 || nv > MESH_MAX_POINTS || size_of(nv) != len ||
-        get32(p + AT_TRIANGLES) != 2 * nv - 2)
+    modes = get16(p + AT_MODES);
+    if (nv < 3 || nv > MESH_MAX_POINTS || modes > MODEL_MODES ||
+        size_of(nv, modes) != len || get32(p + AT_TRIANGLES) != 2 * nv - 2)
         return errinfo_set(e, ST_ECORRUPT, "%u points and %u triangles in %zu bytes", nv,
                            get32(p + AT_TRIANGLES), len);
-    if (get16(p + AT_ZERO) != 0 || get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
+    if (get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
         return errinfo_set(e, ST_ECORRUPT, "its header contradicts itself");
     return ST_OK;
 }
@@ -212,12 +274,13 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
     const unsigned char *p = buf;
     struct mesh *m = &out->surface.mesh;
     enum status st;
-    uint32_t nv;
+    uint32_t nv, modes;
 
     m->nv = m->nt = 0;
     if ((st = check_header(p, len, e)) != ST_OK)
         return st;
     nv = get32(p + AT_POINTS);
+    modes = get16(p + AT_MODES);
     if ((st = mesh_reserve(m, nv)) != ST_OK)
         return errinfo_set(e, st, "%u points: %s", nv, status_message(st));
     m->nv = nv;
@@ -228,6 +291,11 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
         return errinfo_set(e, ST_ECORRUPT, "its canonical frame is no rigid motion");
     }
     p += HEADER;
+    if (!get_encoding(p, modes, &out->encoding)) {
+        m->nv = m->nt = 0;
+        return errinfo_set(e, ST_ECORRUPT, "its encoding contradicts itself");
+    }
+    p += encoding_size(modes);
     for (uint32_t v = 0; v < nv; v++, p += 8) {
         m->xy[v].x = to_signed(get32(p));
         m->xy[v].y = to_signed(get32(p + 4));

@@ -13,9 +13,9 @@ struct face;
 struct face_work;
 struct mesh;
 
-size_t codec_size(const struct mesh *m); /* bytes codec_encode() writes */
+size_t codec_size(const struct face *f); /* bytes codec_encode() writes */
 
-/* codec_encode(f, buf): write codec_size(&f->mesh) bytes. */
+/* codec_encode(f, buf): write codec_size(f) bytes. */
 void codec_encode(const struct face *f, unsigned char *buf);
 
 /* codec_decode(buf, len, w, out, e): buf need not be aligned.  out as in face_build().

@@ -12,8 +12,8 @@
 #include "store_txn.h"
 
 #define COLUMNS                                                                          \
-    "calibration_key, created, actor, engine, shipped, fmr, threshold_mm, low_mm, "      \
-    "high_mm, subjects, impostors, genuine, halving_mm, knots"
+    "calibration_key, created, actor, engine, shipped, fmr, threshold, low, high, "      \
+    "subjects, impostors, genuine, knots"
 
 enum { /* the columns of COLUMNS */
        COL_KEY,
@@ -28,13 +28,12 @@ enum { /* the columns of COLUMNS */
        COL_SUBJECTS,
        COL_IMPOSTORS,
        COL_GENUINE,
-       COL_HALVING,
        COL_KNOTS,
        COLS
 };
 
 #define KNOT_BYTES 16
-#define MAX_MM     1e3
+#define MAX_SCORE  1e4
 
 static const char label[16] = "surface measure";
 
@@ -43,18 +42,18 @@ static const unsigned char object[STORE_CHAIN_OBJECT] = "calibrations";
 
 /* ---- rows */
 
-static bool read_knots(const struct sql_rows *r, struct decision *d)
+static bool read_knots(const struct sql_rows *r, struct calibration *c)
 {
     size_t len;
     const unsigned char *bytes =
-        store_column_blob(r, COL_KNOTS, 0, (size_t)DECISION_KNOTS * KNOT_BYTES, &len);
+        store_column_blob(r, COL_KNOTS, 0, (size_t)CALIBRATION_KNOTS * KNOT_BYTES, &len);
 
     if (bytes == NULL || len % KNOT_BYTES != 0)
         return false;
-    d->n = (uint32_t)len / KNOT_BYTES;
-    for (uint32_t i = 0; i < d->n; i++) {
-        d->knot[i].mm = bytes_real(bytes + KNOT_BYTES * i);
-        d->knot[i].rate = bytes_real(bytes + KNOT_BYTES * i + 8);
+    c->n = (uint32_t)len / KNOT_BYTES;
+    for (uint32_t i = 0; i < c->n; i++) {
+        c->knot[i].score = bytes_real(bytes + KNOT_BYTES * i);
+        c->knot[i].rate = bytes_real(bytes + KNOT_BYTES * i + 8);
     }
     return true;
 }
@@ -90,7 +89,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     struct store_calibration *k = out;
-    struct decision *d = &k->decision;
+    struct calibration *c = &k->table;
     const char *bad = NULL;
 
     memset(k, 0, sizeof *k);
@@ -107,13 +106,12 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
         bad = "counts";
     else if (!store_column_real(r, COL_FMR, 0, 1, &k->fmr) || k->fmr <= 0 || k->fmr >= 1)
         bad = "fmr";
-    else if (!store_column_real(r, COL_LOW, 0, MAX_MM, &k->low_mm) ||
-             !store_column_real(r, COL_HIGH, k->low_mm, MAX_MM, &k->high_mm))
-        bad = "interval";
-    else if (!store_column_real(r, COL_THRESHOLD, 0, MAX_MM, &d->threshold_mm) ||
-             !store_column_real(r, COL_HALVING, 0, MAX_MM, &d->halving_mm) ||
-             !read_knots(r, d) || !decision_valid(d))
+    else if (!store_column_real(r, COL_THRESHOLD, -MAX_SCORE, MAX_SCORE, &c->threshold) ||
+             !read_knots(r, c) || !calibration_valid(c))
         bad = "table";
+    else if (!store_column_real(r, COL_LOW, -MAX_SCORE, c->threshold, &k->low) ||
+             !store_column_real(r, COL_HIGH, c->threshold, MAX_SCORE, &k->high))
+        bad = "interval";
     else if (!was_written(x, r))
         bad = "MAC";
     if (bad != NULL)
@@ -214,15 +212,15 @@ static enum status next_version(struct store_txn *t, int64_t *version, struct er
 enum status row_calibration_add(struct store_txn *t, struct store_calibration *k,
                                 struct errinfo *e)
 {
-    const struct decision *d = &k->decision;
-    unsigned char knots[DECISION_KNOTS * KNOT_BYTES], *to = knots;
+    const struct calibration *c = &k->table;
+    unsigned char knots[CALIBRATION_KNOTS * KNOT_BYTES], *to = knots;
     enum status st = next_version(t, &k->version, e);
 
     if (st != ST_OK)
         return st;
-    for (uint32_t i = 0; i < d->n; i++) {
-        bytes_put_real(&to, d->knot[i].mm);
-        bytes_put_real(&to, d->knot[i].rate);
+    for (uint32_t i = 0; i < c->n; i++) {
+        bytes_put_real(&to, c->knot[i].score);
+        bytes_put_real(&to, c->knot[i].rate);
     }
     {
         const struct sql_value v[COLS] = {sql_int(k->version),
@@ -231,18 +229,17 @@ enum status row_calibration_add(struct store_txn *t, struct store_calibration *k
                                           sql_text(k->engine),
                                           sql_int(k->shipped),
                                           sql_real(k->fmr),
-                                          sql_real(d->threshold_mm),
-                                          sql_real(k->low_mm),
-                                          sql_real(k->high_mm),
+                                          sql_real(c->threshold),
+                                          sql_real(k->low),
+                                          sql_real(k->high),
                                           sql_int((int64_t)k->subjects),
                                           sql_int((int64_t)k->impostors),
                                           sql_int((int64_t)k->genuine),
-                                          sql_real(d->halving_mm),
-                                          sql_blob(knots, (size_t)d->n * KNOT_BYTES)};
+                                          sql_blob(knots, (size_t)c->n * KNOT_BYTES)};
 
         return sql_run(t->sql,
                        "INSERT INTO calibrations (" COLUMNS ") VALUES ($1, $2, $3, $4, "
-                       "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14)",
+                       "$5, $6, $7, $8, $9, $10, $11, $12, $13)",
                        v, COLS, e);
     }
 }

@@ -9,8 +9,9 @@
 
 static bool possible(const struct store_calibration *k)
 {
-    return decision_valid(&k->decision) && k->fmr > 0 && k->fmr < 1 && k->low_mm >= 0 &&
-           k->high_mm >= k->low_mm && k->high_mm < 1e3 && k->subjects <= INT64_MAX &&
+    return calibration_valid(&k->table) && k->fmr > 0 && k->fmr < 1 &&
+           k->low <= k->table.threshold && k->high >= k->table.threshold &&
+           k->low > -1e4 && k->high < 1e4 && k->subjects <= INT64_MAX &&
            k->impostors <= INT64_MAX && k->genuine <= INT64_MAX;
 }
 

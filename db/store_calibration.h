@@ -1,4 +1,4 @@
-/* store_calibration.h -- calibrations: the newest is in force (calibration.h). */
+/* store_calibration.h -- calibrations: the newest is in force (in_force.h). */
 #ifndef DB_STORE_CALIBRATION_H
 #define DB_STORE_CALIBRATION_H
 #include "store_types.h"

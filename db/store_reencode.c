@@ -52,7 +52,7 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
     t->triangles = mesh_real(&f->surface.mesh);
     t->quality = f->quality;
-    len = codec_size(&f->surface.mesh);
+    len = codec_size(f);
     if ((model = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     codec_encode(f, model);

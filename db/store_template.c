@@ -54,41 +54,54 @@ static enum status expect_newest(struct store_txn *x, int64_t subject, const cha
 /* The template of the subject that was made of the same cloud: of the same points as they were
  * used, or as they were read: which of many are used depends on their order and unit. */
 static enum status find_same(struct store_txn *x, const struct row_subject *p,
-                             const struct store_sample *what,
+                             const struct store_sample *sample,
                              const struct store_template *t, struct store_template *old,
                              bool *found, struct errinfo *e)
 {
     char id[STORE_ID_LEN + 1] = "";
     enum status st = row_template_same(x, p, t->digest, old, found, e);
 
-    if (st != ST_OK || *found || what->read == NULL ||
-        (st = row_cloud_template(x, p, what->read, id, e)) != ST_OK || id[0] == '\0')
+    if (st != ST_OK || *found || sample->read == NULL ||
+        (st = row_cloud_template(x, p, sample->read, id, e)) != ST_OK || id[0] == '\0')
         return st;
     *found = true;
     return row_template_get(x, id, old, e);
 }
 
-static enum status enroll_row(struct store_txn *x, const struct store_act *by,
-                              const struct store_sample *what, const char *outcome,
-                              const void *model, size_t len, struct store_template *t,
-                              bool *created, struct errinfo *e)
+/* An enrolment that is under way. */
+struct enrolling {
+    struct store_txn x;
+    const struct store_enroll *what;
+    struct store_act by;
+    char outcome[STORE_NAME_MAX + 1];
+    unsigned char *model; /* has room for each sample's */
+    const char *newest;   /* what->newest, until a template is stored */
+};
+
+static enum status enroll_row(struct enrolling *g, const struct store_sample *sample,
+                              struct store_template *t, bool *created, struct errinfo *e)
 {
+    struct store_txn *x = &g->x;
     struct store_template old = {0};
     struct row_subject p;
     bool added, found = false;
-    enum status st = need_subject(x, by, t->subject, &p, &added, e);
+    enum status st = need_subject(x, &g->by, t->subject, &p, &added, e);
 
     if (st == ST_OK && !added)
-        st = find_same(x, &p, what, t, &old, &found, e);
-    if (st == ST_OK && !found && what->newest != NULL)
-        st = expect_newest(x, p.row, what->newest, e);
-    if (st == ST_OK && !found &&
-        (st = row_template_add(x, &p, t, model, len, e)) == ST_OK)
-        st = row_template_tell(x, by, "enroll", t->subject, t->id, outcome, e);
+        st = find_same(x, &p, sample, t, &old, &found, e);
+    if (st == ST_OK && !found && g->newest != NULL)
+        st = expect_newest(x, p.row, g->newest, e);
+    if (st == ST_OK && !found) {
+        codec_encode(sample->face, g->model);
+        st = row_template_add(x, &p, t, g->model, codec_size(sample->face), e);
+        g->newest = NULL;
+    }
+    if (st == ST_OK && !found)
+        st = row_template_tell(x, &g->by, "enroll", t->subject, t->id, g->outcome, e);
     if (st == ST_OK && !found && !added)
-        st = row_subject_count(x, by, t->subject, &p, 1, e);
-    if (st == ST_OK && !found && what->read != NULL)
-        st = row_cloud_enroll(x, &p, t->id, what->read, e);
+        st = row_subject_count(x, &g->by, t->subject, &p, 1, e);
+    if (st == ST_OK && !found && sample->read != NULL)
+        st = row_cloud_enroll(x, &p, t->id, sample->read, e);
     sodium_memzero(&p, sizeof p);
     if (st == ST_OK && found)
         *t = old;
@@ -97,54 +110,66 @@ static enum status enroll_row(struct store_txn *x, const struct store_act *by,
 }
 
 static enum status describe(const struct store *s, const struct store_act *by,
-                            const struct store_sample *what, struct store_template *t,
-                            struct errinfo *e)
+                            const struct store_enroll *what, const struct face *f,
+                            struct store_template *t, struct errinfo *e)
 {
     store_rules_random(t->id, STORE_ID_LEN / 2);
     (void)snprintf(t->subject, sizeof t->subject, "%s", what->subject);
     (void)snprintf(t->label, sizeof t->label, "%s", what->label);
     (void)snprintf(t->created, sizeof t->created, "%s", by->at);
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->points = what->face->surface.mesh.nv;
-    t->triangles = mesh_real(&what->face->surface.mesh);
-    t->quality = what->face->quality;
-    return codec_digest(&what->face->surface.mesh, t->digest) == ST_OK
+    t->points = f->surface.mesh.nv;
+    t->triangles = mesh_real(&f->surface.mesh);
+    t->quality = f->quality;
+    return codec_digest(&f->surface.mesh, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
-enum status store_enroll(struct store *s, const struct store_sample *what,
+static enum status enroll_rows(struct store *s, struct enrolling *g,
+                               struct store_template *t, bool *created, struct errinfo *e)
+{
+    enum status st = store_txn_begin(s, SQL_WRITE, &g->x, e);
+
+    if (st != ST_OK)
+        return st;
+    for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
+        st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
+    return store_txn_end(&g->x, st, e);
+}
+
+enum status store_enroll(struct store *s, const struct store_enroll *what,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
-    const size_t len = codec_size(&what->face->surface.mesh);
-    char outcome[STORE_NAME_MAX + 1];
-    struct store_act by;
-    struct store_txn x;
-    unsigned char *model;
+    struct enrolling g = {.what = what, .newest = what->newest};
+    size_t room = 0;
     enum status st;
 
-    *created = false;
-    memset(t, 0, sizeof *t);
+    memset(created, 0, what->n * sizeof *created);
+    memset(t, 0, what->n * sizeof *t);
     if ((st = store_rules_subject(what->subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, what->actor, e)) != ST_OK)
+        (st = store_rules_act(&g.by, what->actor, e)) != ST_OK)
         return st;
     if (!utf8_is_text(what->label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
-    if ((st = describe(s, &by, what, t, e)) != ST_OK)
-        return st;
-    if ((model = malloc(len)) == NULL)
+    for (size_t i = 0; i < what->n; i++) {
+        const struct face *f = what->sample[i].face;
+
+        if ((st = describe(s, &g.by, what, f, &t[i], e)) != ST_OK)
+            return st;
+        room = codec_size(f) > room ? codec_size(f) : room;
+    }
+    if ((g.model = malloc(room)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    codec_encode(what->face, model);
-    (void)snprintf(outcome, sizeof outcome, "created%s",
+    (void)snprintf(g.outcome, sizeof g.outcome, "created%s",
                    what->captured != NULL ? what->captured : "");
-    if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK)
-        st = store_txn_end(
-            &x, enroll_row(&x, &by, what, outcome, model, len, t, created, e), e);
-    *created = *created && st == ST_OK;
-    sodium_memzero(model, len);
-    free(model);
+    st = enroll_rows(s, &g, t, created, e);
+    if (st != ST_OK)
+        memset(created, 0, what->n * sizeof *created);
+    sodium_memzero(g.model, room);
+    free(g.model);
     return st;
 }
 

@@ -7,21 +7,28 @@
 #include "store_types.h"
 
 struct store_sample {
-    const char *actor, *subject, *label;
     const struct face *face;
     const char *read; /* digest of its points (struct store_probe); NULL: not known */
-    /* the last template that it was compared with; "": there was none; NULL: it was
-     * not compared */
-    const char *newest;
-    const char *captured; /* follows in the event on its outcome; NULL for nothing */
 };
 
-/* store_enroll(s, what, t, created, e): encode and store a template, and the subject where it is
- * new; an event with it.  *created is false when the subject has this very cloud
- * already (by its digest as it was used, or what->read): then *t describes the one that is there.
+struct store_enroll {
+    const char *actor, *subject, *label;
+    const struct store_sample *sample; /* [n], of one subject */
+    size_t n;                          /* 1 or more */
+    /* the last template that they were compared with; "": there was none; NULL: they were
+     * not compared */
+    const char *newest;
+    const char *captured; /* follows in the events on their outcome; NULL for nothing */
+};
+
+/* store_enroll(s, what, t, created, e): encode and store a template of each sample, and the
+ * subject where it is new; an event with each template.
+ * t, created  [what->n].  created[i] is false when the subject has this very cloud already (by
+ *             its digest as it was used, or as it was read), also of a sample before it: then
+ *             t[i] describes the template that is there
  * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
- * there may be one that the sample was not compared with, by whatever thread or process. */
-enum status store_enroll(struct store *s, const struct store_sample *what,
+ * there may be one that a sample was not compared with, by whatever thread or process. */
+enum status store_enroll(struct store *s, const struct store_enroll *what,
                          struct store_template *t, bool *created, struct errinfo *e);
 
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,

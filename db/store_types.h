@@ -235,12 +235,12 @@ struct store_calibration {
                                          for no other model */
     bool shipped;                     /* back to the table that comes with the program */
     double fmr;                       /* the false match rate that was wanted */
-    double low_mm, high_mm;           /* 95 % interval of the threshold */
+    double low, high;                 /* 95 % interval of the threshold */
     uint64_t subjects;                /* people whose templates were compared */
     uint64_t impostors; /* comparisons of different people, and of the same */
     uint64_t genuine;
-    struct decision decision; /* valid */
-    bool ignored; /* set by calibration_in_force() alone: it is the newest, but made by
+    struct calibration table; /* valid */
+    bool ignored; /* set by in_force_get() alone: it is the newest, but made by
                      another engine, so that it does not decide */
 };
 

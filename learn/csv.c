@@ -13,6 +13,8 @@
 struct csv {
     char *path, *text, *at, *end;
     unsigned line, row_line; /* of at; where the present row began */
+    bool list;               /* it has no heading */
+    bool blanks;             /* they separate its fields, not commas */
     int nhead, nfield;
     char *head[CSV_MAX_COLUMNS], *field[CSV_MAX_COLUMNS];
 };
@@ -58,6 +60,23 @@ static int line_end(const char *p)
     return p[0] == '\n' ? 1 : p[0] == '\r' && p[1] == '\n' ? 2 : 0;
 }
 
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* Does a field end before *p? */
+static bool separates(const struct csv *t, const char *p)
+{
+    return line_end(p) != 0 || (t->blanks ? is_blank(*p) : *p == ',');
+}
+
+static void skip_blanks(struct csv *t)
+{
+    while (is_blank(*t->at))
+        t->at++;
+}
+
 /* What stands between quotation marks, moved together; t->at goes behind the last. */
 static enum status read_quoted(struct csv *t, char **begin, char **stop,
                                struct errinfo *e)
@@ -81,9 +100,9 @@ static enum status read_quoted(struct csv *t, char **begin, char **stop,
         return bad_row(t, e, "a quotation is not closed");
     *stop = to;
     t->at++;
-    while (*t->at == ' ' || *t->at == '\t')
-        t->at++;
-    if (t->at < t->end && *t->at != ',' && line_end(t->at) == 0)
+    if (!t->blanks)
+        skip_blanks(t);
+    if (t->at < t->end && !separates(t, t->at))
         return bad_row(t, e, "text after a closing quotation mark");
     return ST_OK;
 }
@@ -91,15 +110,32 @@ static enum status read_quoted(struct csv *t, char **begin, char **stop,
 static enum status read_plain(struct csv *t, char **begin, char **stop, struct errinfo *e)
 {
     *begin = t->at;
-    while (t->at < t->end && *t->at != ',' && line_end(t->at) == 0) {
+    while (t->at < t->end && !separates(t, t->at)) {
         if (*t->at == '\0')
             return bad_row(t, e, "a NUL byte");
         t->at++;
     }
     *stop = t->at;
-    while (*stop > *begin && ((*stop)[-1] == ' ' || (*stop)[-1] == '\t'))
+    while (*stop > *begin && is_blank((*stop)[-1]))
         --*stop;
     return ST_OK;
+}
+
+/* Go to the next line that is a row. */
+static void skip_lines(struct csv *t)
+{
+    int n;
+
+    for (;;) {
+        if (t->list)
+            skip_blanks(t);
+        if (t->list && *t->at == '#')
+            t->at += strcspn(t->at, "\n");
+        if ((n = line_end(t->at)) == 0)
+            return;
+        t->at += n;
+        t->line++;
+    }
 }
 
 /* Read a row, in place.  Empty lines are passed over; *more is false at the end. */
@@ -108,8 +144,7 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
     const char *row;
     bool last = false;
 
-    for (int n; (n = line_end(t->at)) != 0; t->line++)
-        t->at += n;
+    skip_lines(t);
     *more = t->at < t->end;
     row = t->at;
     t->row_line = t->line;
@@ -122,8 +157,7 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
         if (t->nfield == CSV_MAX_COLUMNS)
             return errinfo_set(e, ST_ELIMIT, "%.120s, line %u: more than %d fields",
                                t->path, t->line, CSV_MAX_COLUMNS);
-        while (*t->at == ' ' || *t->at == '\t')
-            t->at++;
+        skip_blanks(t);
         st = *t->at == '"' ? read_quoted(t, &begin, &stop, e)
                            : read_plain(t, &begin, &stop, e);
         if (st != ST_OK)
@@ -131,9 +165,16 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
         if (t->at - row > CSV_MAX_LINE)
             return errinfo_set(e, ST_ELIMIT, "%.120s, line %u: longer than %d bytes",
                                t->path, t->row_line, CSV_MAX_LINE);
+        if (t->blanks) { /* at the line's end they separate nothing */
+            char *behind = t->at;
+
+            skip_blanks(t);
+            if (t->at != t->end && line_end(t->at) == 0)
+                t->at = behind;
+        }
         ends = line_end(t->at);
         last = t->at == t->end || ends != 0;
-        t->at += last ? ends : 1; /* or the comma */
+        t->at += last ? ends : 1; /* or what separates */
         t->line += ends != 0;
         *stop = '\0'; /* only now: it may lie on what was looked at */
         t->field[t->nfield++] = begin;
@@ -141,17 +182,26 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status read_head(struct csv *t, size_t len, struct errinfo *e)
+/* From the file's first byte; of a list, which of the two separates. */
+static void begin(struct csv *t, size_t len)
 {
-    bool more;
-    enum status st;
-
     t->text[len] = '\0';
     t->at = t->text;
     t->end = t->text + len;
     t->line = 1;
     if (len >= 3 && memcmp(t->text, "\xEF\xBB\xBF", 3) == 0)
         t->at += 3;
+    if (t->list) {
+        skip_lines(t);
+        t->blanks = t->at[strcspn(t->at, ",\n")] != ',';
+    }
+}
+
+static enum status read_head(struct csv *t, struct errinfo *e)
+{
+    bool more;
+    enum status st;
+
     if ((st = read_row(t, &more, e)) == ST_OK && !more)
         st = errinfo_set(e, ST_EINVAL, "%.160s: empty, not even a heading", t->path);
     if (st != ST_OK)
@@ -167,7 +217,7 @@ static enum status read_head(struct csv *t, size_t len, struct errinfo *e)
 }
 
 /* Of a file, where bytes is NULL. */
-static enum status open_table(const char *name, const void *bytes, size_t len,
+static enum status open_table(const char *name, const void *bytes, size_t len, bool list,
                               struct csv **out, struct errinfo *e)
 {
     struct csv *t = calloc(1, sizeof *t);
@@ -181,7 +231,13 @@ static enum status open_table(const char *name, const void *bytes, size_t len,
         memcpy(t->text, bytes, len);
     else
         st = read_file(t, &len, e);
-    if (st == ST_OK && (st = read_head(t, len, e)) == ST_OK)
+    if (st == ST_OK) {
+        t->list = list;
+        begin(t, len);
+        if (!list)
+            st = read_head(t, e);
+    }
+    if (st == ST_OK)
         *out = t;
     else
         csv_close(t);
@@ -190,13 +246,18 @@ static enum status open_table(const char *name, const void *bytes, size_t len,
 
 enum status csv_open(const char *path, struct csv **out, struct errinfo *e)
 {
-    return open_table(path, NULL, 0, out, e);
+    return open_table(path, NULL, 0, false, out, e);
 }
 
-enum status csv_read(const void *bytes, size_t len, const char *name, struct csv **out,
-                     struct errinfo *e)
+enum status csv_open_list(const char *path, struct csv **out, struct errinfo *e)
 {
-    return open_table(name, bytes != NULL ? bytes : "", len, out, e);
+    return open_table(path, NULL, 0, true, out, e);
+}
+
+enum status csv_read(const void *bytes, size_t len, const char *name, bool list,
+                     struct csv **out, struct errinfo *e)
+{
+    return open_table(name, bytes != NULL ? bytes : "", len, list, out, e);
 }
 
 void csv_close(struct csv *t)
@@ -229,7 +290,7 @@ enum status csv_next(struct csv *t, bool *more, struct errinfo *e)
 {
     const enum status st = read_row(t, more, e);
 
-    if (st == ST_OK && *more && t->nfield != t->nhead)
+    if (st == ST_OK && *more && !t->list && t->nfield != t->nhead)
         return errinfo_set(e, ST_EINVAL, "%.120s, line %u: %d fields, the heading has %d",
                            t->path, t->row_line, t->nfield, t->nhead);
     return st;
@@ -237,11 +298,27 @@ enum status csv_next(struct csv *t, bool *more, struct errinfo *e)
 
 const char *csv_field(const struct csv *t, int column)
 {
-    return column < 0 ? "" : t->field[column];
+    return column < 0 || column >= t->nfield ? "" : t->field[column];
+}
+
+int csv_fields(const struct csv *t)
+{
+    return t->nfield;
+}
+
+unsigned csv_line(const struct csv *t)
+{
+    return t->row_line;
 }
 
 enum status csv_bad(const struct csv *t, int column, struct errinfo *e, const char *what)
 {
+    if (t->list && column < 0)
+        return errinfo_set(e, ST_EINVAL, "%.120s, line %u: %.200s", t->path, t->row_line,
+                           what);
+    if (t->list)
+        return errinfo_set(e, ST_EINVAL, "%.120s, line %u, field %d: %.200s", t->path,
+                           t->row_line, column + 1, what);
     return errinfo_set(e, ST_EINVAL, "%.100s, line %u, column %.30s: %.80s", t->path,
                        t->row_line, column < 0 ? "?" : t->head[column], what);
 }

@@ -9,7 +9,7 @@ const double rates_target[RATES_TARGETS] = {0.01, 0.001, 0.0001};
 struct rates {
     size_t n, ngenuine, nimpostor;
     uint32_t nsubject;
-    struct rates_score *score;  /* rising */
+    struct rates_score *score;  /* falling */
     double *genuine, *impostor; /* the same scores, apart */
 };
 
@@ -32,8 +32,8 @@ static int by_score(const void *a, const void *b)
 {
     const struct rates_score *x = a, *y = b;
 
-    if (x->mm != y->mm)
-        return x->mm < y->mm ? -1 : 1;
+    if (x->score != y->score)
+        return x->score > y->score ? -1 : 1;
     if (x->template != y->template)
         return x->template <y->template ? -1 : 1;
     return (x->probe > y->probe) - (x->probe < y->probe);
@@ -57,7 +57,8 @@ enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
         return ST_ENOMEM;
     }
     for (size_t i = 0; i < n; i++) {
-        if (isnan(s[i].mm) || s[i].template >= nsubject || s[i].probe >= nsubject) {
+        if (isnan(s[i].score) || s[i].score == (double)INFINITY ||
+            s[i].template >= nsubject || s[i].probe >= nsubject) {
             rates_free(r);
             return ST_EINVAL;
         }
@@ -66,9 +67,9 @@ enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
     qsort(r->score, n, sizeof *r->score, by_score);
     for (size_t i = 0; i < n; i++) {
         if (r->score[i].template == r->score[i].probe)
-            r->genuine[r->ngenuine++] = r->score[i].mm;
+            r->genuine[r->ngenuine++] = r->score[i].score;
         else
-            r->impostor[r->nimpostor++] = r->score[i].mm;
+            r->impostor[r->nimpostor++] = r->score[i].score;
     }
     *out = r;
     return ST_OK;
@@ -94,15 +95,15 @@ size_t rates_nimpostor(const struct rates *r)
     return r->nimpostor;
 }
 
-/* How many of v[0..n-1], rising, are at or below mm; INFINITY never is. */
-static size_t accepted(const double *v, size_t n, double mm)
+/* How many of v[0..n-1], falling, are at or above the threshold; -INFINITY never is. */
+static size_t accepted(const double *v, size_t n, double threshold)
 {
     size_t low = 0, high = n;
 
     while (low < high) {
         const size_t mid = low + (high - low) / 2;
 
-        if (v[mid] <= mm && v[mid] < (double)INFINITY)
+        if (v[mid] >= threshold && v[mid] > -(double)INFINITY)
             low = mid + 1;
         else
             high = mid;
@@ -110,25 +111,25 @@ static size_t accepted(const double *v, size_t n, double mm)
     return low;
 }
 
-double rates_fmr(const struct rates *r, double mm)
+double rates_fmr(const struct rates *r, double score)
 {
-    return (double)accepted(r->impostor, r->nimpostor, mm) / (double)r->nimpostor;
+    return (double)accepted(r->impostor, r->nimpostor, score) / (double)r->nimpostor;
 }
 
-double rates_fnmr(const struct rates *r, double mm)
+double rates_fnmr(const struct rates *r, double score)
 {
-    return (double)(r->ngenuine - accepted(r->genuine, r->ngenuine, mm)) /
+    return (double)(r->ngenuine - accepted(r->genuine, r->ngenuine, score)) /
            (double)r->ngenuine;
 }
 
 double rates_at(const struct rates *r, double fmr)
 {
-    double best = -1;
+    double best = (double)INFINITY;
 
-    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY; i++) {
-        if (!(rates_fmr(r, r->score[i].mm) <= fmr))
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY; i++) {
+        if (!(rates_fmr(r, r->score[i].score) <= fmr))
             break;
-        best = r->score[i].mm;
+        best = r->score[i].score;
     }
     return best;
 }
@@ -149,14 +150,14 @@ static double weight(const struct rates_score *s, const uint32_t *drawn)
 }
 
 /* Where the rates crossed between the last threshold and this one. */
-static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double mm,
+static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double score,
                   struct rates_figures *out)
 {
     const double before = fnmr0 - fmr0, after = fmr1 - fnmr1;
     const double t = before / (before + after);
 
     out->eer = fmr0 + t * (fmr1 - fmr0);
-    out->eer_mm = mm;
+    out->eer_score = score;
 }
 
 /* figures(r, drawn, threshold, out): one pass over the scores, each group of ties at once.
@@ -179,15 +180,15 @@ static void figures(const struct rates *r, const uint32_t *drawn, double thresho
     out->fmr = s.all_impostor > 0 ? 0 : (double)NAN;
     out->fnmr = s.all_genuine > 0 ? 1 : (double)NAN;
     for (int k = 0; k < RATES_TARGETS && s.all_impostor > 0; k++) {
-        out->tar_mm[k] = -1;
+        out->tar_score[k] = (double)INFINITY;
         out->tar[k] = s.all_genuine > 0 ? 0 : (double)NAN;
     }
-    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY;) {
-        const double mm = r->score[i].mm;
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
+        const double score = r->score[i].score;
         const struct sums last = s;
         double fmr, fnmr;
 
-        for (; i < r->n && r->score[i].mm == mm; i++) {
+        for (; i < r->n && r->score[i].score == score; i++) {
             const double w = weight(&r->score[i], drawn);
 
             if (r->score[i].template == r->score[i].probe)
@@ -199,27 +200,27 @@ static void figures(const struct rates *r, const uint32_t *drawn, double thresho
             continue; /* nobody of these was drawn */
         fmr = s.impostor / s.all_impostor;
         fnmr = (s.all_genuine - s.genuine) / s.all_genuine;
-        if (mm <= threshold) {
+        if (score >= threshold) {
             out->fmr = fmr;
             out->fnmr = fnmr;
         }
         for (int k = 0; k < RATES_TARGETS; k++)
             if (fmr <= rates_target[k]) {
                 out->tar[k] = 1 - fnmr;
-                out->tar_mm[k] = mm;
+                out->tar_score[k] = score;
             }
         if (isnan(out->eer) && fmr >= fnmr)
-            cross(fmr0, fnmr0, fmr, fnmr, mm, out);
+            cross(fmr0, fnmr0, fmr, fnmr, score, out);
         fmr0 = fmr;
         fnmr0 = fnmr;
     }
     if (isnan(out->eer) && s.all_genuine > 0 && s.all_impostor > 0)
-        out->eer = fnmr0; /* more than that is inconclusive: they never meet */
+        out->eer = fnmr0; /* more than that never matches: they do not meet */
 }
 
-void rates_figures(const struct rates *r, double threshold_mm, struct rates_figures *out)
+void rates_figures(const struct rates *r, double threshold, struct rates_figures *out)
 {
-    figures(r, NULL, threshold_mm, out);
+    figures(r, NULL, threshold, out);
 }
 
 /* ---- bootstrap */
@@ -277,8 +278,8 @@ static void draw_subjects(const struct rates *r, uint64_t *seed, uint32_t *drawn
 /* The figures as an array of doubles, which they are. */
 #define FIGURES (sizeof(struct rates_figures) / sizeof(double))
 
-enum status rates_bootstrap(const struct rates *r, double threshold_mm,
-                            unsigned replicates, uint64_t seed, struct rates_figures *low,
+enum status rates_bootstrap(const struct rates *r, double threshold, unsigned replicates,
+                            uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high)
 {
     uint32_t *drawn = malloc((r->nsubject + (size_t)1) * sizeof *drawn);
@@ -295,7 +296,7 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
         double value[FIGURES];
 
         draw_subjects(r, &seed, drawn);
-        figures(r, drawn, threshold_mm, &f);
+        figures(r, drawn, threshold, &f);
         memcpy(value, &f, sizeof value);
         for (size_t k = 0; k < FIGURES; k++)
             all[k * replicates + i] = value[k];
@@ -314,18 +315,18 @@ enum status rates_bootstrap(const struct rates *r, double threshold_mm,
 /* rates_at() of what was drawn; NaN where that are no impostors. */
 static double at_drawn(const struct rates *r, double fmr, const uint32_t *drawn)
 {
-    double all = 0, sum = 0, best = -1;
+    double all = 0, sum = 0, best = (double)INFINITY;
 
     for (size_t i = 0; i < r->n; i++)
         if (r->score[i].template != r->score[i].probe)
             all += weight(&r->score[i], drawn);
     if (!(all > 0))
         return (double)NAN;
-    for (size_t i = 0; i < r->n && r->score[i].mm < (double)INFINITY;) {
-        const double mm = r->score[i].mm;
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
+        const double score = r->score[i].score;
         double any = 0;
 
-        for (; i < r->n && r->score[i].mm == mm; i++) {
+        for (; i < r->n && r->score[i].score == score; i++) {
             const double w = weight(&r->score[i], drawn);
 
             any += w;
@@ -335,7 +336,7 @@ static double at_drawn(const struct rates *r, double fmr, const uint32_t *drawn)
         if (sum > fmr * all)
             break;
         if (any > 0)
-            best = mm;
+            best = score;
     }
     return best;
 }

@@ -1,6 +1,6 @@
 /* rates.h -- error rates of comparisons, with their uncertainty.
- * A comparison matches at a threshold when its score is at or below it (the smaller the more
- * alike).  INFINITY stands for one with too little in common, which never matches.  Terms as in
+ * A comparison matches at a threshold when its score is at or above it (the higher the more
+ * alike).  -INFINITY stands for one that never matches: a scan was refused.  Terms as in
  * ISO/IEC 19795-1: FMR, the share of non-mated (impostor) comparisons that match; FNMR, the
  * share of mated (genuine) ones that do not; TAR = 1 - FNMR; EER, where both are equal. */
 #ifndef LEARN_RATES_H
@@ -11,7 +11,7 @@
 #include "status.h"
 
 struct rates_score {
-    double mm;                /* 0 or above, INFINITY; never NaN */
+    double score;             /* any sign, -INFINITY; never NaN or INFINITY */
     uint32_t template, probe; /* whose; the same subject: a genuine comparison */
 };
 
@@ -29,11 +29,12 @@ extern const double rates_target[RATES_TARGETS]; /* FMR: 0.01, 0.001, 0.0001 */
 /* A rate of no comparisons is NaN.  The caller asks rates_supported() what can be stated. */
 struct rates_figures {
     double eer,
-        eer_mm; /* linear between the two scores at the crossing, of which eer_mm is
-                           the larger; where more is inconclusive, the least FNMR */
-    double tar[RATES_TARGETS]; /* at the largest score that keeps the FMR at the target */
-    double tar_mm[RATES_TARGETS]; /* that score; -1: none does */
-    double fmr, fnmr;             /* at the given threshold */
+        eer_score; /* linear between the two scores at the crossing, of which eer_score
+                      is the smaller; where more is -INFINITY, the least FNMR */
+    double
+        tar[RATES_TARGETS]; /* at the smallest score that keeps the FMR at the target */
+    double tar_score[RATES_TARGETS]; /* that score; INFINITY: none does */
+    double fmr, fnmr;                /* at the given threshold */
 };
 
 struct rates;
@@ -47,18 +48,18 @@ void rates_free(struct rates *r); /* NULL is allowed */
 size_t rates_ngenuine(const struct rates *r);
 size_t rates_nimpostor(const struct rates *r);
 
-/* rates_fmr(r, mm), rates_fnmr(r, mm): at a threshold; O(log n). */
-double rates_fmr(const struct rates *r, double mm);
-double rates_fnmr(const struct rates *r, double mm);
+/* rates_fmr(r, score), rates_fnmr(r, score): at a threshold; O(log n). */
+double rates_fmr(const struct rates *r, double score);
+double rates_fnmr(const struct rates *r, double score);
 
-/* rates_at(r, fmr): the largest finite score at which the FMR is at most fmr; -1: none.  Of
+/* rates_at(r, fmr): the smallest score at which the FMR is at most fmr; INFINITY: none.  Of
  * equal scores all match or none.  O(log n). */
 double rates_at(const struct rates *r, double fmr);
 
-/* rates_figures(r, threshold_mm, out): O(n). */
-void rates_figures(const struct rates *r, double threshold_mm, struct rates_figures *out);
+/* rates_figures(r, threshold, out): O(n). */
+void rates_figures(const struct rates *r, double threshold, struct rates_figures *out);
 
-/* rates_bootstrap(r, threshold_mm, replicates, seed, low, high): 95 % intervals of all
+/* rates_bootstrap(r, threshold, replicates, seed, low, high): 95 % intervals of all
  * figures: the 2.5 and 97.5 % quantiles over replicates, in which the *subjects* are drawn
  * with replacement.  A mated comparison counts as often as its subject was drawn, a non-mated
  * one as often as the product of both.  The intervals account for what scans of one person
@@ -67,12 +68,12 @@ void rates_figures(const struct rates *r, double threshold_mm, struct rates_figu
  * out of it.
  * Cost  replicates x O(n).  Returns ST_OK, ST_EINVAL (no replicates), ST_ENOMEM. */
 #define RATES_REPLICATES 1000
-enum status rates_bootstrap(const struct rates *r, double threshold_mm,
-                            unsigned replicates, uint64_t seed, struct rates_figures *low,
+enum status rates_bootstrap(const struct rates *r, double threshold, unsigned replicates,
+                            uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high);
 
 /* rates_at_bootstrap(r, fmr, replicates, seed, low, high): the same interval of
- * rates_at(r, fmr), with the same draws; a bound is -1 where no score keeps the rate. */
+ * rates_at(r, fmr), with the same draws; a bound is INFINITY where no score keeps the rate. */
 enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
                                uint64_t seed, double *low, double *high);
 

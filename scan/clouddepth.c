@@ -1,49 +1,9 @@
 #include "clouddepth.h"
 
-#include <stdint.h>
-#include <string.h>
-#include <spng.h>
-
 #include "cloudlist.h"
 #include "cloudtext.h"
+#include "cloudvalue.h"
 #include "errinfo.h"
-#include "mem.h"
-
-#define CHUNK_MAX  (1U << 20) /* bytes of what a file says beside its pixels */
-#define PNG_LENGTH 8          /* of the signature */
-
-bool clouddepth_is(const struct cloudtext *t)
-{
-    return t->end - t->p >= PNG_LENGTH &&
-           memcmp(t->p, "\x89PNG\r\n\x1A\n", PNG_LENGTH) == 0;
-}
-
-static enum status png_failed(struct cloudlist *list, int code)
-{
-    return code == SPNG_EMEM
-               ? errinfo_set(list->e, ST_ENOMEM, "no memory for the PNG file")
-               : errinfo_set(list->e, ST_EINVAL, "the PNG file is damaged: %s",
-                             spng_strerror(code));
-}
-
-static enum status check_image(const struct spng_ihdr *h, size_t max_bytes,
-                               const struct clouddepth_camera *c, struct cloudlist *list)
-{
-    if (h->color_type != SPNG_COLOR_TYPE_GRAYSCALE || h->bit_depth != 16)
-        return errinfo_set(
-            list->e, ST_EVERSION,
-            "a PNG picture of %u bits%s: a depth image has 16 bits, grey", h->bit_depth,
-            h->color_type == SPNG_COLOR_TYPE_GRAYSCALE ? "" : ", in colour");
-    if ((uint64_t)h->width * h->height > max_bytes / 2)
-        return errinfo_set(list->e, ST_ESIZE,
-                           "%lu x %lu pixels: the limit is %zu bytes when unpacked",
-                           (unsigned long)h->width, (unsigned long)h->height, max_bytes);
-    if (!(c->fx > 0) || !(c->fy > 0) || isnan(c->cx) || isnan(c->cy))
-        return errinfo_set(list->e, ST_EVERSION,
-                           "a depth image needs its camera: fx, fy, cx and cy in pixels, "
-                           "and depth_scale if a value is not a millimetre");
-    return ST_OK;
-}
 
 static double value_mm(double scale)
 {
@@ -52,60 +12,54 @@ static double value_mm(double scale)
     return scale >= 100 ? 1000 / scale : scale <= 0.01 ? 1000 * scale : scale;
 }
 
-static enum status add_pixels(const struct spng_ihdr *h, const uint16_t *pixel,
-                              const struct clouddepth_camera *c, struct cloudlist *list)
+enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camera *camera,
+                             uint32_t width, uint32_t height, struct cloudlist *list)
 {
-    const double mm = value_mm(c->scale);
-    enum status st = ST_OK;
+    const struct clouddepth_camera *c = camera;
 
+    *d = (struct clouddepth){.camera = c, .list = list, .mm = value_mm(c->scale)};
+    if (!(c->fx > 0) || !(c->fy > 0) || isnan(c->cx) || isnan(c->cy))
+        return errinfo_set(list->e, ST_EVERSION,
+                           "a depth image needs its camera: fx, fy, cx and cy in pixels, "
+                           "and depth_scale if a value is not a millimetre");
     list->out.unit_mm = 1;
-    list->out.width = h->width;
-    list->out.height = h->height;
-    for (uint32_t v = 0; v < h->height; v++)
-        for (uint32_t u = 0; u < h->width && st == ST_OK; u++) {
-            const double d = mm * *pixel++;
-
-            st = cloudlist_add(list, (struct dvec3){(u - c->cx) * d / c->fx,
-                                                    (c->cy - v) * d / c->fy, -d});
-        }
-    return st;
+    list->out.width = width;
+    list->out.height = height;
+    return ST_OK;
 }
 
-static enum status decode(spng_ctx *png, const struct clouddepth_camera *camera,
-                          size_t max_bytes, struct cloudlist *list)
+enum status clouddepth_add(struct clouddepth *d, double value)
 {
-    struct spng_ihdr h;
-    uint16_t *pixels;
-    size_t size;
-    enum status st;
-    int code = spng_get_ihdr(png, &h);
+    const struct clouddepth_camera *c = d->camera;
+    const double z = value > 0 ? d->mm * value : (double)NAN;
+    const struct dvec3 p = {(d->u - c->cx) * z / c->fx, (c->cy - d->v) * z / c->fy, -z};
 
-    if (code != SPNG_OK)
-        return png_failed(list, code);
-    if ((st = check_image(&h, max_bytes, camera, list)) != ST_OK)
-        return st;
-    size = (size_t)h.width * h.height * sizeof *pixels;
-    if ((pixels = mem_array(size, 1)) == NULL)
-        return png_failed(list, SPNG_EMEM);
-    code = spng_decode_image(png, pixels, size, SPNG_FMT_PNG, 0); /* of this byte order */
-    st = code == SPNG_OK ? add_pixels(&h, pixels, camera, list) : png_failed(list, code);
-    mem_free(pixels);
-    return st;
+    if (++d->u == d->list->out.width) {
+        d->u = 0;
+        d->v++;
+    }
+    return cloudlist_add(d->list, p);
 }
 
-enum status clouddepth_parse(struct cloudtext *t, const struct clouddepth_camera *camera,
-                             size_t max_bytes, struct cloudlist *list)
+enum status clouddepth_values(struct cloudtext *t, const struct clouddepth_camera *camera,
+                              uint32_t width, uint32_t height, bool big,
+                              struct cloudlist *list)
 {
-    spng_ctx *png = spng_ctx_new(0);
+    const uint64_t size = 2 * (uint64_t)width * height;
+    const bool swap = cloudvalue_swap(big);
+    struct clouddepth depth;
     enum status st;
-    int code;
 
-    if (png == NULL)
-        return png_failed(list, SPNG_EMEM);
-    code = spng_set_chunk_limits(png, CHUNK_MAX, CHUNK_MAX);
-    if (code == SPNG_OK)
-        code = spng_set_png_buffer(png, t->p, (size_t)(t->end - t->p));
-    st = code == SPNG_OK ? decode(png, camera, max_bytes, list) : png_failed(list, code);
-    spng_ctx_free(png);
+    t->line = 0;
+    if (size != (uint64_t)(t->end - t->p))
+        return cloudtext_fail(
+            t, ST_EINVAL,
+            "%lu x %lu pixels of 16 bits take %llu bytes, from here on the file has %zu",
+            (unsigned long)width, (unsigned long)height, (unsigned long long)size,
+            (size_t)(t->end - t->p));
+    st = clouddepth_begin(&depth, camera, width, height, list);
+    for (; t->p < t->end && st == ST_OK; t->p += 2)
+        st = clouddepth_add(
+            &depth, cloudvalue_load((const unsigned char *)t->p, CLOUDVALUE_U16, swap));
     return st;
 }

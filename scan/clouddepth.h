@@ -1,10 +1,11 @@
-/* clouddepth.h -- the reader of depth images behind cloudfile.h: PNG of 16-bit grey values, a
- * value for the distance along the camera's axis at each pixel. */
+/* clouddepth.h -- from the values of a depth image, each a distance along the camera's axis,
+ * to points; and the reader of images without a header behind cloudfile.h.  For the readers
+ * of PNG, PGM and NPY. */
 #ifndef SCAN_CLOUDDEPTH_H
 #define SCAN_CLOUDDEPTH_H
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
+#include <stdint.h>
 #include "status.h"
 
 struct cloudlist; /* cloudlist.h */
@@ -15,26 +16,43 @@ struct clouddepth_camera {
     double fx, fy; /* focal length, pixels; not above 0 or NaN: not given */
     double cx, cy; /* where its axis meets the image, pixels, of which the first has its
                       centre at 0; NaN: not given */
-    /* 0: a value is a millimetre. Programs mean three things by it, which no camera's
-     * numbers confuse: from 100, how many values are a metre (TUM's 5000); up to 0.01,
-     * how many metres a value is (librealsense's 0.001); between them, how many
+    /* 0: not given, and an integer is a millimetre. Programs mean three things by it, which
+     * no camera's numbers confuse: from 100, how many values are a metre (TUM's 5000); up to
+     * 0.01, how many metres a value is (librealsense's 0.001); between them, how many
      * millimetres it is */
     double scale;
+    /* pixels, of a file that has nothing but the values: CLOUDFORMAT_RAW; 0: not given */
+    uint32_t width, height;
 };
+
+#define CLOUDDEPTH_SIDE_MAX 65535 /* of width and height */
 
 #define CLOUDDEPTH_NO_CAMERA                                                             \
     {                                                                                    \
         .fx = NAN, .fy = NAN, .cx = NAN, .cy = NAN                                       \
     }
 
-/* clouddepth_is(t): does a PNG file begin here? */
-bool clouddepth_is(const struct cloudtext *t);
+/* An image while its values are added, row by row from the top. */
+struct clouddepth {
+    const struct clouddepth_camera *camera;
+    struct cloudlist *list;
+    double mm;     /* of a value */
+    uint32_t u, v; /* column and row of the next one */
+};
 
-/* clouddepth_parse(t, camera, max_bytes, list): an organised cloud in millimetres: x to the
- * image's right, y up, z towards the camera, which is at the origin.  The value 0 is none.
- * max_bytes: of the pixels, 2 bytes each.  As cloudfile_read(); ST_EVERSION: no camera is
- * given, or the pixels are not of 16 bits and grey. */
-enum status clouddepth_parse(struct cloudtext *t, const struct clouddepth_camera *camera,
-                             size_t max_bytes, struct cloudlist *list);
+/* clouddepth_begin(d, camera, width, height, list): the points will be an organised cloud in
+ * millimetres: x to the image's right, y up, z towards the camera, which is at the origin.
+ * Returns ST_OK; ST_EVERSION no camera is given; with a message.
+ * clouddepth_add(d, value): the next pixel; a value that is not above 0 is none.  As
+ * cloudlist_add(). */
+enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camera *camera,
+                             uint32_t width, uint32_t height, struct cloudlist *list);
+enum status clouddepth_add(struct clouddepth *d, double value);
+
+/* clouddepth_values(t, camera, width, height, big, list): everything from t on, which are
+ * integers of two bytes.  ST_EINVAL: not as many as the image has. */
+enum status clouddepth_values(struct cloudtext *t, const struct clouddepth_camera *camera,
+                              uint32_t width, uint32_t height, bool big,
+                              struct cloudlist *list);
 
 #endif

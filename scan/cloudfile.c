@@ -2,15 +2,21 @@
 
 #include <string.h>
 
+#include "cloudabs.h"
+#include "cloudbnt.h"
 #include "clouddepth.h"
 #include "cloudglb.h"
 #include "cloudjson.h"
 #include "cloudlist.h"
+#include "cloudnpy.h"
 #include "cloudobj.h"
 #include "cloudpcd.h"
+#include "cloudpgm.h"
 #include "cloudply.h"
+#include "cloudpng.h"
 #include "cloudstl.h"
 #include "cloudtext.h"
+#include "cloudvrml.h"
 #include "cloudxyz.h"
 #include "errinfo.h"
 #include "inflate.h"
@@ -45,11 +51,11 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
     static const struct {
         enum cloudformat format;
         bool (*is)(const struct cloudtext *t);
-    } known[] = {{CLOUDFORMAT_PLY, cloudply_is},
-                 {CLOUDFORMAT_GLB, cloudglb_is},
-                 {CLOUDFORMAT_PNG, clouddepth_is},
-                 {CLOUDFORMAT_PCD, cloudpcd_is},
-                 {CLOUDFORMAT_STL, cloudstl_is}};
+    } known[] = {{CLOUDFORMAT_PLY, cloudply_is}, {CLOUDFORMAT_GLB, cloudglb_is},
+                 {CLOUDFORMAT_PNG, cloudpng_is}, {CLOUDFORMAT_PGM, cloudpgm_is},
+                 {CLOUDFORMAT_NPY, cloudnpy_is}, {CLOUDFORMAT_VRML, cloudvrml_is},
+                 {CLOUDFORMAT_PCD, cloudpcd_is}, {CLOUDFORMAT_ABS, cloudabs_is},
+                 {CLOUDFORMAT_BNT, cloudbnt_is}, {CLOUDFORMAT_STL, cloudstl_is}};
     struct cloudtext t = *text;
 
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -109,8 +115,21 @@ static enum status parse_as(struct cloudtext *t, const struct cloudfile_options 
         return cloudglb_parse(t, list);
     case CLOUDFORMAT_PCD:
         return cloudpcd_parse(t, o->max_bytes, list);
+    case CLOUDFORMAT_VRML:
+        return cloudvrml_parse(t, list);
+    case CLOUDFORMAT_BNT:
+        return cloudbnt_parse(t, list);
+    case CLOUDFORMAT_ABS:
+        return cloudabs_parse(t, list);
+    case CLOUDFORMAT_NPY:
+        return cloudnpy_parse(t, &o->camera, list);
     case CLOUDFORMAT_PNG:
-        return clouddepth_parse(t, &o->camera, o->max_bytes, list);
+        return cloudpng_parse(t, &o->camera, o->max_bytes, list);
+    case CLOUDFORMAT_PGM:
+        return cloudpgm_parse(t, &o->camera, list);
+    case CLOUDFORMAT_RAW:
+        return clouddepth_values(t, &o->camera, o->camera.width, o->camera.height, false,
+                                 list);
     case CLOUDFORMAT_JSON:
         return json_parse(t, list);
     default:
@@ -132,23 +151,31 @@ static enum status blame(struct cloudtext *whole, enum cloudformat declared)
     return ST_EINVAL;
 }
 
+/* What begins with numbers may begin like anything. */
+static const char *foreign(const struct cloudtext *t, enum cloudformat declared)
+{
+    return declared == CLOUDFORMAT_RAW || cloudbnt_is(t)
+               ? NULL
+               : cloudformat_foreign((const unsigned char *)t->p,
+                                     (size_t)(t->end - t->p));
+}
+
 static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
                          struct cloudlist *list)
 {
-    const char *foreign =
-        cloudformat_foreign((const unsigned char *)t->p, (size_t)(t->end - t->p));
+    const enum cloudformat declared = list->out.format;
+    const char *name = foreign(t, declared);
     struct cloudtext whole = *t;
     enum status st = ST_OK;
 
-    if (foreign != NULL)
+    if (name != NULL)
         return errinfo_set(t->e, ST_EVERSION,
-                           "%s, which is not read: send " CLOUDFORMAT_READ, foreign);
-    if (o->format == CLOUDFORMAT_ANY)
+                           "%s, which is not read: send " CLOUDFORMAT_READ, name);
+    if (declared == CLOUDFORMAT_ANY)
         st = recognise(t, &list->out.format);
     if (st == ST_OK)
         st = parse_as(t, o, list);
-    return st == ST_EINVAL && o->format != CLOUDFORMAT_ANY ? blame(&whole, o->format)
-                                                           : st;
+    return st == ST_EINVAL && declared != CLOUDFORMAT_ANY ? blame(&whole, declared) : st;
 }
 
 /* What is in the list becomes *out, if st is ST_OK. */
@@ -178,6 +205,8 @@ static enum status read_plain(const char *bytes, size_t len,
         .start = bytes, .p = bytes, .end = bytes + len, .line = 1, .e = e};
     struct cloudlist list = {.out = {.format = o->format}, .max = o->max_points, .e = e};
 
+    if (o->format == CLOUDFORMAT_ANY && o->camera.width > 0)
+        list.out.format = CLOUDFORMAT_RAW;
     return finish(&list, len == 0 ? nothing(&t) : parse(&t, o, &list), o, out);
 }
 

@@ -11,10 +11,12 @@ struct errinfo;    /* errinfo.h */
 struct json_value; /* json.h */
 
 struct cloudfile_options {
-    enum cloudformat format; /* as declared; CLOUDFORMAT_ANY: recognised by the content */
-    size_t max_points;       /* that may have a value */
-    size_t max_bytes;        /* of a file or its parts when unpacked */
-    double unit_mm;          /* millimetres per unit; 0: not given */
+    /* as declared; CLOUDFORMAT_ANY: CLOUDFORMAT_RAW if the camera has a width, else
+     * recognised by the content */
+    enum cloudformat format;
+    size_t max_points;               /* that may have a value */
+    size_t max_bytes;                /* of a file or its parts when unpacked */
+    double unit_mm;                  /* millimetres per unit; 0: not given */
     struct clouddepth_camera camera; /* of a depth image; all 0: not given */
 };
 
@@ -37,7 +39,12 @@ struct cloudfile_options {
  * GLB   glTF 2.0: the vertices of the scene's meshes, moved by their nodes; normals by the
  *       triangles' order; all data in the file, not compressed.  The format's unit is the metre,
  *       which not every program keeps to: it is not taken for granted.
- * PNG   a depth image: clouddepth.h.
+ * VRML  1.0 and 2.0: the points of the coordinate nodes, moved by the transforms; normals by
+ *       the faces; what would choose or repeat points is refused by name.  cloudvrml.h.
+ * BNT   the Bosphorus database's: points with the z of its header have no value.
+ * ABS   FRGC's: points whose flag is 0 have no value.
+ * NPY   an array of points, or of distances: cloudnpy.h.
+ * PNG, PGM, RAW  depth images: clouddepth.h.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
  *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one

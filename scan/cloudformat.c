@@ -30,6 +30,16 @@ static const struct {
     [CLOUDFORMAT_XYZ] = {"XYZ", {".xyz", ".pts", ".csv", ".txt", ".asc"}, {"text/csv"}},
     [CLOUDFORMAT_PNG] = {"PNG", {".png"}, {"image/png"}},
     [CLOUDFORMAT_JSON] = {"JSON", {".json"}, {"application/json"}},
+    [CLOUDFORMAT_VRML] = {"VRML",
+                          {".wrl", ".wrz", ".vrml"}, /* .wrz: compressed by gzip */
+                          {"model/vrml", "x-world/x-vrml"}},
+    [CLOUDFORMAT_BNT] = {"BNT", {".bnt"}, {NULL}},
+    [CLOUDFORMAT_ABS] = {"ABS", {".abs"}, {NULL}},
+    [CLOUDFORMAT_NPY] = {"NPY", {".npy"}, {NULL}},
+    [CLOUDFORMAT_PGM] = {"PGM",
+                         {".pgm"},
+                         {"image/x-portable-graymap", "image/x-portable-anymap"}},
+    [CLOUDFORMAT_RAW] = {"RAW", {".raw"}, {NULL}},
 };
 
 const char *cloudformat_name(enum cloudformat f)
@@ -72,7 +82,8 @@ bool cloudformat_media(const char *type, size_t len, enum cloudformat *out)
 const char *cloudformat_media_list(void)
 {
     return "model/ply, model/obj, model/stl, application/x-pcd, model/gltf-binary, "
-           "text/csv, image/png, application/json, text/plain or application/octet-stream";
+           "model/vrml, text/csv, image/png, image/x-portable-graymap, application/json, "
+           "text/plain or application/octet-stream";
 }
 
 const char *cloudformat_foreign(const unsigned char *bytes, size_t len)
@@ -89,7 +100,6 @@ const char *cloudformat_foreign(const unsigned char *bytes, size_t len)
         {"an OFF file", "COFF\r", 5, 0},
         {"an OFF file", "NOFF\n", 5, 0},
         {"an OFF file", "NOFF\r", 5, 0},
-        {"an NPY file", "\x93NUMPY", 6, 0},
         {"a ZIP archive (3MF, XLSX, USDZ or NPZ)", "PK\x03\x04", 4, 0},
         {"an FBX file", "Kaydara FBX", 11, 0},
         {"an FBX file", "; FBX", 5, 0},
@@ -97,7 +107,6 @@ const char *cloudformat_foreign(const unsigned char *bytes, size_t len)
         {"an E57 file", "ASTM-E57", 8, 0},
         {"a LAS file", "LASF", 4, 0},
         {"a VTK file", "# vtk", 5, 0},
-        {"a VRML file", "#VRML", 5, 0},
         {"a Blender file", "BLENDER", 7, 0},
         {"a USD file", "PXR-USDC", 8, 0},
         {"a USD file", "#usda", 5, 0},
@@ -108,7 +117,6 @@ const char *cloudformat_foreign(const unsigned char *bytes, size_t len)
         {"a TIFF picture", "MM\0*", 4, 0},
         {"an EXR picture", "\x76\x2F\x31\x01", 4, 0},
         {"a HEIC picture", "ftyp", 4, 4},
-        {"a PGM picture", "P5\n", 3, 0},
         {"a PDF file", "%PDF", 4, 0},
         {"a DICOM file", "DICM", 4, 128},
         {"text in UTF-16, not UTF-8", "\xFF\xFE", 2, 0},

@@ -15,11 +15,19 @@ enum cloudformat {
     CLOUDFORMAT_XYZ, /* numbers in lines: XYZ, PTS, CSV */
     CLOUDFORMAT_PNG, /* a depth image */
     CLOUDFORMAT_JSON,
+    CLOUDFORMAT_VRML,
+    CLOUDFORMAT_BNT, /* of the Bosphorus database */
+    CLOUDFORMAT_ABS, /* of FRGC */
+    CLOUDFORMAT_NPY,
+    CLOUDFORMAT_PGM, /* a depth image */
+    CLOUDFORMAT_RAW, /* the values of a depth image alone: nothing in it says so */
     CLOUDFORMAT_COUNT
 };
 
 /* What is read, for messages. */
-#define CLOUDFORMAT_READ "PLY, OBJ, STL, PCD, GLB, XYZ, PTS, CSV, depth PNG and JSON"
+#define CLOUDFORMAT_READ                                                                 \
+    "PLY, OBJ, STL, PCD, GLB, VRML, XYZ, PTS, CSV, NPY, BNT, ABS, JSON, and depth "      \
+    "images in PNG, PGM and RAW"
 
 const char *cloudformat_name(enum cloudformat f); /* "PLY"; "" of CLOUDFORMAT_ANY */
 

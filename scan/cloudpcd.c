@@ -352,9 +352,7 @@ static enum status read_text(const struct header *h, const struct layout *l,
     for (uint64_t i = 0; i < h->points && st == ST_OK; i++) {
         double v[6] = {0};
 
-        for (cloudtext_blank(t); cloudtext_eol(t) && t->p < t->end; cloudtext_blank(t))
-            cloudtext_newline(t);
-        if (t->p == t->end)
+        if (!cloudtext_find(t))
             return cut_off(h, i);
         if ((st = read_row(t, l, v)) == ST_OK)
             st = add(list, l, v);

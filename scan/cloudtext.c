@@ -62,6 +62,13 @@ void cloudtext_skip(struct cloudtext *t)
     cloudtext_newline(t);
 }
 
+bool cloudtext_find(struct cloudtext *t)
+{
+    for (cloudtext_blank(t); cloudtext_eol(t) && t->p < t->end; cloudtext_blank(t))
+        cloudtext_newline(t);
+    return t->p < t->end;
+}
+
 const char *cloudtext_word(struct cloudtext *t, size_t *len)
 {
     const char *word;

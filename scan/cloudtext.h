@@ -34,6 +34,9 @@ void cloudtext_newline(struct cloudtext *t);
 /* cloudtext_skip(t): skip the rest of the line and its end. */
 void cloudtext_skip(struct cloudtext *t);
 
+/* cloudtext_find(t): skip blanks and line ends; false at the text's end. */
+bool cloudtext_find(struct cloudtext *t);
+
 /* cloudtext_word(t, len): skip blanks, then read a word, up to a blank or the line's end;
  * *len is 0 at the line's end. */
 const char *cloudtext_word(struct cloudtext *t, size_t *len);

@@ -7,14 +7,13 @@
 
 #include "face.h"
 #include "find_grid.h"
-#include "find_nose.h"
-#include "find_part.h"
-#include "find_search.h"
+#include "find_view.h"
 #include "mem.h"
+#include "shape.h"
 #include "tuning.h"
 
-#define SAMPLE  2048
-#define TARGETS 12
+#define SAMPLE 2048
+#define FOUND  16
 
 struct extent {
     struct dvec3 middle; /* in the points' unit */
@@ -56,12 +55,9 @@ static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
     out->middle = (struct dvec3){middle[0], middle[1], middle[2]};
 }
 
-/* A grid of a head's size, and the noses in it. */
-struct target {
-    struct find_grid g;
-    struct find_nose nose[FIND_NOSES_TILTED];
-    uint32_t noses;
-    double key; /* the best so far */
+struct found {
+    struct find_pose pose;
+    struct dvec3 nose; /* the tip, mm, in the points' axes */
 };
 
 /* One call of find_face(). */
@@ -69,163 +65,161 @@ struct finder {
     const struct dvec3 *pts;
     size_t n;
     double unit_mm; /* 0: to be found */
+    struct shape_work *shape;
+    const atomic_bool *stop; /* find.h */
     struct extent extent;
-    struct target target[TARGETS]; /* kept for another look */
-    uint32_t targets;
-    size_t voxels; /* of theirs */
-    struct find_search s;
+    struct find_view_face face;
+    struct find_starts starts;
+    struct found best[FOUND]; /* by falling worth, no two the same */
+    uint32_t found;
+    double plain; /* the worth of what is plainly a face */
 };
 
-static bool plain(const struct finder *f)
+static bool stopped(const struct finder *f)
 {
-    return find_search_plain(&f->s);
+    return f->stop != NULL && atomic_load_explicit(f->stop, memory_order_relaxed);
 }
 
-/* ---- targets */
-
-static void free_targets(struct finder *f)
+static bool found(const struct finder *f, double worth)
 {
-    while (f->targets > 0)
-        find_grid_free(&f->target[--f->targets].g);
-    f->voxels = 0;
+    return f->found > 0 && f->best[0].pose.worth >= worth;
 }
 
-/* Search g, which the next target takes over. */
-static enum status search_target(struct finder *f, const struct find_grid *g)
+/* ---- poses */
+
+static bool near(struct dvec3 a, struct dvec3 b, double mm)
 {
-    static const struct find_effort effort = {FIND_NOSES, FIND_PLACES, false};
-    struct target *t = &f->target[f->targets];
+    const struct dvec3 way = vec_sub(a, b);
+
+    return vec_dot(way, way) < mm * mm;
+}
+
+/* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
+static bool same(const struct found *a, const struct found *b)
+{
+    const struct align_pose d = align_pose_after(&a->pose.pose, &b->pose.pose);
+
+    return a->pose.unit_mm == b->pose.unit_mm && near(a->nose, b->nose, FIND_SAME_MM) &&
+           d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
+}
+
+/* The place of one that is the same; f->found: there is none. */
+static uint32_t place_of(const struct finder *f, const struct found *one)
+{
+    uint32_t i = 0;
+
+    while (i < f->found && !same(&f->best[i], one))
+        i++;
+    return i;
+}
+
+static void take(struct finder *f, const struct found *one)
+{
+    uint32_t i = place_of(f, one);
+
+    if (i < f->found && one->pose.worth <= f->best[i].pose.worth)
+        return;
+    if (i == f->found && i < FOUND)
+        f->found++;
+    else if (i == f->found && one->pose.worth <= f->best[--i].pose.worth)
+        return;
+    for (; i > 0 && one->pose.worth > f->best[i - 1].pose.worth; i--)
+        f->best[i] = f->best[i - 1];
+    f->best[i] = *one;
+}
+
+/* Is a plain face at a place, or in another unit? */
+static bool taken(const struct finder *f, const struct found *one)
+{
+    for (uint32_t i = 0; i < f->found && f->best[i].pose.worth >= f->plain; i++)
+        if (f->best[i].pose.unit_mm != one->pose.unit_mm ||
+            near(f->best[i].nose, one->nose, FIND_OTHER_MM))
+            return true;
+    return false;
+}
+
+/* A pose of g's cubes as one of the points in mm. */
+static struct found found_at(const struct find_grid *g, double unit_mm,
+                             const struct align_pose *pose, double worth)
+{
+    struct found out = {.pose = {unit_mm, *pose, worth}};
+    struct align_pose *p = &out.pose.pose;
+
+    for (int i = 0; i < 3; i++)
+        p->t[i] -= p->r[3 * i] * g->corner.x + p->r[3 * i + 1] * g->corner.y +
+                   p->r[3 * i + 2] * g->corner.z;
+    out.nose = align_pose_origin(p);
+    return out;
+}
+
+/* Follow the best starts; once a face is plain, those elsewhere that may well be another. */
+static enum status seek(struct finder *f, const struct find_grid *g, double unit_mm,
+                        uint32_t left)
+{
+    for (uint32_t k = 0; k < f->starts.n && left > 0 && !stopped(f); k++) {
+        const struct find_start *start = &f->starts.start[k];
+        struct found one = found_at(g, unit_mm, &start->pose, 0);
+        struct shape_fit fit;
+        enum status st;
+
+        if (place_of(f, &one) < f->found || taken(f, &one) ||
+            (found(f, f->plain) && start->cost > FIND_OTHER_COST))
+            continue;
+        left--;
+        if ((st = shape_seek(f->shape, g->at, g->n, &start->pose, &fit)) != ST_OK)
+            return st;
+        one = found_at(g, unit_mm, &fit.pose, fit.worth);
+        take(f, &one);
+    }
+    return ST_OK;
+}
+
+/* ---- sides and units */
+
+/* Along the agreed axes or a camera's; or from all other sides: to the faces, edges and corners
+ * of a cube. */
+static enum status look(struct finder *f, const struct find_grid *g, bool others)
+{
     enum status st = ST_OK;
 
-    t->g = *g;
-    t->noses = 0;
-    if (find_search_spend(&f->s, 8 * (int64_t)g->nvoxels))
-        st = find_nose_all(g, FIND_NOSES_TILTED, t->nose, &t->noses);
-    if (st == ST_OK)
-        t->key = find_search_grid(&f->s, g, t->nose, t->noses, &effort);
-    return st;
-}
+    f->starts.n = 0;
+    for (int k = 0; k < 27 && st == ST_OK && !stopped(f); k++) {
+        const struct dvec3 axis = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
 
-/* Keep the next target for another look, if there is room. */
-static void keep_target(struct finder *f)
-{
-    struct find_grid *g = &f->target[f->targets].g;
-
-    if (f->targets == TARGETS - 1 || f->voxels + g->nvoxels > FIND_KEPT_VOXELS) {
-        find_grid_free(g);
-    } else {
-        f->targets++;
-        f->voxels += g->nvoxels;
-    }
-}
-
-/* The parts, which become targets; none where st is a failure already. */
-static enum status search_parts(struct finder *f, const struct find_grid *parts,
-                                uint32_t n, enum status st)
-{
-    for (uint32_t k = 0; k < n; k++) {
-        f->target[f->targets].g = parts[k];
-        if (st == ST_OK)
-            st = search_target(f, &parts[k]);
-        keep_target(f);
+        if (k != 13 && (axis.x != 0 || axis.y != 0) == others)
+            st = find_view_all(&f->face, g, axis, &f->starts);
     }
     return st;
 }
 
-static void search_tilted(struct finder *f)
-{
-    static const struct find_effort effort = {FIND_NOSES_TILTED, FIND_PLACES_TILTED,
-                                              true};
-
-    for (uint32_t i = 0; i < FIND_TILTED && !plain(f); i++) {
-        struct target *best = NULL;
-
-        if (i > 0 && find_search_likely(&f->s))
-            return;
-
-        for (uint32_t k = 0; k < f->targets; k++)
-            if (f->target[k].key > (best != NULL ? best->key : -1))
-                best = &f->target[k];
-        if (best == NULL)
-            return;
-        best->key = -1;
-        (void)find_search_grid(&f->s, &best->g, best->nose, best->noses, &effort);
-    }
-}
-
-/* ---- units */
-
-static enum status make_grid(struct finder *f, double unit_mm, struct find_grid *g)
+static enum status search(struct finder *f, double unit_mm)
 {
     const struct dvec3 m = f->extent.middle;
-
-    return find_grid_make(f->pts, find_search_spend(&f->s, 2 * (int64_t)f->n) ? f->n : 0,
-                          unit_mm,
-                          (struct dvec3){m.x * unit_mm, m.y * unit_mm, m.z * unit_mm}, g);
-}
-
-/* A cloud of a head's size as a whole, and where it has several parts of that size by them. */
-static enum status search_head(struct finder *f, double unit_mm)
-{
-    struct find_grid g, parts[FIND_PARTS];
-    uint32_t n = 0;
-    enum status st = make_grid(f, unit_mm, &g);
-
-    if (st != ST_OK)
-        return st;
-    st = search_target(f, &g);
-    if (st == ST_OK && !plain(f))
-        st = find_part_all(&g, parts, &n);
-    keep_target(f);
-    if (n > 1)
-        return search_parts(f, parts, n, st);
-    if (n == 1) /* the whole, which has been searched */
-        find_grid_free(&parts[0]);
-    return st;
-}
-
-/* A room by its parts of a head's size. */
-static enum status search_room(struct finder *f, double unit_mm)
-{
-    struct find_grid g, parts[FIND_PARTS];
-    uint32_t n = 0;
-    enum status st = make_grid(f, unit_mm, &g);
-
-    if (st != ST_OK)
-        return st;
-    st = find_part_all(&g, parts, &n);
-    find_grid_free(&g);
-    return search_parts(f, parts, n, st);
-}
-
-/* A room as a whole: somebody leans on a wall. */
-static enum status search_whole(struct finder *f, double unit_mm)
-{
-    static const struct find_effort effort = {FIND_NOSES_ROOM, FIND_PLACES_ROOM, false};
-    struct find_nose nose[FIND_NOSES_ROOM];
     struct find_grid g;
-    uint32_t n;
-    enum status st = make_grid(f, unit_mm, &g);
+    enum status st =
+        find_grid_make(f->pts, f->n, unit_mm,
+                       (struct dvec3){m.x * unit_mm, m.y * unit_mm, m.z * unit_mm}, &g);
 
-    if (st != ST_OK)
-        return st;
-    (void)find_search_spend(&f->s, 8 * (int64_t)g.nvoxels);
-    st = find_nose_all(&g, FIND_NOSES_ROOM, nose, &n);
-    if (st == ST_OK)
-        find_search_grid(&f->s, &g, nose, n, &effort);
+    f->plain = FIND_PLAIN;
+    if (st == ST_OK && (st = look(f, &g, false)) == ST_OK)
+        st = seek(f, &g, unit_mm, FIND_SEEKS);
+    if (st == ST_OK && !found(f, f->plain)) {
+        f->plain = FIND_PLAIN_OTHERS;
+        if ((st = look(f, &g, true)) == ST_OK)
+            st = seek(f, &g, unit_mm, FIND_SEEKS_OTHERS);
+    }
     find_grid_free(&g);
     return st;
 }
 
 /* By each unit that makes the cloud as large as that, until a face is plain. */
-static enum status search_units(struct finder *f, double from_mm, double to_mm,
-                                enum status (*search)(struct finder *, double))
+static enum status search_units(struct finder *f, double from_mm, double to_mm)
 {
     static const double units[] = FIND_UNITS_MM;
     const size_t n = f->unit_mm > 0 ? 1 : sizeof units / sizeof *units;
     enum status st = ST_OK;
 
-    for (size_t i = 0; i < n && st == ST_OK && !plain(f) && !find_search_stopped(&f->s);
+    for (size_t i = 0; i < n && st == ST_OK && !found(f, FIND_LIKELY) && !stopped(f);
          i++) {
         const double mm = f->unit_mm > 0 ? f->unit_mm : units[i];
 
@@ -235,90 +229,79 @@ static enum status search_units(struct finder *f, double from_mm, double to_mm,
     return st;
 }
 
-/* Cheap ways first. */
+/* As large as a head, then as a room; once more where there are many strays. */
 static enum status search_all(struct finder *f)
 {
-    enum status st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MIN_MM, search_head);
+    static const size_t strays[] = {FIND_STRAY_IN, FIND_STRAYS_IN};
+    double before = INFINITY;
+    enum status st = ST_OK;
 
-    if (st == ST_OK)
-        st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM, search_room);
-    if (st == ST_OK)
-        search_tilted(f);
-    if (st == ST_OK && !find_search_likely(&f->s))
-        st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM, search_whole);
-    free_targets(f);
-    return st == ST_OK && find_search_stopped(&f->s) ? ST_EBUSY : st;
-}
-
-/* Is found[i] plainly a face, and another one than those before it? */
-static bool another(const struct find_list *l, uint32_t i)
-{
-    for (uint32_t k = 0; k < i; k++) {
-        const struct dvec3 way = vec_sub(l->found[i].nose, l->found[k].nose);
-
-        if (vec_dot(way, way) < FIND_OTHER_MM * FIND_OTHER_MM)
-            return false;
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        measure_extent(f->pts, f->n, strays[i], &f->extent);
+        if (!(f->extent.size < before / 2))
+            break;
+        before = f->extent.size;
+        st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MIN_MM);
+        if (st == ST_OK)
+            st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM);
     }
-    return l->found[i].key >= FIND_PLAIN;
+    return st == ST_OK && stopped(f) ? ST_EBUSY : st;
 }
 
-static struct find_pose pose_of(const struct find_found *f)
+/* ---- what is told */
+
+/* Is best[i] plainly a face, and another one than those before it? */
+static bool another(const struct finder *f, uint32_t i)
 {
-    return (struct find_pose){.unit_mm = f->unit_mm,
-                              .pose = f->pose,
-                              .key = f->key,
-                              .likeness = f->likeness,
-                              .covered = f->covered};
+    for (uint32_t k = 0; k < i; k++)
+        if (near(f->best[i].nose, f->best[k].nose, FIND_OTHER_MM))
+            return false;
+    return f->best[i].pose.worth >= f->plain;
 }
 
 /* How near the nose is to a scanner with the agreed axes (side 1) or a camera's (-1: y down
  * and z away), if the face is turned to it; else false. */
-static bool nearness(const struct find_found *f, double side, double *near)
+static bool nearness(const struct found *f, double side, double *near)
 {
-    const double *r = f->pose.r;
+    const double *r = f->pose.pose.r;
 
     *near = side * f->nose.z;
     return r[0] + side * (r[4] + r[8]) >= SCAN_AXES_TRACE;
 }
 
-/* Is a to be taken rather than b: nearer, where both are seen along the same axes; else with
- * more points? */
-static bool rather(const struct find_found *a, const struct find_found *b)
+/* Is a nearer than b, where both are seen along the same axes? */
+static bool nearer(const struct found *a, const struct found *b)
 {
     double near_a, near_b;
 
     for (int side = 1; side >= -1; side -= 2)
         if (nearness(a, side, &near_a) && nearness(b, side, &near_b))
             return near_a > near_b;
-    return a->points > b->points;
+    return false;
 }
 
 /* Of several plain faces the nearest; else the best poses, of one unit. */
-static void choose(const struct find_list *l, struct find *out)
+static void choose(const struct finder *f, struct find *out)
 {
     uint32_t first = 0;
 
     out->faces = 1;
-    for (uint32_t i = 1; i < l->n; i++) {
-        if (!another(l, i))
+    for (uint32_t i = 1; i < f->found; i++) {
+        if (!another(f, i))
             continue;
         out->faces++;
-        first = rather(&l->found[i], &l->found[first]) ? i : first;
+        first = nearer(&f->best[i], &f->best[first]) ? i : first;
     }
-    out->pose[out->n++] = pose_of(&l->found[first]);
-    if (out->pose[0].key >= FIND_PLAIN)
-        return;
-    for (uint32_t i = 1; i < l->n && out->n < FIND_POSES; i++)
-        if (l->found[i].unit_mm == out->pose[0].unit_mm)
-            out->pose[out->n++] = pose_of(&l->found[i]);
+    out->pose[out->n++] = f->best[first].pose;
+    for (uint32_t i = 1; i < f->found && out->n < FIND_POSES && !found(f, f->plain); i++)
+        if (f->best[i].pose.unit_mm == out->pose[0].unit_mm)
+            out->pose[out->n++] = f->best[i].pose;
 }
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      const struct face_work *w, const atomic_bool *stop,
-                      struct find *out)
+                      struct face_work *w, const atomic_bool *stop, struct find *out)
 {
     struct finder *f;
-    struct extent core;
     enum status st;
 
     memset(out, 0, sizeof *out);
@@ -329,20 +312,16 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     f->pts = pts;
     f->n = n;
     f->unit_mm = unit_mm;
-    f->targets = 0;
-    f->voxels = 0;
-    find_search_begin(face_work_mean(w), stop, &f->s);
-    measure_extent(pts, n, FIND_STRAY_IN, &f->extent);
+    f->shape = face_work_shape(w);
+    f->stop = stop;
+    f->starts.left = FIND_NOSES;
+    f->found = 0;
+    find_view_prepare(face_work_mean(w), &f->face);
     st = search_all(f);
-    measure_extent(pts, n, FIND_STRAYS_IN, &core);
-    if (st == ST_OK && !find_search_likely(&f->s) && core.size < f->extent.size / 2) {
-        f->extent = core; /* there are many strays */
-        st = search_all(f);
-    }
-    if (st == ST_OK && f->s.best.n == 0)
+    if (st == ST_OK && f->found == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
-        choose(&f->s.best, out);
+        choose(f, out);
     mem_free(f);
     return st;
 }

@@ -1,7 +1,7 @@
 /* gate.h -- is it a face, and for an enrolment one that may be compared with for years?  Judged
- * over the mean face's cells alone, by the fit of a face's shape (shape.h): how much of what is
- * seen the fit explains, how little it leaves, how much of a face is seen, whether there are eyes
- * where a face has them, how much of a face's fine relief there is, and whether another scale would fit better. */
+ * over the mean face's cells alone, by the fit of a face's shape (shape.h).  The gate is for
+ * things, not for people: what is rare in a face, its size and proportions included, is no
+ * evidence against it; only too little evidence that there is a face at all is. */
 #ifndef SCAN_GATE_H
 #define SCAN_GATE_H
 #include <stdbool.h>
@@ -30,18 +30,21 @@ struct gate {
     double detail;
     double seen;     /* share of the mean face's cells that are skin, 0..1 */
     double forehead; /* how much like a fitted face's it is, -1..1 (shape.h) */
-    /* likeness + 4 eyes + 5 support + 5 detail (at most 5) + 2 seen + 2 forehead */
+    /* likeness + 4 eyes + 5 support + 5 detail (at most 5) + 2 seen + 2 forehead (0 at least:
+     * who wears a fringe lacks none) */
     double evidence;
-    double support_wanted, likeness_wanted, eyes_wanted, seen_wanted, forehead_wanted;
-    double detail_wanted, evidence_wanted;
-    double scale[3]; /* the face's width, height and depth times these would fit better by
-                        far; 1: as they are.  Of a refused enrolment alone */
+    double residual_mm; /* what the shape leaves of the scan (shape.h) */
+    double support_wanted, seen_wanted, evidence_wanted;
+    double residual_most; /* INFINITY for a probe */
+    double
+        size; /* times the model's: by which the evidence is judged; of an enrolment that is
+                    hardly explained as it is */
 };
 
-/* gate_judge(s, out): an enrolment that is explained less than well is fitted at other scales
- * too, up to 12 times.
- * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, or too much covered;
- * ST_ENOMEM. */
+/* gate_judge(s, out): an enrolment with too little evidence is fitted at the sizes of children and
+ * of large adults too, and judged by the best.
+ * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, too much covered, or too
+ * noisy; ST_ENOMEM. */
 enum status gate_judge(const struct gate_scan *s, struct gate *out);
 
 #endif

@@ -59,7 +59,7 @@ static void begin(struct scan *s)
                                     .points_read = s->c->read,
                                     .points_dropped = s->c->read - s->c->n,
                                     .unit_found = s->c->unit_mm == 0,
-                                    .gate = {.scale = {1, 1, 1}},
+                                    .gate = {.size = 1},
                                     .yaw_deg = (double)NAN,
                                     .pitch_deg = (double)NAN,
                                     .roll_deg = (double)NAN};
@@ -426,7 +426,7 @@ static enum status build_found(struct scan *s)
     searched = build_searched(s);
     /* What is wrong with the points as they are may be the nearer reason. */
     if ((searched == ST_ENOFACE && st != ST_OK) ||
-        (searched == ST_ENOTFACE && st == ST_EQUALITY)) {
+        (searched == ST_ENOTFACE && (st == ST_EQUALITY || st == ST_ERANGE))) {
         s->out->quality = quality;
         return st;
     }
@@ -441,19 +441,14 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     enum status st;
 
     begin(&s);
-    if ((s.shape = face_work_shape(w)) == NULL)
-        st = ST_ENOMEM;
-    else
-        st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
+    s.shape = face_work_shape(w);
+    st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
     mem_free(c->normal); /* they have told what they could */
     c->normal = NULL;
-    if (st == ST_OK) {
+    if (st == ST_OK)
         found->points_used = c->n;
-        /* Holes of a scan that shows the face hide nothing in particular. */
-        out->hidden = found->found ? 1 - found->gate.seen : found->occluded;
-    } else {
+    else
         out->surface.mesh.nv = out->surface.mesh.nt = 0;
-    }
     return st;
 }
 

@@ -61,10 +61,10 @@ int main(int argc, char **argv)
         surface_compare(work, face[0], face[1], &same) != SURFACE_OK ||
         surface_compare(work, face[0], face[2], &other) != SURFACE_OK)
         return 1;
-    printf("%s: %.3f and %.3f mm, threshold %.3f mm\n", engine, same.score_mm,
-           other.score_mm, same.threshold_mm);
+    printf("%s: %.1f and %.1f, threshold %.1f\n", engine, same.score, other.score,
+           same.threshold);
     good = same.decision == SURFACE_MATCH && other.decision == SURFACE_NO_MATCH &&
-           same.minimal_mm > 0 && same.overlap > 0.5 && face_build() == 0;
+           same.disparity_mm > 0 && same.overlap > 0.5 && face_build() == 0;
     for (i = 0; i < 3; i++)
         surface_face_free(face[i]);
     surface_work_free(work);

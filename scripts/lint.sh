@@ -49,6 +49,7 @@ check_length() {
         /^{/ { start = FNR }
         /^}/ && start && FNR - start > 80 {
             print FILENAME ":" start ": a function of " FNR - start - 1 " lines"; bad = 1 }
+        /^}/ { start = 0 }
         END { exit bad }' $(echo "$code" | grep 'c$')
 }
 

@@ -16,6 +16,7 @@ static const char *wants(const struct request *r)
 {
     switch (r->route->body) {
     case ROUTE_CLOUD:
+    case ROUTE_CLOUDS:
         return r->media == REQUEST_OTHER_MEDIA || r->media == REQUEST_MERGE
                    ? cloudformat_media_list()
                    : NULL;
@@ -74,6 +75,8 @@ void body_check(struct request *r, bool has_length, uint64_t length)
         request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s%s", types,
                         r->route->body == ROUTE_CLOUD
                             ? ", or multipart/form-data with one file"
+                        : r->route->body == ROUTE_CLOUDS
+                            ? ", or multipart/form-data with 1 to 20 files"
                             : "");
     else if (r->media == REQUEST_FORM && r->boundary[0] == '\0')
         request_problem(r, ST_EINVAL,
@@ -112,32 +115,39 @@ static bool decompress(struct request *r)
     return false;
 }
 
-/* The file of a form, as if it alone were the body.  Its media type is whatever the system of a
- * browser has for the ending of the name: one that is none of a scan says nothing. */
-static bool take_file(struct request *r)
+/* The one file of a form, as if it alone were the body.  Its media type is whatever the system of a
+ * browser has for the ending of the name: one that is none of a scan says nothing.  Several stay as
+ * they are, for a worker that takes large bodies, as they take longer. */
+static bool take_files(struct request *r)
 {
-    struct multipart_file f;
+    struct multipart_file f[MULTIPART_FILES_MAX];
     struct errinfo e = {0};
+    size_t n;
 
-    if (multipart_file(r->body, r->len, r->boundary, &f, &e) != ST_OK) {
+    if (multipart_read(r->body, r->len, r->boundary,
+                       r->route->body == ROUTE_CLOUDS ? MULTIPART_FILES_MAX : 1, f, &n,
+                       &e) != ST_OK) {
         request_fail(r, &e);
         return false;
     }
-    r->coding = inflate_coding(f.coding[0] != '\0' ? f.coding : NULL);
-    r->media = request_media(f.type, &r->format);
+    if (n > 1)
+        return !(r->larger = r->max_points > 0);
+    r->coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
+    r->media = request_media(f->type, &r->format);
     if (r->media != REQUEST_JSON)
         r->media = REQUEST_SCAN;
-    memmove(r->body, f.data, f.len);
-    r->body[f.len] = 0;
-    r->len = f.len;
+    memmove(r->body, f->data, f->len);
+    r->body[f->len] = 0;
+    r->len = f->len;
     if (r->coding == INFLATE_OTHER)
         refuse_coding(r);
-    else if (f.len == 0)
+    else if (f->len == 0)
         request_problem(r, ST_EINVAL, "the file is empty");
     return r->response.http == 0;
 }
 
 bool body_unpack(struct request *r)
 {
-    return decompress(r) && (r->media != REQUEST_FORM || (take_file(r) && decompress(r)));
+    return decompress(r) &&
+           (r->media != REQUEST_FORM || (take_files(r) && decompress(r)));
 }

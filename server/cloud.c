@@ -13,8 +13,7 @@
 #include "request.h"
 #include "sample.h"
 
-/* By the request's parameters.  False: r->response says what is wrong with them. */
-static bool take_options(struct request *r, struct cloudfile_options *o, bool *as_scanned)
+bool cloud_options(struct request *r, struct cloudfile_options *o, bool *as_scanned)
 {
     *as_scanned = false;
     *o = (struct cloudfile_options){
@@ -57,7 +56,7 @@ enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinf
     enum status st;
 
     *out = (struct cloudpoints){0};
-    if (request_gone(r) || !take_options(r, &o, &as_scanned))
+    if (request_gone(r) || !cloud_options(r, &o, &as_scanned))
         return ST_EINVAL;
     st = cloudfile_read(r->body, r->len, &o, out, e);
     out->as_scanned = out->as_scanned || as_scanned;
@@ -80,7 +79,7 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
     enum status st;
 
     *a = *b = (struct cloudpoints){0};
-    if (request_gone(r) || !take_options(r, &o, &as_scanned))
+    if (request_gone(r) || !cloud_options(r, &o, &as_scanned))
         return ST_EINVAL;
     st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
     a->as_scanned = a->as_scanned || as_scanned;

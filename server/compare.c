@@ -1,5 +1,6 @@
 #include "compare.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "app.h"
@@ -42,6 +43,7 @@ struct comparison {
     struct face_result result;
     struct minimal least; /* not for PARAMS_DECISION */
     double *gap; /* the heatmap of b's points, by mem_free(); NULL: not asked for */
+    struct face_field field; /* with it */
 };
 
 /* Both faces.  False: r->response says why not. */
@@ -78,31 +80,34 @@ static enum status heatmap(struct comparison *c)
         return ST_ENOMEM;
     st = heatmap_gaps(&c->w->other.surface, c->b.at, c->b.n, c->result.align.transform,
                       c->gap);
-    if (st == ST_OK)
-        cloud_spread(&c->b, c->gap);
-    return st;
+    if (st != ST_OK)
+        return st;
+    cloud_spread(&c->b, c->gap);
+    return face_field(&c->w->other, &c->w->probe, c->w->compare.work, &c->field);
 }
 
 static bool compare(struct comparison *c)
 {
     const struct face *a = &c->w->other, *b = &c->w->probe;
     struct face_work *work = c->w->compare.work;
-    enum status st = face_compare(a, b, 0.0, log_clock_ms, work, &c->result);
+    enum status st = face_compare(a, b, (double)NAN, log_clock_ms, work, &c->result);
 
     if (st == ST_OK && c->detail != PARAMS_DECISION) {
-        st = face_minimal(a, b, c->result.align.transform, log_clock_ms, work, &c->least);
+        st = face_minimal(a, b, log_clock_ms, work, &c->result, &c->least);
+        request_stage(c->r, REQUEST_ALIGN, c->result.align_ms);
         request_stage(c->r, REQUEST_MINIMAL, c->least.ms);
     }
     if (st == ST_OK && c->detail >= PARAMS_MEASURE)
         st = face_weigh(a, b, work, &c->least);
+    if (st == ST_OK && c->detail >= PARAMS_MEASURE)
+        st = face_regions(a, b, work, &c->result);
     if (st == ST_OK && c->detail == PARAMS_HEATMAP)
         st = heatmap(c);
     if (st != ST_OK) {
         request_problem(c->r, st, "comparing: %s", status_message(st));
         return false;
     }
-    request_stage(c->r, REQUEST_ALIGN, c->result.align_ms);
-    request_stage(c->r, REQUEST_MEASURE, c->result.measure_ms);
+    request_stage(c->r, REQUEST_SCORE, c->result.score_ms);
     return true;
 }
 
@@ -111,7 +116,7 @@ static void respond(struct comparison *c)
     const struct describe_times times = {.parse = c->parse_ms,
                                          .prepare = c->prepare_ms,
                                          .align = c->result.align_ms,
-                                         .measure = c->result.measure_ms,
+                                         .score = c->result.score_ms,
                                          .minimal = c->least.ms,
                                          .total = log_clock_ms() - c->r->start_ms};
 
@@ -127,6 +132,7 @@ static void respond(struct comparison *c)
                              .times = &times,
                              .measure = c->detail != PARAMS_BRIEF,
                              .gap_mm = c->gap,
+                             .field = c->gap != NULL ? &c->field : NULL,
                              .n = c->b.read,
                          });
 }

@@ -6,6 +6,7 @@
 #include "app.h"
 #include "attempts.h"
 #include "auth.h"
+#include "burst.h"
 #include "capture.h"
 #include "cloud.h"
 #include "enrolment.h"
@@ -28,81 +29,134 @@ static bool may(void *arg, const struct store_attempts *now)
     return attempts_admit(r->app->attempts, r, now);
 }
 
-static void enroll(struct request *r, struct worker *w, const char *label, bool force,
-                   const struct scan_found *found)
+/* What the request asks for, beside the samples. */
+struct asked {
+    char label[STORE_LABEL_MAX + 1];
+    bool force;
+};
+
+static void tally(struct request *r, const struct enrolment_result *each, size_t n,
+                  bool none)
+{
+    struct metrics *m = r->app->metrics;
+
+    for (size_t i = 0; i < n; i++) {
+        const enum status why = each[i].why.code;
+
+        if (why == ST_OK)
+            metrics_enrollment(m, each[i].created ? METRICS_ENROLLED : METRICS_KNOWN);
+        else if (why == ST_EMISMATCH)
+            metrics_enrollment(m, METRICS_MISMATCH);
+        else if (i > 0 ||
+                 !none) /* else it is the response's problem, and counts as that */
+            metrics_refused(m, why);
+    }
+}
+
+/* enrolment_add(): true where one of the samples is a template now.  False: r->response says why
+ * not. */
+static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
+                   const struct store_sample *sample, size_t n,
+                   struct enrolment_result *each, struct enrolment_outcome *out)
 {
     struct store_settle limits = {.actor = r->actor};
     struct enrolment x = {.actor = r->actor,
                           .subject = r->subject,
-                          .label = label,
-                          .face = &w->probe,
-                          .read = found->digest,
+                          .label = ask->label,
+                          .sample = sample,
+                          .n = n,
                           .captured = r->capture.captured,
-                          .force = force,
+                          .force = ask->force,
                           .may = attempts_limited(r->app->attempts) ? may : NULL,
                           .arg = r};
-    struct enrolment_outcome out;
     struct errinfo e = {0};
     enum status st;
 
     attempts_watch(r->app->attempts, &limits);
     x.warn_failures = limits.warn_failures;
     x.warn_tried = limits.warn_tried;
-    st = enrolment_add(&w->compare, &x, &out, &e);
-    attempts_warn(r, &(struct store_settled){.locked_out = out.locked_out,
-                                             .many_subjects = out.many_subjects});
+    st = enrolment_add(&w->compare, &x, each, out, &e);
+    attempts_warn(r, &(struct store_settled){.locked_out = out->locked_out,
+                                             .many_subjects = out->many_subjects});
 
-    if (out.nearest.compared > 0) {
-        request_stage(r, REQUEST_ALIGN, out.nearest.align_ms);
-        request_stage(r, REQUEST_MEASURE, out.nearest.measure_ms);
-    }
-    if (out.lost.code != ST_OK)
-        event_lost(r, "enroll_mismatch", &out.lost);
-    if (out.locked || !verify_admitted(r, out.admit, &e)) /* r->response is set */
-        return;
-    if (st != ST_OK) {
-        if (st == ST_EMISMATCH)
-            metrics_enrollment(r->app->metrics, METRICS_MISMATCH);
+    if (out->nearest.compared > 0)
+        request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
+    if (out->lost.code != ST_OK)
+        event_lost(r, "enroll_mismatch", &out->lost);
+    if (st == ST_OK || out->none)
+        tally(r, each, n, out->none);
+    if (out->locked || !verify_admitted(r, out->admit, &e)) /* r->response is set */
+        return false;
+    if (st != ST_OK)
         request_fail(r, &e);
-        return;
-    }
-    metrics_enrollment(r->app->metrics, out.created ? METRICS_ENROLLED : METRICS_KNOWN);
-    request_written(r, out.created ? 201 : 200,
-                    render_enrolled(&out.tmpl, &w->probe.frame, found));
-    if (r->response.http >= 300)
-        return;
-    memcpy(r->response.template_id, out.tmpl.id, sizeof out.tmpl.id);
-    (void)snprintf(r->response.location, sizeof r->response.location, "/v1/templates/%s",
-                   out.tmpl.id);
+    return st == ST_OK;
 }
 
-static void read_and_enroll(struct request *r, struct worker *w)
+/* False: r->response says what is wrong with them, or that the request may not be made. */
+static bool read_parameters(struct request *r, struct asked *ask)
 {
-    char label[STORE_LABEL_MAX + 1];
-    struct scan_found found;
-    struct cloudpoints c;
-    bool force = false;
-    double start = log_clock_ms(), parsed;
-    enum status st = request_query(r, "label", label, sizeof label);
+    const enum status st = request_query(r, "label", ask->label, sizeof ask->label);
 
+    ask->force = false;
     if (st != ST_OK && st != ST_ENOTFOUND) {
         request_problem(r, ERRMAP_PARAMETER, "label is malformed or longer than %d bytes",
                         STORE_LABEL_MAX);
-        return;
+        return false;
     }
-    if (!params_flag(r, "force", &force) || (force && !auth_may(r, STORE_SCOPE_MANAGE)) ||
-        !capture_admit(r) || cloud_read(r, &c) != ST_OK)
+    return params_flag(r, "force", &ask->force) &&
+           (!ask->force || auth_may(r, STORE_SCOPE_MANAGE)) && capture_admit(r);
+}
+
+/* ---- one file */
+
+static void enroll_one(struct request *r, struct worker *w)
+{
+    struct enrolment_result x = {.created = false};
+    struct enrolment_outcome out;
+    struct scan_found found;
+    struct cloudpoints c;
+    struct asked ask;
+    double start = log_clock_ms(), parsed;
+    enum status st;
+
+    if (!read_parameters(r, &ask) || cloud_read(r, &c) != ST_OK)
         return;
     parsed = log_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
     st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloudpoints_free(&c);
-    if (st == ST_OK)
-        enroll(r, w, label, force, &found);
+    if (st != ST_OK ||
+        !enroll(r, w, &ask, &(struct store_sample){&w->probe, found.digest}, 1, &x, &out))
+        return;
+    request_written(r, x.created ? 201 : 200,
+                    render_enrolled(&x.tmpl, &w->probe.frame, &found));
+    if (r->response.http < 300)
+        request_template(r, x.tmpl.id);
 }
 
+/* ---- several */
+
+static void enroll_several(struct request *r, struct worker *w)
+{
+    struct enrolment_outcome out;
+    struct asked ask;
+    struct burst *b;
+
+    if (!read_parameters(r, &ask) || (b = burst_read(r, w->compare.work)) == NULL)
+        return;
+    if (enroll(r, w, &ask, b->sample, b->n, b->each, &out))
+        burst_respond(r, b);
+    else if (out.none)
+        burst_refuse(r, b);
+    burst_free(b);
+}
+
+/* Several need no Idempotency-Key: the same again are the same templates. */
 void enroll_handle(struct request *r, struct worker *w)
 {
-    verify_once(r, w, read_and_enroll);
+    if (r->media == REQUEST_FORM)
+        enroll_several(r, w);
+    else
+        verify_once(r, w, enroll_one);
 }

@@ -1,4 +1,4 @@
-/* enroll.h -- a cloud becomes a template of a subject. */
+/* enroll.h -- a cloud, or several, become templates of a subject. */
 #ifndef SERVER_ENROLL_H
 #define SERVER_ENROLL_H
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "app.h"
-#include "calibration.h"
+#include "in_force.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "render.h"
@@ -41,7 +41,7 @@ void health_ready(struct request *r, struct worker *w)
     if (atomic_load(&r->app->stopping)) {
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
-               calibration_in_force(r->app->store, &k, &e) == ST_OK) {
+               in_force_get(r->app->store, &k, &e) == ST_OK) {
         request_respond(r, 200, render_state("ready"));
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));

@@ -8,7 +8,7 @@
 #include "app.h"
 #include "attempts.h"
 #include "cache.h"
-#include "calibration.h"
+#include "in_force.h"
 #include "erasures.h"
 #include "errinfo.h"
 #include "expiry.h"
@@ -122,12 +122,12 @@ static void warn_of_calibration(struct store *s)
     struct store_calibration k;
     struct log_entry l;
 
-    if (calibration_in_force(s, &k, NULL) != ST_OK || !k.ignored)
+    if (in_force_get(s, &k, NULL) != ST_OK || !k.ignored)
         return;
     log_begin(&l, "warn", "calibration is not used: made by another measure or model");
     log_count(&l, "version", (uint64_t)k.version);
     log_text(&l, "made_by", k.engine);
-    log_real(&l, "threshold_mm", k.decision.threshold_mm, 4);
+    log_real(&l, "threshold", k.table.threshold, 2);
     log_end(&l);
 }
 

@@ -93,6 +93,12 @@ static void observe(struct histogram *h, double ms)
     count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
 }
 
+void metrics_refused(struct metrics *m, enum status st)
+{
+    if (st >= ST_ELIMIT && st <= ST_EQUALITY)
+        count(&m->refused[st - ST_ELIMIT], 1);
+}
+
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
 {
     struct by_route *by =
@@ -107,8 +113,8 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         observe(&m->stage[REQUEST_STAGES], ms);
     if (r->response.bad_token)
         count(&m->wrong_tokens, 1);
-    if (r->response.problem >= ST_ELIMIT && r->response.problem <= ST_EQUALITY)
-        count(&m->refused[r->response.problem - ST_ELIMIT], 1);
+    metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
+                                                      : ST_OK);
     if (r->response.problem == ST_EREPLAYED)
         count(&m->replayed, 1);
     metrics_database_error(m, r->failed);

@@ -34,6 +34,10 @@ enum metrics_enrollment {
 
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome);
 
+/* metrics_refused(m, st): of several files that were sent one was refused, by trial_is_refusal();
+ * any other status is not counted. */
+void metrics_refused(struct metrics *m, enum status st);
+
 enum metrics_check {
     METRICS_ENROLLABLE, /* and so usable for verification too */
     METRICS_USABLE,

@@ -179,6 +179,9 @@ static enum status take_header(struct reader *r, const char *line, char *name,
              (!is(value, strcspn(value, "; \t"), "form-data") ||
               !parameter(value, "name", name, MULTIPART_VALUE_MAX, &n)))
         return wrong(r, "Content-Disposition is not form-data with a name");
+    if (is(line, len, "Content-Disposition") &&
+        !parameter(value, "filename", f->name, sizeof f->name, &n))
+        f->name[0] = '\0';
     return ST_OK;
 }
 
@@ -207,8 +210,9 @@ static void note(char *list, size_t size, const char *name)
     (void)snprintf(list + len, size - len, "%s%.40s", len > 0 ? ", " : "", name);
 }
 
-enum status multipart_file(const unsigned char *body, size_t len, const char *boundary,
-                           struct multipart_file *out, struct errinfo *e)
+enum status multipart_read(const unsigned char *body, size_t len, const char *boundary,
+                           size_t most, struct multipart_file *out, size_t *n,
+                           struct errinfo *e)
 {
     struct reader r = {.body = body,
                        .p = body,
@@ -217,26 +221,29 @@ enum status multipart_file(const unsigned char *body, size_t len, const char *bo
                        .len = strlen(boundary),
                        .e = e};
     char names[320] = "";
-    bool last = false;
-    size_t parts = 0;
+    bool last = false, named = true;
     enum status st;
 
+    *n = 0;
     if (!take_delimiter(&r, &last))
         return wrong(&r, "the body does not begin with the boundary");
-    for (; !last && parts < MULTIPART_PARTS_MAX; parts++) {
+    for (; !last && *n <= most; ++*n) { /* one more than there may be, to name them */
         char name[MULTIPART_VALUE_MAX] = "";
+        struct multipart_file f = {.len = 0};
 
-        *out = (struct multipart_file){0};
-        if ((st = take_headers(&r, name, out)) != ST_OK ||
-            (st = take_data(&r, out, &last)) != ST_OK)
+        if ((st = take_headers(&r, name, &f)) != ST_OK ||
+            (st = take_data(&r, &f, &last)) != ST_OK)
             return st;
         note(names, sizeof names, name);
+        named = named && f.name[0] != '\0';
+        if (*n < most)
+            out[*n] = f;
     }
-    if (parts != 1)
+    if (*n == 0 || *n > most || (*n > 1 && !named))
         return errinfo_set(
-            e, ST_EINVAL,
-            "the form has %s%s%s: send one file alone, with all else in the query",
-            parts == 0 ? "no parts" : "the parts ", names, last ? "" : ", ...");
+            e, ST_EINVAL, "the form has %s%s%s: send %s, with all else in the query",
+            *n == 0 ? "no parts" : "the parts ", names, last ? "" : ", ...",
+            most == 1 ? "one file alone" : "1 to 20 files, each with a file name");
     while (r.p < r.end && strchr(" \t\r\n", *r.p) != NULL && *r.p != '\0')
         r.p++;
     return r.p == r.end ? ST_OK : wrong(&r, "there is more behind the last boundary");

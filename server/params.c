@@ -90,9 +90,20 @@ static bool take_number(struct request *r, const char *name, bool positive, doub
 
 bool params_camera(struct request *r, struct clouddepth_camera *c)
 {
-    return take_number(r, "fx", true, &c->fx) && take_number(r, "fy", true, &c->fy) &&
-           take_number(r, "cx", false, &c->cx) && take_number(r, "cy", false, &c->cy) &&
-           take_number(r, "depth_scale", true, &c->scale);
+    size_t width = 0, height = 0;
+
+    if (!take_number(r, "fx", true, &c->fx) || !take_number(r, "fy", true, &c->fy) ||
+        !take_number(r, "cx", false, &c->cx) || !take_number(r, "cy", false, &c->cy) ||
+        !take_number(r, "depth_scale", true, &c->scale) ||
+        !params_count(r, "width", CLOUDDEPTH_SIDE_MAX, &width) ||
+        !params_count(r, "height", CLOUDDEPTH_SIDE_MAX, &height))
+        return false;
+    c->width = (uint32_t)width;
+    c->height = (uint32_t)height;
+    if ((width > 0) == (height > 0))
+        return true;
+    request_problem(r, ERRMAP_PARAMETER, "width and height are given together");
+    return false;
 }
 
 bool params_detail(struct request *r, enum params_detail *out)

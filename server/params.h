@@ -23,7 +23,8 @@ enum params_detail {                  /* what the response to a comparison conta
                      PARAMS_HEATMAP   /* and the gap at each point */
 };
 
-/* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image. */
+/* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image,
+ * and width and height, both or none, of one that has nothing but its values. */
 bool params_camera(struct request *r, struct clouddepth_camera *c);
 
 /* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail; without

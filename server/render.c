@@ -34,7 +34,8 @@ char *render_trial(const struct trial *t, const struct face *f,
     return json_compact(j);
 }
 
-char *render_problem(const struct errmap *m, const char *detail, const char *request_id)
+struct json *render_problem_begin(const struct errmap *m, const char *detail,
+                                  const char *request_id)
 {
     struct json *j = json_new();
     char type[96];
@@ -46,7 +47,12 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
     json_text(j, "detail", detail);
     json_text(j, "code", m->code);
     json_text(j, "request_id", request_id);
-    return json_compact(j);
+    return j;
+}
+
+char *render_problem(const struct errmap *m, const char *detail, const char *request_id)
+{
+    return json_compact(render_problem_begin(m, detail, request_id));
 }
 
 char *render_enrolled(const struct store_template *t, const struct frame *frame,

@@ -13,11 +13,15 @@ struct describe_times;
 struct errmap;
 struct face;
 struct frame;
+struct json;
 struct scan_found;
 struct trial;
 
-/* render_problem(m, detail, request_id): RFC 9457. */
+/* render_problem(m, detail, request_id): RFC 9457.
+ * render_problem_begin(...): the same, for further members (base/json.h). */
 char *render_problem(const struct errmap *m, const char *detail, const char *request_id);
+struct json *render_problem_begin(const struct errmap *m, const char *detail,
+                                  const char *request_id);
 
 /* As describe.h. */
 char *render_comparison(const struct describe_comparison *c);

@@ -138,8 +138,8 @@ void request_stage(struct request *r, enum request_stage stage, double ms)
 
 const char *request_stage_name(enum request_stage stage)
 {
-    static const char *const names[REQUEST_STAGES] = {"queue", "parse",   "prepare",
-                                                      "align", "measure", "minimal"};
+    static const char *const names[REQUEST_STAGES] = {"queue", "parse", "prepare",
+                                                      "score", "align", "minimal"};
 
     return names[stage];
 }
@@ -189,6 +189,26 @@ void request_written(struct request *r, int http, char *json)
     r->response.minimal = true;
 }
 
+void request_refuse(struct request *r, unsigned kind, char *json)
+{
+    const struct errmap *m = errmap_get(kind);
+
+    if (m->http == 503)
+        r->response.retry_after = 1;
+    if (m->http == 401)
+        r->response.challenge = true;
+    r->response.location[0] = r->response.template_id[0] = '\0';
+    set_body(r, m->http, "application/problem+json", json);
+    r->response.problem = kind;
+}
+
+void request_template(struct request *r, const char *id)
+{
+    (void)snprintf(r->response.template_id, sizeof r->response.template_id, "%s", id);
+    (void)snprintf(r->response.location, sizeof r->response.location, "/v1/templates/%s",
+                   id);
+}
+
 /* Names that the client gave are quoted, and may be anything, or cut in a character. */
 static void make_plain(char *text)
 {
@@ -221,14 +241,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
                                          : "Please try again later.";
     }
     make_plain(detail);
-    if (m->http == 503)
-        r->response.retry_after = 1;
-    if (m->http == 401)
-        r->response.challenge = true;
-    r->response.location[0] = r->response.template_id[0] = '\0';
-    /* Without memory for the document its status code has to do. */
-    set_body(r, m->http, "application/problem+json", render_problem(m, told, r->id));
-    r->response.problem = kind;
+    request_refuse(r, kind, render_problem(m, told, r->id));
 }
 
 void request_fail(struct request *r, const struct errinfo *e)

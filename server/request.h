@@ -43,9 +43,9 @@ enum request_stage {                  /* what the time of a request is spent on 
                      REQUEST_QUEUE,   /* waiting for a worker */
                      REQUEST_PARSE,   /* the body to points */
                      REQUEST_PREPARE, /* points to face models */
-                     REQUEST_ALIGN,   /* over all templates */
-                     REQUEST_MEASURE, /* the score */
-                     REQUEST_MINIMAL, /* the minimal disparity */
+                     REQUEST_SCORE,   /* over all templates */
+                     REQUEST_ALIGN,   /* for the minimal disparity */
+                     REQUEST_MINIMAL, /* the minimal disparity, or the asymmetry */
                      REQUEST_STAGES
 };
 
@@ -153,6 +153,9 @@ void request_respond(struct request *r, int http, char *json);
  * where the client prefers so, without the body, 204 in the place of 200. */
 void request_written(struct request *r, int http, char *json);
 
+/* request_template(r, id): the response is about this template: its Location. */
+void request_template(struct request *r, const char *id);
+
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);
 
@@ -163,6 +166,10 @@ void request_page(struct request *r, const char *type, const char *text);
  * formatted detail goes to the log alone, and the client gets a general phrase. */
 __attribute__((format(printf, 3, 4))) void
 request_problem(struct request *r, unsigned kind, const char *fmt, ...);
+
+/* request_refuse(r, kind, json): problem+json that is written already: heap text, taken; NULL: the
+ * status code alone. */
+void request_refuse(struct request *r, unsigned kind, char *json);
 
 /* request_fail(r, e): the problem that e tells; r->failed, for the metrics. */
 void request_fail(struct request *r, const struct errinfo *e);

@@ -9,9 +9,10 @@ struct worker; /* worker.h */
 
 enum route_body {
     ROUTE_NO_BODY,
-    ROUTE_CLOUD, /* JSON or a scanner's file */
-    ROUTE_JSON,  /* JSON alone */
-    ROUTE_MERGE  /* a JSON merge patch, or JSON */
+    ROUTE_CLOUD,  /* JSON or a scanner's file */
+    ROUTE_CLOUDS, /* the same, or several in a form */
+    ROUTE_JSON,   /* JSON alone */
+    ROUTE_MERGE   /* a JSON merge patch, or JSON */
 };
 
 struct route {

@@ -18,7 +18,7 @@
 #define SUBJECT  "/v1/subjects/{subject}"
 
 /* The query parameters of a cloud, and of a comparison with one. */
-#define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale"
+#define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
 #define COMPARING CLOUD ", detail"
 
 enum { /* who may: those whose token has the scope */
@@ -40,7 +40,7 @@ static const struct route table[] = {
     {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", docs_style, true},
     {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", docs_script, true},
     {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", version_handle, true},
-    {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUD, ENROLL, CLOUD ", label, force",
+    {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
      enroll_handle, false},
     {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_subject,
      false},

@@ -33,13 +33,13 @@ void symmetry_handle(struct request *r, struct worker *w)
         goto out;
     }
     measured = log_clock_ms();
-    request_stage(r, REQUEST_MEASURE, measured - prepared);
+    request_stage(r, REQUEST_MINIMAL, measured - prepared);
     request_respond(
         r, 200,
         render_asymmetry(&result, &w->probe, &found, store_made_by(r->app->store),
                          &(struct describe_times){.parse = parsed - start,
                                                   .prepare = prepared - parsed,
-                                                  .measure = measured - prepared,
+                                                  .minimal = measured - prepared,
                                                   .total = measured - r->start_ms}));
 out:
     cloudpoints_free(&c);

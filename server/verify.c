@@ -40,6 +40,7 @@ struct verification {
     struct minimal least; /* not for PARAMS_DECISION */
     /* the heatmap of the probe's points, by mem_free(); NULL: not asked for */
     double *gap;
+    struct face_field field; /* with it */
     /* The probe; the builder's until builder_wait(). */
     bool begun; /* with the builder */
     struct cloudpoints cloud;
@@ -146,6 +147,7 @@ static enum status minimal(struct verification *v, struct errinfo *e)
         return ST_OK;
     st = nearest_minimal(&v->w->compare, &v->admission, &v->w->probe, &v->best,
                          v->detail != PARAMS_BRIEF, &v->least, e);
+    request_stage(v->r, REQUEST_ALIGN, v->best.result.align_ms);
     request_stage(v->r, REQUEST_MINIMAL, v->least.ms);
     return st;
 }
@@ -165,6 +167,8 @@ static enum status heatmap(struct verification *v, struct errinfo *e)
     st = v->gap == NULL ? ST_ENOMEM
                         : heatmap_gaps(&face->surface, v->cloud.at, v->cloud.n,
                                        v->best.result.align.transform, v->gap);
+    if (st == ST_OK)
+        st = face_field(face, &v->w->probe, c->work, &v->field);
     admission_release(c, &v->admission, i, face);
     if (st == ST_OK)
         cloud_spread(&v->cloud, v->gap);
@@ -187,8 +191,7 @@ static bool compare(struct verification *v)
         request_fail(v->r, &e);
         return false;
     }
-    request_stage(v->r, REQUEST_ALIGN, v->best.align_ms);
-    request_stage(v->r, REQUEST_MEASURE, v->best.measure_ms);
+    request_stage(v->r, REQUEST_SCORE, v->best.score_ms);
     return true;
 }
 
@@ -229,7 +232,7 @@ static bool settle(struct verification *v)
     attempts_watch(app->attempts, &what);
     if (decision == FACE_MATCH) {
         what.probe = &probe;
-        if (replay_probe(v->best.result.score_mm, &v->found, &v->w->probe,
+        if (replay_probe(&v->admission.of.t[v->best.index], &v->found, &v->w->probe,
                          app->replay_window * INT64_C(1000), &probe, &e) != ST_OK) {
             request_fail(v->r, &e);
             return false;
@@ -259,8 +262,8 @@ static void respond(struct verification *v)
     struct errinfo e = {0};
     const struct describe_times times = {.parse = v->parse_ms,
                                          .prepare = v->prepare_ms,
-                                         .align = v->best.align_ms,
-                                         .measure = v->best.measure_ms,
+                                         .align = v->best.result.align_ms,
+                                         .score = v->best.score_ms,
                                          .minimal = v->least.ms,
                                          .total = log_clock_ms() - v->r->start_ms};
 
@@ -281,6 +284,7 @@ static void respond(struct verification *v)
                              .times = &times,
                              .measure = v->detail != PARAMS_BRIEF,
                              .gap_mm = v->gap,
+                             .field = v->gap != NULL ? &v->field : NULL,
                              .n = v->cloud.read,
                          });
 }

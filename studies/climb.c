@@ -1,6 +1,6 @@
 /* climb.c -- hill climbing: how like an enrolled face an attacker's scan becomes whose only help
  * are the scores of a verification, attempt by attempt.  The attacker knows the model: a scan is
- * moved along the model's modes of shape, one after the other, both ways, to the lowest point of
+ * moved along the model's modes of shape, one after the other, both ways, to the highest point of
  * a parabola through the three scores.  Begun from a stranger's scan or from the mean face; told
  * the score as it is, rounded as for the scope verify alone, or the decision alone.  Beside it how
  * long so many attempts take with the daemon's default lock-out, and how often it has warned. */
@@ -34,7 +34,7 @@ static const char *const told_name[] = {"exact", "rounded", "decision"};
 static const int shown[] = {1, 2, 3, 5, 10, 14, 30, 100, 300, 1000}; /* attempts */
 #define NSHOWN (sizeof shown / sizeof *shown)
 static const char columns[] =
-    "attempts,victims,matched,low %,high %,median mm,lowest 5 % mm,"
+    "attempts,victims,matched,low %,high %,median score,highest 5 %,"
     "days with the lock-out,warnings";
 
 struct climb {
@@ -45,7 +45,7 @@ struct climb {
     size_t n;
     struct face probe;
     int attempts, refused, most;
-    double lowest[ATTEMPTS + 1]; /* true score after so many attempts */
+    double highest[ATTEMPTS + 1]; /* true score after so many attempts */
     bool matched[ATTEMPTS + 1];
 };
 
@@ -61,15 +61,15 @@ static double along(const double *a, double x, double y)
     return z;
 }
 
-/* One verification: what the attacker is told, INFINITY where nothing or the scan is refused.  A
- * refused scan is no attempt. */
+/* One verification: minus what the attacker is told, INFINITY where nothing or the scan is
+ * refused.  A refused scan is no attempt. */
 static double attempt(struct climb *c, const double *a)
 {
     static const struct scan_options lenient = {.axes = SCAN_AXES_AUTO};
     struct cloudpoints p = {.n = c->n, .read = c->n, .unit_mm = 1};
     struct face_result r;
     struct scan_found found;
-    double *lowest = &c->lowest[c->attempts];
+    double *highest = &c->highest[c->attempts];
     enum status st;
 
     p.at = mem_array(c->n, sizeof *p.at);
@@ -85,13 +85,13 @@ static double attempt(struct climb *c, const double *a)
         c->refused++;
         return INFINITY;
     }
-    lab_must(face_compare(c->victim, &c->probe, 0, NULL, c->work, &r));
-    lowest[1] = fmin(lowest[0], r.score_mm);
+    lab_must(face_compare(c->victim, &c->probe, (double)NAN, NULL, c->work, &r));
+    highest[1] = fmax(highest[0], r.score);
     c->matched[c->attempts + 1] = c->matched[c->attempts] || r.decision == FACE_MATCH;
     c->attempts++;
     if (c->told == ROUNDED)
         face_round(&r, c->work);
-    return c->told == DECISION ? (r.decision == FACE_MATCH ? 0 : INFINITY) : r.score_mm;
+    return c->told == DECISION ? (r.decision == FACE_MATCH ? 0 : INFINITY) : -r.score;
 }
 
 static bool over(const struct climb *c)
@@ -202,14 +202,14 @@ static void sum_up(FILE *f, const char *begin, const struct climb *of, size_t n)
         for (size_t i = 0; i < n; i++) {
             const int at = shown[s] < of[i].attempts ? shown[s] : of[i].attempts;
 
-            v[i] = of[i].lowest[at];
+            v[i] = of[i].highest[at];
             matched += of[i].matched[at];
         }
         spread = lab_spread(v, n);
         lab_share(matched, n, &low, &high);
         days = locked_out_days(shown[s], &warnings);
-        fprintf(f, "%s%d,%zu,%zu,%.2f,%.2f,%.4f,%.4f,%.3g,%d\n", begin, shown[s], n,
-                matched, 100 * low, 100 * high, spread.median, spread.low, days,
+        fprintf(f, "%s%d,%zu,%zu,%.2f,%.2f,%.2f,%.2f,%.3g,%d\n", begin, shown[s], n,
+                matched, 100 * low, 100 * high, spread.median, spread.high, days,
                 warnings);
     }
     fflush(f);
@@ -223,7 +223,7 @@ static void climb_from(struct climb *c, const struct person *victim,
 
     c->victim = &victim->template;
     c->base = lab_alloc(POINTS, sizeof *c->base);
-    c->lowest[0] = INFINITY;
+    c->highest[0] = -INFINITY;
     if (stranger == NULL)
         take_mean(c);
     else
@@ -296,7 +296,7 @@ void climb_run(const struct lab *lab)
         n = people_scanned(lab->faces, "p1", most, work, p);
         (void)people_relatives(lab->faces, p, n, relative);
     } else {
-        people_made_up(7000, n, work, p);
+        people_made_up(7010, n, work, p);
     }
     climb_early(lab, p, n, relative, work);
     climb_far(lab, p, n < VICTIMS ? n : VICTIMS, relative, work);

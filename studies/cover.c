@@ -143,8 +143,8 @@ static const double bin_from[BINS + 1] = {0,   0.05, 0.1, 0.15, 0.2, 0.3,
 
 /* Decisions: by the daemon's rule, and by the threshold alone. */
 struct tally {
-    int n, match, no_match, inconclusive, below;
-    double mm;
+    int n, match, no_match, inconclusive, above;
+    double score;
 };
 
 static void count(struct tally *t, const struct face_result *r)
@@ -153,8 +153,8 @@ static void count(struct tally *t, const struct face_result *r)
     t->match += r->decision == FACE_MATCH;
     t->no_match += r->decision == FACE_NO_MATCH;
     t->inconclusive += r->decision == FACE_INCONCLUSIVE;
-    t->below += r->score_mm <= r->threshold_mm && r->weight_overlap > 0;
-    t->mm += r->score_mm;
+    t->above += r->score >= r->threshold && r->overlap > 0;
+    t->score += r->score;
 }
 
 struct outcome {
@@ -185,8 +185,8 @@ static void one_probe(const struct lab *lab, struct person *p, size_t people, si
 
         if (i > 0 && other == who)
             continue;
-        lab_must(face_compare(&p[other].template, probe, 0, NULL, w, &res));
-        while (bin + 1 < BINS && res.weight_overlap >= bin_from[bin + 1])
+        lab_must(face_compare(&p[other].template, probe, (double)NAN, NULL, w, &res));
+        while (bin + 1 < BINS && res.overlap >= bin_from[bin + 1])
             bin++;
         count(&o->share[k][i > 0], &res);
         count(&o->bin[bin][i > 0], &res);
@@ -222,21 +222,20 @@ static void report(const struct lab *lab, const char *name, const struct outcome
         fprintf(f, "\n");
     }
     lab_close(f);
-    (void)snprintf(file, sizeof file, "%s-weight.csv", name);
+    (void)snprintf(file, sizeof file, "%s-area.csv", name);
     f = lab_open(lab, file);
-    fprintf(f, "weight covered from,to,mated,match by the threshold alone %%,"
-               "mean score mm,non-mated,match by the threshold alone %%,"
-               "mean score mm,non-mated with 30 %% of the area and 20 %% of the weight,"
-               "of these a match\n");
+    fprintf(f, "area covered from,to,mated,match by the threshold alone %%,"
+               "mean score,non-mated,match by the threshold alone %%,"
+               "mean score,non-mated that are conclusive,of these a match\n");
     for (int b = 0; b < BINS; b++) {
         const struct tally *g = &o->bin[b][0], *i = &o->bin[b][1];
 
         fprintf(f, "%.2f,%.2f,%d", bin_from[b], fmin(bin_from[b + 1], 1), g->n);
-        lab_field(f, 1, percent(g->below, g->n));
-        lab_field(f, 4, g->n > 0 ? g->mm / g->n : (double)NAN);
+        lab_field(f, 1, percent(g->above, g->n));
+        lab_field(f, 2, g->n > 0 ? g->score / g->n : (double)NAN);
         fprintf(f, ",%d", i->n);
-        lab_field(f, 2, percent(i->below, i->n));
-        lab_field(f, 4, i->n > 0 ? i->mm / i->n : (double)NAN);
+        lab_field(f, 2, percent(i->above, i->n));
+        lab_field(f, 2, i->n > 0 ? i->score / i->n : (double)NAN);
         fprintf(f, ",%d,%d\n", i->match + i->no_match, i->match);
     }
     lab_close(f);

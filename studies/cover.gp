@@ -29,19 +29,19 @@ plot dir . '/madeup.csv' using 1:8 with linespoints ls 3 title 'match', \
      dir . '/madeup.csv' using 1:10 with linespoints ls 6 title 'inconclusive'
 unset multiplot
 
-name = 'weight'; wide = 960; high = 440
+name = 'area'; wide = 960; high = 440
 load begin
 # The made-up faces, and the scans where --faces gave some.
-sources = system(sprintf("cd '%s' && ls madeup-weight.csv scans-weight.csv 2>/dev/null", dir))
+sources = system(sprintf("cd '%s' && ls madeup-area.csv scans-area.csv 2>/dev/null", dir))
 titles = '"made-up faces" scans'
 most = 0
 do for [k = 1:words(sources)] {
     stats dir . '/' . word(sources, k) using 7 nooutput
     most = STATS_max > most ? STATS_max : most
 }
-set multiplot layout 1,2 title 'By the threshold alone, against the share of a face''s weight that was covered'
-set xlabel 'share of the weight covered (middle of the bin)'
-set arrow from 0.2, graph 0 to 0.2, graph 1 nohead lc rgb '#666666' dt 2
+set multiplot layout 1,2 title 'By the threshold alone, against the share of the template''s area that was covered'
+set xlabel 'share of the area covered (middle of the bin)'
+set arrow from 0.3, graph 0 to 0.3, graph 1 nohead lc rgb '#666666' dt 2
 set xrange [0:1]
 set key bottom right
 set ylabel 'match, %'

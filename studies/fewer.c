@@ -113,7 +113,7 @@ static void shrink(const struct face *whole, double percent, struct face_work *w
 }
 
 struct tally {
-    double match, mm, n;
+    double match, score, n;
 };
 
 /* One line of the table: every probe against its own template and some other people's. */
@@ -133,18 +133,18 @@ static void line(const struct face *few, const struct face *probe, size_t people
 
             if (template->surface.mesh.nv == 0)
                 continue;
-            lab_must(face_compare(template, &probe[i], 0, NULL, w, &r));
+            lab_must(face_compare(template, &probe[i], (double)NAN, NULL, w, &r));
             t[j > 0].n++;
-            t[j > 0].mm += r.score_mm;
+            t[j > 0].score += r.score;
             t[j > 0].match += r.decision == FACE_MATCH;
             unclear += r.decision == FACE_INCONCLUSIVE;
         }
     }
     start = clock() - start;
     n = t[0].n + t[1].n;
-    fprintf(f, "%.0f,%.0f,%.0f,%.1f,%.4f,%.2f,%.4f,%.1f,%.2f\n", percent, points / made,
-            (double)people - made, 100 * t[0].match / t[0].n, t[0].mm / t[0].n,
-            100 * t[1].match / t[1].n, t[1].mm / t[1].n, 100 * unclear / n,
+    fprintf(f, "%.0f,%.0f,%.0f,%.1f,%.2f,%.2f,%.2f,%.1f,%.2f\n", percent, points / made,
+            (double)people - made, 100 * t[0].match / t[0].n, t[0].score / t[0].n,
+            100 * t[1].match / t[1].n, t[1].score / t[1].n, 100 * unclear / n,
             1e3 * (double)start / CLOCKS_PER_SEC / n);
 }
 
@@ -158,7 +158,7 @@ static void templates(const struct lab *lab, const char *name, const struct pers
     for (size_t i = 0; i < people; i++)
         lab_must(face_build(p[i].probe, p[i].n, w, &probe[i], NULL));
     fprintf(f, "points kept %%,points,failures to enrol,mated: match %%,"
-               "mean score mm,non-mated: match %%,mean score mm,inconclusive %%,"
+               "mean score,non-mated: match %%,mean score,inconclusive %%,"
                "a comparison ms\n");
     for (int k = 0; k < TEMPLATES; k++) {
         for (size_t i = 0; i < people; i++)

@@ -60,7 +60,7 @@ static void compare(const struct study *s, const struct people *p,
         if (p->p[i].template.surface.mesh.nv == 0 ||
             (other && (p->relative[i] == who || p->relative[who] == i)))
             continue;
-        lab_must(face_compare(&p->p[i].template, probe, 0, NULL, s->work, &r));
+        lab_must(face_compare(&p->p[i].template, probe, (double)NAN, NULL, s->work, &r));
         t->match[other] += r.decision == FACE_MATCH;
         t->no_match[other] += r.decision == FACE_NO_MATCH;
         t->inconclusive[other] += r.decision == FACE_INCONCLUSIVE;

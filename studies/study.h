@@ -15,7 +15,6 @@ void fewer_run(const struct lab *lab);   /* simplified surfaces and templates */
 void filled_run(const struct lab *lab);  /* restored points by the size of the hole */
 void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
 void removal_run(const struct lab *lab); /* which removals hurt */
-void gate_run(const struct lab *lab);    /* what is enrolled that is no face */
 void scans_run(const struct lab *lab);   /* scans as scanners deliver them */
 void mirror_run(const struct lab *lab);  /* asymmetry planted and found */
 void minimal_run(const struct lab *lab); /* the minimum, against brute force */

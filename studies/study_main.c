@@ -24,7 +24,6 @@ static const struct {
     {"cover", "missing points: faces with parts missing, and verification", cover_run},
     {"filled", "missing points: restored points, by the size of the hole", filled_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
-    {"gate", "what is no face, and faces: what is enrolled", gate_run},
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
     {"scans", "scans as scanners deliver them: heads, half profiles, covered faces",
      scans_run},
@@ -51,7 +50,7 @@ static int usage(FILE *to)
         "--seed     of everything random (%d)\n"
         "--reduced  few draws and small sizes: seconds instead of minutes\n"
         "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
-        "which cover, fewer, gate, minimal, bound and scans use\n"
+        "which cover, fewer, minimal, bound and scans use\n"
         "--raw      with it: a folder of the same people's scans as delivered, "
         "SUBJECT_head.ply, bust, round, half, glasses, mask, other (scans)\n"
         "With scripts/studies: pictures and a report besides.\n",

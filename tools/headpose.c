@@ -130,24 +130,45 @@ struct search {
     struct align_work align;
 };
 
+/* frame_likeness_heights() of the surface's points, moved by pose. */
+static double likeness(const struct search *s, const struct align_pose *pose)
+{
+    double z[GRID_N] = {0}, n[GRID_N] = {0};
+    const struct mesh *m = &s->surface.mesh;
+
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 q = align_pose_apply(
+            pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
+                                 m->z[v] / LATTICE_PER_MM});
+        const uint32_t i = grid_cell(q.x, q.y);
+
+        if (i == GRID_NONE)
+            continue;
+        z[i] += q.z;
+        n[i] += 1;
+    }
+    return frame_likeness_heights(s->mean, z, n);
+}
+
 /* How good the face is that is seen from there; afterwards `to` is its canonical frame. */
 static double try(struct search *s, double to[16])
 {
     const size_t n = crop(s->head, to, s->room);
     struct frame f;
-    double m[16], all[16];
+    double m[16], all[16], like;
 
     if (n < FACE_MIN_POINTS ||
         lattice_from_mm(s->room, n, LATTICE_PER_MM, s->lattice, NULL) != ST_OK ||
         surface_prepare(s->lattice, n, true, &s->scratch, &s->surface) != ST_OK ||
-        frame_find(s->mean, &s->surface, &s->align, &f) != ST_OK || !(f.likeness > 0))
+        frame_find(s->mean, &s->surface, &s->align, &f) != ST_OK ||
+        !((like = likeness(s, &f.pose)) > 0))
         return -INFINITY;
     align_pose_to_matrix(&f.pose, m);
     for (int i = 0; i < 16; i++)
         all[i] = m[i / 4 * 4] * to[i % 4] + m[i / 4 * 4 + 1] * to[4 + i % 4] +
                  m[i / 4 * 4 + 2] * to[8 + i % 4] + m[i / 4 * 4 + 3] * to[12 + i % 4];
     memcpy(to, all, sizeof all);
-    return f.likeness - 0.2 * f.cost_mm;
+    return like - 0.2 * f.cost_mm;
 }
 
 static struct head some(const struct dvec3 *p, size_t n, size_t most)

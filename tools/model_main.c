@@ -58,17 +58,18 @@ static void print_model(const struct model *m)
                  "#include \"model.h\"\nconst struct model model_default = {\n"
                  "    .name = ");
     print_text(m->name);
-    (void)printf(",\n    .cap_mm = %af,\n    .decision = {\n", (double)m->cap_mm);
-    (void)printf("        .threshold_mm = %a,\n        .halving_mm = %a,\n",
-                 m->decision.threshold_mm, m->decision.halving_mm);
-    (void)printf("        .n = %u,\n        .knot = {", (unsigned)m->decision.n);
-    for (uint32_t i = 0; i < m->decision.n; i++)
-        (void)printf("{%a, %a},", m->decision.knot[i].mm, m->decision.knot[i].rate);
+    (void)printf(",\n    .kinship = %a,\n    .noise_floor_mm = %a,\n", m->kinship,
+                 m->noise_floor_mm);
+    (void)printf("    .noise_factor = %a,\n    .calibration = {\n", m->noise_factor);
+    (void)printf("        .threshold = %a,\n        .n = %u,\n        .knot = {",
+                 m->calibration.threshold, (unsigned)m->calibration.n);
+    for (uint32_t i = 0; i < m->calibration.n; i++)
+        (void)printf("{%a, %a},", m->calibration.knot[i].score,
+                     m->calibration.knot[i].rate);
     (void)printf("},\n    },\n");
     print_cells("mean", m->mean);
-    print_cells("weight", m->weight);
-    print_basis("motion", &m->motion);
     print_basis("change", &m->change);
+    print_basis("identity", &m->identity);
     print_basis("shape", &m->shape);
     (void)printf("};\n");
 }

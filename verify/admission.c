@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "calibration.h"
+#include "in_force.h"
 #include "errinfo.h"
 
 /* What the callbacks of store_admit() see. */
@@ -123,7 +123,7 @@ enum status admission_read(struct admission_context *c,
         return st;
     }
     if (out->of.calibration != c->calibration) {
-        calibration_use(c->store, out->of.k, c->work);
+        in_force_use(c->store, out->of.k, c->work);
         c->calibration = out->of.calibration;
     }
     return ST_OK;
@@ -168,5 +168,5 @@ void admission_free(struct admission_context *c, struct admission *a)
 
 enum status admission_calibrate(struct admission_context *c, struct errinfo *e)
 {
-    return calibration_follow(c->store, c->work, &c->calibration, e);
+    return in_force_follow(c->store, c->work, &c->calibration, e);
 }

@@ -78,7 +78,7 @@ void admission_free(struct admission_context *c,
                     struct admission *a); /* a is empty again */
 
 /* admission_calibrate(c, e): c->work decides by the calibration in force from now on, for a
- * comparison without templates.  Returns as calibration_follow(). */
+ * comparison without templates.  Returns as in_force_follow(). */
 enum status admission_calibrate(struct admission_context *c, struct errinfo *e);
 
 #endif

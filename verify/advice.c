@@ -54,29 +54,6 @@ static void unit(const struct scan_found *f, struct advice *a)
         add(a, "is it one face, and the unit right?");
 }
 
-/* What scale would be a face's. */
-static void scale(const struct scan_found *f, struct advice *a)
-{
-    static const char *const along[] = {"wide", "tall", "deep"};
-
-    if (f->gate.scale[0] == f->gate.scale[1] && f->gate.scale[1] == f->gate.scale[2]) {
-        add(a, "is the unit right? %.3g times as large it would be more of a face",
-            f->gate.scale[0]);
-        return;
-    }
-    for (int i = 0; i < 3; i++)
-        if (f->gate.scale[i] != 1)
-            add(a,
-                "is the scanner calibrated? %.3g times as %s it would be more of a face",
-                f->gate.scale[i], along[i]);
-}
-
-static bool scaled(const struct scan_found *f)
-{
-    return f->gate.scale[0] * f->gate.scale[1] * f->gate.scale[2] > 0 &&
-           (f->gate.scale[0] != 1 || f->gate.scale[1] != 1 || f->gate.scale[2] != 1);
-}
-
 /* The reasons that have nothing but the status to tell them by. */
 static void reason(enum status st, const struct scan_found *f, struct advice *a)
 {
@@ -108,10 +85,7 @@ static void reason(enum status st, const struct scan_found *f, struct advice *a)
             HALF_PROFILE_DEG);
         break;
     case ST_ENOTFACE:
-        if (scaled(f))
-            scale(f, a);
-        else
-            add(a, "send one face seen from the front, with forehead, nose and chin");
+        add(a, "send one face seen from the front, with forehead, nose and chin");
         break;
     default:
         break;
@@ -152,11 +126,13 @@ static void found(enum status st, const struct scan_found *f, struct advice *a)
     if (st == ST_EQUALITY && f->gate.seen < f->gate.seen_wanted)
         add(a, "let the scanner see all of the face: %.0f %% of it now, %.0f %% at least",
             100 * f->gate.seen, 100 * f->gate.seen_wanted);
+    if (st == ST_EQUALITY && f->gate.residual_mm > f->gate.residual_most)
+        add(a, "move nearer, hold still, and let the scanner average several frames: the "
+               "scan is too noisy to tell people apart");
     if (warns(f, SCAN_TURNED))
         turned(f, a);
     if (st == ST_OK && warns(f, SCAN_BEHIND))
-        add(a,
-            "%.0f %% of the points are behind the head or beside it: they are left out",
+        add(a, "%.0f %% of the points are outside the face and were ignored",
             100 * f->elsewhere);
     if (st == ST_OK && f->unit_found && f->unit_mm != 1)
         add(a, "the unit seems to be %s: tell it, so that it need not be found",
@@ -182,8 +158,6 @@ static void quality(enum status st, const struct scan_found *f, const struct fac
             100 * q->coverage);
     if ((bits & 1U << QUALITY_TURNED) != 0 && !warns(f, SCAN_TURNED))
         add(a, "face the scanner: the head is turned away from it");
-    if ((bits & 1U << QUALITY_UNUSUAL) != 0)
-        add(a, "keep the face relaxed and the mouth closed: the shape is unusual");
 }
 
 void advice_give(enum status st, const struct scan_found *f, const struct face *face,

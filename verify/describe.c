@@ -4,6 +4,7 @@
 
 #include "asymmetry.h"
 #include "cloudunit.h"
+#include "enrolment.h"
 #include "face.h"
 #include "frame.h"
 #include "json.h"
@@ -99,6 +100,30 @@ void describe_template(struct json *j, const struct store_template *t,
     json_text(j, "engine", t->engine);
 }
 
+void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,
+                       const struct scan_found *found, const struct frame *frame)
+{
+    const bool taken = x->why.code == ST_OK;
+
+    json_text(j, "file", file);
+    json_text(j, "template_id", taken ? x->tmpl.id : NULL);
+    json_flag(j, "new", x->created);
+    if (found->points_read > 0)
+        describe_scan(j, "scan", found);
+    else
+        json_text(j, "scan", NULL);
+    if (taken) {
+        describe_quality(j, "quality", &x->tmpl.quality, frame);
+        json_text(j, "refusal", NULL);
+        return;
+    }
+    json_text(j, "quality", NULL);
+    json_object(j, "refusal");
+    json_text(j, "code", enrolment_code(x->why.code));
+    json_text(j, "detail", x->why.msg);
+    json_close(j);
+}
+
 static const char *const stop[] = {
     [ALIGN_CONVERGED] = "converged", [ALIGN_STEPS] = "steps", [ALIGN_APART] = "apart"};
 
@@ -117,35 +142,48 @@ static void alignment(struct json *j, const struct align_result *a)
 }
 
 /* What tells more of the template than whether it is the same face. */
-static void measure(struct json *j, const struct face_result *r, const struct minimal *m)
+static void measure(struct json *j, const struct describe_comparison *c)
 {
+    const struct minimal *m = c->minimal;
+
     json_object(j, "minimal");
     json_extent(j, "volume_mm3", m->disparity.volume_mm3);
     json_extent(j, "overlap_mm2", m->disparity.area_mm2);
     json_number(j, "weighted_mm", m->disparity.weighted_mm);
     json_transform(j, "transform", m->transform);
     json_close(j);
-    alignment(j, &r->align);
-    json_number(j, "weight_overlap", r->weight_overlap);
-    json_number(j, "change_mm", r->change_mm);
+    alignment(j, &c->result->align);
     json_object(j, "regions");
     for (int i = 0; i < GRID_REGIONS; i++)
-        json_number(j, grid_region_name((enum grid_region)i), r->region_mm[i]);
+        json_score(j, grid_region_name((enum grid_region)i), c->result->region[i]);
     json_close(j);
 }
 
-static void times(struct json *j, const struct describe_times *t, bool aligned)
+void describe_cells(struct json *j, const struct face_field *f)
+{
+    json_number(j, "mm", GRID_MM);
+    json_number(j, "nx", GRID_NX);
+    json_number(j, "ny", GRID_NY);
+    json_number(j, "left", GRID_LEFT);
+    json_number(j, "bottom", GRID_BOTTOM);
+    json_array(j, "part");
+    for (uint32_t i = 0; i < GRID_N; i++)
+        json_number(j, NULL, (double)f->part[i]);
+    json_close(j);
+}
+
+static void times(struct json *j, const struct describe_times *t, bool scored)
 {
     if (t == NULL)
         return;
     json_object(j, "timing_ms");
     json_number(j, "parse", t->parse);
     json_number(j, "prepare", t->prepare);
-    if (aligned)
+    if (scored) {
+        json_number(j, "score", t->score);
         json_number(j, "align", t->align);
-    json_number(j, "measure", t->measure);
-    if (aligned)
-        json_number(j, "minimal", t->minimal);
+    }
+    json_number(j, "minimal", t->minimal);
     json_number(j, "total", t->total);
     json_close(j);
 }
@@ -171,16 +209,18 @@ static void scans(struct json *j, const struct describe_comparison *c)
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
+    double score, threshold;
 
     json_text(j, "decision", verdict_decision(r->decision));
     if (c->minimal == NULL) {
         ids(j, c);
         return;
     }
-    json_number(j, "disparity_mm", r->score_mm);
-    json_number(j, "threshold_mm", r->threshold_mm);
-    json_rate(j, "fmr_at_score", r->fmr_at_score);
-    json_number(j, "minimal_mm", c->minimal->disparity.plain_mm);
+    face_shown(r, 100, &score, &threshold);
+    json_score(j, "score", score);
+    json_score(j, "threshold", threshold);
+    json_rate(j, "fmr_at_score", verdict_fmr(r, c->templates_compared));
+    json_number(j, "disparity_mm", c->minimal->disparity.plain_mm);
     json_number(j, "overlap", r->overlap);
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
@@ -188,11 +228,16 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
     json_text(j, "engine", c->engine);
     if (c->measure)
-        measure(j, r, c->minimal);
+        measure(j, c);
     if (c->gap_mm != NULL) {
         json_array(j, "heatmap");
         for (size_t i = 0; i < c->n; i++)
             json_number(j, NULL, c->gap_mm[i]);
+        json_close(j);
+    }
+    if (c->field != NULL) {
+        json_object(j, "cells");
+        describe_cells(j, c->field);
         json_close(j);
     }
     times(j, c->times, true);

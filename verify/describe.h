@@ -7,17 +7,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct asymmetry;      /* asymmetry.h */
-struct face;           /* face.h */
-struct face_result;    /* face.h */
-struct frame;          /* frame.h */
-struct json;           /* json.h */
-struct minimal;        /* minimal.h */
-struct quality;        /* quality.h */
-struct scan_found;     /* scan.h */
-struct store_subject;  /* store.h */
-struct store_template; /* store.h */
-struct trial;          /* trial.h */
+struct asymmetry;        /* asymmetry.h */
+struct enrolment_result; /* enrolment.h */
+struct face;             /* face.h */
+struct face_field;       /* face.h */
+struct face_result;      /* face.h */
+struct frame;            /* frame.h */
+struct json;             /* json.h */
+struct minimal;          /* minimal.h */
+struct quality;          /* quality.h */
+struct scan_found;       /* scan.h */
+struct store_subject;    /* store.h */
+struct store_template;   /* store.h */
+struct trial;            /* trial.h */
 
 /* describe_quality(j, key, q, frame): an object; frame: of the scan, for the reasons; NULL: it
  * is not at hand. */
@@ -35,8 +37,15 @@ void describe_subject(struct json *j, const struct store_subject *s);
 void describe_template(struct json *j, const struct store_template *t,
                        const struct frame *frame);
 
-struct describe_times { /* ms; NAN: not measured, null in JSON */
-    double parse, prepare, align, measure, minimal, total;
+/* describe_enrolled(j, file, x, found, frame): a file of several that were sent to be enrolled:
+ * the template that it is now, or the refusal.  found: points_read is 0 where it was not read.
+ * frame: of its face; not used where x was refused. */
+void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,
+                       const struct scan_found *found, const struct frame *frame);
+
+/* ms; NAN: not measured, null in JSON.  align: for the minimal disparity. */
+struct describe_times {
+    double parse, prepare, score, align, minimal, total;
 };
 
 struct describe_comparison {
@@ -52,15 +61,20 @@ struct describe_comparison {
     const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
     bool measure;         /* with what minimal is made of, for which it has been weighed
-                     (face_weigh()), the alignment and the regions */
+                     (face_weigh()), the alignment and the regions (face_regions()) */
     const double *gap_mm; /* the heatmap, NaN where there is none; NULL: not asked for */
     size_t n;
+    const struct face_field *field;     /* NULL: not asked for */
     const struct describe_times *times; /* NULL: left out */
 };
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 
-/* describe_asymmetry(j, a, f, engine, times): of face f; of times align is not used. */
+/* describe_cells(j, f): what each cell added to the score, by rows from the lower left, and where
+ * the cells are. */
+void describe_cells(struct json *j, const struct face_field *f);
+
+/* describe_asymmetry(j, a, f, engine, times): of face f; of times score and align are not used. */
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
                         const char *engine, const struct describe_times *times);
 

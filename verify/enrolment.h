@@ -1,6 +1,8 @@
-/* enrolment.h -- a sample becomes a template of a subject.  A further sample must match the
+/* enrolment.h -- samples become templates of a subject.  A further sample must match the
  * nearest of those that are there: from then on it decides like any of them, so one that
- * does not tell (inconclusive) does not do either. */
+ * does not tell (inconclusive) does not do either.
+ * Of several at once, of one sitting, the first that may become a template stands for them: each
+ * after it must match that one.  All that fit are stored in one transaction. */
 #ifndef VERIFY_ENROLMENT_H
 #define VERIFY_ENROLMENT_H
 #include <stdbool.h>
@@ -10,36 +12,55 @@
 #include "status.h"
 #include "store.h"
 
+#define ENROLMENT_SAMPLES 20 /* at once */
+
 struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
-    const struct face *face;
-    const char *read;     /* digest of the points it was made of (struct scan_found) */
-    const char *captured; /* as in store_enroll() */
-    bool force;           /* whether it fits is not asked */
-    /* A sample that does not fit is a failed attempt on the subject: may(arg, now) is asked
-     * before the comparison and again before its result is told; NULL: whoever enrols has the
-     * database, is not locked out, and the attempt is not counted. */
+    const struct store_sample *sample;   /* [n]; without a face: refused already */
+    size_t n;                            /* 1 to ENROLMENT_SAMPLES */
+    const char *captured;                /* as in store_enroll() */
+    bool force;                          /* whether they fit is not asked */
+    /* A sample that fits none of the subject's templates is a failed attempt on the subject:
+     * may(arg, now) is asked before the comparison and again before its result is told; NULL:
+     * whoever enrols has the database, is not locked out, and the attempt is not counted. */
     bool (*may)(void *arg, const struct store_attempts *now);
     void *arg;
     unsigned warn_failures, warn_tried; /* as in store_settle() */
 };
 
+struct enrolment_result {       /* of a sample */
+    struct errinfo why;         /* ST_OK, or why it was refused */
+    struct store_template tmpl; /* as it is stored; zero if it was refused */
+    bool created;               /* false: the subject had this very cloud already */
+};
+
 struct enrolment_outcome {
-    struct store_template tmpl;     /* as it is stored; zero on failure */
-    bool created;                   /* false: the subject had this very cloud already */
     enum admit admit;               /* may samples of the subject be enrolled? */
-    struct nearest nearest;         /* compared is 0 where there was nothing to fit */
+    struct nearest nearest;         /* the last comparison with the subject's templates;
+                                       compared is 0 where there was nothing to fit */
+    bool none;                      /* each sample was refused */
     bool locked;                    /* may() said no */
     bool locked_out, many_subjects; /* as in struct store_settled */
     struct errinfo lost; /* why there is no event of a sample that did not fit */
 };
 
-/* enrolment_add(c, x, out, e): the sample is compared (unless force) and stored, with all
- * that the subject has at that moment, whatever other threads and processes enrol meanwhile.
- * Returns ST_OK; ST_EMISMATCH: it does not fit, which is recorded like a failed verification
- * (store_settle()), as enroll_mismatch; ST_EDENIED: out->admit says that the subject is disabled
- * or has expired, or out->locked; or as nearest_find(), store_settle(), store_enroll(). */
+/* enrolment_add(c, x, each, out, e): the samples are compared (unless x->force), the first ones
+ * with all that the subject has at that moment, whatever other threads and processes enrol
+ * meanwhile, until one fits; the others with that one.  Those that fit are stored.
+ * each  [x->n], all zero but for the reason why a sample without a face was refused
+ * Returns ST_OK, also where some are refused; where all are, out->none and the first one's reason:
+ * ST_EMISMATCH: it does not fit.
+ * Each that was compared with the subject's templates in vain is recorded like a failed
+ * verification (store_settle()), as enroll_mismatch; one compared with another sample is not: that
+ * says nothing of the subject.
+ * On failure nothing is stored.  ST_EDENIED: out->admit says that the subject is disabled or has
+ * expired, or out->locked; or as nearest_find(), store_settle(), store_enroll(). */
 enum status enrolment_add(struct admission_context *c, const struct enrolment *x,
-                          struct enrolment_outcome *out, struct errinfo *e);
+                          struct enrolment_result *each, struct enrolment_outcome *out,
+                          struct errinfo *e);
+
+/* enrolment_code(st): the word for why a sample was not taken: "sample_mismatch", or as
+ * trial_code(). */
+const char *enrolment_code(enum status st);
 
 #endif

@@ -1,5 +1,6 @@
 #include "nearest.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "errinfo.h"
@@ -8,11 +9,12 @@
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {
-    if (a->comparable != b->comparable)
-        return a->comparable;
-    if (!a->comparable)
-        return a->overlap > b->overlap;
-    return a->calibrated_mm < b->calibrated_mm;
+    static const int rank[] = {
+        [FACE_MATCH] = 2, [FACE_NO_MATCH] = 1, [FACE_INCONCLUSIVE] = 0};
+
+    if (rank[a->decision] != rank[b->decision])
+        return rank[a->decision] > rank[b->decision];
+    return a->score > b->score;
 }
 
 static enum status compare(struct admission_context *c, const struct admission *a,
@@ -24,7 +26,7 @@ static enum status compare(struct admission_context *c, const struct admission *
 
     if (st != ST_OK)
         return st;
-    st = face_compare(face, probe, 0.0, c->clock_ms, c->work, out);
+    st = face_compare(face, probe, (double)NAN, c->clock_ms, c->work, out);
     admission_release(c, a, i, face);
     return st == ST_OK
                ? st
@@ -36,7 +38,6 @@ static enum status find_mirrored(struct admission_context *c, const struct admis
                                  const struct face *probe, struct nearest *of,
                                  struct errinfo *e)
 {
-    const double limit = DECISION_MIRRORED * of->result.calibrated_mm;
     const struct face *face;
     struct face_result swapped;
     enum status st;
@@ -45,13 +46,12 @@ static enum status find_mirrored(struct admission_context *c, const struct admis
         return ST_OK;
     if ((st = admission_hold(c, a, of->index, &face, e)) != ST_OK)
         return st == ST_ENOTFOUND ? ST_OK : st; /* deleted since */
-    st = face_compare_mirrored(face, probe, c->clock_ms, c->work, &swapped);
+    st = face_compare_mirrored(face, probe, c->work, &swapped);
     admission_release(c, a, of->index, face);
     if (st != ST_OK)
         return errinfo_set(e, st, "the mirror image: %s", status_message(st));
-    of->align_ms += swapped.align_ms;
-    of->measure_ms += swapped.measure_ms;
-    of->mirrored = swapped.decision == FACE_MATCH && swapped.calibrated_mm < limit;
+    of->mirrored =
+        swapped.score > fmax(of->result.score, swapped.threshold) + DECISION_MIRRORED;
     return ST_OK;
 }
 
@@ -74,8 +74,7 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
             out->result = result;
             out->index = i;
         }
-        out->align_ms += result.align_ms;
-        out->measure_ms += result.measure_ms;
+        out->score_ms += result.score_ms;
     }
     if (out->compared > 0)
         return find_mirrored(c, a, probe, out, e);
@@ -97,17 +96,19 @@ enum status nearest_judge(const struct nearest *n, struct errinfo *e)
 }
 
 enum status nearest_minimal(struct admission_context *c, const struct admission *a,
-                            const struct face *probe, const struct nearest *of,
-                            bool weigh, struct minimal *out, struct errinfo *e)
+                            const struct face *probe, struct nearest *of, bool weigh,
+                            struct minimal *out, struct errinfo *e)
 {
     const struct face *face;
     enum status st = admission_hold(c, a, of->index, &face, e);
 
     if (st != ST_OK)
         return st;
-    st = face_minimal(face, probe, of->result.align.transform, c->clock_ms, c->work, out);
+    st = face_minimal(face, probe, c->clock_ms, c->work, &of->result, out);
     if (st == ST_OK && weigh)
         st = face_weigh(face, probe, c->work, out);
+    if (st == ST_OK && weigh)
+        st = face_regions(face, probe, c->work, &of->result);
     admission_release(c, a, of->index, face);
     return st == ST_OK ? st
                        : errinfo_set(e, st, "template %s: %s", a->of.t[of->index].id,

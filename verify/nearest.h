@@ -1,7 +1,6 @@
 /* nearest.h -- a probe against the templates of one subject: which of them decides.
- * Fusion: of the comparisons with enough in common the one with the lowest calibrated score
- * decides, so that one matching template suffices; where none has, that with the greatest
- * overlap.
+ * Fusion: the comparison with the highest score decides, so that one matching template suffices;
+ * an inconclusive one only where there is no other.
  * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
 #ifndef VERIFY_NEAREST_H
 #define VERIFY_NEAREST_H
@@ -20,7 +19,7 @@ struct nearest {
     size_t index;      /* which of the admission's templates */
     uint32_t compared; /* how many there were */
     bool mirrored;     /* no match, but its mirror image is one: nearest_judge() */
-    double align_ms, measure_ms; /* over all of them */
+    double score_ms;   /* over all of them */
 };
 
 /* nearest_find(c, a, probe, out, e): the probe compared with the templates of a, by the
@@ -38,10 +37,11 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
 enum status nearest_judge(const struct nearest *n, struct errinfo *e);
 
 /* nearest_minimal(c, a, probe, of, weigh, out, e): the minimal disparity against the template
- * that decides, from nearest_find()'s `of`; weigh: by the learned weight too (face_weigh()).
+ * that decides, from nearest_find()'s `of`, which gets its alignment; weigh: by the weight of
+ * each place too (face_weigh()), and of->result gets its regions.
  * Returns as face_minimal(), admission_hold(). */
 enum status nearest_minimal(struct admission_context *c, const struct admission *a,
-                            const struct face *probe, const struct nearest *of,
-                            bool weigh, struct minimal *out, struct errinfo *e);
+                            const struct face *probe, struct nearest *of, bool weigh,
+                            struct minimal *out, struct errinfo *e);
 
 #endif

@@ -13,7 +13,6 @@
 
 #define UNITS 500.0 /* of the lattice, to the greatest coordinate */
 #define FAR   1e15
-#define SAME  0.01 /* mm: the same points score far below it, two scans far above */
 #define HALF  1024 /* lattice units: more than any coordinate */
 
 /* Lattice units for one of the file's, so that any unit gives the same points; 0 for what is no
@@ -75,12 +74,15 @@ void replay_digest(const struct cloudpoints *c, char hex[65])
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
 }
 
-enum status replay_probe(double score_mm, const struct scan_found *found,
+/* The digest takes time, and points of another number are no template's. */
+enum status replay_probe(const struct store_template *t, const struct scan_found *found,
                          const struct face *probe, int64_t keep_ms,
                          struct store_probe *out, struct errinfo *e)
 {
+    const struct mesh *m = &probe->surface.mesh;
+
     *out = (struct store_probe){.read = found->digest, .keep_ms = keep_ms};
-    if (score_mm < SAME && codec_digest(&probe->surface.mesh, out->used) != ST_OK)
+    if (m->nv == t->points && codec_digest(m, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
 }

@@ -12,6 +12,7 @@ struct errinfo;     /* errinfo.h */
 struct face;        /* face.h */
 struct scan_found;  /* scan.h */
 struct store_probe; /* store.h */
+struct store_template;
 
 /* replay_digest(c, hex): of the points as they were read, whatever their order, how often each
  * comes, the format and the unit: 64 hexadecimal digits of a hash of the REPLAY_SAMPLE points
@@ -22,9 +23,9 @@ struct store_probe; /* store.h */
 #define REPLAY_SAMPLE 32
 void replay_digest(const struct cloudpoints *c, char hex[65]);
 
-/* replay_probe(score_mm, found, probe, keep_ms, out, e): what store_settle() is to ask of a probe
- * that matched with this score; *found is borrowed.  Returns ST_OK, ST_ENOMEM. */
-enum status replay_probe(double score_mm, const struct scan_found *found,
+/* replay_probe(t, found, probe, keep_ms, out, e): what store_settle() is to ask of a probe that
+ * matched the template t; *found is borrowed.  Returns ST_OK, ST_ENOMEM. */
+enum status replay_probe(const struct store_template *t, const struct scan_found *found,
                          const struct face *probe, int64_t keep_ms,
                          struct store_probe *out, struct errinfo *e);
 

@@ -31,10 +31,6 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
         const char *what;
         double is, wanted;
     } row[] = {{"support", f->gate.support, f->gate.support_wanted},
-               {"likeness", f->gate.likeness, f->gate.likeness_wanted},
-               {"eyes", f->gate.eyes, f->gate.eyes_wanted},
-               {"forehead", f->gate.forehead, f->gate.forehead_wanted},
-               {"detail", f->gate.detail, f->gate.detail_wanted},
                {"evidence", f->gate.evidence, f->gate.evidence_wanted}};
     const char *begin = " (";
 
@@ -64,8 +60,9 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
                100 * f->gate.seen, 100 * f->gate.seen_wanted);
         comma = ", ";
     }
-    if (f->gate.forehead < f->gate.forehead_wanted) {
-        append(e, "%sthe forehead is not seen", comma);
+    if (f->gate.residual_mm > f->gate.residual_most) {
+        append(e, "%s%.1f mm of the surface are unlike any face, %.1f mm at most", comma,
+               f->gate.residual_mm, f->gate.residual_most);
         comma = ", ";
     }
     if ((f->warnings >> SCAN_TURNED & 1) != 0) {

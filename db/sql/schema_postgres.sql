@@ -176,13 +176,12 @@ CREATE TABLE calibrations (
     engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
     shipped      BIGINT NOT NULL CHECK (shipped IN (0, 1)), -- the engine's own table
     fmr          DOUBLE PRECISION NOT NULL CHECK (fmr > 0 AND fmr < 1),  -- that was wanted
-    threshold_mm DOUBLE PRECISION NOT NULL CHECK (threshold_mm > 0),
-    low_mm       DOUBLE PRECISION NOT NULL CHECK (low_mm >= 0),          -- 95 % interval of it
-    high_mm      DOUBLE PRECISION NOT NULL CHECK (high_mm >= low_mm),
+    threshold    DOUBLE PRECISION NOT NULL CHECK (abs(threshold) < 10000),
+    low          DOUBLE PRECISION NOT NULL CHECK (low <= threshold),   -- 95 % interval of it
+    high         DOUBLE PRECISION NOT NULL CHECK (high >= threshold),
     subjects     BIGINT NOT NULL CHECK (subjects >= 0),
     impostors    BIGINT NOT NULL CHECK (impostors >= 0),    -- comparisons
     genuine      BIGINT NOT NULL CHECK (genuine >= 0),
-    halving_mm   DOUBLE PRECISION NOT NULL CHECK (halving_mm > 0),
-    knots        BYTEA NOT NULL -- mm, rate of each, as little-endian IEEE 754 doubles
+    knots        BYTEA NOT NULL -- score, rate of each, as little-endian IEEE 754 doubles
                  CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
 );

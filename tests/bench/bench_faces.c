@@ -187,7 +187,7 @@ static double stored(struct pair *p)
 static void store(struct pair *p)
 {
     decoded.surface = p->a.own;
-    p->blob_size = codec_size(&p->a.own.mesh);
+    p->blob_size = codec_size(&decoded);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&decoded, p->blob);
     decoded.surface = (struct surface){0};

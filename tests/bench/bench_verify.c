@@ -51,7 +51,7 @@ struct pair {
     struct face tmpl, probe;
     unsigned char *blob;
     double moved[16]; /* the motion of the probe */
-    double score_mm;
+    double score;
     void *points; /* the template's, for the peer */
 };
 
@@ -82,7 +82,7 @@ static void pair_make(struct pair *p, uint64_t k, size_t n)
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
     must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
     must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
-    p->blob_size = codec_size(&p->tmpl.surface.mesh);
+    p->blob_size = codec_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&p->tmpl, p->blob);
     must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
@@ -148,10 +148,10 @@ static void find_pose(const struct face *tmpl, const struct face *probe,
 /* Every way to a pair's score must give the same digits. */
 static void same_score(const struct pair *p, const struct face_result *r)
 {
-    if (r->score_mm == p->score_mm)
+    if (r->score == p->score)
         return;
-    fprintf(stderr, "bench: scores of one pair differ: %.17g, %.17g\n", p->score_mm,
-            r->score_mm);
+    fprintf(stderr, "bench: scores of one pair differ: %.17g, %.17g\n", p->score,
+            r->score);
     exit(1);
 }
 
@@ -162,10 +162,10 @@ static void decide(const struct pair *p, struct minimal *out)
 
     must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&stored, &fresh, 0, NULL, work, &r));
+    must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        must(face_minimal(&stored, &fresh, r.align.transform, NULL, work, out));
+        must(face_minimal(&stored, &fresh, NULL, work, &r, out));
 }
 
 /* From the points of both. */
@@ -175,7 +175,7 @@ static void decide_raw(const struct pair *p)
 
     must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&fresh2, &fresh, 0, NULL, work, &r));
+    must(face_compare(&fresh2, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
 }
 
@@ -205,7 +205,7 @@ static void pass(struct pair *pair, size_t k)
     find_pose(&p->tmpl, &p->probe, &found);
     t = lap(SEARCH, t);
     p = turn(pair, k, COMPARE);
-    must(face_compare(&p->tmpl, &p->probe, 0, NULL, work, &r));
+    must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
     t = lap(COMPARE, t);
     decide(turn(pair, k, DECIDE), NULL);
     t = lap(DECIDE, t);
@@ -250,7 +250,7 @@ static void report(void)
     line("  the probe's frame (part of its model above)", frame);
     line("  the search from both frames (part of the comparison)", from);
     printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
-           both / raw, codec_size(&stored.surface.mesh) / stored.surface.mesh.nv);
+           both / raw, codec_size(&stored) / stored.surface.mesh.nv);
     timing_unit(one);
     timing_target("template load", load / one, 0.06, "units");
     timing_target("probe: points to model", probe / one, 0.8, "units");
@@ -270,9 +270,10 @@ static void outcome(struct pair *pair)
     for (size_t k = 0; k < PAIRS; k++) {
         struct face_result r;
 
-        must(face_compare(&pair[k].tmpl, &pair[k].probe, 0, NULL, work, &r));
-        pair[k].score_mm = r.score_mm;
+        must(face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
+        pair[k].score = r.score;
         matches += r.decision == FACE_MATCH;
+        must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
         timing_add(&error, pose_error(&pair[k], r.align.transform));
     }
     printf("%d mated pairs: %u match; pose error, median: %.3f mm", PAIRS, matches,
@@ -302,7 +303,8 @@ static void white_noise_only(void)
         clouds_move(p.probe_pts, p.n_probe, k, 8, 10, p.moved);
         must(face_build(p.tmpl_pts, p.n_tmpl, work, &fresh, NULL));
         must(face_build(p.probe_pts, p.n_probe, work, &fresh2, NULL));
-        must(face_compare(&fresh, &fresh2, 0, NULL, work, &r));
+        must(face_compare(&fresh, &fresh2, (double)NAN, NULL, work, &r));
+        must(face_align(&fresh, &fresh2, NULL, work, &r));
         timing_add(&error, pose_error(&p, r.align.transform));
     }
     printf(", with white noise alone %.3f mm\n", timing_median(&error));
@@ -349,11 +351,11 @@ static void dense_make(struct pair *p, uint64_t k)
     points_of(p->probe_pts, p->n_probe, &c);
     scan(&c, &p->probe);
     cloudpoints_free(&c);
-    p->blob_size = codec_size(&p->tmpl.surface.mesh);
+    p->blob_size = codec_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&p->tmpl, p->blob);
-    must(face_compare(&p->tmpl, &p->probe, 0, NULL, work, &r));
-    p->score_mm = r.score_mm;
+    must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
+    p->score = r.score;
 }
 
 static void decide_dense(struct timing *t, const struct pair *p, struct minimal *out)
@@ -365,10 +367,10 @@ static void decide_dense(struct timing *t, const struct pair *p, struct minimal 
     timing_start(t);
     must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
     scan(&c, &fresh);
-    must(face_compare(&stored, &fresh, 0, NULL, work, &r));
+    must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        must(face_minimal(&stored, &fresh, r.align.transform, NULL, work, out));
+        must(face_minimal(&stored, &fresh, NULL, work, &r, out));
     timing_stop(t);
     cloudpoints_free(&c);
 }
@@ -422,8 +424,8 @@ static void memory(const struct pair *p)
         must(ST_ENOMEM);
     must(codec_decode(p->blob, p->blob_size, w, &a, NULL));
     must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
-    must(face_compare(&a, &b, 0, NULL, w, &r));
-    must(face_minimal(&a, &b, r.align.transform, NULL, w, &least));
+    must(face_compare(&a, &b, (double)NAN, NULL, w, &r));
+    must(face_minimal(&a, &b, NULL, w, &r, &least));
     bytes = timing_bytes() - before;
     printf("\nMemory: working set of a comparison: %.2f MB\n", bytes / 1e6);
     timing_target("memory, working set of a comparison", bytes / 1e6, 2, "MB");
@@ -440,7 +442,7 @@ int main(void)
     if ((work = face_work_new(NULL)) == NULL)
         must(ST_ENOMEM);
     must(frame_mean_make(&model_default, &mean));
-    fit_prepare(&model_default.motion, &motion);
+    fit_prepare(&model_default.change, &motion);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k, POINTS);
     outcome(pair);

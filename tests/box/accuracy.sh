@@ -22,13 +22,13 @@ rank() {
         for s in $subjects; do
             send POST "/v1/subjects/$1-$s/verify" "$PLY" "$file"
             [ "$STATUS" = 200 ] || is "$1: verifying $p against $s" "$STATUS" 200
-            printf '%s %s\n' "$(get .disparity_mm)" "$s" >>"$T/ranks"
+            printf '%s %s\n' "$(get .score)" "$s" >>"$T/ranks"
             case $(get .decision),$s in
             "match,$p") mated=$((mated + 1)) ;;
             match,*) false=$((false + 1)) ;;
             esac
         done
-        [ "$(sort -g "$T/ranks" | head -1 | cut -d' ' -f2)" != "$p" ] || first=$((first + 1))
+        [ "$(sort -gr "$T/ranks" | head -1 | cut -d' ' -f2)" != "$p" ] || first=$((first + 1))
     done
     echo "$1: mated template first $first of 10; matches: $mated of 10 mated, $false of 90 non-mated"
     ok "$1: mated template first, $first of 10" test "$first" -ge 9

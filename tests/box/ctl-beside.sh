@@ -20,7 +20,7 @@ ctl verify alice "$T/a1.ply"
 is "it verifies" $? 0
 send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 is "the daemon verifies too" "$(get .decision)" match
-is "to the same digits" "$(get .disparity_mm)" "$(jq -r .disparity_mm "$T/ctl")"
+is "to the same digits" "$(get .score)" "$(jq -r .score "$T/ctl")"
 
 ctl enroll bob "$T/b.ply"
 is "enrolled by surfacectl" $? 0

@@ -39,8 +39,8 @@ refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
 refuse 64 'fill does not take' "$ctl" fill good.ply --axes auto --out filled.ply
-refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm nan
-refuse 64 'threshold' "$ctl" --db f.db dedup --threshold-mm -1
+refuse 64 'threshold' "$ctl" --db f.db dedup --threshold nan
+refuse 64 'threshold' "$ctl" --db f.db dedup --threshold 10000
 refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
 refuse 64 'token rotate NAME|ID' "$ctl" --db f.db token rotate

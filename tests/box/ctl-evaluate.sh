@@ -1,7 +1,7 @@
 #!/bin/sh
 # Goal: surfacectl evaluate compares what it should, says so in every file alike, the same on
-# any number of threads, claims no rate that the comparisons do not support, and lists what
-# it could not use.
+# any number of threads, claims no rate that the comparisons do not support, lists what it could
+# not use and counts that as errors, and replaces no file unasked.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
@@ -9,7 +9,7 @@ in_folder
 get() { jq -r "$2" "$1/report.json"; }
 
 # lines DIR TYPE DECISION: how many comparisons scores.csv has of both (. is any)
-lines() { awk -F, -v t="$2" -v d="$3" '$6 ~ t && $7 ~ d' "$1/scores.csv" | wc -l; }
+lines() { awk -F, -v t="$2" -v d="$3" '$7 ~ t && $8 ~ d' "$1/scores.csv" | wc -l; }
 
 mkdir scans
 for s in 1 2 3 4 5; do
@@ -19,28 +19,23 @@ for s in 1 2 3 4 5; do
 done
 scan 6 0 scans/p6_a.ply --pose 0 --shift 0 # none is marked: the first one is enrolled
 scan 6 1 scans/p6_b.ply --pose 6 --shift 6
-tables='rates.csv report.html report.json report.md scores.csv'
-if command -v gnuplot >/dev/null 2>&1; then
-    all='det.png det.svg rates.csv report.html report.json report.md scores.csv scores.png scores.svg'
-else
-    echo "SKIP the pictures: gnuplot is not installed"
-    all=$tables
-fi
+tables='rates.csv report.json report.md scores.csv'
 
 expect 0 "a folder" "$ctl" evaluate scans
 has out 'The report is in evaluation/'
 has out 'own template nearest'
 has out 'FMR 0.1 %: not supported by 55 non-mated comparisons; it takes 3000'
-has out '| mated, Third\\_time | 5 | 5 | 0 | 0 | FNMR below 60.0 % (0 of 5) |'
-is "the files" "$(files evaluation)" "$all"
+has out '| mated, Third\\_time | 5 | 5 | 0 | 0 | 0 | FNMR below 60.0 % (0 of 5) | FRR below 60.0 % (0 of 5) |'
+is "the files" "$(files evaluation)" "$tables"
 is "the folder is its owner's alone" "$(stat -c %a evaluation)" 700
 is "mated" "$(get evaluation '.mated[0].comparisons')" 11
 is "non-mated" "$(get evaluation .non_mated.comparisons)" 55
 is "of kind b" "$(get evaluation '.mated[] | select(.probes == "b") | .comparisons')" 1
 is "all are accepted" "$(get evaluation '.mated[0].match')" 11
 is "nobody else is" "$(get evaluation .non_mated.match)" 0
-is "no rate is claimed" "$(get evaluation '[.non_mated.fmr, .mated[].eer, .mated[].fnmr, .mated[].tar[]]
-    | map(.value) | unique')" "$(printf '[\n  null\n]')"
+is "no rate is claimed" "$(get evaluation '[.fte, .non_mated.fmr, .non_mated.far, (.mated[]
+    | .fta, .fnmr, .frr, (.scored, .with_refusals | .eer, .tar[]))] | map(.value) | unique')" \
+    "$(printf '[\n  null\n]')"
 is "but a bound is" "$(get evaluation '.non_mated.fmr.below * 55 | round')" 3
 for type in mated non-mated relative; do
     for d in match no_match inconclusive; do
@@ -48,80 +43,141 @@ for type in mated non-mated relative; do
         is "$type $d" "$(lines evaluation "^$type" "^$d")" "$(get evaluation "$path")"
     done
 done
-is "p6_a is enrolled" "$(grep -c '^p6_a.ply,p6_b.ply,p6,p6,b,mated,match' evaluation/scores.csv)" 1
+is "p6_a is enrolled" "$(grep -c '^p6_a.ply,p6_b.ply,p6,p6,a,b,mated,match' evaluation/scores.csv)" 1
+is "what made the figures" "$(get evaluation '[.model.digest[0:8] == .engine[-8:], .threshold,
+    .calibration, .learned_from_these_people] | map(tostring) | join(" ")')" \
+    'true 9.5 as shipped unknown'
 is "no rank is lost" "$(get evaluation '.mated[0].own_template_nearest')" 11
 # What rates.csv says at a threshold is what scores.csv says.
 is "rates and scores" "$(awk -F, 'FNR == 1 { next }
-    NR == FNR { type[NR] = $6; mm[NR] = $8; next }
+    NR == FNR { type[NR] = $7; score[NR] = $9; next }
     FNR % 50 == 0 { g = i = ga = ia = 0
-        for (k in mm) if (type[k] == "mated") { g++; ga += (mm[k] <= $1) } else { i++; ia += (mm[k] <= $1) }
+        for (k in score) if (type[k] == "mated") { g++; ga += (score[k] >= $1) } else { i++; ia += (score[k] >= $1) }
         a = $2 - ia / i; b = $3 - 1 + ga / g
         bad += (a * a + b * b > 1e-12); n++ }
     END { print (n > 9), bad + 0 }' evaluation/scores.csv evaluation/rates.csv)" "1 0"
-case $all in
-*png*)
-    is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
-    ok "an SVG" grep -q '</svg>' evaluation/scores.svg
-    ok "the axis has its unit" grep -q 'comparison score, mm' evaluation/scores.svg
-    ;;
-esac
+is "no minimal disparity nor regions unasked" \
+    "$(awk -F, 'NR > 1 && $12 $14 $19 != ""' evaluation/scores.csv | wc -l)" 0
 
-# One page: the same words as the Markdown, and the pictures in it.
-page=evaluation/report.html
-what="the page"
-has $page '<h2>Rates</h2>'
-has $page '<tr><td>mated, Third_time</td><td>5</td><td>5</td><td>0</td><td>0</td><td>FNMR below 60.0 % (0 of 5)</td></tr>'
-is "no Markdown is left" "$(grep -c '^[|#!]\|[\\]' $page)" 0
-is "every row" "$(grep -c '^<tr>' $page)" \
-    "$(grep '^|' evaluation/report.md | grep -vc '^|---\|^| | |$')"
-if command -v xmllint >/dev/null 2>&1; then
-    expect 0 "well-formed" xmllint --html --noout $page
-    is "without a complaint" "$(cat err)" ''
-fi
-ok "it loads nothing" sh -c "! grep -q 'src=\"[^d]\|href\|<script' $page"
 # With errors, one scan under another's name: fewer than 3 are a bound too, but a higher one.
 mkdir wrong
 cp scans/* wrong
 cp scans/p2_again.ply wrong/p1_again.ply
 expect 0 "one error" "$ctl" evaluate wrong --out erred
-has out '| mated, all | 11 | 10 | 1 | 0 | FNMR below 43.1 % (1 of 11) |'
-has out '| non-mated | 55 | 1 | 54 | 0 | FMR below 8.6 % (1 of 55) |'
+has out '| mated, all | 11 | 10 | 1 | 0 | 0 | FNMR below 43.1 % (1 of 11) |'
+has out '| non-mated | 55 | 1 | 54 | 0 | 0 | FMR below 8.6 % (1 of 55) |'
 is "and in JSON" "$(get erred '[(.mated[0].fnmr.below * 11), (.non_mated.fmr.below * 55)]
     | map(. * 100 | round / 100) | join(" ")')" '4.74 4.74'
-if [ "$all" != "$tables" ]; then
-    for n in det scores; do
-        ok "$n is in it" grep -q "src=\"data:image/svg+xml;base64,$(base64 -w 0 evaluation/$n.svg)\"" $page
-    done
-    # What gnuplot is told: without errors, the bounds, a sentence, and no empty plot.
-    mkdir bin
-    printf '#!/bin/sh\ncat >"%s/script.$$"\nexec %s --default-settings <"%s/script.$$"\n' \
-        "$T" "$(command -v gnuplot)" "$T" >bin/gnuplot
-    chmod +x bin/gnuplot
-    expect 0 "drawn" env PATH="$T/bin:$PATH" "$ctl" evaluate scans --out drawing
-    cat "$T"/script.* >script
-    what="the DET curve"
-    has script 'at the threshold: FMR below 5.5 % (0 of 55), FNMR below 27.3 % (0 of 11)'
-    has script 'No error at some thresholds: the rates are below the dashed bound'
-    has script "label 1 'FMR below 3 / 55: too few"
-    has script "label 2 'FNMR below 3 / 11: too few"
-    is "the threshold's point is the bounds" "$(grep -A 1 'point0 <<' script | sed -n 2p)" \
-        '0.054545455 0.27272727'
-    # inside the axes, and in a line: down at the one bound, then along the other
-    is "the bound is drawn" "$(awk '/^\$bound0 / { on = 1; next } /^EOD/ { on = 0 }
-        on && NF == 2 { n++; down += $1 == 0.054545455; along += $2 == 0.27272727
-            low += $1 < 0.054545 || $2 < 0.272727 }
-        END { print (n / 2 > 5), (down > 4), (along > 4), low + 0 }' script)" "1 1 1 0"
-    what="the histogram"
-    is "no bar is cut off" "$(awk '/^\$(mated|non_mated|relative) / { on = 1; next } /^EOD/ { on = 0 }
-        on { n++; if ($2 > most) most = $2 }
-        sub(/.*set yrange \[0:/, "") { top = $1 + 0 }
-        END { print (n > 40), (top >= 1.05 * most && top < 1.2 * most) }' script)" "1 1"
-    rm -f "$T"/script.*
-    expect 0 "with errors" env PATH="$T/bin:$PATH" "$ctl" evaluate wrong --out drawing
-    cat "$T"/script.* >script
-    is "the curve is drawn" "$(awk '/^\$curve0 / { on = 1; next } /^EOD/ { on = 0 }
-        on && NF == 2 { n++; bad += $1 <= 0 || $2 <= 0 } END { print (n > 4), bad + 0 }' script)" "1 0"
+
+# ---- the pictures, of the tables
+expect 64 "a format that is not drawn" "$OLDPWD/scripts/plot_evaluation" evaluation jpeg
+expect 66 "not an evaluation" "$OLDPWD/scripts/plot_evaluation" scans
+if command -v gnuplot >/dev/null 2>&1; then
+    expect 0 "drawn" "$OLDPWD/scripts/plot_evaluation" erred
+    is "without a complaint" "$(cat err)" ''
+    ok "the curve" grep -q '</svg>' erred/det.svg
+    ok "of each kind" grep -q 'fnmr_Third_time' erred/det.svg
+    ok "the scores" grep -q '11 mated, 55 non-mated comparisons; threshold 9.5' erred/scores.svg
+    expect 0 "without errors" "$OLDPWD/scripts/plot_evaluation" evaluation png
+    is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
+    is "its owner's alone" "$(stat -c %a evaluation/scores.png)" 600
+    rm evaluation/*.png
+else
+    echo "SKIP the pictures: gnuplot is not installed"
 fi
+
+# ---- a file that exists is replaced with --force only, one that is read never
+expect 65 "there is a report" "$ctl" evaluate scans
+has err 'evaluation/scores.csv exists: --force replaces it'
+touch evaluation/matrix.csv # of a former run
+expect 0 "replaced" "$ctl" evaluate scans --force
+is "nothing of the former one stays" "$(files evaluation)" "$tables"
+printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/p1_again.ply,p1\n' >scores.csv
+expect 65 "over its manifest" "$ctl" evaluate scores.csv --out . --force
+has err './scores.csv is a file that this command reads'
+ln scores.csv rates.csv
+printf 'file,subject\nscans/p1_enroll.ply,p1\nrates.csv,p1\n' >with.csv
+expect 65 "over a scan" "$ctl" evaluate with.csv --out . --force
+has err './scores.csv is a file that this command reads'
+rm scores.csv rates.csv with.csv
+
+# ---- every template with every probe
+expect 0 "a matrix" "$ctl" evaluate scans --matrix --minimal --regions --out full
+ok "the same scores" test "$(cut -d, -f 1-11,13,20- full/scores.csv)" = \
+    "$(cut -d, -f 1-11,13,20- evaluation/scores.csv)"
+is "a row for each template, a column for each probe" \
+    "$(awk -F, '{ n[NF]++ } END { for (k in n) print k, n[k] }' full/matrix.csv)" "12 7"
+is "with the scores of the list" "$(awk -F, 'NR == FNR { score[$1, $2] = $9; next }
+    FNR == 1 { for (i = 2; i <= NF; i++) probe[i] = $i; next }
+    { for (i = 2; i <= NF; i++) { n++; bad += $i != score[$1, probe[i]] } }
+    END { print n, bad + 0 }' full/scores.csv full/matrix.csv)" "66 0"
+ok "the minimal disparity" test "$(awk -F, 'NR > 1 && $12 > 0' full/scores.csv | wc -l)" -eq 66
+is "the regions' parts sum up to the score" "$(awk -F, 'NR == 1 { next }
+    { d = $9 - $14 - $15 - $16 - $17 - $18 - $19; n++; bad += (d * d > 1e-6) }
+    END { print n, bad + 0 }' full/scores.csv)" "66 0"
+is "as compare says" "$(grep '^p1_enroll.ply,p2_again.ply,' full/scores.csv |
+    awk -F, '{ printf "%.2f,%s", $9, $12 }')" \
+    "$("$ctl" compare scans/p1_enroll.ply scans/p2_again.ply --json |
+        jq -r '[.score, .disparity_mm] | @csv')"
+
+# ---- another kind is enrolled
+expect 0 "another kind" "$ctl" evaluate scans --enroll-kind again --out other
+is "p6 has none" "$(get other '[.templates, .subjects_without_that_kind, .enroll_kind] | join(" ")')" \
+    '5 1 again'
+is "its scans are probes all the same" "$(grep -c ',p6_a.ply,.*,non-mated,' other/scores.csv)" 5
+is "mated ones with that template" "$(grep -c '^p1_again.ply,.*,mated,' other/scores.csv)" 2
+expect 65 "a kind that is not there" "$ctl" evaluate scans --enroll-kind smile --out none
+has err 'no scan is of the kind smile: there are '
+
+# ---- a list of pairs, as listed
+mkdir protocol
+printf '# template probe\n../scans/p2_enroll.ply ../scans/p1_again.ply\n%s\n%s\n' \
+    '../scans/p1_enroll.ply ../scans/p1_again.ply' \
+    '../scans/p1_again.ply ../scans/p1_enroll.ply' >protocol/pairs
+expect 0 "pairs" "$ctl" evaluate --pairs protocol/pairs --out paired
+is "as listed" "$(cut -d, -f 1,2,7 paired/scores.csv | sed 1d | tr '\n' ' ')" \
+    '../scans/p2_enroll.ply,../scans/p1_again.ply,non-mated ../scans/p1_enroll.ply,../scans/p1_again.ply,mated ../scans/p1_again.ply,../scans/p1_enroll.ply,mated '
+is "the same score" "$(grep '/p2_enroll.ply,' paired/scores.csv | cut -d, -f 9)" \
+    "$(grep '^p2_enroll.ply,p1_again.ply' evaluation/scores.csv | cut -d, -f 9)"
+printf 'template,probe,label\np,q,genuine\nq,r,impostor\n' >protocol/labelled.csv
+cp scans/p1_enroll.ply protocol/p
+cp scans/p1_again.ply protocol/q
+cp scans/p2_again.ply protocol/r
+expect 0 "with labels" "$ctl" evaluate --pairs protocol/labelled.csv --out labelled --matrix
+is "by the labels" "$(cut -d, -f 3,4,7,8 labelled/scores.csv | sed 1d | paste -sd ' ')" \
+    'p,p,mated,match p,r,non-mated,no_match'
+is "people" "$(get labelled .subjects)" 2
+is "the matrix has what is listed" "$(awk -F, 'NR > 1 { print ($2 != ""), ($3 != "") }' \
+    labelled/matrix.csv | paste -sd ' ')" '1 0 0 1'
+printf 'p q 1\nq r perhaps\n' >protocol/bad
+expect 65 "a bad label" "$ctl" evaluate --pairs protocol/bad --out none
+has err 'protocol/bad, line 2, field 3: a label is'
+printf 'p q 1\nq nothing 0\n' >protocol/bad
+expect 66 "no such scan" "$ctl" evaluate --pairs protocol/bad --out none
+has err 'protocol/bad, line 2: nothing: No such file'
+expect 66 "no such list" "$ctl" evaluate --pairs protocol/none --out none
+expect 64 "pairs and a folder" "$ctl" evaluate scans --pairs protocol/pairs
+expect 64 "pairs and a kind" "$ctl" evaluate --pairs protocol/pairs --enroll-kind a
+has err 'as listed'
+
+# ---- several sets side by side
+mkdir -p other/scans
+cp scans/p[12]_*.ply other/scans
+expect 0 "two sets" "$ctl" evaluate scans other/scans/ wrong --out side
+has out '^| scans | subjects | FTE'
+is "a row each" "$(grep -c '^| .*scans/* | [26] |\|^| wrong | 6 |' out)" 3
+is "the folders" "$(files side | tr ' ' '\n' | grep -v 'report\|scores\|rates' | paste -sd ' ')" \
+    'scans scans-2 sets.csv wrong'
+ok "each as by itself" cmp side/scans/scores.csv evaluation/scores.csv
+is "as a table" "$(awk -F, '{ print NF }' side/sets.csv | uniq -c | tr -s ' ')" \
+    " 4 $(head -n 1 side/sets.csv | tr , '\n' | wc -l)"
+is "mated" "$(awk -F, 'NR == 1 { while ($++k != "mated") ; next } { print $k }' side/sets.csv |
+    paste -sd ' ')" '11 2 11'
+expect 65 "a second time" "$ctl" evaluate scans other/scans/ wrong --out side
+expect 0 "as JSON" "$ctl" evaluate scans wrong --out side --force --json
+is "each report" "$(jq -r '[.sets[] | .scans, .mated[0].comparisons] | join(" ")' out)" \
+    'scans 11 wrong 11'
+expect 66 "one that is missing" "$ctl" evaluate scans nowhere --out none
 
 for n in 1 3; do
     expect 0 "$n threads" "$ctl" evaluate scans --threads $n --out "by-$n"
@@ -134,15 +190,9 @@ is "two non-mated comparisons a probe" "$(lines drawn non-mated .)" 22
 is "it says so" "$(get drawn .non_mated.of_each_probe)" 2
 expect 0 "drawn again" "$ctl" evaluate scans --non-mated 2 --threads 1 --out again
 ok "the same are drawn" cmp drawn/scores.csv again/scores.csv
-expect 0 "another threshold" "$ctl" evaluate scans --threshold-mm 5 --out wide
+expect 0 "another threshold" "$ctl" evaluate scans --threshold -999 --out wide
 is "all are accepted there" "$(get wide '.non_mated | .match == .comparisons and .fmr.value == 1')" true
-
-# Without gnuplot: everything else, and no picture of a former run.
-expect 0 "no gnuplot" env PATH=/nowhere "$ctl" evaluate scans
-has err 'no pictures: gnuplot is not installed'
-has evaluation/report.md 'There are no pictures'
-has evaluation/report.html 'There are no pictures'
-is "the other files" "$(files evaluation)" "$tables"
+is "it says whose" "$(get wide '[.threshold, .calibration] | join(" ")')" '-999 replaced by --threshold'
 
 # A manifest: populations, relatives, poses, and scans that cannot be used.
 printf 'ply\nnot a scan\n' >scans/p1_broken.ply
@@ -160,14 +210,20 @@ scan 9 1 scans/p9_again.ply --pose 0 --shift 0
 } >list.csv
 printf 'id,population,relative_of\np1,a,\np2,a,p1\np3,a,\np4,b,\np5,b,\np9,a,\n' >subjects.csv
 expect 0 "a manifest" "$ctl" evaluate list.csv --out listed
-is "failures to enrol" "$(get listed .failures_to_enrol)" 1
+is "failures to enroll" "$(get listed .failures_to_enroll)" 1
 is "failures to acquire" "$(get listed '.mated[0].failures_to_acquire')" 1
 is "why" "$(get listed '[.refused[] | .file + .reason[0:0]] | sort | join(" ")')" \
     'scans/p1_broken.ply scans/p9_enroll.xyz'
 has listed/report.md 'scans/p1\\_broken.ply .*a probe.*line'
-has listed/report.md 'false reject rate 25.0 %'
-is "mated ones that were possible" "$(get listed '.mated[0].comparisons')" 2
-is "impossible ones are listed" "$(grep -c ',refused,' listed/scores.csv)" 7
+is "mated ones that were possible" "$(get listed '.mated[0] | [.comparisons, .planned] | join(" ")')" '2 4'
+is "refusals are errors" "$(get listed '.mated[0] | [.fnmr.of, .frr.of, .with_refusals.mated] | join(" ")')" '2 4 4'
+is "impossible ones are listed" "$(grep -c 'mated,refused,\|relative,refused,' listed/scores.csv)" 7
+is "and why" "$(lines listed '^mated' refused | tr -d ' ') $(grep -c 'refused,.*,too_few_points,$' listed/scores.csv)" '2 4'
+is "refusals have rows of their own" "$(grep ',failure_to_' listed/scores.csv | cut -d, -f 1-8 | paste -sd ' ')" \
+    'scans/p9_enroll.xyz,,p9,,enroll,,failure_to_enroll,refused ,scans/p1_broken.ply,,p1,,broken,failure_to_acquire,refused'
+ok "with code and detail" grep -q ',failure_to_acquire,refused,.*,malformed,.*line' listed/scores.csv
+is "in JSON too" "$(get listed '[.refused[] | select(.as) | .as, .code] | join(" ")')" \
+    'template too_few_points probe malformed'
 # p1 and p2 are relatives; p3 and p9 are of their population, p4 and p5 are not
 is "relatives" "$(get listed .relative.comparisons)" 2
 is "non-mated" "$(grep -c ',non-mated,[mn]' listed/scores.csv)" 5
@@ -199,12 +255,15 @@ has err 'no column is named file'
 is "an error in JSON" "$(jq .error.exit out)" 65
 printf 'file,subject\nscans/p1_enroll.ply,p1\n' >bad.csv
 expect 65 "nothing to compare" "$ctl" evaluate bad.csv --out none
-has err 'no subject has a second scan'
+has err 'nothing to compare: no probe has'
 expect 66 "no such folder" "$ctl" evaluate nowhere
 mkdir empty
 expect 65 "an empty folder" "$ctl" evaluate empty --out none
 has err 'no scans'
 expect 64 "no folder given" "$ctl" evaluate
+has err 'usage: surfacectl evaluate DIR'
+expect 64 "a scan given" "$ctl" evaluate scans/p1_enroll.ply
+has err 'is one scan; usage: surfacectl evaluate DIR'
 expect 64 "no non-mated comparisons" "$ctl" evaluate scans --non-mated 0
 expect 64 "no threads" "$ctl" evaluate scans --threads few
 ok "nothing was written" [ ! -e none ]
@@ -215,7 +274,7 @@ expect 74 "the output is no folder" "$ctl" evaluate scans --out file
 # The calibration of a database.
 expect 0 init "$ctl" --db faces.db init
 expect 0 "by a database" "$ctl" --db faces.db evaluate scans --non-mated 1 --out by-db
-has by-db/report.md 'calibration as shipped'
+has by-db/report.md 'threshold | 9.5, calibration as shipped'
 expect 66 "no such database" "$ctl" --db nowhere.db evaluate scans
 expect 0 "help" "$ctl" evaluate --help
 has out '^Example:'

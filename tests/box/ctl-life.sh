@@ -7,8 +7,8 @@ in_folder
 
 scan 1 0 a0.ply --pose 0 --shift 0
 scan 1 1 a1.ply --pose 5 --shift 5
-scan 2 0 b0.ply --pose 0 --shift 0
-scan 2 1 b1.xyz --pose 5 --shift 5
+scan 5 0 b0.ply --pose 0 --shift 0
+scan 5 1 b1.xyz --pose 5 --shift 5
 
 export SURFACED_DB="$T/faces.db"
 expect 0 init "$ctl" init
@@ -37,8 +37,8 @@ has err 'mirror image'
 expect 1 "another person's" "$ctl" verify alice swapped.xyz
 expect 65 "enroll it" "$ctl" enroll bob swapped.xyz
 has err 'mirror image'
-expect 64 "verify by a threshold of one's own" "$ctl" verify --threshold-mm 1000 alice b0.ply
-expect 64 "compare by one" "$ctl" compare --threshold-mm 1000 a0.ply b0.ply
+expect 64 "verify by a threshold of one's own" "$ctl" verify --threshold -1000 alice b0.ply
+expect 64 "compare by one" "$ctl" compare --threshold -1000 a0.ply b0.ply
 expect 0 compare "$ctl" compare a0.ply a1.ply
 expect 1 "compare two people" "$ctl" compare a0.ply b0.ply
 expect 65 "a sample that does not fit" "$ctl" enroll alice b0.ply
@@ -46,6 +46,8 @@ has err 'does not fit'
 awk '$2 < -10' b1.xyz >part.xyz
 expect 65 "a part is no enrolment" "$ctl" enroll bob part.xyz
 has err 'the shape of a face .*: send one face seen from the front'
+scan 1 1 c1.xyz --pose 0 --shift 0
+awk '$2 < 0' c1.xyz >part.xyz
 expect 2 "a part, too little to compare" "$ctl" verify bob part.xyz
 has out '^decision *inconclusive'
 expect 0 "enrolled all the same" "$ctl" enroll --force alice b1.xyz

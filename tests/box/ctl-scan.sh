@@ -69,6 +69,9 @@ if command -v gnuplot >/dev/null 2>&1; then
     expect 0 "a picture" "$ctl" scan a.ply --picture a.png
     is "it is a PNG" "$(png a.png)" 89504e470d0a1a0a
     is "its owner's alone" "$(stat -c %a a.png)" 600
+    expect 65 "a file that exists" "$ctl" scan a.ply --picture a.png
+    has err 'a.png exists: --force replaces it'
+    expect 0 "replaced" "$ctl" scan a.ply --picture a.png --force
     expect 1 "a picture of what is refused" "$ctl" scan cone.xyz --picture cone.png
     is "it is one too" "$(png cone.png)" 89504e470d0a1a0a
     mkdir script
@@ -79,7 +82,7 @@ if command -v gnuplot >/dev/null 2>&1; then
     cp a.ply "a\"'; system('touch pwned')
 .ply"
     expect 0 "$what" env PATH="$T/script:$PATH" "$ctl" scan "a\"'; system('touch pwned')
-.ply" --picture a.png
+.ply" --picture a.png --force
     ok "no name gets into the script" sh -c "! grep -aq 'system(' script/in"
     has script/in 'Usable for enrolment and verification'
     has script/in '3000 points, 0 without a value'
@@ -89,6 +92,36 @@ if command -v gnuplot >/dev/null 2>&1; then
 else
     echo "SKIP pictures: gnuplot is not installed"
 fi
+# ---- the face as a file
+awk '{ print $1 / 1000, $3 / 1000, -$2 / 1000 }
+    END { for (i = 0; i < 6400; i++) print i % 80 / 100 - 0.4, -0.4, int(i / 80) / 100 - 0.4 }' \
+    a.xyz >wall.xyz # lying on its back before a wall, in metres
+expect 0 "the face as a file" "$ctl" scan wall.xyz --face found.ply
+is "its owner's alone" "$(stat -c %a found.ply)" 600
+expect 0 "what is in it" "$ctl" scan --json found.ply
+ok "a frontal face in mm, and nothing else" jq_true '.scans[0] | .scan | .format == "ply" and
+    .units == "mm" and .warnings == [] and (.yaw_deg | fabs) < 1 and .points_read < 3100' out
+"$ctl" compare a.ply wall.xyz --json >whole.json
+expect 0 "compared" "$ctl" compare a.ply found.ply --json
+# shellcheck disable=SC2016 # the variable is jq's
+ok "as the scan itself" jq_true --slurpfile w whole.json '.decision == $w[0].decision' out
+cp wall.xyz kept.xyz
+ln wall.xyz same.xyz
+for force in '' --force; do
+    for out in wall.xyz same.xyz ./wall.xyz; do
+        # shellcheck disable=SC2086 # an option or none
+        expect 65 "over the scan: $out $force" "$ctl" scan wall.xyz --face $out $force
+        has err 'reads: it is not replaced'
+    done
+done
+ok "it was not" cmp kept.xyz wall.xyz
+expect 65 "over another file" "$ctl" scan wall.xyz --face found.ply
+has err 'found.ply exists: --force'
+expect 0 "with --force" "$ctl" scan wall.xyz --face found.ply --force
+expect 1 "of what is no face" "$ctl" scan few.xyz --face few.ply
+ok "there is none" [ ! -e few.ply ]
+expect 64 "one face of several" "$ctl" scan a.ply a.xyz --face b.ply
+
 expect 64 "one picture of several scans" "$ctl" scan a.ply a.xyz --picture a.png
 mkdir bin
 expect 66 "no gnuplot" env PATH="$T/bin" "$ctl" scan a.ply --picture none.png

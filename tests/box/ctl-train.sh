@@ -1,7 +1,8 @@
 #!/bin/sh
-# Goal: surfacectl train learns a model that the other commands and the daemon load, the same
-# file on any number of threads; what it cannot learn from, it refuses or lists; a damaged
-# model is refused by file and line everywhere.
+# Goal: surfacectl train learns a model from a morphable model's files, from scans, or from both,
+# the same file on any number of threads, which the other commands and the daemon load; the
+# shipped model's own figures stand beside the new one's; what it cannot learn from it refuses or
+# lists; a damaged model is refused by file and line everywhere.
 set -u
 # shellcheck source=tests/box/lib.sh
 . tests/box/lib.sh
@@ -20,58 +21,72 @@ expect() {
 
 says() { ok "$2: '$3' in $(head -c 300 "$1")" grep -qe "$3" "$1"; }
 
-mkdir "$T/scans"
-for s in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21; do
-    for k in 0 1 2 3 4 5 6 7 8 9 10 11 12; do
-        kind=p$k
-        [ "$k" -ne 0 ] || kind=enroll
-        "$BUILD/facegen" --subject $s --scan $k --pose 6 --shift 4 --points 1000 \
-            --smile "0.$((k * 7 % 10))" --warp "0.$((2 + k % 4))" \
-            -o "$T/scans/s${s}_$kind.ply" || exit 1
-    done
-done
-head -c 200 "$T/scans/s3_p5.ply" >"$T/cut"
-cp "$T/cut" "$T/scans/s3_p5.ply"
+# ---- from a morphable model
 
-# ---- the model
-
-expect 0 "train" "$ctl" train "$T/scans" --label 'made up' --threads 2 --out "$T/two.model" --json
-says "$T/err" "a bad scan is told of" 'not used: .*s3_p5.ply'
-is "listed too" "$(jq -r '.refused[].file' "$T/out")" s3_p5.ply
+mkdir "$T/shapes"
+"$BUILD/sculpt" "$T/shapes" || exit 1
+expect 0 "morphable" "$ctl" train --morphable "$T/shapes" --name 'made up' --threads 2 \
+    --out "$T/two.model" --json
 is "name" "$(jq -r .name "$T/out")" "made up"
-is "mated" "$(jq .mated "$T/out")" 251
-is "non-mated" "$(jq .non_mated "$T/out")" 3012
-ok "figures" jq_true '(.before, .after) | .eer >= 0 and .eer <= 1' "$T/out"
-engine=$(jq -r .engine "$T/out")
-threshold=$(jq .threshold_mm "$T/out")
+is "no scans" "$(jq .subjects "$T/out")" null
+ok "the shipped calibration" jq_true '.threshold == 9.5' "$T/out"
 says "$T/two.model" "its name" '^name made up$'
 ok "nothing beside it" [ ! -e "$T/two.model.part" ]
-expect 0 "once more" "$ctl" train "$T/scans" --label 'made up' --threads 1 --out "$T/one.model"
+expect 0 "once more" "$ctl" train --morphable "$T/shapes" --name 'made up' --threads 1 \
+    -o "$T/one.model"
 ok "the same on one thread" cmp "$T/one.model" "$T/two.model"
-says "$T/out" "text" '^after .*EER'
+says "$T/out" "text" '^model  *.*one.model: measure'
+
+# ---- from scans
+
+mkdir "$T/scans"
+for s in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21; do
+    for k in 0 1 2; do
+        "$BUILD/facegen" --subject $s --scan $k --pose 6 --shift 4 --points 1500 \
+            --smile "0.$((k * 7 % 10))" -o "$T/scans/s${s}_p$k.ply" || exit 1
+    done
+done
+head -c 200 "$T/scans/s3_p2.ply" >"$T/cut"
+cp "$T/cut" "$T/scans/s3_p2.ply"
+expect 0 "scans" "$ctl" train "$T/scans" --threads 2 --out "$T/scans.model" --json
+says "$T/err" "a bad scan is told of" 'not used: .*s3_p2.ply'
+is "listed too" "$(jq -r '.refused[].file' "$T/out")" s3_p2.ply
+is "subjects" "$(jq -c '[.subjects, .scans, .mated]' "$T/out")" '[21,62,41]'
+ok "the weight" jq_true '(.weight - 21 / 221 | fabs) < 0.001' "$T/out"
+ok "figures" jq_true '.base.eer >= 0 and .trained.eer >= 0 and .worse == false' "$T/out"
+is "the base model's name" "$(jq -r .name "$T/out")" "$(sed -n 's/^name //p' core/default.model)"
+engine=$(jq -r .engine "$T/out")
+expect 0 "on one thread" "$ctl" train "$T/scans" --threads 1 --out "$T/again.model"
+ok "the same" cmp "$T/scans.model" "$T/again.model"
+says "$T/out" "text" '^base model  *EER'
+says "$T/out" "text" '^new model  *EER'
+says "$T/out" "which is in-sample" 'in-sample'
+
+# Both models are compared on the same pairs: with no weight nothing changes but the rounding of
+# what is cut down to modes again.
+expect 0 "no weight" "$ctl" train "$T/scans" --weight 0 --out "$T/none.model" --json
+ok "the same figures" jq_true '(.base.eer - .trained.eer | fabs) < 0.02' "$T/out"
+
+# A model of a made-up head is worse on scans than the shipped one, and that is said.
+expect 1 "worse" "$ctl" train "$T/scans" --morphable "$T/shapes" --weight 0 \
+    --out "$T/worse.model"
+says "$T/err" "worse" 'warning: the new model is worse'
+ok "it was written" [ -s "$T/worse.model" ]
 
 # ---- used
 
-a=$T/scans/s1_enroll.ply b=$T/scans/s1_p1.ply m=$T/two.model
+a=$T/scans/s1_p0.ply b=$T/scans/s1_p1.ply m=$T/scans.model
 mkdir "$T/few"
-cp "$T"/scans/s[1-4]_enroll.ply "$T"/scans/s[1-4]_p1.ply "$T/few"
+cp "$T"/scans/s[1-4]_p[01].ply "$T/few"
 expect 0 "evaluate" "$ctl" evaluate "$T/few" --model "$m" --out "$T/report" --json
 is "evaluate: engine" "$(jq -r .engine "$T/out")" "$engine"
-is "evaluate: threshold" "$(jq .threshold_mm "$T/out")" "$threshold"
 "$ctl" compare "$a" "$b" --model "$m" --json >"$T/out"
 is "compare: engine" "$(jq -r .engine "$T/out")" "$engine"
-# shellcheck disable=SC2016 # jq's $t
-ok "compare: its threshold, or more for noise" jq_true --argjson t "$threshold" \
-    '.threshold_mm >= $t and .threshold_mm < 1.2 * $t' "$T/out"
 SURFACED_MODEL=$m "$ctl" compare "$a" "$b" --json >"$T/env"
-is "by SURFACED_MODEL" "$(jq .disparity_mm "$T/env")" "$(jq .disparity_mm "$T/out")"
+is "by SURFACED_MODEL" "$(jq .score "$T/env")" "$(jq .score "$T/out")"
 "$ctl" compare "$a" "$b" --json >"$T/own"
 shipped=$(jq -r .engine "$T/own")
 ok "another engine" [ "$shipped" != "$engine" ]
-is "regions" "$(jq -c '.regions | keys' "$T/own")" \
-    '["cheeks","chin","eyes","forehead","mouth","nose"]'
-ok "certainty, share, change" jq_true '.alignment.turn_deg != null and .weight_overlap > 0.3 and
-    .change_mm > 0 and (.quality.reasons | type) == "array"' "$T/own"
 
 # ---- in a database and the daemon: enrolled by the shipped model, compared by the new one
 
@@ -79,13 +94,11 @@ expect 0 "init" "$ctl" --db "$DB" init
 expect 0 "enroll" "$ctl" --db "$DB" enroll anna "$a"
 "$ctl" --db "$DB" verify anna "$b" --model "$m" --json >"$T/ctl" 2>"$T/err"
 is "verify: engine" "$(jq -r .engine "$T/ctl")" "$engine"
-is "the same as compare" "$(jq .disparity_mm "$T/ctl")" "$(jq .disparity_mm "$T/env")"
+is "the same as compare" "$(jq .score "$T/ctl")" "$(jq .score "$T/env")"
 start_daemon --no-auth --model "$m"
 says "$LOG" "the daemon says which model" "engine=\"$engine\""
 curl -s -H "$PLY" --data-binary "@$b" "$URL/v1/subjects/anna/verify" >"$T/body"
 is "the daemon: engine" "$(jq -r .engine "$T/body")" "$engine"
-is "the daemon: disparity" "$(jq .disparity_mm "$T/body")" "$(jq .disparity_mm "$T/ctl")"
-is "the daemon: reasons" "$(jq -c .quality.reasons "$T/body")" "$(jq -c .quality.reasons "$T/ctl")"
 curl -s -H "$PLY" --data-binary "@$b" "$URL/v1/subjects/bea/templates" >"$T/body"
 is "enrolled by it" "$(jq -r .engine "$T/body")" "$engine"
 stop_daemon
@@ -97,22 +110,37 @@ expect 0 "a calibration" "$ctl" --db "$DB" calibrate --reset
 is "holds: silence" "$(cat "$T/err")" ""
 "$ctl" --db "$DB" verify anna "$b" --model "$m" --json >"$T/ctl" 2>"$T/err"
 says "$T/err" "does not hold" "calibration 1 is not used: it was made by $shipped"
-# shellcheck disable=SC2016 # jq's $t
-ok "the model's own decides" jq_true --argjson t "$threshold" \
-    '.threshold_mm >= $t and .threshold_mm < 1.2 * $t' "$T/ctl"
 start_daemon --no-auth --model "$m"
 says "$LOG" "the log" 'level=warn msg="calibration is not used.* version=1'
 stop_daemon
 
+# ---- calibrated by scores
+
+awk 'BEGIN { print "type,score,decision"
+    for (i = 0; i < 4000; i++) print "non-mated," (i * 7919 % 4000) / 100 - 30 ",no_match"
+    print "mated,55,match\nnon-mated,,refused" }' >"$T/scores.csv"
+expect 0 "calibrate" "$ctl" train --model "$m" --calibrate "$T/scores.csv" --out "$T/c.model" --json
+ok "0.1 % above it" jq_true '.threshold == 9.96' "$T/out"
+is "nothing else changes" "$(jq -r .engine "$T/out")" "$engine"
+ok "the mean stays" [ "$(sed -n '/^mean/,$p' "$m" | cksum)" = \
+    "$(sed -n '/^mean/,$p' "$T/c.model" | cksum)" ]
+head -2000 "$T/scores.csv" >"$T/fewer.csv"
+expect 65 "too few scores" "$ctl" train --calibrate "$T/fewer.csv" --out "$T/x.model"
+says "$T/err" "how many" '1999 non-mated scores are too few .*3000 are needed'
+printf 'type,score\nnon-mated,x\n' >"$T/bad.csv"
+expect 65 "not a number" "$ctl" train --calibrate "$T/bad.csv" --out "$T/x.model"
+says "$T/err" "where" 'bad.csv, line 2'
+expect 65 "no scores" "$ctl" train --calibrate "$T/shapes/neutral.obj" --out "$T/x.model"
+
 # ---- refused
 
 for c in "compare $a $b" "evaluate $T/few --out $T/r" "explain $a $b --out $T/e" \
-    "train $T/scans" "--db $DB verify anna $b" "--db $DB enroll carl $b" \
+    "train $T/scans --out $T/x.model" "--db $DB verify anna $b" "--db $DB enroll carl $b" \
     "--db $DB calibrate"; do
-    sed '30s/[0-9]/x/' "$m" >"$T/bad.model"
+    sed '43s/[0-9]/x/' "$m" >"$T/bad.model"
     # shellcheck disable=SC2086 # words
     expect 65 "damaged: $c" "$ctl" $c --model "$T/bad.model"
-    says "$T/err" "where: $c" 'bad.model, line 30'
+    says "$T/err" "where: $c" 'bad.model, line 43'
 done
 head -c 5000 "$m" >"$T/bad.model"
 expect 65 "cut off" "$ctl" compare "$a" "$b" --model "$T/bad.model"
@@ -127,11 +155,29 @@ expect 66 "missing" "$ctl" compare "$a" "$b" --model "$T/none"
 expect 64 "where there is no model to use" "$ctl" --db "$DB" subject list --model "$m"
 expect 1 "the daemon" "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --model "$T/bad.model"
 says "$T/err" "the daemon says why" 'bad.model'
-expect 65 "too few" "$ctl" train "$T/few" --out "$T/few.model"
-says "$T/err" "what is needed" '4 subjects and 4 .*20 and 250'
-ok "no model then" [ ! -e "$T/few.model" ]
-expect 64 "a name with a line's end" "$ctl" train "$T/few" --label 'a
-b' --out "$T/few.model"
-expect 66 "no folder" "$ctl" train "$T/nowhere"
+
+expect 65 "too few" "$ctl" train "$T/few" --out "$T/x.model"
+says "$T/err" "what is needed" '4 subjects .* 20 are needed'
+expect 66 "no folder" "$ctl" train "$T/nowhere" --out "$T/x.model"
+expect 66 "no shapes" "$ctl" train --morphable "$T/nowhere" --out "$T/x.model"
+rm "$T/shapes/identity00.obj"
+sed -n 1,40p "$T/shapes/identity01.obj" >"$T/shapes/identity00.obj"
+expect 65 "a short file" "$ctl" train --morphable "$T/shapes" --out "$T/x.model"
+says "$T/err" "which" 'identity00.obj: 38 vertices'
+ok "no model then" [ ! -e "$T/x.model" ]
+for c in "" "--out $T/x.model" "--out $T/x.model --weight 0.5 --morphable $T/shapes" \
+    "$T/scans --out $T/x.model --weight 2" "$T/scans --out $T/x.model --weight -0.1"; do
+    # shellcheck disable=SC2086 # words
+    expect 64 "usage: $c" "$ctl" train $c
+done
+expect 64 "a name with a line's end" "$ctl" train "$T/scans" --out "$T/x.model" --name 'a
+b'
+cksum "$m" >"$T/sum"
+expect 65 "an existing file" "$ctl" train "$T/scans" --out "$m"
+says "$T/err" "force" 'exists: --force replaces it'
+expect 65 "its input" "$ctl" train --calibrate "$T/scores.csv" --out "$T/scores.csv" --force
+expect 65 "the base" "$ctl" train --calibrate "$T/scores.csv" --model "$m" --out "$m" --force
+is "untouched" "$(cksum "$m")" "$(cat "$T/sum")"
+expect 0 "forced" "$ctl" train --calibrate "$T/scores.csv" --out "$T/c.model" --force
 
 finish

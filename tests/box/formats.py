@@ -154,11 +154,57 @@ write("parts.pts", "%d\n%s%d\n%s" % (nv // 2, rows(V[:nv // 2]), nv - nv // 2, r
 write("points.json", json.dumps({"points": V}))
 write("metres.json", json.dumps({"units": "m", "points": metres}, indent=1))
 
+# ---- VRML
+def wrl(name, version, points, before="", after="", ccw=True):
+    index = ", ".join("%d, %d, %d, -1" % (f if ccw else f[::-1]) for f in F)
+    point = ",\n".join("%.6f %.6f %.6f" % p for p in points)
+    if version == 1:
+        write(name, "#VRML V1.0 ascii\nSeparator { %s\nDEF C Coordinate3 { point [ %s ] }\n"
+              "TextureCoordinate2 { point [ 0 0, 1 1 ] }\nIndexedFaceSet { coordIndex [ %s ] } }\n"
+              % (before, point, index))
+    else:
+        write(name, "#VRML V2.0 utf8\n# by hand\n%s DEF Face Shape { appearance Appearance { texture ImageTexture {"
+              " url \"a.png\" } }\ngeometry IndexedFaceSet { %s coord Coordinate { point [ %s ] }\n"
+              "coordIndex [ %s ] } } %s\n" % (before, "" if ccw else "ccw FALSE", point, index, after))
+
+
+wrl("old.wrl", 1, V)
+wrl("hints.wrl", 1, V, "ShapeHints { vertexOrdering CLOCKWISE } Scale { scaleFactor 1 1 1 }", ccw=False)
+wrl("new.wrl", 2, V)
+wrl("moved.wrl", 2, [(2 * p[1] - 2, -2 * p[0], 2 * p[2]) for p in V],
+    "Transform { translation 0 1 0 rotation 0 0 1 1.5707963267948966 scale 0.5 0.5 0.5 children [", "] }", False)
+
+# ---- BNT: a grid with places that have no value
+ROWS, COLUMNS = -(-nv // 50) + 1, 50
+grid = [p if p else (-1e9, -1e9, -1e9) for p in V + [None] * (ROWS * COLUMNS - nv)]
+write("grid.bnt", struct.pack("<HHdH", ROWS, COLUMNS, -1e9, 5) + b"a.png" + struct.pack("<I", 5 * len(grid))
+      + b"".join(struct.pack("<%dd" % len(grid), *[p[k] for p in grid]) for k in range(3)) + bytes(16 * len(grid)))
+
+
+# ---- NPY
+def npy(name, kind, shape, values, version=1, fortran=False):
+    head = "{'descr': '%s', 'fortran_order': %s, 'shape': %s, }" % (kind, fortran, shape)
+    size = 12 if version > 1 else 10
+    head += " " * (-(size + len(head) + 1) % 64) + "\n"
+    code = {"f4": "f", "f8": "d", "i4": "i", "u2": "H"}[kind[1:]]
+    write(name, b"\x93NUMPY" + bytes([version, 0]) + struct.pack("<I" if version > 1 else "<H", len(head))
+          + head.encode() + struct.pack("%s%d%s" % (kind[0], len(values), code), *values))
+
+
+flat = [c for p in V for c in p]
+columns = [p[k] for k in range(3) for p in V]
+npy("rows.npy", "<f8", (nv, 3), flat)
+npy("fortran.npy", ">f4", (nv, 3), columns, 2, True)
+npy("columns.npy", "<f4", (3, nv), columns, 3)
+npy("colors.npy", "<f4", (nv, 6), [c for p in V for c in p + (200, 150, 120)])
+npy("micro.npy", "<i4", (nv, 3), [round(1000 * c) for c in flat])
+
 # ---- a depth image: camera 600 mm in front of the face
 W, H, FX, CX, CY = 240, 320, 600.0, 119.5, 159.5
 
 
-def depth(name, per_mm):
+def depth():
+    """In mm; 0 where there is no face."""
     image = [0] * (W * H)
     z0 = sum(p[2] for p in V) / nv
     x0 = sum(p[0] for p in V) / nv
@@ -179,8 +225,8 @@ def depth(name, per_mm):
                 s = ((u - a[0]) * (c[1] - a[1]) - (v - a[1]) * (c[0] - a[0])) / area
                 t = ((b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0])) / area
                 if s >= 0 and t >= 0 and s + t <= 1:
-                    image[v * W + u] = round((a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])) * per_mm)
-    png(name, W, H, 16, b"".join(b"\0" + struct.pack(">%dH" % W, *image[r * W:(r + 1) * W]) for r in range(H)))
+                    image[v * W + u] = a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])
+    return image
 
 
 def png(name, w, h, bits, raw):
@@ -190,10 +236,28 @@ def png(name, w, h, bits, raw):
           + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b""))
 
 
-depth("depth.png", 10)
+image = depth()
+tenths = [round(10 * d) for d in image]
+png("depth.png", W, H, 16, b"".join(b"\0" + struct.pack(">%dH" % W, *tenths[r * W:(r + 1) * W]) for r in range(H)))
+write("five.pgm", b"P5\n# by hand\n%d %d\n65535\n" % (W, H) + struct.pack(">%dH" % (W * H), *tenths))
+write("two.pgm", "P2\n%d %d\n9999\n" % (W, H) + "\n".join(map(str, tenths)) + "\n")
+write("values.raw", struct.pack("<%dH" % (W * H), *tenths))
+npy("depth.npy", "<u2", (H, W), tenths)
+npy("floats.npy", ">f4", (H, W), [10 * image[v * W + u] for u in range(W) for v in range(H)], fortran=True)
+
+os.mkdir(os.path.join(out, "metres"))
+npy("metres/depth.npy", "<f4", (H, W), [d / 1000 for d in image])
+
+# ---- the points that this camera sees, as a grid
+seen = [((i % W - CX) * d / FX, (CY - i // W) * d / FX, -d) if d > 0 else None for i, d in enumerate(image)]
+npy("image.npy", "<f4", (H, W, 3), [c for p in seen for c in p or [math.nan] * 3])
+write("range.abs", "%d rows\n%d columns\npixels (flag X Y Z):\n" % (H, W)
+      + " ".join("%d" % (p is not None) for p in seen) + "\n"
+      + "".join(" ".join("%.6f" % (p[k] if p else -999999) for p in seen) + "\n" for k in range(3)))
 
 # ---- compressed
-for name in ("mesh.ply", "text.stl", "metres.glb", "time.csv", "points.json"):
+for name in ("mesh.ply", "text.stl", "metres.glb", "time.csv", "points.json", "new.wrl", "grid.bnt", "range.abs",
+             "rows.npy"):
     with open(os.path.join(out, name), "rb") as f:
         write(name + ".gz", gzip.compress(f.read()))
 
@@ -201,7 +265,6 @@ for name in ("mesh.ply", "text.stl", "metres.glb", "time.csv", "points.json"):
 out = os.path.join(out, "bad")
 os.mkdir(out)
 write("OFF", "OFF\n%d %d 0\n" % (nv, len(F)) + rows(V) + corners)
-write("NPY", b"\x93NUMPY\x01\x00v\x00{'descr': '<f8'}" + bytes(100))
 write("3MF", b"PK\x03\x04\x14\x00" + bytes(100))
 write("FBX", b"Kaydara FBX Binary  \x00\x1a\x00" + bytes(100))
 write("DAE", '<?xml version="1.0"?>\n<COLLADA></COLLADA>\n')

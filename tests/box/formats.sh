@@ -20,7 +20,7 @@ camera='fx=600&fy=600&cx=119.5&cy=159.5&depth_scale='
 
 # ---- over HTTP
 send POST /v1/subjects/alice/verify "$BYTES" "$T/in/ascii.ply"
-mm=$(get .disparity_mm)
+score=$(get .score)
 for file in "$T"/in/*.*; do
     name=${file##*/} query=''
     case $name in
@@ -31,16 +31,21 @@ for file in "$T"/in/*.*; do
     *.glb*) type=model/gltf-binary ;;
     *.csv*) type=text/csv ;;
     *.json*) type=application/json ;;
+    *.wrl*) type=model/vrml ;;
     *.png) type=image/png query="?${camera}10000" ;;
+    *.pgm) type=image/x-portable-graymap query="?${camera}10000" ;;
+    *.raw) type=text/plain query="?${camera}10000&width=240&height=320" ;;
+    depth.npy | floats.npy) type=text/plain query="?${camera}10000" ;;
     *) type=text/plain ;;
     esac
     for type in application/octet-stream $type; do
         send POST "/v1/subjects/alice/verify$query" "Content-Type: $type" "$file"
         is "$name as $type" "$STATUS $(get .decision)" "200 match"
         case $name in
-        *.png) ;; # other points of the same surface
+        *.png | *.pgm | *.raw | *.abs* | depth.npy | floats.npy | image.npy) ;; # other points of
+                                                                               # the same surface
         *) ok "$name as $type: the same digits, nearly" \
-            jq_true "(.disparity_mm - $mm) | fabs < 0.002" "$T/body" ;;
+            jq_true "(.score - $score) | fabs < 1" "$T/body" ;;
         esac
     done
 done
@@ -48,18 +53,19 @@ done
 # ---- the command
 ctl enroll alice "$T/a.ply"
 for file in "$T"/in/*.*; do
-    ctl_exits 0 verify alice "$file" --camera 600,600,119.5,159.5,10000
+    case $file in *.raw) size=,240,320 ;; *) size='' ;; esac
+    ctl_exits 0 verify alice "$file" --camera "600,600,119.5,159.5,10000$size"
 done
 "$BUILD/surfacectl" --db "$DB" verify alice - <"$T/in/binary.stl" >"$T/text"
 is "from standard input" "$?" 0
 mkdir "$T/folder"
 for name in ascii.ply faces.obj binary.stl ascii.pcd metres.glb time.csv count.pts blanks.xyz \
-    points.json depth.png mesh.ply.gz; do
+    points.json depth.png mesh.ply.gz new.wrl grid.bnt range.abs.gz fortran.npy five.pgm; do
     cp "$T/in/$name" "$T/folder/${name%%.*}_1.${name#*.}"
 done
 ctl_exits 0 enroll "$T/folder" --camera 600,600,119.5,159.5,10000
 is "a folder of all of them" "$(said '[.scans, .enrolled, .present, .failed, .left_out] | @csv')" \
-    '11,10,1,0,0'
+    '16,15,1,0,0'
 
 # ---- the scale of a depth image, and its camera
 for scale in 10000 0.0001 0.1; do
@@ -70,11 +76,36 @@ send POST /v1/subjects/alice/verify 'Content-Type: image/png' "$T/in/depth.png"
 problem "without a camera" 400 malformed 'fx, fy, cx and cy'
 send POST "/v1/subjects/alice/verify?fx=600&fy=600&cx=119" "$BYTES" "$T/in/depth.png"
 problem "without cy" 400 malformed 'fx, fy, cx and cy'
+for query in width=240 height=320 'fx=600&width=1'; do
+    send POST "/v1/subjects/alice/verify?$query" "$BYTES" "$T/in/values.raw"
+    problem "$query" 400 invalid_parameter 'width and height are given together'
+done
+for side in 0 -1 65536 1.5 1px ''; do
+    for query in "height=1&width=$side" "width=1&height=$side"; do
+        send POST "/v1/subjects/alice/verify?$query" "$BYTES" "$T/in/values.raw"
+        problem "$query" 400 invalid_parameter 'is not an integer from 1 to 65535$'
+    done
+done
+send POST "/v1/subjects/alice/verify?${camera}10000" "$BYTES" "$T/in/values.raw"
+problem "values alone, of no size" 400 malformed 'not a scan in a format that is read'
+send POST "/v1/subjects/alice/verify?${camera}10000&width=320&height=241" "$BYTES" "$T/in/values.raw"
+problem "of another size" 400 malformed '320 x 241 pixels of 16 bits take 154240 bytes'
+send POST "/v1/subjects/alice/verify?width=240&height=320" "$BYTES" "$T/in/values.raw"
+problem "of no camera" 400 malformed 'fx, fy, cx and cy'
+send POST "/v1/subjects/alice/verify?${camera}10000&width=240&height=320" "$BYTES" "$T/in/depth.png"
+problem "PNG as values alone" 400 malformed 'this is PNG, not RAW as declared'
+send POST "/v1/subjects/alice/verify?${camera}10000&width=240&height=320" 'Content-Type: image/png' \
+    "$T/in/depth.png"
+is "PNG that says so" "$STATUS $(get .scan.format)" "200 png"
+for unit in auto m; do
+    send POST "/v1/subjects/alice/verify?${camera%&*}&units=$unit" "$BYTES" "$T/in/metres/depth.npy"
+    is "floats without a scale, in $unit" "$STATUS $(get .scan.units)" "200 m"
+done
 for query in fx=0 fx=-1 fx=nan fy=1e999 cx= cy=1px depth_scale=0 depth_scale=inf; do
     send POST "/v1/subjects/alice/verify?$query" "$BYTES" "$T/in/depth.png"
     problem "$query" 400 invalid_parameter "${query%=*} is not a number"
 done
-for camera in 600 600,600,1 600,600,1,2,3,4 0,600,1,2 600,600,1,2,0 600,600,1,x '600,600,1,2,' ''; do
+for camera in 600 600,600,1 600,600,1,2,3,4 600,600,1,2,3,4,5,6 600,600,1,2,3,0,5 600,600,1,2,3,4,1.5 0,600,1,2 600,600,1,2,0 600,600,1,x '600,600,1,2,' ''; do
     ctl_exits 64 verify alice "$T/in/depth.png" --camera "$camera"
 done
 ctl_exits 65 verify alice "$T/in/depth.png"

@@ -182,13 +182,14 @@ is "the minimal disparity is not computed" "$(minima)" "$before"
 is "each is recorded" "$(sqlite3 "$DB" "SELECT group_concat(kind || ' ' || outcome) FROM
     (SELECT * FROM events ORDER BY event_key DESC LIMIT 3)")" 'compare match,verify no_match,verify match'
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H 'Prefer: return=representation'
-is "representation" "$STATUS $(get '.minimal_mm > 0') $(field Preference-Applied)" "200 true "
+is "representation" "$STATUS $(get '.disparity_mm > 0') $(field Preference-Applied)" "200 true "
 is "it is computed" "$(minima)" $((before + 1))
 send POST '/v1/subjects/min/verify?detail=measure' "$JSON" "$T/a2.json" -H "$MIN"
 is "detail is asked for all the same" \
     "$STATUS $(get '.minimal.volume_mm3 > 0') $(field Preference-Applied)" "200 true "
-jq -c '.points |= map(select(.[1] < 0))' "$T/a2.json" >"$T/part.json"
-send POST /v1/subjects/min/verify "$JSON" "$T/part.json" -H "$MIN"
+scan 1 1 "$T/part.json" --pose 0 --shift 0
+jq -c '.points |= map(select(.[1] < 0))' "$T/part.json" >"$T/forehead.json"
+send POST /v1/subjects/min/verify "$JSON" "$T/forehead.json" -H "$MIN"
 only "a part of the face" inconclusive '"min"' "\"$id\""
 send POST /v1/subjects/nobody/verify "$JSON" "$T/a2.json" -H "$MIN"
 problem "an error has its body" 404 not_found

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: detail=heatmap gives the signed gap at each point of the request, in their order, null
-# where the template has no surface; compare and verify give the same.  The enrolled face can be
-# reconstructed from it, so a token without the scope detail gets nothing of that kind.
+# where the template has no surface, and what each cell of the face adds to the score; compare and
+# verify give the same.  The enrolled face can be reconstructed from it, so a token without the
+# scope detail gets nothing of that kind.
 # shellcheck disable=SC2016 # the variables are jq's
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
@@ -21,7 +22,7 @@ heatmap() {
 }
 
 send POST /v1/compare "$JSON" "$T/ab.json"
-is "compare" "$STATUS $(get 'has("heatmap")')" "200 false"
+is "compare" "$STATUS $(get '[has("heatmap", "cells")] | @csv')" "200 false,false"
 send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ab.json"
 is "compare with a heatmap" "$STATUS $(get .decision)" "200 match"
 fits "compare with a heatmap" Verdict
@@ -30,6 +31,14 @@ heatmap "null where a has no surface" \
     '$p | map(select(.[0] > 27)) | length > 100 and all(.[1] == null)'
 heatmap "elsewhere a number near 0" '$p | map(select(.[0] < 15)) | length > 1000 and
     (map(select(.[1] != null and (.[1] | fabs) < 0.01)) | length) > 0.97 * length'
+ok "the cells add up to the score, and to the regions" jq_true '.score as $s | .regions as $r | .cells
+    | .part as $part | ($part | map(numbers) | add - $s | fabs < 0.02)
+    and [.mm, .nx, .ny, .left, .bottom, ($part | length)] == [4, 32, 41, -64, -94, 1312]
+    and ($part | map(numbers) | length > 400)
+    and ([range(1312) | select(-94 + 4 * (. / 32 | floor) >= 46) | $part[.] | numbers] | add
+        | . - $r.forehead | fabs < 0.02)' "$T/body"
+ok "null at the corners, where no face is" jq_true '.cells.part | [.[0], .[31], .[1280], .[1311]]
+    | all(. == null)' "$T/body"
 cp "$T/body" "$T/first"
 jq -c '.b.points |= reverse' "$T/ab.json" >"$T/ba.json"
 send POST '/v1/compare?detail=heatmap' "$JSON" "$T/ba.json"
@@ -53,8 +62,8 @@ for route in "subjects/a" "templates/$id"; do
     send POST "/v1/$route/verify?detail=heatmap" "$JSON" "$T/b.json"
     is "verify at $route" "$STATUS" 200
     fits "verify with a heatmap" Verdict
-    ok "the heatmap of compare" jq_true --slurpfile a "$T/first" '.heatmap == $a[0].heatmap' \
-        "$T/body"
+    ok "the heatmap of compare" jq_true --slurpfile a "$T/first" \
+        '.heatmap == $a[0].heatmap and .cells == $a[0].cells' "$T/body"
 done
 send POST '/v1/subjects/a/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
 heatmap "a file: a gap for each of its points" '($m | length) == ($b | length)'
@@ -95,7 +104,7 @@ jq -c -n --slurpfile a "$T/other.json" '{a: $a[0], b: $a[0]}' >"$T/two.json"
 # revealing: the members of the last response that reveal the template's shape or position.
 revealing() {
     jq -c '[paths | map(tostring) | join(".") | select(test(
-        "transform|alignment|regions|heatmap|volume|_mm2|weight_overlap|change_mm"))]' "$T/body"
+        "transform|alignment|regions|heatmap|cells|volume|_mm2"))]' "$T/body"
 }
 
 # reconstruct PROBE: the template's points, from the last response to PROBE.

@@ -64,7 +64,7 @@ verify alice "$T/a1.ply"
 decides "its own" match
 verify alice "$T/b.ply"
 decides "a failure" no_match
-verify alice "$T/b.ply" '?threshold_mm=1000'
+verify alice "$T/b.ply" '?threshold=-1000'
 is "a threshold in the request" "$STATUS" 400
 is "it is not an attempt" "$(failures alice)" 1
 verify alice "$T/a1.ply"

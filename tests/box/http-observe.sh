@@ -25,10 +25,10 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 is "a mismatch" "$STATUS" 409
 send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" -H 'X-Request-Id: traced-1'
 is "a match" "$(get .decision)" match
-get .disparity_mm >"$T/private"
+get .score >"$T/private"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "a non-match" "$(get .decision)" no_match
-get .disparity_mm >>"$T/private"
+get .score >>"$T/private"
 send POST /v1/subjects/alice/verify "$BYTES" "$T/p.xyz"
 echo '{"points": [[12.3456789, 1, "oops"]]}' >"$T/bad.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
@@ -57,7 +57,7 @@ is "cache misses" "$(metric surfaced_cache_misses_total)" 1
 # Two enrolments, three verifications, and two whose bodies are bad: the templates are looked
 # up before the body is parsed.
 is "cache hits" "$(metric surfaced_cache_hits_total)" 6
-is "measured" "$(metric 'surfaced_stage_duration_seconds_count{stage="measure"}')" 5
+is "scored" "$(metric 'surfaced_stage_duration_seconds_count{stage="score"}')" 5
 is "minimised" "$(metric 'surfaced_stage_duration_seconds_count{stage="minimal"}')" 3
 is "parsed" "$(metric 'surfaced_stage_duration_seconds_count{stage="parse"}')" 6
 is "total" "$(metric 'surfaced_stage_duration_seconds_count{stage="total"}')" 6
@@ -129,7 +129,7 @@ fi
 # ---- the log
 stop_daemon
 ok "one line a request, with id, times and the token's id" grep -Eq \
-    "^ts=[^ ]+ level=info msg=\"request\" request_id=traced-1 method=POST route=/v1/subjects/\{subject\}/verify status=200 ms=[0-9.]+ queue_ms=[0-9.]+ parse_ms=[0-9.]+ prepare_ms=[0-9.]+ align_ms=[0-9.]+ measure_ms=[0-9.]+ minimal_ms=[0-9.]+ token=$token_id\$" "$LOG"
+    "^ts=[^ ]+ level=info msg=\"request\" request_id=traced-1 method=POST route=/v1/subjects/\{subject\}/verify status=200 ms=[0-9.]+ queue_ms=[0-9.]+ parse_ms=[0-9.]+ prepare_ms=[0-9.]+ score_ms=[0-9.]+ align_ms=[0-9.]+ minimal_ms=[0-9.]+ token=$token_id\$" "$LOG"
 tr ' ' '\n' <"$T/p.xyz" | grep -E '.{7}' >>"$T/private"
 printf '%s\n' "$AUTH" 0123456789abcdef-wrong 12.3456789 5e999 oops alice secretlabel \
     operator disparity decision 'level=error' al%22 >>"$T/private"
@@ -150,7 +150,7 @@ ok "every line is JSON" jq_true -s 'all(has("ts") and has("level") and has("msg"
 # shellcheck disable=SC2016
 ok "numbers are JSON numbers" jq_true -s --arg token "$token_id" \
     'map(select(.request_id == "traced-2"))
-    | length == 1 and (.[0] | .status == 200 and .ms > .measure_ms + .minimal_ms and .token == $token)' "$LOG"
+    | length == 1 and (.[0] | .status == 200 and .ms > .score_ms + .minimal_ms and .token == $token)' "$LOG"
 is "nothing private in JSON either" "$(private_in_log)" ''
 AUTH=
 

@@ -151,8 +151,8 @@ ask GET '/v1/subjects?limit=0' 400
 put POST '/v1/compare?detail=x' 400 "$JSON" "$T/ab.json"
 select_operations true
 while IFS="$(printf '\t')" read -r e_method e_path _; do
-    ask "$e_method" "$e_path?threshold_mm=1000" 400
-    is "the detail names it" "$(get '.detail | contains("parameter threshold_mm here")')" true
+    ask "$e_method" "$e_path?threshold=8" 400
+    is "the detail names it" "$(get '.detail | contains("parameter threshold here")')" true
 done <"$T/each"
 put POST '/v1/asymmetry?units=inch' 400 "$PLY" "$T/a.ply"
 
@@ -171,6 +171,16 @@ put POST /v1/subjects/alice/templates 204 "$PLY" "$T/a.ply" -H "$MIN"
 put POST /v1/subjects/alice/templates 409 "$PLY" "$T/b.ply"
 put POST '/v1/subjects/alice/templates?force=true' 201 "$PLY" "$T/b.ply" -H "$MIN"
 other=$(field Location)
+# several files: taken, there already, and none of them
+jq -c '{points: .points[:3]}' "$T/a2.json" >"$T/few.json"
+for status in 201 200; do
+    ask POST /v1/subjects/erin/templates $status -F "file=@$T/a.ply" -F "file=@$T/few.json" \
+        -F "file=@$T/b.ply" -F "file=@$T/a2.json"
+done
+ask POST /v1/subjects/erin/templates 409 -F "file=@$T/b.ply" -F "file=@$T/few.json"
+ask POST /v1/subjects/erin/templates 422 -F "file=@$T/few.json" -F "file=@$T/b.ply"
+ask POST /v1/subjects/erin/templates 400 -F "file=@$T/api" -F "file=@$T/b.ply"
+ask DELETE /v1/subjects/erin 200
 for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json" -H "$MIN"

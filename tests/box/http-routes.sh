@@ -76,25 +76,25 @@ for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTE
     is "verify as $form" "$STATUS $(get .decision)" "200 match"
 done
 fits verify Verdict
-is "every member is there" "$(get '[.disparity_mm, .threshold_mm, .fmr_at_score, .minimal_mm,
+is "every member is there" "$(get '[.score, .threshold, .fmr_at_score, .disparity_mm,
     .overlap, .templates_compared, .quality.score,
-    .timing_ms.parse, .timing_ms.prepare, .timing_ms.align, .timing_ms.measure,
+    .timing_ms.parse, .timing_ms.prepare, .timing_ms.score, .timing_ms.align,
     .timing_ms.minimal, .timing_ms.total] | all(type == "number" and . >= 0)')" true
 is "the minimal disparity takes its time of the total" \
-    "$(get '.timing_ms | .minimal > 0 and .align + .measure + .minimal < .total')" true
+    "$(get '.timing_ms | .minimal > 0 and .score + .align + .minimal < .total')" true
 is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv')" \
     "$(printf 'alice\t%s\t%s' "$id" "$(jq -r .engine "$T/first")")"
-is "decided by the threshold" "$(get '.disparity_mm <= .threshold_mm')" true
+is "decided by the threshold" "$(get '.score >= .threshold')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
 fits "verify with detail" Verdict
-is "minimal = volume / area" "$(get '(.minimal_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
-is "by the learned weight it is another" "$(get '.minimal.weighted_mm
-    | type == "number" and . > 0' && get '.minimal.weighted_mm == .minimal_mm')" "$(printf 'true\nfalse')"
+is "disparity = volume / area" "$(get '(.disparity_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
+is "weighted it is another" "$(get '.minimal.weighted_mm
+    | type == "number" and . > 0' && get '.minimal.weighted_mm == .disparity_mm')" "$(printf 'true\nfalse')"
 is "the transforms are affine" "$(get '.alignment.transform, .minimal.transform
     | length == 16 and .[12:] == [0,0,0,1]' | sort -u)" true
 is "another pose, near the alignment" "$(get '[.alignment.transform, .minimal.transform]
     | transpose | map(.[0] - .[1] | fabs) | max < 20')" true
-is "regions" "$(get '.regions | type')" object
+is "the regions' parts are the score" "$(get '([.regions[] | numbers] | add) - .score | fabs < 0.05')" true
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 is "verify against one template" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
@@ -102,15 +102,15 @@ is "verify another subject's scan" "$STATUS $(get .decision)" "200 no_match"
 # With a threshold of its own a request could make any probe match, in the audit log as well.
 logged=$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")
 for one in subjects/alice "templates/$id"; do
-    for value in 1e9 0 x ''; do
-        send POST "/v1/$one/verify?threshold_mm=$value" "$PLY" "$T/b.ply"
-        problem "$one, threshold_mm=$value" 400 invalid_parameter \
-            'no query parameter threshold_mm here: this path has units, .*, detail'
+    for value in -1e9 0 x ''; do
+        send POST "/v1/$one/verify?threshold=$value" "$PLY" "$T/b.ply"
+        problem "$one, threshold=$value" 400 invalid_parameter \
+            'no query parameter threshold here: this path has units, .*, detail'
     done
 done
-jq -c '. + {threshold_mm: 1e9}' "$T/a2.json" >"$T/own.json"
+jq -c '. + {threshold: -1e9}' "$T/a2.json" >"$T/own.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/own.json"
-problem "as a member" 400 malformed 'the body has points, units and axes, not threshold_mm'
+problem "as a member" 400 malformed 'the body has points, units and axes, not threshold'
 is "no verification was logged" \
     "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")" "$logged"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
@@ -120,12 +120,14 @@ is "each a number or null" "$(get '.heatmap | all(type == "number" or type == "n
 is "mostly numbers" "$(get '(.heatmap | map(numbers) | length) > (.heatmap | length / 2)')" true
 send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
 problem "detail=all" 400 invalid_parameter
-send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/part.xyz"
+scan 1 1 "$T/less.xyz" --pose 0 --shift 0
+awk '$2 < 0' "$T/less.xyz" >"$T/forehead.xyz"
+send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/forehead.xyz"
 is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
 for query in 'unknown=1' 'units=mm&unknown' 'unknown&units=mm' '&unknown=1&' 'unit=mm' 'unitss=mm' \
     'Units=mm' '%75nits=mm' 'unknown=%zz' '=mm' 'units,%20detail=mm' 'force=true'; do
     send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
-    problem "$query" 400 invalid_parameter 'no query parameter .*here: this path has units, axes, fx, fy, cx, cy, depth_scale, detail$'
+    problem "$query" 400 invalid_parameter 'no query parameter .*here: this path has units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$'
 done
 send POST "/v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1" "$PLY" "$T/a2.ply"
 problem "a long one" 400 invalid_parameter 'no query parameter u0{63} here'
@@ -169,7 +171,7 @@ send POST /v1/compare "$JSON" "$T/ab.json"
 is "compare" "$STATUS $(get '[.decision, .subject, .template_id, .templates_compared] | @csv')" \
     '200 "match",,,1'
 fits compare Verdict
-is "a cloud with itself" "$(get '.disparity_mm < 0.01')" true
+is "a cloud with itself" "$(get '.disparity_mm < 0.01 and .score > .threshold')" true
 send POST /v1/compare "$PLY" "$T/a.ply"
 problem "compare a file" 415 unsupported_media_type
 echo '{"a": {"points": []}}' >"$T/x"

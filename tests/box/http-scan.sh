@@ -171,10 +171,10 @@ is "a check is no refusal" "$(metric 'surfaced_scans_refused_total{code="too_few
 # ---- a form with one file is the file
 is_match() {
     is "$1" "$STATUS $(get .decision)" '200 match'
-    is "$1: the same digits" "$(get .disparity_mm)" "$mm"
+    is "$1: the same digits" "$(get .score)" "$score"
 }
 send POST /v1/subjects/alice/verify "$JSON" "$T/b.json"
-mm=$(get .disparity_mm)
+score=$(get .score)
 for type in '' ';type=application/json' ';type=application/octet-stream' ';type=image/jpeg' \
     ';filename=../../x y";.json'; do
     req POST /v1/subjects/alice/verify -F "file=@$T/b.json$type"

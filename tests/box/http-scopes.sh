@@ -125,7 +125,7 @@ while read -r verb route needs; do
     try "$verb" "$route"
     [ "$needs" = - ] || problem "$verb $route without a token" 401 unauthorized
     AUTH=$all
-    for name in threshold_mm dry_run x; do
+    for name in threshold dry_run x; do
         try "$verb" "$route" "?$name=1"
         problem "$verb $route?$name" 400 invalid_parameter "$name here"
     done

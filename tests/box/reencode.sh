@@ -10,7 +10,7 @@ unset SURFACED_DB SURFACED_MODEL
 
 counts() { said '[.templates, .reencoded, .current, .failed, .undone] | join(" ")'; }
 # models: one with another mean face; and one that only hollow faces resemble.
-mean() { awk -v how="$1" '/^weight/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
+mean() { awk -v how="$1" '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
     $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/default.model; }
 mean raised >"$T/raised.model"
 mean hollow >"$T/hollow.model"
@@ -62,8 +62,8 @@ is "stats" "$(said '.templates, .to_reencode' | tr '\n' ' ')" '3 3 '
 ctl_exits 1 doctor
 ok "doctor" grep -q 'template reencode' "$T/ctl"
 ctl_exits 0 verify alice "$T/alice-later.ply"
-is "the command: as enrolled now" "$(said .disparity_mm)" \
-    "$(jq .disparity_mm "$T/wanted" | head -1)"
+is "the command: as enrolled now" "$(said .score)" \
+    "$(jq .score "$T/wanted" | head -1)"
 
 start_daemon --no-auth
 ok "the daemon says so" grep -q 'level=warn msg="templates were made by another engine.* templates=3' "$LOG"
@@ -129,7 +129,7 @@ ctl_exits 0 init
 ctl_exits 0 import "$T/a" --archive-key "$T/akey"
 is "is taken, to be re-encoded" "$(said '.templates_new, .templates_to_reencode' | tr '\n' ' ')" '1 1 '
 ctl_exits 0 verify alice "$T/alice-later.ply"
-is "and judged by this one" "$(said .disparity_mm)" "$(jq .disparity_mm "$T/wanted" | head -1)"
+is "and judged by this one" "$(said .score)" "$(jq .score "$T/wanted" | head -1)"
 
 # ---- killed in the middle, it goes on.  REPROCESS: how many templates.
 DB=$T/many.db many=${REPROCESS:-60}

@@ -29,25 +29,24 @@ static bool same_floats(const float *a, const float *b, size_t n)
 /* Every member, bit for bit (whichever NAN). */
 static void check_same(const struct model *a, const struct model *b)
 {
-    const struct model_basis *p[3] = {&a->motion, &a->change, &a->shape};
-    const struct model_basis *q[3] = {&b->motion, &b->change, &b->shape};
+    const struct model_basis *p[3] = {&a->change, &a->identity, &a->shape};
+    const struct model_basis *q[3] = {&b->change, &b->identity, &b->shape};
 
     assert_string_equal(a->name, b->name);
     assert_true(same_floats(a->mean, b->mean, GRID_N));
-    assert_true(same_floats(a->weight, b->weight, GRID_N));
-    assert_true(a->cap_mm == b->cap_mm);
+    assert_true(a->kinship == b->kinship && a->noise_floor_mm == b->noise_floor_mm &&
+                a->noise_factor == b->noise_factor);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(p[i]->n, q[i]->n);
         assert_true(same_floats(p[i]->rest, q[i]->rest, GRID_N));
         assert_true(same_floats(&p[i]->mode[0][0], &q[i]->mode[0][0],
                                 (size_t)GRID_N * MODEL_MODES));
     }
-    assert_int_equal(a->decision.n, b->decision.n);
-    assert_true(a->decision.threshold_mm == b->decision.threshold_mm);
-    assert_true(a->decision.halving_mm == b->decision.halving_mm);
-    for (uint32_t i = 0; i < DECISION_KNOTS; i++)
-        assert_true(a->decision.knot[i].mm == b->decision.knot[i].mm &&
-                    a->decision.knot[i].rate == b->decision.knot[i].rate);
+    assert_int_equal(a->calibration.n, b->calibration.n);
+    assert_true(a->calibration.threshold == b->calibration.threshold);
+    for (uint32_t i = 0; i < CALIBRATION_KNOTS; i++)
+        assert_true(a->calibration.knot[i].score == b->calibration.knot[i].score &&
+                    a->calibration.knot[i].rate == b->calibration.knot[i].rate);
     assert_int_equal(model_mean_id(a), model_mean_id(b));
 }
 
@@ -116,7 +115,7 @@ static void test_shipped(void **state)
     again = toy_text(&got, &n);
     assert_int_equal(n, len);
     assert_memory_equal(text, again, len);
-    assert_true(decision_valid(&got.decision));
+    assert_true(calibration_valid(&got.calibration));
     free(text);
     free(again);
 }
@@ -163,9 +162,9 @@ static void test_malformed(void **state)
         const char *after, *from, *to;
         enum status st;
     } bad[] = {
-        {"", "surfaced-model 2", "surfaced-model 3", ST_EVERSION},
-        {"", "surfaced-model 2", "surfaced-model 1", ST_EVERSION},
-        {"", "surfaced-model 2", "surfaced-model x", ST_ECORRUPT},
+        {"", "surfaced-model 3", "surfaced-model 4", ST_EVERSION},
+        {"", "surfaced-model 3", "surfaced-model 2", ST_EVERSION},
+        {"", "surfaced-model 3", "surfaced-model x", ST_ECORRUPT},
         {"", "surfaced-model", "Surfaced-model", ST_ECORRUPT},
         {"", "surfaced-model", "surfaced-models", ST_ECORRUPT},
         {"", "a toy", "a\ttoy", ST_ECORRUPT},
@@ -173,31 +172,32 @@ static void test_malformed(void **state)
          "a toy of a name that is longer than any name may be, by far, even if nobody ever "
          "would need so long a one",
          ST_ECORRUPT},
-        {"cap", "10000", "0", ST_ECORRUPT},
-        {"cap", "10000", "-10000", ST_ECORRUPT},
-        {"cap", "1000000", "100000001", ST_ECORRUPT},
-        {"cap", "10000", "1.5", ST_ECORRUPT},
-        {"cap", "10000", "10000x", ST_ECORRUPT},
-        {"cap", "10000", "99999999999999999999", ST_ECORRUPT},
-        {"cap", "10000", "nan", ST_ECORRUPT},
-        {"threshold", "2000", "0", ST_ECORRUPT},
-        {"knots", "3", "1", ST_ECORRUPT},
-        {"knots", "3", "33", ST_ECORRUPT},
-        {"3\n", "200000 1000000", "200000 0", ST_ECORRUPT},
-        {"weight", " 0 ", " . ", ST_ECORRUPT},
-        {"weight", " 0 ", " -1 ", ST_ECORRUPT},
+        {"", "kinship 300", "kinship 1000", ST_ECORRUPT},
+        {"", "kinship 300", "kinship -1", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor 0", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor 100001", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor 1.5", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor 500x", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor 99999999999999999999", ST_ECORRUPT},
+        {"", "noise_floor 500", "noise_floor nan", ST_ECORRUPT},
+        {"", "noise_factor 1200", "noise_factor -1", ST_ECORRUPT},
+        {"", "threshold 8000", "threshold 10000001", ST_ECORRUPT},
+        {"", "knots 3", "knots 1", ST_ECORRUPT},
+        {"", "knots 3", "knots 33", ST_ECORRUPT},
+        {"knots", "-50000 1000000000", "-50000 0", ST_ECORRUPT},
         {"mean", " . ", " 200001 ", ST_ECORRUPT},
         {"mean", " . ", " .. ", ST_ECORRUPT},
         {"mean", " . ", " .5 ", ST_ECORRUPT},
         {"mean", "mean", "means", ST_ECORRUPT},
-        {"motion", "4", "73", ST_ECORRUPT},
-        {"motion", "4", "-4", ST_ECORRUPT},
-        {"motion", " 0 ", " 100001 ", ST_ECORRUPT},
+        {"change", "6", "105", ST_ECORRUPT},
+        {"change", "6", "-6", ST_ECORRUPT},
+        {"change", " 0 ", " 100001 ", ST_ECORRUPT},
         {"change 6", "mode", "rest", ST_ECORRUPT},
-        {"change 6", "shape", "change", ST_ECORRUPT},
-        {"shape", "6", "73", ST_ECORRUPT},
+        {"change 6", "identity", "shape", ST_ECORRUPT},
+        {"identity 12", "mode", "rest", ST_ECORRUPT},
+        {"shape", "18", "105", ST_ECORRUPT},
         {"shape", " 0 ", " -1 ", ST_ECORRUPT},
-        {"shape 6", "mode", "end", ST_ECORRUPT},
+        {"shape 18", "mode", "end", ST_ECORRUPT},
     };
 
     (void)state;
@@ -219,16 +219,16 @@ static void test_contradictions(void **state)
             if (what == 0)
                 bad.mean[i] = (float)NAN;
             if (what == 1)
-                bad.weight[i] = 0.0f;
-            if (what == 2)
                 bad.change.rest[i] = 0.0f;
-            if (what == 5)
+            if (what == 2)
                 bad.shape.rest[i] = 0.0f;
         }
         if (what == 3)
-            bad.decision.knot[1] = bad.decision.knot[0];
+            bad.calibration.knot[1] = bad.calibration.knot[0];
         if (what == 4)
-            bad.decision.knot[2].rate = 0.9;
+            bad.calibration.knot[2].rate = 0.9;
+        if (what == 5)
+            bad.identity.n = 0;
         text = toy_text(&bad, &len);
         assert_int_equal(model_parse(text, len, &got, NULL), ST_ECORRUPT);
         free(text);
@@ -274,8 +274,8 @@ static void test_mark(void **state)
 
     (void)state;
     other = model;
-    other.weight[700] += 1.0f;
-    other.cap_mm = 2;
+    other.change.rest[700] += 1.0f;
+    other.kinship = 0;
     assert_int_equal(model_mean_id(&model), model_mean_id(&other));
     other.mean[700] += 0.001f;
     assert_int_not_equal(model_mean_id(&model), model_mean_id(&other));
@@ -286,18 +286,19 @@ static void test_mark(void **state)
 static void test_digest(void **state)
 {
     static struct model other;
-    float *const counts[] = {&other.mean[700],
-                             &other.weight[700],
-                             &other.cap_mm,
-                             &other.motion.rest[700],
-                             &other.motion.mode[700][3],
-                             &other.change.rest[700],
-                             &other.change.mode[700][5],
-                             &other.shape.rest[700],
-                             &other.shape.mode[700][5]};
+    float *const counts[] = {&other.mean[700],           &other.change.rest[700],
+                             &other.change.mode[700][5], &other.identity.mode[700][3],
+                             &other.shape.rest[700],     &other.shape.mode[700][5]};
+    double *const scalars[] = {&other.kinship, &other.noise_floor_mm,
+                               &other.noise_factor};
     const uint64_t digest = model_digest(&model);
 
     (void)state;
+    for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
+        other = model;
+        *scalars[i] += 0.001;
+        assert_true(model_digest(&other) != digest);
+    }
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         other = model;
         *counts[i] += 0.001f;
@@ -305,7 +306,7 @@ static void test_digest(void **state)
     }
     other = model;
     other.name[0] = 'A';
-    other.decision.threshold_mm += 1;
+    other.calibration.threshold += 1;
     assert_true(model_digest(&other) == digest);
     other.shape.n--;
     assert_true(model_digest(&other) != digest);

@@ -194,7 +194,7 @@ static void check_rectangle(const struct shape_fit *f, const double r[4], double
             y < r[3] - margin && !isnan(model.mean[i]))
             wrong += f->cell[i] != want;
     }
-    assert_in_range(wrong, 0, 2);
+    assert_in_range(wrong, 0, 4);
 }
 
 static void check_outside(const struct shape_fit *f, const double r[4], double margin)
@@ -264,8 +264,8 @@ static void test_hard(void **state)
         cover(h[0], h[1], h[2], h[3], 9);
         fit(&still, false, &f);
         fit(&still, true, &g);
-        assert_true(g.support >= f.support && (k > 0 || g.support > f.support + 0.2));
-        assert_true(off(&g) < (k > 0 ? 7 : 1));
+        assert_true(g.worth >= f.worth && (k > 0 || g.support > 0.6));
+        assert_true(off(&g) < (k > 0 ? 9 : 1));
     }
 }
 
@@ -288,7 +288,7 @@ static void test_glasses(void **state)
             cover(lens[k][0], lens[k][1], lens[k][2], lens[k][3], (double)NAN);
         fit(&still, true, &f);
         for (int k = 0; k < 2; k++)
-            check_rectangle(&f, lens[k], 2, rims ? SHAPE_COVER : SHAPE_EMPTY);
+            check_rectangle(&f, lens[k], 4, rims ? SHAPE_COVER : SHAPE_EMPTY);
         check_outside(&f, (const double[4]){-50, 50, 16, 48}, rims ? 9 : 0);
         assert_true(rims || f.cover == 0);
         assert_true(off(&f) < 1.5);
@@ -461,11 +461,41 @@ static void test_map(void **state)
     scratch_free(&s);
 }
 
+/* A cell of the face without points has the mean of those beside it, if there are two: at a corner
+ * of the grid too, where the cells at its other side are not beside it. */
+static void test_fill(void **state)
+{
+    static float level[GRID_N], over[GRID_N];
+    const uint32_t corner = 0, left = 5 * GRID_NX, inner = 20 * GRID_NX + 10;
+    const float none = (float)NAN;
+
+    (void)state;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        level[i] = 0.0f;
+        over[i] = none;
+    }
+    over[inner - 1] = 1;
+    over[inner + 1] = 2;
+    over[inner + GRID_NX] = 6;
+    over[corner + 1] = 4;
+    over[GRID_NX] = 8;
+    over[left - 1] = 3; /* the end of the row below */
+    over[left + 1] = 5;
+    shape_map_fill(level, over);
+    assert_true(over[inner] == 3.0f && over[inner + 1] == 2.0f);
+    assert_true(over[corner] == 6.0f && isnan(over[left]));
+    assert_true(isnan(over[inner - GRID_NX]) && isnan(over[inner + 2]));
+    level[inner] = over[inner] = none;
+    shape_map_fill(level, over);
+    assert_true(isnan(over[inner])); /* off the face */
+}
+
 /* shape_judge() in one pass is the weighted least squares of all covered cells. */
 static void test_squares(void **state)
 {
     static const struct {
         double limit, prior;
+        uint32_t modes;
     } pass[] = SHAPE_JUDGE;
     struct brute_rng rng = {brute_seed("squares")};
     struct scratch s = {0};
@@ -481,6 +511,8 @@ static void test_squares(void **state)
     judge(&still, &f);
     assert_int_equal(shape_map_points(pts, n, &still, model.mean, &s, &p), ST_OK);
     shape_map_make(&p, &still, model.mean, over);
+    for (int k = 0; k < SHAPE_FILL; k++)
+        shape_map_fill(model.mean, over);
     for (uint32_t k = 0; k < 6; k++)
         g[k] = pass[0].prior * f.a[k];
     for (uint32_t i = 0; i < GRID_N; i++) {
@@ -538,11 +570,16 @@ int main(void)
         cmocka_unit_test(test_glasses),   cmocka_unit_test(test_flat),
         cmocka_unit_test(test_nothing),   cmocka_unit_test(test_invariant),
         cmocka_unit_test(test_starts),    cmocka_unit_test(test_map),
-        cmocka_unit_test(test_squares),   cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_fill),      cmocka_unit_test(test_squares),
+        cmocka_unit_test(test_no_memory),
     };
     int failed;
 
     toy_model(&model);
+    model.shape.n = 6;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        for (uint32_t k = 6; k < MODEL_MODES; k++)
+            model.shape.mode[i][k] = 0.0f;
     shape_work_prepare(&model, &work);
     failed = cmocka_run_group_tests(tests, NULL, NULL);
     shape_work_free(&work);

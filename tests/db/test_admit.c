@@ -179,10 +179,8 @@ static void test_state(void **state)
     struct store *s = make();
     struct store_admit what = {.subject = "alice", .token = "test"};
     struct store_admission a;
-    struct store_calibration k = {.fmr = 0.001,
-                                  .low_mm = 0.1,
-                                  .high_mm = 0.9,
-                                  .decision = store_model(s)->decision};
+    struct store_calibration k = {
+        .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
 
     (void)state;
     assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
@@ -226,7 +224,7 @@ static void test_state(void **state)
     assert_transactions(1, 0);
     what.listed = NULL;
     /* By a damaged calibration nobody may decide. */
-    tempdb_sql("UPDATE calibrations SET threshold_mm = threshold_mm + 1");
+    tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
     what.calibration = 0;
     assert_int_equal(store_admit(s, &what, &a, &e), ST_ECORRUPT);
     store_close(s);
@@ -388,14 +386,16 @@ static void test_replayed(void **state)
     (void)state;
     for (int i = 0; i < 3; i++)
         memset(digest[i], 'a' + i, 64);
-    assert_int_equal(store_enroll(s,
-                                  &(struct store_sample){.actor = "test",
-                                                         .subject = "carol",
-                                                         .label = "",
-                                                         .face = &tempdb_face[2],
-                                                         .read = digest[0]},
-                                  &carol, &created, &e),
-                     ST_OK);
+    assert_int_equal(
+        store_enroll(s,
+                     &(struct store_enroll){
+                         .actor = "test",
+                         .subject = "carol",
+                         .label = "",
+                         .sample = &(struct store_sample){&tempdb_face[2], digest[0]},
+                         .n = 1},
+                     &carol, &created, &e),
+        ST_OK);
     /* The cloud of a template, as it was used and as it was read; of this subject alone. */
     assert_true(replayed(s, "alice", digest[1], t[0].digest, 0));
     assert_true(replayed(s, "alice", digest[1], t[1].digest, 0));

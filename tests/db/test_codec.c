@@ -24,13 +24,16 @@
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
+#include "model.h"
 #include "mst.h"
 #include "predicates.h"
 
-#define GOLDEN "tests/golden/model_v1.bin"
-#define HEADER 128
-#define MARK   28 /* where the frame's mark is */
-#define FRAME  32 /* and the frame: 12 doubles */
+#define GOLDEN   "tests/golden/model_v2.bin"
+#define HEADER   128
+#define ENCODING 172 /* with no modes */
+#define MODES    6   /* where the number of modes is, */
+#define MARK     28  /* where the frame's mark is */
+#define FRAME    32  /* and the frame: 12 doubles */
 
 static struct scratch scratch;
 static struct face_work *work;
@@ -45,7 +48,7 @@ static void build(enum brute_shape shape, size_t n, struct brute_rng *r, struct 
 
 static unsigned char *encode(const struct face *f, size_t *len)
 {
-    unsigned char *buf = malloc(*len = codec_size(&f->surface.mesh));
+    unsigned char *buf = malloc(*len = codec_size(f));
 
     assert_non_null(buf);
     codec_encode(f, buf);
@@ -92,16 +95,18 @@ static void round_trip(const struct face *f)
     unsigned char *buf = encode(f, &len), *odd = malloc(len + 1), *again;
 
     if (f->surface.mesh.nv >= 100 && f->surface.mesh.nv <= 65535)
-        assert_true(len <= 32 * (size_t)f->surface.mesh.nv);
+        assert_true(len <= 32 * (size_t)f->surface.mesh.nv + ENCODING);
     assert_non_null(odd);
     memcpy(odd + 1, buf, len); /* at an odd address */
     assert_int_equal(codec_decode(odd + 1, len, work, &g, &e), ST_OK);
     assert_same(&f->surface.mesh, &g.surface.mesh);
     assert_true(align_pose_rigid(&g.frame.pose) && g.frame.mean_id != 0);
-    codec_encode(&g, buf);
+    free(buf);
+    buf = encode(&g, &len);
     assert_int_equal(codec_decode(buf, len, work, &h, &e), ST_OK);
     assert_same(&f->surface.mesh, &h.surface.mesh);
     assert_memory_equal(&g.frame.pose, &h.frame.pose, sizeof g.frame.pose);
+    assert_int_equal(g.encoding.n, h.encoding.n);
     again = encode(&h, &len);
     assert_memory_equal(buf, again, len);
     free(again);
@@ -133,8 +138,8 @@ static void test_round_trip(void **state)
         assert_int_equal(delaunay_build(pts, n, &scratch, &f.surface.mesh), ST_OK);
         assert_int_equal(mst_build(&f.surface.mesh, &scratch), ST_OK);
         round_trip(&f);
-        assert_int_equal(codec_size(&f.surface.mesh),
-                         HEADER + 8 + edge[i].bytes * n - edge[i].less);
+        assert_int_equal(codec_size(&f),
+                         HEADER + ENCODING + 8 + edge[i].bytes * n - edge[i].less);
     }
     face_free(&f);
 }
@@ -228,7 +233,8 @@ static void test_checked(void **state)
         build((enum brute_shape)shape, 40, &r, &f);
         buf = encode(&f, &len);
         assert_int_equal(decode(buf, len, &g, &e), ST_OK); /* which finds its frame */
-        codec_encode(&g, buf);
+        free(buf);
+        buf = encode(&g, &len);
         for (size_t i = 0; i < len - 8; i++) {
             if (i >= MARK && i < MARK + 4)
                 continue;
@@ -252,13 +258,13 @@ static void test_checked(void **state)
     face_free(&g);
 }
 
-static size_t golden(const char *path, unsigned char buf[512])
+static size_t golden(const char *path, unsigned char buf[1024])
 {
     FILE *in = fopen(path, "rb");
     size_t len;
 
     assert_non_null(in);
-    len = fread(buf, 1, 512, in);
+    len = fread(buf, 1, 1024, in);
     (void)fclose(in);
     return len;
 }
@@ -271,9 +277,15 @@ static void test_golden(void **state)
     static const uint32_t parent[5] = {0, 0, 1, 1, 1};
     static const struct frame frame = {
         {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0, 0};
+    static const struct encoding encoding = {.a = {4, 0.5f, 9},
+                                             .b = {1.5f, -2},
+                                             .residual_mm = 0.75f,
+                                             .cells = 3,
+                                             .there = {[0] = 0x81, [163] = 0x40},
+                                             .n = 2};
     struct face f = {0};
     struct errinfo e;
-    unsigned char buf[512], again[512];
+    unsigned char buf[1024], again[1024];
     char digest[65];
     size_t len = 0;
 
@@ -292,14 +304,15 @@ static void test_golden(void **state)
     assert_int_equal(codec_digest(&f.surface.mesh, digest), ST_OK);
     assert_string_equal(
         digest, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
-    assert_int_equal(codec_size(&f.surface.mesh), len);
     f.frame = frame;
+    f.encoding = encoding;
+    assert_int_equal(codec_size(&f), len);
     codec_encode(&f, again);
     assert_memory_equal(buf, again, len);
-    buf[4] = 2; /* a version to come */
+    buf[4] = 3; /* a version to come */
     put_checksum(buf, len);
     assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
-    buf[4] = 0;
+    buf[4] = 1;
     put_checksum(buf, len);
     assert_int_equal(codec_decode(buf, len, work, &f, &e), ST_EVERSION);
     face_free(&f);
@@ -395,6 +408,146 @@ static void test_frame(void **state)
     face_free(&g);
 }
 
+/* ---- the encoding */
+
+static void put_bits(unsigned char *p, uint32_t v)
+{
+    for (int i = 0; i < 4; i++)
+        p[i] = (unsigned char)(v >> 8 * i & 0xff);
+}
+
+/* Of a face that was built it is what face_build() made, to the last bit; of any other number of
+ * modes too, none and the most included. */
+static void test_encoding(void **state)
+{
+    static const uint32_t modes[] = {0, 1, 7, MODEL_MODES};
+    struct brute_rng r = {brute_seed("encoding")};
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encoded_face(&f, &len);
+
+    (void)state;
+    assert_true(f.encoding.n > 0);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    assert_memory_equal(&f.encoding, &g.encoding, sizeof f.encoding);
+    free(buf);
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
+        memset(&f.encoding, 0, sizeof f.encoding);
+        memset(&g.encoding, 0, sizeof g.encoding);
+        f.encoding.n = modes[i];
+        f.encoding.residual_mm = (float)brute_real(&r);
+        for (uint32_t k = 0; k < modes[i]; k++)
+            f.encoding.b[k] = (float)(brute_real(&r) - 0.5);
+        for (uint32_t k = 0; k < modes[i] * (modes[i] + 1) / 2; k++)
+            f.encoding.a[k] = (float)(brute_real(&r) - 0.5);
+        for (uint32_t k = 0; k < GRID_N; k += 5, f.encoding.cells++)
+            f.encoding.there[k / 8] |= (uint8_t)(1U << k % 8);
+        buf = encode(&f, &len);
+        assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+        assert_memory_equal(&f.encoding, &g.encoding, sizeof f.encoding);
+        free(buf);
+    }
+    face_free(&f);
+    face_free(&g);
+}
+
+/* An encoding that contradicts itself, or has a number that is none, is refused; so is one of
+ * more modes than there are, and one that is cut off. */
+static void test_bad_encoding(void **state)
+{
+    static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
+                                    0x7f800001}; /* NAN, infinite, ... */
+    const size_t residual = HEADER, cells = HEADER + 4, there = HEADER + 8;
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
+    const uint32_t n = f.encoding.n, pairs = n * (n + 1) / 2;
+    const uint32_t at[] = {0, 1, n - 1, n, n + pairs / 2, n + pairs - 1};
+
+    (void)state;
+    assert_non_null(other);
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++)
+        for (size_t i = 0; i <= sizeof at / sizeof *at; i++) {
+            memcpy(other, buf, len);
+            put_bits(other + (i == 0 ? residual : HEADER + ENCODING + 4 * at[i - 1]),
+                     none[k]);
+            put_checksum(other, len);
+            assert_int_equal(decode(other, len, &g, &e), ST_ECORRUPT);
+            assert_non_null(strstr(e.msg, "encoding"));
+        }
+    for (int i = 0; i < 5; i++) {
+        memcpy(other, buf, len);
+        if (i == 0)
+            put_bits(other + residual, 0xbf800000); /* -1 */
+        if (i == 1)
+            put_bits(other + cells, f.encoding.cells + 1);
+        if (i == 2)
+            put_bits(other + cells, 0);
+        if (i == 3)
+            other[there + 50] ^= 16;
+        if (i == 4)
+            other[there + GRID_N / 8 - 1] ^= 128;
+        put_checksum(other, len);
+        assert_int_equal(decode(other, len, &g, &e), ST_ECORRUPT);
+        assert_non_null(strstr(e.msg, "encoding"));
+    }
+    put_bits(buf + residual, 0); /* as little as there may be */
+    put_checksum(buf, len);
+    assert_int_equal(decode(buf, len, &g, &e), ST_OK);
+    free(buf);
+    free(other);
+    face_free(&f);
+    face_free(&g);
+}
+
+/* The number of modes says how long the block is: more than MODEL_MODES, or one more or less than
+ * there are, is refused even where the length of the header agrees. */
+static void test_modes(void **state)
+{
+    struct face f = {0}, g = {0};
+    struct errinfo e;
+    size_t len;
+    unsigned char *buf = encoded_face(&f, &len), *other;
+    const uint32_t n = f.encoding.n;
+
+    (void)state;
+    for (uint32_t modes = 0; modes <= MODEL_MODES + 2; modes++) {
+        const size_t was = 4 * n + 2 * n * (n + 1),
+                     now = 4 * modes + 2 * modes * (modes + 1);
+        const size_t size = len - was + now, head = HEADER + ENCODING;
+
+        for (int fits = 0; fits < 2; fits++) {
+            const size_t total = fits ? size : len;
+
+            assert_non_null(other = calloc(total, 1));
+            memcpy(other, buf, fits ? head : len);
+            if (fits) /* the rest of the face where it belongs then */
+                memcpy(other + head + now, buf + head + was, len - head - was);
+            other[MODES] = (unsigned char)(modes & 0xff);
+            other[MODES + 1] = (unsigned char)(modes >> 8);
+            put_bits(other + 8, (uint32_t)total);
+            put_checksum(other, total);
+            assert_int_equal(decode(other, total, &g, &e),
+                             (fits || modes == n) && modes <= MODEL_MODES ? ST_OK
+                                                                          : ST_ECORRUPT);
+            free(other);
+        }
+    }
+    for (size_t cut = HEADER; cut < HEADER + ENCODING + 4 * n; cut += 37) {
+        assert_non_null(other = malloc(len));
+        memcpy(other, buf, len);
+        put_bits(other + 8, (uint32_t)cut);
+        put_checksum(other, cut);
+        assert_int_equal(decode(other, cut, &g, &e), ST_ECORRUPT);
+        free(other);
+    }
+    free(buf);
+    face_free(&f);
+    face_free(&g);
+}
+
 /* The digest knows the points, not their numbers. */
 static void test_digest(void **state)
 {
@@ -476,7 +629,9 @@ int main(void)
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_every_byte),
         cmocka_unit_test(test_checked),    cmocka_unit_test(test_golden),
         cmocka_unit_test(test_no_mark),    cmocka_unit_test(test_frame),
-        cmocka_unit_test(test_digest),     cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_encoding),   cmocka_unit_test(test_bad_encoding),
+        cmocka_unit_test(test_modes),      cmocka_unit_test(test_digest),
+        cmocka_unit_test(test_no_memory),
     };
 
     return cmocka_run_group_tests_name("codec", tests, set_up, tear_down);

@@ -22,7 +22,7 @@
 #include "tempdb.h"
 
 #define POINTS    110
-#define THRESHOLD 0.4321
+#define THRESHOLD 8.4321
 #define SEED      5
 #define PROCESSES 3
 
@@ -85,18 +85,16 @@ static void fill(struct store *s)
     static const bool yes = true, no = false;
     const struct store_subject_change disable = {.disabled = &yes},
                                       enable = {.disabled = &no};
-    struct store_calibration loose,
-        k = {
-            .fmr = 0.001,
-            .low_mm = 0.4,
-            .high_mm = 0.5,
-            .subjects = 80,
-            .impostors = 6320,
-            .decision = {.threshold_mm = THRESHOLD,
-                         .halving_mm = 0.03,
-                         .n = 2,
-                         .knot = {{THRESHOLD, 0.001}, {5, 1}}},
-        };
+    struct store_calibration loose, k = {
+                                        .fmr = 0.001,
+                                        .low = 0,
+                                        .high = 9,
+                                        .subjects = 80,
+                                        .impostors = 6320,
+                                        .table = {.threshold = THRESHOLD,
+                                                  .n = 2,
+                                                  .knot = {{-50, 1}, {THRESHOLD, 0.001}}},
+                                    };
     struct store_token t, gate;
     char text[128], was[65];
     bool created;
@@ -108,7 +106,7 @@ static void fill(struct store *s)
     assert_int_equal(store_token_revoke(s, "test", gate.id, &e), ST_OK);
     assert_int_equal(store_subject_set(s, "test", "alice", &disable, &e), ST_OK);
     loose = k;
-    loose.decision.threshold_mm = loose.decision.knot[0].mm = 3;
+    loose.table.threshold = loose.table.knot[1].score = 3;
     assert_int_equal(store_calibration_add(s, "test", &loose, &e), ST_OK);
     assert_int_equal(
         store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e),
@@ -169,7 +167,7 @@ static unsigned ask(struct store *s)
     }
     MUST(store_token_check(s, revoked, &t, &e) != ST_OK);
     if ((st = store_calibration_get(s, &k, &e)) == ST_OK) {
-        MUST(k.decision.threshold_mm == THRESHOLD && !k.shipped);
+        MUST(k.table.threshold == THRESHOLD && !k.shipped);
         answers++;
     }
     MUST(st != ST_ENOTFOUND);

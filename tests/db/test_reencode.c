@@ -35,7 +35,7 @@ struct bytes {
 
 static void encode(const struct face *f, struct bytes *out)
 {
-    out->n = codec_size(&f->surface.mesh);
+    out->n = codec_size(f);
     assert_true(out->n <= BYTES);
     codec_encode(f, out->b);
 }
@@ -75,7 +75,7 @@ static void make_models(void)
             if (i == SHIFTED)
                 model[i].mean[k] += 2;
             if (i == HOLDS && k % 2 == 0)
-                model[i].motion.rest[k] *= 3;
+                model[i].identity.mode[k][0] *= 3;
             if (i == HOLLOW)
                 model[i].mean[k] = -model[i].mean[k];
         }

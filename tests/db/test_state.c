@@ -19,16 +19,13 @@ static char secret[65]; /* of the token that was revoked since */
 static struct store_template a, b,
     c; /* alice's: a was deleted since; bob's, who was erased */
 
-static struct store_calibration calibration(double threshold_mm)
+static struct store_calibration calibration(double threshold)
 {
     return (struct store_calibration){
         .fmr = 0.001,
-        .low_mm = threshold_mm * 0.9,
-        .high_mm = threshold_mm * 1.1,
-        .decision = {.threshold_mm = threshold_mm,
-                     .halving_mm = 0.03,
-                     .n = 2,
-                     .knot = {{threshold_mm, 0.001}, {5, 1}}},
+        .low = threshold - 1,
+        .high = threshold + 1,
+        .table = {.threshold = threshold, .n = 2, .knot = {{-50, 1}, {threshold, 0.001}}},
     };
 }
 
@@ -81,7 +78,7 @@ static void must_be_safe(struct store *s)
     assert_int_not_equal(store_template_get(s, c.id, &t, &e), ST_OK);
     assert_int_not_equal(store_subject_get(s, "bob", &one, &e), ST_OK);
     if (store_calibration_get(s, &k, &e) == ST_OK)
-        assert_true(k.decision.threshold_mm == 0.1);
+        assert_true(k.table.threshold == 0.1);
     else
         assert_int_equal(e.code, ST_ECORRUPT);
     if (store_template_list(s, "alice", &list, &n, &e) == ST_OK) {

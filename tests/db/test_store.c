@@ -86,10 +86,12 @@ static void test_templates(void **state)
 static enum status after(struct store *s, const char *subject, int face,
                          const char *newest, struct store_template *t, bool *created)
 {
-    const struct store_sample what = {.actor = "",
+    const struct store_sample sample = {.face = &tempdb_face[face]};
+    const struct store_enroll what = {.actor = "",
                                       .subject = subject,
                                       .label = "",
-                                      .face = &tempdb_face[face],
+                                      .sample = &sample,
+                                      .n = 1,
                                       .newest = newest};
 
     return store_enroll(s, &what, t, created, &e);
@@ -120,6 +122,60 @@ static void test_enroll_after(void **state)
     assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_OK);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE kind = 'enroll'"),
+                     3);
+}
+
+/* Several samples at once: each a template, but for what is there already; all of them or none. */
+static void test_enroll_several(void **state)
+{
+    struct store *s = tempdb_fresh();
+    char read[65] = "";
+    struct store_sample sample[5] = {{.face = &tempdb_face[0]},
+                                     {.face = &tempdb_face[1], .read = read},
+                                     {.face = &tempdb_face[0]},
+                                     {.face = &tempdb_face[2], .read = read}};
+    struct store_enroll what = {.actor = "",
+                                .subject = "alice",
+                                .label = "",
+                                .sample = sample,
+                                .n = 5,
+                                .newest = ""};
+    struct face bad = tempdb_face[3]; /* which the database refuses */
+    struct store_template t[5], *list;
+    struct store_subject who;
+    bool created[5];
+    size_t n;
+
+    (void)state;
+    memset(read, 'a', 64);
+    bad.surface.mesh.nt = 0;
+    sample[4].face = &bad;
+    assert_int_equal(store_enroll(s, &what, t, created, &e), ST_EDB);
+    assert_false(created[0] || created[1] || created[4]);
+    assert_int_equal(store_subject_get(s, "alice", &who, &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 0);
+
+    sample[4].face = &tempdb_face[3];
+    assert_int_equal(store_enroll(s, &what, t, created, &e), ST_OK);
+    assert_true(created[0] && created[1] && !created[2] && !created[3] && created[4]);
+    assert_string_equal(t[2].id, t[0].id);
+    assert_string_equal(t[3].id, t[1].id);
+    assert_int_equal(store_template_list(s, "alice", &list, &n, &e), ST_OK);
+    assert_int_equal(n, 3);
+    assert_string_equal(list[0].id, t[0].id);
+    assert_string_equal(list[1].id, t[1].id);
+    assert_string_equal(list[2].id, t[4].id);
+    free(list);
+    assert_int_equal(store_subject_get(s, "alice", &who, &e), ST_OK);
+    assert_int_equal(who.templates, 3);
+
+    /* behind a sample that is there the last template counts all the same */
+    assert_int_equal(store_template_delete(s, "", t[1].id, &e), ST_OK);
+    assert_int_equal(store_enroll(s, &what, t, created, &e), ST_EEXISTS);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
+    assert_int_equal(tempdb_check(s).problems, 0);
+    store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM events WHERE kind = 'enroll'"),
                      3);
 }
@@ -366,10 +422,15 @@ static void test_encrypted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_templates),     cmocka_unit_test(test_enroll_after),
-        cmocka_unit_test(test_subjects),      cmocka_unit_test(test_events),
-        cmocka_unit_test(test_bad_arguments), cmocka_unit_test(test_erased),
-        cmocka_unit_test(test_encrypted),     cmocka_unit_test(test_erased_while_read),
+        cmocka_unit_test(test_templates),
+        cmocka_unit_test(test_enroll_after),
+        cmocka_unit_test(test_enroll_several),
+        cmocka_unit_test(test_subjects),
+        cmocka_unit_test(test_events),
+        cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_erased),
+        cmocka_unit_test(test_encrypted),
+        cmocka_unit_test(test_erased_while_read),
     };
 
     return cmocka_run_group_tests_name("store", tests, tempdb_begin_faces,

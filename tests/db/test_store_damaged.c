@@ -173,8 +173,8 @@ static void test_damaged_rows(void **state)
         "UPDATE templates SET model = zeroblob(41)",
         "UPDATE templates SET model = zeroblob(100)",
         "UPDATE templates SET model = substr(model, 1, 1000)",
-        ("UPDATE templates SET model = CAST(substr(model, 1, 5000) || x'55' ||"
-         " substr(model, 5002) AS BLOB)"),
+        ("UPDATE templates SET model = CAST(substr(model, 1, 5000) ||"
+         " x'5555555555555555' || substr(model, 5009) AS BLOB)"),
         "UPDATE templates SET points = points + 1",
         "UPDATE templates SET points = -7",
         "UPDATE templates SET about = zeroblob(100)",

@@ -27,11 +27,16 @@ static inline void cloud_check(const struct cloudpoints *p)
 
 static inline int cloud_fuzz(const void *data, size_t size, enum cloudformat format)
 {
-    const struct cloudfile_options o = {
-        .format = format,
-        .max_points = CLOUD_MAX,
-        .max_bytes = 1 << 20,
-        .camera = {.fx = 500, .fy = 500, .cx = 20, .cy = 10}};
+    const bool raw = format == CLOUDFORMAT_RAW;
+    const struct cloudfile_options o = {.format = format,
+                                        .max_points = CLOUD_MAX,
+                                        .max_bytes = 1 << 20,
+                                        .camera = {.fx = 500,
+                                                   .fy = 500,
+                                                   .cx = 20,
+                                                   .cy = 10,
+                                                   .width = raw ? 4 : 0,
+                                                   .height = raw ? 3 : 0}};
     struct cloudpoints p;
     struct errinfo e = {0};
     char *copy = malloc(size + 1);

@@ -20,7 +20,7 @@
 #include "store.h"
 
 #define POINTS    110
-#define THRESHOLD 0.4321
+#define THRESHOLD 8.4321
 #define EDITS_MAX 16
 
 #define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
@@ -99,14 +99,11 @@ static void fill(struct store *s)
 {
     struct store_calibration k = {
         .fmr = 0.001,
-        .low_mm = 0.4,
-        .high_mm = 0.5,
+        .low = THRESHOLD - 1,
+        .high = THRESHOLD + 1,
         .subjects = 80,
         .impostors = 6320,
-        .decision = {.threshold_mm = THRESHOLD,
-                     .halving_mm = 0.03,
-                     .n = 2,
-                     .knot = {{THRESHOLD, 0.001}, {5, 1}}},
+        .table = {.threshold = THRESHOLD, .n = 2, .knot = {{-50, 1}, {THRESHOLD, 0.001}}},
     };
     const struct store_subject_change disable = {.disabled = &(bool){true}};
     struct store_settled settled = {.may = false};
@@ -115,11 +112,14 @@ static void fill(struct store *s)
     bool created;
 
     for (size_t i = 0; i < 4; i++)
-        MUST(store_enroll(
-                 s,
-                 &(struct store_sample){
-                     .actor = "test", .subject = owner[i], .label = "", .face = &face[i]},
-                 &tmpl[i], &created, &e) == ST_OK);
+        MUST(store_enroll(s,
+                          &(struct store_enroll){
+                              .actor = "test",
+                              .subject = owner[i],
+                              .label = "",
+                              .sample = &(struct store_sample){.face = &face[i]},
+                              .n = 1},
+                          &tmpl[i], &created, &e) == ST_OK);
     MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
     MUST(store_settle(
              s,
@@ -454,7 +454,7 @@ static void ask(struct store *s)
         MUST(t.scopes == STORE_SCOPE_VERIFY && t.expires[0] == '\0');
     MUST(store_token_check(s, revoked, &t, &e) != ST_OK);
     if (store_calibration_get(s, &k, &e) == ST_OK)
-        MUST(k.decision.threshold_mm == THRESHOLD && !k.shipped);
+        MUST(k.table.threshold == THRESHOLD && !k.shipped);
     ask_lists(s);
     (void)store_check(s, ignore, NULL, &check, &e);
 }
@@ -469,8 +469,11 @@ static void change(struct store *s)
 
     if (store_enroll(
             s,
-            &(struct store_sample){
-                .actor = "test", .subject = "dave", .label = "", .face = &face[4]},
+            &(struct store_enroll){.actor = "test",
+                                   .subject = "dave",
+                                   .label = "",
+                                   .sample = &(struct store_sample){.face = &face[4]},
+                                   .n = 1},
             &t, &created, &e) == ST_OK) {
         MUST(created && strcmp(t.subject, "dave") == 0);
         if (store_template_list(s, "dave", &list, &n, &e) == ST_OK) {

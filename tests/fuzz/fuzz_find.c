@@ -33,8 +33,7 @@ static void check(const struct find *f)
     for (uint32_t i = 0; i < f->n; i++) {
         const struct find_pose *p = &f->pose[i];
 
-        require(isfinite(p->key) && p->unit_mm == f->pose[0].unit_mm);
-        require(fabs(p->likeness) <= 1 + 1e-9 && p->covered >= 0 && p->covered <= 1);
+        require(isfinite(p->worth) && p->unit_mm == f->pose[0].unit_mm);
         for (int k = 0; k < 9; k++)
             require(isfinite(p->pose.r[k]));
         for (int k = 0; k < 3; k++)

@@ -18,18 +18,17 @@ static void require(int condition)
 
 static void check_numbers(const struct model *m)
 {
-    require(m->cap_mm > 0.0f && isfinite(m->cap_mm) && decision_valid(&m->decision));
-    require(m->motion.n <= MODEL_MODES && m->change.n <= MODEL_MODES &&
+    require(m->kinship >= 0 && m->kinship < 1 && m->noise_floor_mm > 0 &&
+            m->noise_factor >= 0 && calibration_valid(&m->calibration));
+    require(m->change.n <= MODEL_MODES && m->identity.n <= MODEL_MODES &&
             m->shape.n <= MODEL_MODES);
     require(memchr(m->name, '\0', sizeof m->name) != NULL);
     for (uint32_t i = 0; i < GRID_N; i++) {
         require(isnan(m->mean[i]) || fabsf(m->mean[i]) < 1e4f);
-        require(m->weight[i] >= 0.0f && isfinite(m->weight[i]));
-        require(m->motion.rest[i] >= 0.0f && isfinite(m->motion.rest[i]));
         require(m->change.rest[i] >= 0.0f && isfinite(m->change.rest[i]));
         require(m->shape.rest[i] >= 0.0f && isfinite(m->shape.rest[i]));
         for (uint32_t k = 0; k < MODEL_MODES; k++)
-            require(isfinite(m->motion.mode[i][k]) && isfinite(m->change.mode[i][k]) &&
+            require(isfinite(m->change.mode[i][k]) && isfinite(m->identity.mode[i][k]) &&
                     isfinite(m->shape.mode[i][k]));
     }
 }

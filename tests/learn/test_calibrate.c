@@ -7,12 +7,12 @@
 #include <cmocka.h>
 
 #include "calibrate.h"
-#include "decision.h"
+#include "calibration.h"
 #include "rates.h"
 
 #define SUBJECTS 100
 
-/* A score for every ordered pair of subjects: 0.5 to 4.5 mm, spread over the subjects, or
+/* A score for every ordered pair of subjects: -35 to 5, spread over the subjects, or
  * inconclusive for the given share. */
 static struct rates *scores(uint32_t subjects, double inconclusive)
 {
@@ -25,8 +25,8 @@ static struct rates *scores(uint32_t subjects, double inconclusive)
             if (i != k) {
                 const double place = (double)((n * 7919) % 9901) / 9901;
 
-                s[n].mm =
-                    place < inconclusive ? (double)INFINITY : 0.5 + 4 * place * place;
+                s[n].score =
+                    place < inconclusive ? -(double)INFINITY : 5 - 40 * place * place;
                 s[n].template = i;
                 s[n++].probe = k;
             }
@@ -41,38 +41,40 @@ static void test_learned(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        struct decision d;
+        struct calibration d;
         bool knot = false;
 
         assert_int_equal(calibrate_learn(r, wanted[i], &d), ST_OK);
-        assert_true(decision_valid(&d));
-        assert_true(rates_fmr(r, d.threshold_mm) <= wanted[i]);
-        assert_true(rates_fmr(r, d.threshold_mm) > 0.9 * wanted[i]);
-        assert_true(d.threshold_mm == rates_at(r, wanted[i]));
+        assert_true(calibration_valid(&d));
+        assert_true(rates_fmr(r, d.threshold) <= wanted[i]);
+        assert_true(rates_fmr(r, d.threshold) > 0.9 * wanted[i]);
+        assert_true(d.threshold == rates_at(r, wanted[i]));
         for (uint32_t k = 0; k < d.n; k++) {
-            knot = knot || d.knot[k].mm == d.threshold_mm;
-            assert_true(k + 1 == d.n || d.knot[k].rate == rates_fmr(r, d.knot[k].mm));
+            knot = knot || d.knot[k].score == d.threshold;
+            assert_true(k == 0 || d.knot[k].rate == rates_fmr(r, d.knot[k].score));
         }
         assert_true(knot); /* the rate at the threshold is no interpolation */
-        for (double mm = 0.5; mm < 5; mm += 0.01)
-            assert_true(fabs(decision_fmr(&d, mm) - rates_fmr(r, mm)) < 0.06);
+        for (double at = -36; at < 6; at += 0.1) {
+            assert_true(fabs(calibration_fmr(&d, at) - rates_fmr(r, at)) < 0.06);
+            assert_true(calibration_fmr(&d, at) > 0);
+        }
     }
     rates_free(r);
 }
 
 static void test_learned_from_little(void **state)
 {
-    struct decision d;
+    struct calibration d;
     struct rates *r = scores(12, 0);
 
     (void)state;
     assert_int_equal(calibrate_learn(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */
     assert_int_equal(calibrate_learn(r, 0.05, &d), ST_OK);
-    assert_true(decision_valid(&d));
+    assert_true(calibration_valid(&d));
     rates_free(r);
     r = scores(SUBJECTS, 0.4); /* 40 % are inconclusive */
     assert_int_equal(calibrate_learn(r, 0.01, &d), ST_OK);
-    assert_true(d.knot[d.n - 2].rate <= 0.6 && d.knot[d.n - 1].rate == 1);
+    assert_true(d.knot[1].rate <= 0.6 && d.knot[0].rate == 1);
     rates_free(r);
     r = scores(SUBJECTS, 1);
     assert_int_equal(calibrate_learn(r, 0.01, &d), ST_ETOOFEW);

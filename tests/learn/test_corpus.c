@@ -11,6 +11,8 @@
 #include <cmocka.h>
 
 #include "corpus.h"
+#include "corpus_read.h"
+#include "corpus_pairs.h"
 
 static struct errinfo e;
 static char dir[32], made[256][128];
@@ -244,6 +246,177 @@ static void test_bad_tables(void **state)
     refuse(ST_EINVAL, "line 2, column relative_of: a subject is its own relative");
 }
 
+static void test_enroll_kind(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    put("a_enroll.ply", "");
+    put("a_smile.ply", "");
+    put("b_enroll.ply", "");
+    put("c_smile.ply", "");
+    put("c_smile.xyz", "");
+    c = corpus();
+    assert_int_equal(corpus_enroll(c, "frown", &e), ST_EINVAL);
+    assert_non_null(
+        strstr(e.msg, "no scan is of the kind frown: there are enroll, smile"));
+    assert_int_equal(c->subject[1].enrolled, 2); /* as it was */
+    assert_int_equal(corpus_enroll(c, "smile", &e), ST_OK);
+    assert_int_equal(c->subject[0].enrolled, 1);
+    assert_int_equal(c->subject[1].enrolled, CORPUS_NONE);
+    assert_int_equal(c->subject[2].enrolled, 3);
+    for (uint32_t i = 0; i < c->nscan; i++)
+        assert_int_equal(c->scan[i].enrolled, i == 1 || i == 3);
+    corpus_free(c);
+}
+
+/* ---- lists of pairs */
+
+static enum status read_pairs(const char *text, struct corpus **c)
+{
+    char path[64];
+
+    put("pairs.txt", text);
+    (void)snprintf(path, sizeof path, "%s/pairs.txt", dir);
+    return corpus_pairs_read(path, c, &e);
+}
+
+static struct corpus *pairs(const char *text)
+{
+    struct corpus *c;
+
+    if (read_pairs(text, &c) != ST_OK)
+        fail_msg("%s", e.msg);
+    return c;
+}
+
+static void refuse_pairs(const char *text, enum status want, const char *words)
+{
+    struct corpus *c;
+
+    assert_int_equal(read_pairs(text, &c), want);
+    assert_null(c);
+    if (strstr(e.msg, words) == NULL)
+        fail_msg("'%s' lacks '%s'", e.msg, words);
+}
+
+static void is_pair(const struct corpus *c, size_t i, const char *template,
+                    const char *probe, enum corpus_pair type)
+{
+    const struct corpus_scan *t = &c->scan[c->listed[i].template],
+                             *p = &c->scan[c->listed[i].probe];
+
+    assert_string_equal(t->file, template);
+    assert_string_equal(p->file, probe);
+    assert_int_equal(corpus_pair(c, t->subject, p->subject), type);
+}
+
+static void test_pairs_by_name(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    put("b_1.ply", "");
+    put("a_1.ply", "");
+    put("a_late_one.ply", "");
+    c = pairs(
+        "# a comment\nb_1.ply a_1.ply\n\na_1.ply\t./a_late_one.ply \nb_1.ply a_1.ply\n");
+    assert_int_equal(c->nlisted, 3);
+    assert_int_equal(c->nscan, 3);
+    assert_int_equal(c->nsubject, 2);
+    assert_int_equal(c->npopulation, 1);
+    is_pair(c, 0, "b_1.ply", "a_1.ply", CORPUS_IMPOSTOR);
+    is_pair(c, 1, "a_1.ply", "./a_late_one.ply", CORPUS_GENUINE);
+    is_pair(c, 2, "b_1.ply", "a_1.ply", CORPUS_IMPOSTOR);
+    assert_string_equal(kind(c, c->listed[1].probe), "late_one");
+    for (uint32_t i = 0; i < c->nscan; i++)
+        assert_false(c->scan[i].enrolled);
+    corpus_free(c);
+}
+
+/* With labels the names say nothing: people are what mated pairs connect. */
+static void test_pairs_by_label(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    for (char name[] = "1"; name[0] <= '6'; name[0]++)
+        put(name, "");
+    c = pairs(
+        "Template,Probe,Label\n3,1,genuine\n4,2,same\n1,4,1\n5,6,0\n1,5,non-mated\n");
+    assert_int_equal(c->nscan, 6);
+    assert_int_equal(c->nsubject, 3);
+    assert_int_equal(c->nnamed, 3);
+    is_pair(c, 0, "3", "1", CORPUS_GENUINE);
+    is_pair(c, 1, "4", "2", CORPUS_GENUINE);
+    is_pair(c, 3, "5", "6", CORPUS_IMPOSTOR);
+    assert_string_equal(c->subject[0].id, "1");
+    assert_int_equal(c->subject[0].nscan, 4);
+    assert_string_equal(c->subject[1].id, "5");
+    corpus_free(c);
+    refuse_pairs("3 1 same\n4 2 same\n3 2 0\n1 4 1\n", ST_EINVAL,
+                 "line 3: a non-mated pair of two scans that the mated pairs say");
+}
+
+/* Random labels of a known partition: the people are the connected scans. */
+static void test_pairs_people(void **state)
+{
+    static char text[1 << 14];
+    struct corpus *c;
+    unsigned x = 1;
+    size_t n = 0;
+
+    (void)state;
+    for (int i = 0; i < 60; i++) {
+        char name[16];
+
+        (void)snprintf(name, sizeof name, "f%d", i);
+        put(name, "");
+    }
+    for (int i = 0; i < 400; i++) {
+        const unsigned a = (x = x * 1103515245U + 12345U) >> 16 & 63,
+                       b = (x = x * 1103515245U + 12345U) >> 16 & 63;
+
+        if (a < 60 && b < 60 && a != b)
+            n += (size_t)snprintf(text + n, sizeof text - n, "f%u f%u %d\n", a, b,
+                                  a % 3 == b % 3);
+    }
+    c = pairs(text);
+    for (uint32_t i = 0; i < c->nscan; i++)
+        for (uint32_t k = 0; k < i; k++)
+            assert_int_equal(c->scan[i].subject == c->scan[k].subject,
+                             atoi(c->scan[i].file + 1) % 3 ==
+                                 atoi(c->scan[k].file + 1) % 3);
+    assert_int_equal(c->nsubject, 3);
+    corpus_free(c);
+}
+
+static void test_bad_pairs(void **state)
+{
+    struct corpus *c;
+
+    (void)state;
+    put("a_1.ply", "");
+    put("a_2.ply", "");
+    put("b", "");
+    refuse_pairs("", ST_EINVAL, "no pairs");
+    refuse_pairs("template probe\n", ST_EINVAL, "no pairs");
+    refuse_pairs("a_1.ply a_2.ply\n\na_1.ply\n", ST_EINVAL, "line 3: a pair is");
+    refuse_pairs("a_1.ply a_2.ply 1 2\n", ST_EINVAL, "line 1: a pair is");
+    refuse_pairs("a_1.ply,,1\n", ST_EINVAL, "line 1, field 2: empty");
+    refuse_pairs("a_1.ply a_\x01.ply\n", ST_EINVAL, "line 1, field 2: a control");
+    refuse_pairs("a_1.ply a_2.ply maybe\n", ST_EINVAL,
+                 "line 1, field 3: a label is mated");
+    refuse_pairs("a_1.ply a_2.ply 1\na_1.ply b\n", ST_EINVAL, "line 2: every pair has");
+    refuse_pairs("a_1.ply a_1.ply\n", ST_EINVAL, "line 1: a scan is paired with itself");
+    refuse_pairs("a_1.ply a_2.ply\nb a_1.ply\n", ST_EINVAL,
+                 "line 2: b: not named SUBJECT_KIND.ply, and no third");
+    refuse_pairs("a_1.ply a_2.ply\na_1.ply a_3.ply\n", ST_ENOTFOUND,
+                 "line 2: a_3.ply: No such file");
+    refuse_pairs("a_1.ply \"a_2.ply\n", ST_EINVAL, "a quotation is not closed");
+    assert_int_equal(corpus_pairs_read("/nowhere/list", &c, &e), ST_ENOTFOUND);
+}
+
 /* More subjects than the tables' first capacity. */
 static void test_many(void **state)
 {
@@ -290,6 +463,11 @@ int main(void)
         cmocka_unit_test_teardown(test_manifest, clean),
         cmocka_unit_test_teardown(test_families, clean),
         cmocka_unit_test_teardown(test_bad_tables, clean),
+        cmocka_unit_test_teardown(test_enroll_kind, clean),
+        cmocka_unit_test_teardown(test_pairs_by_name, clean),
+        cmocka_unit_test_teardown(test_pairs_by_label, clean),
+        cmocka_unit_test_teardown(test_pairs_people, clean),
+        cmocka_unit_test_teardown(test_bad_pairs, clean),
         cmocka_unit_test_teardown(test_many, clean),
     };
     int failed;

@@ -171,12 +171,56 @@ static void test_absent(void **state)
     csv_close(NULL);
 }
 
+static struct csv *list(const char *text)
+{
+    struct csv *t;
+
+    write_table(text, strlen(text));
+    if (csv_open_list(path, &t, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return t;
+}
+
+/* Without a heading: what separates is what the first row has. */
+static void test_list(void **state)
+{
+    struct csv *t =
+        list("# with, commas\n\n  a.ply \t b.ply  \r\nc,1 d 0 x\n #\n\"e f\"\tg");
+    bool more;
+
+    (void)state;
+    row(t, "a.ply", "b.ply");
+    assert_int_equal(csv_line(t), 3);
+    assert_int_equal(csv_fields(t), 2);
+    assert_string_equal(csv_field(t, 2), "");
+    row(t, "c,1", "d");
+    assert_int_equal(csv_fields(t), 4);
+    assert_int_equal(csv_bad(t, 1, &e, "no such file"), ST_EINVAL);
+    assert_non_null(strstr(e.msg, ", line 4, field 2: no such file"));
+    assert_int_equal(csv_bad(t, -1, &e, "no"), ST_EINVAL);
+    assert_non_null(strstr(e.msg, ", line 4: no"));
+    row(t, "e f", "g");
+    end(t);
+    t = list("\xEF\xBB\xBF a b , c d\n\"e, f\" ,g,\n");
+    row(t, "a b", "c d");
+    row(t, "e, f", "g");
+    assert_int_equal(csv_fields(t), 3);
+    end(t);
+    t = list("a \"b\"c\n");
+    assert_int_equal(csv_next(t, &more, &e), ST_EINVAL);
+    assert_non_null(strstr(e.msg, "line 1, field 2: text after a closing"));
+    csv_close(t);
+    end(list(""));
+    end(list("# nothing\n \n"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plain),   cmocka_unit_test(test_spreadsheet),
-        cmocka_unit_test(test_lines),   cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_hostile), cmocka_unit_test(test_absent),
+        cmocka_unit_test(test_list),        cmocka_unit_test(test_plain),
+        cmocka_unit_test(test_spreadsheet), cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_numbers),     cmocka_unit_test(test_hostile),
+        cmocka_unit_test(test_absent),
     };
     const int fd = mkstemp(path);
     int failed;

@@ -20,7 +20,7 @@ static struct rates *rates(const struct rates_score *s, size_t n, uint32_t nsubj
     return r;
 }
 
-/* Mated scores g and non-mated scores i (of subjects 0 and 1), each list ended by -1. */
+/* Mated scores g and non-mated scores i (of subjects 0 and 1), each list ended by NAN. */
 static struct rates_figures figures(const double *g, const double *i, double threshold)
 {
     struct rates_score s[64] = {{0}};
@@ -28,69 +28,71 @@ static struct rates_figures figures(const double *g, const double *i, double thr
     struct rates *r;
     size_t n = 0;
 
-    for (; *g >= 0; g++)
+    for (; !isnan(*g); g++)
         s[n++] = (struct rates_score){*g, 0, 0};
-    for (; *i >= 0; i++)
+    for (; !isnan(*i); i++)
         s[n++] = (struct rates_score){*i, 0, 1};
     r = rates(s, n, 2);
     rates_figures(r, threshold, &f);
     if (n > 0)
-        assert_true(f.tar_mm[0] == rates_at(r, rates_target[0]) || isnan(f.tar_mm[0]));
+        assert_true(f.tar_score[0] == rates_at(r, rates_target[0]) ||
+                    isnan(f.tar_score[0]));
     rates_free(r);
     return f;
 }
 
-#define LIST(...) ((const double[]){__VA_ARGS__, -1})
-#define NOTHING   ((const double[]){-1})
+#define LIST(...) ((const double[]){__VA_ARGS__, (double)NAN})
+#define NOTHING   ((const double[]){(double)NAN})
 
 static void test_by_hand(void **state)
 {
     struct rates_figures f;
 
     (void)state;
-    f = figures(LIST(1, 2, 3), LIST(4, 5), 3.5); /* apart */
-    assert_true(f.eer == 0 && f.eer_mm == 3);
-    assert_true(f.tar[0] == 1 && f.tar_mm[0] == 3 && f.fmr == 0 && f.fnmr == 0);
-    f = figures(LIST(4, 5), LIST(1, 2), 3); /* mated above non-mated */
-    assert_true(f.eer == 1 && f.tar[0] == 0 && f.tar_mm[0] == -1);
+    f = figures(LIST(-1, -2, -3), LIST(-4, -5), -3.5); /* apart */
+    assert_true(f.eer == 0 && f.eer_score == -3);
+    assert_true(f.tar[0] == 1 && f.tar_score[0] == -3 && f.fmr == 0 && f.fnmr == 0);
+    f = figures(LIST(1, 2), LIST(4, 5), 3); /* mated below non-mated */
+    assert_true(f.eer == 1 && f.tar[0] == 0 && f.tar_score[0] == INF);
     assert_true(f.fmr == 1 && f.fnmr == 1);
-    f = figures(LIST(1, 3), LIST(2, 4), 2); /* crossing at a threshold */
-    assert_true(f.eer == 0.5 && f.eer_mm == 2 && f.fmr == 0.5 && f.fnmr == 0.5);
+    f = figures(LIST(4, 2), LIST(3, 1), 3); /* crossing at a threshold */
+    assert_true(f.eer == 0.5 && f.eer_score == 3 && f.fmr == 0.5 && f.fnmr == 0.5);
     f = figures(LIST(1, 1), LIST(1, 1), 1); /* all equal */
     assert_true(f.eer == 0.5 && f.tar[0] == 0 && f.fmr == 1 && f.fnmr == 0);
     f = figures(LIST(0, 0), LIST(0), 0);
     assert_true(f.fmr == 1 && f.fnmr == 0 && f.eer == 0.5);
-    f = figures(LIST(1, 2, 2, 3), LIST(2, 5, 6, 7), 2); /* a tie of mated and non-mated */
+    f = figures(LIST(7, 6, 6, 5), LIST(6, 3, 2, 1), 6); /* a tie of mated and non-mated */
     assert_true(f.fmr == 0.25 && f.fnmr == 0.25 && f.eer == 0.25);
-    assert_true(f.tar[0] == 0.25 && f.tar_mm[0] == 1);
-    f = figures(LIST(1), LIST(9), 5);
+    assert_true(f.tar[0] == 0.25 && f.tar_score[0] == 7);
+    f = figures(LIST(9), LIST(1), 5);
     assert_true(f.eer == 0 && f.tar[2] == 1);
 }
 
 static void test_inconclusive(void **state)
 {
-    struct rates_figures f = figures(LIST(1, INF, INF, INF), LIST(2, INF), INF);
+    struct rates_figures f = figures(LIST(2, -INF, -INF, -INF), LIST(1, -INF), -INF);
 
     (void)state;
     assert_true(f.fmr == 0.5 && f.fnmr == 0.75); /* inconclusive never matches */
     assert_true(f.eer == 0.75);                  /* FMR and FNMR do not cross */
-    f = figures(LIST(INF), LIST(INF), INF);
-    assert_true(f.fmr == 0 && f.fnmr == 1 && f.tar_mm[0] == -1 && f.eer == 1);
+    f = figures(LIST(-INF), LIST(-INF), -INF);
+    assert_true(f.fmr == 0 && f.fnmr == 1 && f.tar_score[0] == INF && f.eer == 1);
 }
 
 static void test_nothing(void **state)
 {
     struct rates_figures f = figures(NOTHING, NOTHING, 1);
-    struct rates_score nan = {(double)NAN, 0, 0}, far = {1, 0, 2};
+    struct rates_score nan = {(double)NAN, 0, 0}, most = {INF, 0, 0}, far = {1, 0, 2};
     struct rates *r;
 
     (void)state;
     assert_true(isnan(f.eer) && isnan(f.fmr) && isnan(f.fnmr) && isnan(f.tar[0]));
-    f = figures(LIST(1, 2), NOTHING, 1); /* one subject: no non-mated scores */
+    f = figures(LIST(1, 2), NOTHING, 2); /* one subject: no non-mated scores */
     assert_true(isnan(f.eer) && isnan(f.fmr) && f.fnmr == 0.5 && isnan(f.tar[0]));
-    f = figures(NOTHING, LIST(1, 2), 1);
+    f = figures(NOTHING, LIST(1, 2), 2);
     assert_true(isnan(f.eer) && f.fmr == 0.5 && isnan(f.fnmr) && isnan(f.tar[0]));
     assert_int_equal(rates_new(&nan, 1, 1, &r), ST_EINVAL);
+    assert_int_equal(rates_new(&most, 1, 1, &r), ST_EINVAL);
     assert_int_equal(rates_new(&far, 1, 2, &r), ST_EINVAL);
     rates_free(NULL);
 }
@@ -109,7 +111,7 @@ static void test_brute_force(void **state)
         struct rates_figures f;
         struct rates *r;
         size_t g = 0, i = 0, ga = 0, ia = 0;
-        double best[RATES_TARGETS] = {-1, -1, -1}, apart = 2;
+        double best[RATES_TARGETS] = {INF, INF, INF}, apart = 2;
 
         for (size_t k = 0; k < n; k++) {
             const uint32_t a = rates_below(&seed, nsubject);
@@ -118,7 +120,7 @@ static void test_brute_force(void **state)
                 rates_below(&seed, 12), a,
                 rates_below(&seed, 2) ? a : rates_below(&seed, nsubject)};
             if (rates_below(&seed, 15) == 0)
-                s[k].mm = INF;
+                s[k].score = -INF;
         }
         r = rates(s, n, nsubject);
         rates_figures(r, threshold, &f);
@@ -128,32 +130,32 @@ static void test_brute_force(void **state)
         }
         assert_int_equal(rates_ngenuine(r), g);
         assert_int_equal(rates_nimpostor(r), i);
-        for (int mm = 0; mm < 14 && g > 0 && i > 0; mm++) {
+        for (int at = 13; at >= 0 && g > 0 && i > 0; at--) {
             size_t seen = 0;
             double fmr, fnmr;
 
             ga = ia = 0;
             for (size_t k = 0; k < n; k++) {
-                ga += s[k].mm <= mm && s[k].template == s[k].probe;
-                ia += s[k].mm <= mm && s[k].template != s[k].probe;
-                seen += s[k].mm == mm;
+                ga += s[k].score >= at && s[k].template == s[k].probe;
+                ia += s[k].score >= at && s[k].template != s[k].probe;
+                seen += s[k].score == at;
             }
             fmr = (double)ia / (double)i;
             fnmr = (double)(g - ga) / (double)g;
-            assert_true(rates_fmr(r, mm) == fmr && rates_fnmr(r, mm) == fnmr);
-            if (mm == (int)threshold)
+            assert_true(rates_fmr(r, at) == fmr && rates_fnmr(r, at) == fnmr);
+            if (at == (int)threshold)
                 assert_true(f.fmr == fmr && f.fnmr == fnmr);
             apart = fmin(apart, fmax(fmr, fnmr));
             for (int t = 0; t < RATES_TARGETS; t++)
                 if (seen > 0 && fmr <= rates_target[t]) {
-                    best[t] = mm;
+                    best[t] = at;
                     assert_true(f.tar[t] >= 1 - fnmr);
                 }
         }
         for (int t = 0; t < RATES_TARGETS && g > 0 && i > 0; t++) {
-            assert_true(f.tar_mm[t] == best[t] &&
+            assert_true(f.tar_score[t] == best[t] &&
                         rates_at(r, rates_target[t]) == best[t]);
-            if (best[t] >= 0)
+            if (best[t] < INF)
                 assert_true(f.tar[t] == 1 - rates_fnmr(r, best[t]));
         }
         if (g > 0 && i > 0) /* at each threshold the larger rate is the EER or more */
@@ -176,7 +178,7 @@ static void test_rule_of_3(void **state)
 }
 
 /* Scores of subjects 0..n-1; of the two mated scores of each odd subject one is a false
- * non-match at 2.5 mm. */
+ * non-match at -2.5. */
 static struct rates *subjects(uint32_t n)
 {
     struct rates_score *s = malloc((size_t)n * (n + 1) * sizeof *s);
@@ -185,11 +187,12 @@ static struct rates *subjects(uint32_t n)
 
     assert_non_null(s);
     for (uint32_t a = 0; a < n; a++) {
-        s[m++] = (struct rates_score){1, a, a};
-        s[m++] = (struct rates_score){a % 2 ? 9 : 2, a, a};
+        s[m++] = (struct rates_score){-1, a, a};
+        s[m++] = (struct rates_score){a % 2 ? -9 : -2, a, a};
         for (uint32_t b = 0; b < n; b++)
             if (b != a)
-                s[m++] = (struct rates_score){3 + 0.001 * ((a * 7 + b * 13) % 101), a, b};
+                s[m++] =
+                    (struct rates_score){-3 - 0.001 * ((a * 7 + b * 13) % 101), a, b};
     }
     r = rates(s, m, n);
     free(s);
@@ -200,37 +203,143 @@ static void test_bootstrap(void **state)
 {
     struct rates *r = subjects(40);
     struct rates_figures low, high, again[2], f;
-    double mm[2];
+    double at[2];
 
     (void)state;
-    rates_figures(r, 2.5, &f);
+    rates_figures(r, -2.5, &f);
     assert_true(f.fnmr == 0.25 && f.fmr == 0);
-    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &low, &high), ST_OK);
-    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &again[0], &again[1]), ST_OK);
+    assert_int_equal(rates_bootstrap(r, -2.5, 400, 7, &low, &high), ST_OK);
+    assert_int_equal(rates_bootstrap(r, -2.5, 400, 7, &again[0], &again[1]), ST_OK);
     assert_memory_equal(&low, &again[0], sizeof low);
     assert_memory_equal(&high, &again[1], sizeof high);
-    assert_int_equal(rates_bootstrap(r, 2.5, 400, 8, &again[0], &again[1]), ST_OK);
+    assert_int_equal(rates_bootstrap(r, -2.5, 400, 8, &again[0], &again[1]), ST_OK);
     assert_memory_not_equal(&low, &again[0], sizeof low);
     /* half of 40 subjects have one error of two: a rate of 0.25 +- 1.96 x 0.0395 */
     assert_true(low.fnmr > 0.14 && low.fnmr < 0.20 && high.fnmr > 0.30 &&
                 high.fnmr < 0.36);
     assert_true(low.tar[0] < f.tar[0] && high.tar[0] > f.tar[0]);
     assert_true(low.fmr == 0 && high.fmr == 0); /* no rule of 3 here */
-    assert_int_equal(rates_bootstrap(r, 2.5, 0, 7, &low, &high), ST_EINVAL);
+    assert_int_equal(rates_bootstrap(r, -2.5, 0, 7, &low, &high), ST_EINVAL);
     rates_free(r);
     r = subjects(40); /* for one threshold alone: the same draws, the same interval */
-    assert_int_equal(rates_at_bootstrap(r, rates_target[0], 400, 7, &mm[0], &mm[1]),
+    assert_int_equal(rates_at_bootstrap(r, rates_target[0], 400, 7, &at[0], &at[1]),
                      ST_OK);
-    assert_int_equal(rates_bootstrap(r, 2.5, 400, 7, &low, &high), ST_OK);
-    assert_true(mm[0] == low.tar_mm[0] && mm[1] == high.tar_mm[0]);
-    assert_int_equal(rates_at_bootstrap(r, 0.5, 400, 7, &mm[0], &mm[1]), ST_OK);
-    assert_true(mm[0] <= rates_at(r, 0.5) && mm[1] >= rates_at(r, 0.5));
-    assert_int_equal(rates_at_bootstrap(r, 0.5, 0, 7, &mm[0], &mm[1]), ST_EINVAL);
+    assert_int_equal(rates_bootstrap(r, -2.5, 400, 7, &low, &high), ST_OK);
+    assert_true(at[0] == low.tar_score[0] && at[1] == high.tar_score[0]);
+    assert_int_equal(rates_at_bootstrap(r, 0.5, 400, 7, &at[0], &at[1]), ST_OK);
+    assert_true(at[0] <= rates_at(r, 0.5) && at[1] >= rates_at(r, 0.5));
+    assert_int_equal(rates_at_bootstrap(r, 0.5, 0, 7, &at[0], &at[1]), ST_EINVAL);
     rates_free(r);
     r = subjects(1); /* one subject: every replicate is the same */
-    assert_int_equal(rates_bootstrap(r, 2.5, 50, 7, &low, &high), ST_OK);
+    assert_int_equal(rates_bootstrap(r, -2.5, 50, 7, &low, &high), ST_OK);
     assert_true(low.fnmr == 0 && high.fnmr == 0 && isnan(low.eer) && isnan(high.fmr));
     rates_free(r);
+}
+
+/* ---- the bootstrap against its definition */
+
+#define FIGURES (sizeof(struct rates_figures) / sizeof(double))
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Every comparison as often as its subjects were drawn, written out. */
+static void expanded(const struct rates_score *s, size_t n, uint32_t nsubject,
+                     const uint32_t *drawn, double threshold, double out[FIGURES])
+{
+    static struct rates_score all[1 << 14];
+    struct rates_figures f;
+    struct rates *r;
+    size_t m = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t times = s[i].template == s[i].probe
+                                   ? drawn[s[i].probe]
+                                   : drawn[s[i].template] * drawn[s[i].probe];
+
+        for (uint32_t k = 0; k < times; k++)
+            all[m++] = s[i];
+    }
+    assert_true(m <= sizeof all / sizeof *all);
+    r = rates(all, m, nsubject);
+    rates_figures(r, threshold, &f);
+    memcpy(out, &f, sizeof f);
+    rates_free(r);
+}
+
+/* The points of the replicates that have the figure at all. */
+static void points(double *v, size_t n, double *low, double *high)
+{
+    size_t m = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (!isnan(v[i]))
+            v[m++] = v[i];
+    qsort(v, m, sizeof *v, by_value);
+    *low = m > 0 ? v[(size_t)(0.025 * (double)(m - 1) + 0.5)] : (double)NAN;
+    *high = m > 0 ? v[(size_t)(0.975 * (double)(m - 1) + 0.5)] : (double)NAN;
+}
+
+static void test_bootstrap_brute_force(void **state)
+{
+    enum { REPLICATES = 60, SUBJECTS = 7 };
+    static double figure[FIGURES][REPLICATES];
+    uint64_t seed = 11;
+
+    (void)state;
+    for (unsigned round = 0; round < 40; round++) {
+        struct rates_score s[90];
+        const size_t n = 10 + rates_below(&seed, 80);
+        const uint32_t nsubject = 1 + rates_below(&seed, SUBJECTS);
+        const double threshold = (double)rates_below(&seed, 20) - 10;
+        struct rates_figures low, high;
+        double bound[2][FIGURES], at[2];
+        uint64_t draws = round;
+        struct rates *r;
+
+        for (size_t k = 0; k < n; k++) {
+            const uint32_t a = rates_below(&seed, nsubject),
+                           b = rates_below(&seed, 2) ? a : rates_below(&seed, nsubject);
+
+            s[k] = (struct rates_score){(double)rates_below(&seed, 16) - 8 + 6 * (a == b),
+                                        a, b};
+            if (rates_below(&seed, 15) == 0)
+                s[k].score = -INF;
+        }
+        for (int i = 0; i < REPLICATES; i++) {
+            uint32_t drawn[SUBJECTS] = {0};
+            double v[FIGURES];
+
+            for (uint32_t k = 0; k < nsubject; k++)
+                drawn[rates_below(&draws, nsubject)]++;
+            expanded(s, n, nsubject, drawn, threshold, v);
+            for (size_t k = 0; k < FIGURES; k++)
+                figure[k][i] = v[k];
+        }
+        r = rates(s, n, nsubject);
+        assert_int_equal(rates_bootstrap(r, threshold, REPLICATES, round, &low, &high),
+                         ST_OK);
+        memcpy(bound[0], &low, sizeof low);
+        memcpy(bound[1], &high, sizeof high);
+        assert_int_equal(
+            rates_at_bootstrap(r, rates_target[0], REPLICATES, round, &at[0], &at[1]),
+            ST_OK);
+        for (int i = 0; i < 2; i++)
+            assert_true(at[i] == (i == 0 ? low : high).tar_score[0] || isnan(at[i]));
+        for (size_t k = 0; k < FIGURES; k++) {
+            double want[2];
+
+            points(figure[k], REPLICATES, &want[0], &want[1]);
+            for (int i = 0; i < 2; i++)
+                assert_true(bound[i][k] == want[i] ||
+                            (isnan(bound[i][k]) && isnan(want[i])));
+        }
+        rates_free(r);
+    }
 }
 
 /* A replicate that draws every subject once has the original figures; the interval of one
@@ -241,7 +350,7 @@ static void test_one_replicate(void **state)
     struct rates_figures low, high;
 
     (void)state;
-    assert_int_equal(rates_bootstrap(r, 9, 1, 3, &low, &high), ST_OK);
+    assert_int_equal(rates_bootstrap(r, -9, 1, 3, &low, &high), ST_OK);
     assert_memory_equal(&low, &high, sizeof low);
     assert_true(low.fnmr == 0 && low.fmr == 1);
     rates_free(r);
@@ -265,10 +374,15 @@ static void test_random(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),       cmocka_unit_test(test_inconclusive),
-        cmocka_unit_test(test_nothing),       cmocka_unit_test(test_brute_force),
-        cmocka_unit_test(test_rule_of_3),     cmocka_unit_test(test_bootstrap),
-        cmocka_unit_test(test_one_replicate), cmocka_unit_test(test_random),
+        cmocka_unit_test(test_by_hand),
+        cmocka_unit_test(test_inconclusive),
+        cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_brute_force),
+        cmocka_unit_test(test_rule_of_3),
+        cmocka_unit_test(test_bootstrap),
+        cmocka_unit_test(test_one_replicate),
+        cmocka_unit_test(test_bootstrap_brute_force),
+        cmocka_unit_test(test_random),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,15 +43,15 @@ static void compare(struct text *t, const char *what, const struct face *a,
     struct face_result r;
     struct minimal m;
 
-    if (face_compare(a, b, 0, NULL, w, &r) != ST_OK ||
-        face_minimal(a, b, r.align.transform, NULL, w, &m) != ST_OK)
+    if (face_compare(a, b, (double)NAN, NULL, w, &r) != ST_OK ||
+        face_minimal(a, b, NULL, w, &r, &m) != ST_OK ||
+        face_regions(a, b, w, &r) != ST_OK)
         abort();
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "# %s\n", what);
-    put(t, "disparity_mm", &r.score_mm, 1);
-    put(t, "minimal_mm", &m.disparity.plain_mm, 1);
+    put(t, "score", &r.score, 1);
+    put(t, "disparity_mm", &m.disparity.plain_mm, 1);
     put(t, "overlap", &r.overlap, 1);
-    put(t, "change_mm", &r.change_mm, 1);
-    put(t, "region_mm", r.region_mm, GRID_REGIONS);
+    put(t, "region", r.region, GRID_REGIONS);
     put(t, "turn_deg", &r.align.turn_deg, 1);
     put(t, "shift_mm", &r.align.shift_mm, 1);
     put(t, "transform", r.align.transform, 16);

@@ -5,7 +5,8 @@
 void *__real_aligned_alloc(size_t alignment, size_t size);
 void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
-static unsigned long count, fail;
+static _Atomic unsigned long count; /* threads allocate at the same time */
+static unsigned long fail;
 
 void fail_alloc_at(unsigned long n)
 {

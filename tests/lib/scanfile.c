@@ -51,7 +51,8 @@ static void take_message(const char *msg, struct scanfile_said *out)
     if (at == 0 && (sscanf(msg, "byte %zu: %n", &out->where, &at) < 1 || at == 0))
         out->where = 0;
     out->line = line;
-    (void)snprintf(out->what, sizeof out->what, "%s", msg + at);
+    (void)snprintf(out->msg, sizeof out->msg, "%s", msg);
+    out->what = out->msg + at;
 }
 
 enum status scanfile_read(const void *bytes, size_t len,
@@ -109,8 +110,8 @@ void scanfile_bad(const struct scanfile *f, enum cloudformat format, enum status
     struct cloudpoints out;
     const enum status st = read_by(f, f->len, format, &out, &err);
 
-    if (st != want || strstr(err.what, words) == NULL)
-        fail_msg("status %d, not %d with '%s': %s", st, want, words, err.what);
+    if (st != want || strstr(err.msg, words) == NULL)
+        fail_msg("status %d, not %d with '%s': %s", st, want, words, err.msg);
 }
 
 void scanfile_cut(const struct scanfile *f, enum cloudformat format)

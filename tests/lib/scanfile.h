@@ -23,9 +23,10 @@ void scanfile_real(struct scanfile *f, double value, unsigned size, bool big);
 /* By these options, from a copy of exactly len bytes and a 0; line: of the message, or 0;
  * what: the message without its place.  Checks what holds on every failure. */
 struct scanfile_said {
+    char msg[480];
     uint32_t line;
     size_t where;
-    char what[240];
+    const char *what;
 };
 enum status scanfile_read(const void *bytes, size_t len,
                           const struct cloudfile_options *o, struct cloudpoints *out,

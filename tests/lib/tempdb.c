@@ -151,8 +151,11 @@ enum status tempdb_store(struct store *s, const char *actor, const char *subject
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
-    const struct store_sample what = {
-        .actor = actor, .subject = subject, .label = label, .face = f};
+    const struct store_enroll what = {.actor = actor,
+                                      .subject = subject,
+                                      .label = label,
+                                      .sample = &(struct store_sample){.face = f},
+                                      .n = 1};
 
     return store_enroll(s, &what, t, created, e);
 }

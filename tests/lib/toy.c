@@ -7,6 +7,10 @@
 
 #include "lattice.h"
 #include "mem.h"
+#include "shape_map.h"
+
+#define CHANGE   6 /* modes */
+#define IDENTITY 12
 
 static void require(bool holds)
 {
@@ -26,24 +30,51 @@ static double hill(double x, double y, double x0, double y0, double sx, double s
 
 double toy_height(double x, double y)
 {
-    const double nose = y > 0 ? 1 - y / 44 : 1 + y / 12;
+    static const double part[9][5] = {{24, 38, 16, 12, -19.5}, /* orbits */
+                                      {30, 30, 10, 8, 11.5},   /* eyeballs */
+                                      {28, 48, 26, 10, 9},     /* brow */
+                                      {28, 18, 14, 14, -14},   /* beside the nose */
+                                      {12, -2, 5, 7, 7},       /* wings of the nose */
+                                      {48, 8, 22, 14, 4},      /* cheekbones */
+                                      {0, -29, 18, 8, 11},     /* lips */
+                                      {0, -44, 20, 10, 6.5},   /* below them */
+                                      {0, -66, 20, 14, 11.5}}; /* chin */
+    const double nose = y > 0 ? 1 - y / 50 : 1 + y / 14;
     const double ridge = nose > 0 ? nose * nose * (3 - 2 * nose) : 0;
+    const double xx = x * x / 1000;
+    double z = -18.5 - 7.2 * xx - 0.66 * xx * xx + 0.08 * y - 0.0017 * y * y +
+               18 * ridge * hill(x, 0, 0, 0, 11, 1);
 
-    return -22 - 0.0085 * x * x - 0.0022 * y * y + 22 * ridge * hill(x, 0, 0, 0, 9, 1) -
-           8 * (hill(x, y, 30, 33, 12, 9) + hill(x, y, -30, 33, 12, 9)) +
-           5 * hill(x, y, 0, -30, 18, 8) + 4 * hill(x, y, 0, -62, 14, 9);
+    for (int i = 0; i < 9; i++) {
+        const double *a = part[i];
+
+        z += a[4] * hill(x, y, a[0], a[1], a[2], a[3]);
+        z += a[0] > 0 ? a[4] * hill(x, y, -a[0], a[1], a[2], a[3]) : 0;
+    }
+    return z;
 }
 
 /* The k-th mode of change of the model. */
 static double change(uint32_t k, double x, double y)
 {
-    static const double at[6][5] = {{30, -20, 16, 1, 1.2}, {30, -20, 16, -1, 0.7},
-                                    {0, -40, 20, 0, 1.5},  {26, 48, 14, 1, 0.6},
-                                    {48, 5, 15, 1, 0.5},   {48, 5, 15, -1, 0.5}};
+    static const double at[CHANGE][5] = {{33, -8, 11, 1, 1.6}, {33, -8, 11, -1, 0.7},
+                                         {0, -34, 18, 0, 1.5}, {25, -25, 8, 1, 1.2},
+                                         {26, 48, 14, 1, 0.6}, {48, 5, 15, 1, 0.5}};
     const double *a = at[k];
 
     return a[4] * (hill(x, y, a[0], a[1], a[2], a[2]) +
                    a[3] * hill(x, y, -a[0], a[1], a[2], a[2]));
+}
+
+/* The k-th mode of identity. */
+static double identity(uint32_t k, double x, double y)
+{
+    static const double at[IDENTITY][2] = {{0, -62},  {0, -32},  {0, 12},  {0, 50},
+                                           {22, -56}, {24, -12}, {30, 34}, {24, 56},
+                                           {40, -34}, {46, -4},  {46, 26}, {12, 24}};
+    const double *a = at[k];
+
+    return 2.5 * (hill(x, y, a[0], a[1], 12, 12) + hill(x, y, -a[0], a[1], 12, 12));
 }
 
 char *toy_text(const struct model *m, size_t *len)
@@ -63,11 +94,13 @@ void toy_model(struct model *m)
 
     memset(m, 0, sizeof *m);
     strcpy(m->name, "a toy");
-    m->cap_mm = 1.0f;
-    m->motion.n = 4;
-    m->change.n = 6;
-    m->shape.n = 6;
-    m->decision = (struct decision){0.2, 0.01, 3, {{0.2, 0.001}, {0.3, 0.1}, {0.6, 1.0}}};
+    m->kinship = 0.3;
+    m->noise_floor_mm = 0.5;
+    m->noise_factor = 1.2;
+    m->change.n = CHANGE;
+    m->identity.n = IDENTITY;
+    m->shape.n = CHANGE + IDENTITY;
+    m->calibration = (struct calibration){8, 3, {{-50, 1}, {0, 0.02}, {15, 0.00001}}};
     for (uint32_t c = 0; c < GRID_N; c++) {
         const double x = grid_x(c), y = grid_y(c);
         const double u = x / 60, v = (y + 3) / 78;
@@ -76,20 +109,40 @@ void toy_model(struct model *m)
         if (u * u + v * v > 1)
             continue;
         m->mean[c] = (float)toy_height(x, y);
-        m->weight[c] = (float)(0.5 + 2.5 * hill(x, y, 0, 18, 16, 22));
-        m->motion.rest[c] = (float)(0.2 + 0.3 * hill(x, y, 0, -45, 40, 20));
         m->change.rest[c] = 0.15f;
         m->shape.rest[c] = (float)(0.4 + 0.2 * hill(x, y, 0, -45, 40, 20));
-        for (uint32_t k = 0; k < 4; k++)
-            m->motion.mode[c][k] = (float)change(k, x, y);
-        for (uint32_t k = 0; k < 6; k++) {
+        for (uint32_t k = 0; k < CHANGE; k++) {
             m->change.mode[c][k] = (float)change(k, x, y);
             m->shape.mode[c][k] = (float)(3 * change(k, x, y));
+        }
+        for (uint32_t k = 0; k < IDENTITY; k++) {
+            m->identity.mode[c][k] = (float)identity(k, x, y);
+            m->shape.mode[c][CHANGE + k] = m->identity.mode[c][k];
         }
     }
     text = toy_text(m, &len);
     require(model_parse(text, len, m, NULL) == ST_OK);
     free(text);
+}
+
+void toy_cells(const struct model *m, const float from[GRID_N], const float to[GRID_N],
+               struct cells *out)
+{
+    memset(out, 0, sizeof *out);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        float zx, zy, flat;
+
+        if (!(m->change.rest[i] > 0.0f) || isnan(from[i]) || isnan(to[i]))
+            continue;
+        shape_map_slope(m->mean, i, &zx, &zy);
+        flat = 1.0f / sqrtf(1.0f + zx * zx + zy * zy);
+        out->area[i] = (float)(GRID_MM * GRID_MM);
+        out->gap[i] = (to[i] - from[i]) * flat;
+        out->z[i] = m->mean[i];
+        out->normal[i][0] = -zx * flat;
+        out->normal[i][1] = -zy * flat;
+        out->normal[i][2] = flat;
+    }
 }
 
 void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out)

@@ -6,11 +6,12 @@
 #include <stdint.h>
 #include "align_pose.h"
 #include "brute.h"
+#include "cells.h"
 #include "model.h"
 #include "surface.h"
 
-/* toy_model(m): an egg with a nose and two orbits; 4 modes that register, 6 of change, 6 of
- * shape; as model_parse() would give it. */
+/* toy_model(m): an egg with a nose and two orbits; 6 modes of change, 12 of identity, all
+ * of these of shape; as model_parse() would give it. */
 void toy_model(struct model *m);
 
 /* toy_text(m, len): m as text, to be released with free(). */
@@ -18,6 +19,11 @@ char *toy_text(const struct model *m, size_t *len);
 
 /* toy_height(x, y): of the mean face, mm, anywhere. */
 double toy_height(double x, double y);
+
+/* toy_cells(m, from, to, out): the gap of heights `to` over heights `from` (mm; NAN: none), at
+ * right angles to m's mean face. */
+void toy_cells(const struct model *m, const float from[GRID_N], const float to[GRID_N],
+               struct cells *out);
 
 typedef double toy_heights(const void *arg, double x, double y);
 

@@ -1,10 +1,11 @@
-/* Depth images: the points of the pixels, what the scale may mean, pixels without a value,
- * and pictures that are no depth images. */
+/* Depth images in PNG, PGM and without a header: the points of the pixels, what the scale may
+ * mean, pixels without a value, and pictures that are no depth images. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
@@ -12,8 +13,8 @@
 
 #include "scanfile.h"
 
-static void make(struct scanfile *f, uint32_t width, uint32_t height, uint8_t color,
-                 uint8_t bits, const void *pixels, size_t len)
+static void make_png(struct scanfile *f, uint32_t width, uint32_t height, uint8_t color,
+                     uint8_t bits, const void *pixels, size_t len)
 {
     struct spng_ihdr h = {
         .width = width, .height = height, .color_type = color, .bit_depth = bits};
@@ -54,20 +55,53 @@ static enum status read_by(const struct scanfile *f, struct clouddepth_camera c,
     return scanfile_read(f->bytes, f->len, &o, p, err);
 }
 
+/* The same image in each format. */
+static enum cloudformat make(struct scanfile *f, int as)
+{
+    const uint16_t *d = depth[0];
+    char text[100];
+
+    f->len = 0;
+    switch (as) {
+    case 0:
+        make_png(f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
+        return CLOUDFORMAT_PNG;
+    case 1:
+        scanfile_text(f, "P5\n# by hand\n3 2\n# and more\n65535\n");
+        for (int i = 0; i < 6; i++)
+            scanfile_whole(f, d[i], 2, true);
+        return CLOUDFORMAT_PGM;
+    case 2:
+        (void)snprintf(text, sizeof text,
+                       "P2 3 2 65535\r\n%u %u %u # a row\r\n\r\n %u\t%u %u", d[0], d[1],
+                       d[2], d[3], d[4], d[5]);
+        scanfile_text(f, text);
+        return CLOUDFORMAT_PGM;
+    default:
+        for (int i = 0; i < 6; i++)
+            scanfile_whole(f, d[i], 2, false);
+        return CLOUDFORMAT_RAW;
+    }
+}
+
 static void test_points(void **state)
 {
-    const struct clouddepth_camera camera = CAMERA;
     static struct scanfile f;
     struct scanfile_said err;
     struct cloudpoints p;
 
     (void)state;
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 8; i++) {
+        const enum cloudformat format = make(&f, i / 2);
+        struct clouddepth_camera camera = CAMERA;
+
+        if (format == CLOUDFORMAT_RAW) {
+            camera.width = 3;
+            camera.height = 2;
+        }
         assert_int_equal(
-            read_by(&f, camera, i == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_PNG, &p, &err),
-            ST_OK);
-        assert_true(p.format == CLOUDFORMAT_PNG && p.unit_mm == 1 && p.normal == NULL);
+            read_by(&f, camera, i % 2 == 0 ? CLOUDFORMAT_ANY : format, &p, &err), ST_OK);
+        assert_true(p.format == format && p.unit_mm == 1 && p.normal == NULL);
         assert_true(p.width == 3 && p.height == 2 && p.read == 6 && p.n == 4);
         assert_true(p.index[0] == 0 && p.index[1] == 2 && p.index[2] == 3 &&
                     p.index[3] == 4);
@@ -90,7 +124,7 @@ static void test_scale(void **state)
     struct cloudpoints p;
 
     (void)state;
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct clouddepth_camera camera = CAMERA;
 
@@ -107,9 +141,10 @@ static void expect(const struct scanfile *f, struct clouddepth_camera c, enum st
     struct scanfile_said err;
     struct cloudpoints p;
 
-    assert_int_equal(read_by(f, c, CLOUDFORMAT_ANY, &p, &err), want);
-    if (strstr(err.what, words) == NULL)
-        fail_msg("no '%s': %s", words, err.what);
+    const enum status st = read_by(f, c, CLOUDFORMAT_ANY, &p, &err);
+
+    if (st != want || strstr(err.msg, words) == NULL)
+        fail_msg("status %d, not %d with '%s': %s", st, want, words, err.msg);
 }
 
 static void test_refused(void **state)
@@ -120,21 +155,21 @@ static void test_refused(void **state)
     static struct scanfile f;
 
     (void)state;
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     expect(&f, none, ST_EVERSION, "fx, fy, cx and cy");
     expect(&f, (struct clouddepth_camera){0}, ST_EVERSION, "fx, fy, cx and cy");
     part.cy = NAN;
     expect(&f, part, ST_EVERSION, "fx, fy, cx and cy");
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 8, depth, 6);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 8, depth, 6);
     expect(&f, camera, ST_EVERSION, "of 8 bits: a depth image has 16 bits, grey");
-    make(&f, 2, 1, SPNG_COLOR_TYPE_TRUECOLOR, 16, zeros, 12);
+    make_png(&f, 2, 1, SPNG_COLOR_TYPE_TRUECOLOR, 16, zeros, 12);
     expect(&f, camera, ST_EVERSION, "of 16 bits, in colour");
-    make(&f, 7, 1, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros,
-         14); /* 12 bytes may be unpacked */
+    make_png(&f, 7, 1, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros,
+             14); /* 12 bytes may be unpacked */
     expect(&f, camera, ST_ESIZE, "7 x 1 pixels");
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros, 12);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, zeros, 12);
     expect(&f, camera, ST_ENOTFINITE, "none of the 6 points");
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     f.bytes[f.len - 20]++;
     expect(&f, camera, ST_EINVAL, "damaged");
 }
@@ -146,18 +181,88 @@ static void test_cut(void **state)
     static struct scanfile f;
 
     (void)state;
-    make(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
+    make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     for (f.len -= 12 + 4; f.len-- > 8;)
         expect(&f, camera, ST_EINVAL, "damaged");
+}
+
+static void test_pgm(void **state)
+{
+    struct scanfile_said err;
+    struct cloudpoints p;
+    static const struct {
+        const char *text;
+        enum status st;
+        const char *words;
+    } bad[] = {
+        {"P5\n2 2\n255\n\1\2\3\4", ST_EVERSION, "of 8 bits: a depth image has 16"},
+        {"P2\n2 2\n255\n1 2 3 4\n", ST_EVERSION, "of 8 bits: a depth image has 16"},
+        {"P2\n2 2\n65536\n1 2 3 4\n", ST_EINVAL, "line 3: a number from 0 to 65535"},
+        {"P2\n2 -2\n65535\n1 2 3 4\n", ST_EINVAL, "line 2: a number from 0 to 65535"},
+        {"P2\n2 2\n999\n1 2\n3 1000\n", ST_EINVAL, "line 5: a number from 0 to 999"},
+        {"P2\n2 2\n999\n1 2\n3 4 5\n", ST_EINVAL, "line 5: more pixels than the"},
+        {"P2\n2 2\n999\n1 2\n3\n", ST_EINVAL, "line 6: a number from 0 to 999"},
+        {"P2\n2 2\n999\n1 2.5 3 4\n", ST_EINVAL, "line 4: a number"},
+        {"P2\n0 2\n999\n", ST_EINVAL, "no points"},
+        {"P2\n65535 65535\n999\n1", ST_EINVAL, "line 4: a number"},
+        {"P5\n65535 65535\n999\n1", ST_EINVAL,
+         "65535 x 65535 pixels of 16 bits take 8589672450 bytes, from here on the file has 1"},
+        {"P5 2 1 999\n\1\2\3\4\5", ST_EINVAL, "byte 11: 2 x 1 pixels of 16 bits"},
+        {"P5 ", ST_EINVAL, "line 1: a number from 0 to 65535"},
+        {"P2\n2 2\n999\n0 0\n0 0\n", ST_ENOTFINITE, "none of the 4 points"},
+    };
+    const struct clouddepth_camera camera = CAMERA, none = CLOUDDEPTH_NO_CAMERA;
+    static struct scanfile f;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        f.len = 0;
+        scanfile_text(&f, bad[i].text);
+        expect(&f, camera, bad[i].st, bad[i].words);
+    }
+    for (int as = 1; as < 3; as++) {
+        (void)make(&f, as);
+        expect(&f, none, ST_EVERSION, "fx, fy, cx and cy");
+        for (f.len -= as == 2 ? 3 : 0; f.len-- > 0;) /* the last number may be shorter */
+            assert_int_not_equal(read_by(&f, camera, CLOUDFORMAT_PGM, &p, &err), ST_OK);
+    }
+}
+
+/* Nothing in such a file says what it is, so it may look like anything. */
+static void test_raw(void **state)
+{
+    struct clouddepth_camera camera = CAMERA;
+    static struct scanfile f;
+    struct scanfile_said err;
+    struct cloudpoints p;
+
+    (void)state;
+    camera.width = 2;
+    camera.height = 3;
+    f.len = 0;
+    scanfile_text(&f, "<?xml is not");
+    assert_int_equal(read_by(&f, camera, CLOUDFORMAT_ANY, &p, &err), ST_OK);
+    assert_true(p.format == CLOUDFORMAT_RAW && p.n == 6 && p.width == 2);
+    assert_true(p.at[0].z == -('<' + 256 * '?'));
+    cloudpoints_free(&p);
+    while (f.len-- > 0)
+        expect(&f, camera, ST_EINVAL,
+               f.len > 0 ? "2 x 3 pixels of 16 bits take 12 bytes" : "no points");
+    (void)make(&f, 0);
+    expect(&f, camera, ST_EINVAL, "this is PNG, not RAW as declared");
+    assert_int_equal(read_by(&f, camera, CLOUDFORMAT_PNG, &p, &err), ST_OK);
+    cloudpoints_free(&p);
+    (void)make(&f, 3);
+    camera.fx = NAN;
+    expect(&f, camera, ST_EVERSION, "fx, fy, cx and cy");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),
-        cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_points),  cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_pgm),     cmocka_unit_test(test_raw),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

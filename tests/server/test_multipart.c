@@ -1,5 +1,5 @@
-/* The file of a form is found as browsers and curl send it, wherever line ends and dashes stand
- * in it; what is malformed, or not one part, is refused with a reason. */
+/* The files of a form are found as browsers and curl send them, wherever line ends and dashes
+ * stand in them; what is malformed, or other parts than are wanted, is refused with a reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,10 @@
 #define FIELD(x) "--b\r\nContent-Disposition: form-data; name=\"" x "\"\r\n\r\n1\r\n"
 #define BODY(x)  PART(x) "--b--\r\n"
 
-static struct multipart_file f;
+static struct multipart_file file[MULTIPART_FILES_MAX];
+#define f file[0]
+static size_t files;
+static size_t most = 1;
 static struct errinfo e;
 
 static enum status take(const char *body, size_t len, const char *boundary)
@@ -28,10 +31,13 @@ static enum status take(const char *body, size_t len, const char *boundary)
     assert_non_null(exact);
     memcpy(exact, body, len);
     e = (struct errinfo){0};
-    st = multipart_file(exact, len, boundary, &f, &e);
-    if (st == ST_OK) { /* the same place, in memory that stays */
-        assert_true(f.data >= exact && f.data + f.len <= exact + len);
-        f.data = (const unsigned char *)body + (f.data - exact);
+    st = multipart_read(exact, len, boundary, most, file, &files, &e);
+    for (size_t i = 0; st == ST_OK && i < files; i++) {
+        const unsigned char *data = file[i].data;
+
+        /* the same place, in memory that stays */
+        assert_true(data >= exact && data + file[i].len <= exact + len);
+        file[i].data = (const unsigned char *)body + (data - exact);
     }
     free(exact);
     return st;
@@ -162,7 +168,7 @@ static void test_parts(void **state)
     for (int i = 0; i < 20; i++)
         strcat(many, FIELD("n"));
     strcat(many, "--b--");
-    assert_refused(many, "the parts n, n, n, n, n, n, n, n, ...: send one");
+    assert_refused(many, "the parts n, n, ...: send one");
     memset(part, 'x', sizeof part);
     memcpy(part, "--b\r\nX: ", 8);
     part[sizeof part - 1] = '\0';
@@ -176,13 +182,47 @@ static void test_parts(void **state)
     assert_refused(many, "more than 4 KB");
 }
 
+/* Several files, each with its name. */
+static void test_several(void **state)
+{
+    char many[3000] = "";
+
+    (void)state;
+    most = MULTIPART_FILES_MAX;
+    assert_taken(FIELD("units") "--b--", strlen(FIELD("units") "--b--"), "1", 1);
+    assert_string_equal(f.name, "");
+    assert_int_equal(take(PART("x") PART("\r\n--c") PART("") "--b--",
+                          strlen(PART("x") PART("\r\n--c") PART("") "--b--"), "b"),
+                     ST_OK);
+    assert_int_equal(files, 3);
+    for (size_t i = 0; i < 3; i++) {
+        static const char *const data[] = {"x", "\r\n--c", ""};
+
+        assert_int_equal(file[i].len, strlen(data[i]));
+        assert_memory_equal(file[i].data, data[i], strlen(data[i]));
+        assert_string_equal(file[i].name, "a.ply");
+    }
+    assert_refused(PART("x") FIELD("units") "--b--",
+                   "the parts file, units: send 1 to 20 files, each with a file name");
+    assert_refused(PART("x") PART("y"), "ends before the last boundary");
+    for (int i = 1; i <= 21; i++) {
+        strcat(many, PART("x"));
+        strcat(many, "--b--");
+        assert_int_equal(take(many, strlen(many), "b"), i <= 20 ? ST_OK : ST_EINVAL);
+        assert_int_equal(files, i);
+        many[strlen(many) - 5] = '\0';
+    }
+    assert_non_null(strstr(e.msg, "send 1 to 20 files"));
+    assert_refused("--b--", "no parts: send 1 to 20");
+    most = 1;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boundary),
-        cmocka_unit_test(test_file),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_boundary), cmocka_unit_test(test_file),
+        cmocka_unit_test(test_refused),  cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_several),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -104,6 +104,8 @@ static void test_media(void **state)
     check_media("model/gltf-binary", REQUEST_SCAN, CLOUDFORMAT_GLB);
     check_media("text/csv; header=present", REQUEST_SCAN, CLOUDFORMAT_XYZ);
     check_media("image/png", REQUEST_SCAN, CLOUDFORMAT_PNG);
+    check_media("image/x-portable-graymap", REQUEST_SCAN, CLOUDFORMAT_PGM);
+    check_media("model/vrml", REQUEST_SCAN, CLOUDFORMAT_VRML);
     check_media("text/plain", REQUEST_SCAN, CLOUDFORMAT_ANY);
     check_media("application/octet-stream", REQUEST_SCAN, CLOUDFORMAT_ANY);
     check_media("application/x-www-form-urlencoded", REQUEST_SCAN, CLOUDFORMAT_ANY);

@@ -321,22 +321,20 @@ static void test_many(void **state)
 /* A calibration that comes into force decides the next comparison. */
 static void test_calibration(void **state)
 {
-    struct store_calibration k = {.fmr = 0.5,
-                                  .low_mm = 0.0001,
-                                  .high_mm = 0.0001,
-                                  .decision = {.threshold_mm = 0.0001,
-                                               .halving_mm = 0.01,
-                                               .n = 2,
-                                               .knot = {{0.0001, 0.5}, {100, 1}}}};
+    struct store_calibration k = {
+        .fmr = 0.5,
+        .low = 99,
+        .high = 99,
+        .table = {.threshold = 99, .n = 2, .knot = {{-100, 1}, {99, 0.5}}}};
     struct admission_context c = context();
     struct admission a;
     struct nearest out;
     const struct {
         bool add, shipped;
-        double threshold_mm;
-    } step[] = {{false, false, store_model(store)->decision.threshold_mm},
-                {true, false, k.decision.threshold_mm},
-                {true, true, store_model(store)->decision.threshold_mm}};
+        double threshold;
+    } step[] = {{false, false, store_model(store)->calibration.threshold},
+                {true, false, k.table.threshold},
+                {true, true, store_model(store)->calibration.threshold}};
 
     (void)state;
     for (size_t i = 0; i < sizeof step / sizeof *step; i++) {
@@ -347,7 +345,7 @@ static void test_calibration(void **state)
         assert_int_equal(reads, 1);
         assert_int_equal(c.calibration, i);
         assert_int_equal(nearest_find(&c, &a, &tempdb_face[1], &out, &e), ST_OK);
-        assert_true(out.result.threshold_mm == step[i].threshold_mm);
+        assert_true(out.result.threshold == step[i].threshold);
         admission_free(&c, &a);
     }
     assert_int_equal(admission_calibrate(&c, &e), ST_OK);

@@ -1,5 +1,6 @@
 /* A sample becomes a template if it matches one of the subject's templates, if it is forced,
- * or if it is the first; but not of a disabled or expired subject. */
+ * or if it is the first; of several the others if they match that one; but not of a disabled or
+ * expired subject. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +11,6 @@
 #include "clouds.h"
 #include "enrolment.h"
 #include "errinfo.h"
-#include "model.h"
 #include "tempdb.h"
 
 #define POINTS 1500
@@ -48,14 +48,47 @@ static void release(void *arg, const struct face *f)
     rival = NULL;
 }
 
-static enum status add(const struct face *f, bool force, struct enrolment_outcome *out)
+static struct enrolment_result each[ENROLMENT_SAMPLES];
+
+static enum status add_all(const struct face *const f[], size_t n, bool force,
+                           struct enrolment_outcome *out)
 {
     struct admission_context c = {
         .store = store, .work = tempdb_work, .keep = keep, .release = release};
-    const struct enrolment x = {
-        .actor = "test", .subject = "alice", .label = "", .face = f, .force = force};
+    struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
+    const struct enrolment x = {.actor = "test",
+                                .subject = "alice",
+                                .label = "",
+                                .sample = sample,
+                                .n = n,
+                                .force = force};
 
-    return enrolment_add(&c, &x, out, &e);
+    memset(each, 0, sizeof each);
+    for (size_t i = 0; i < n; i++)
+        if ((sample[i].face = f[i]) == NULL)
+            (void)errinfo_set(&each[i].why, ST_EQUALITY, "too poor");
+    return enrolment_add(&c, &x, each, out, &e);
+}
+
+static enum status add(const struct face *f, bool force, struct enrolment_outcome *out)
+{
+    return add_all(&f, 1, force, out);
+}
+
+/* Of add_all(): '1' a new template, 's' the same again, '.' it does not fit, '-' it was no
+ * face. */
+static void assert_taken(const char *what)
+{
+    for (size_t i = 0; what[i] != '\0'; i++) {
+        const bool taken = what[i] == '1' || what[i] == 's';
+
+        assert_int_equal(each[i].why.code, what[i] == '.'   ? ST_EMISMATCH
+                                           : what[i] == '-' ? ST_EQUALITY
+                                                            : ST_OK);
+        assert_int_equal(each[i].created, what[i] == '1');
+        assert_int_equal(each[i].tmpl.id[0] != '\0', taken);
+        assert_int_equal(each[i].why.msg[0] == '\0', taken);
+    }
 }
 
 static int set_up(void **state)
@@ -100,13 +133,13 @@ static void test_fit(void **state)
 
     (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
-    assert_true(out.created);
+    assert_true(each[0].created);
     assert_int_equal(out.nearest.compared, 0);
     assert_int_equal(add(&again, false, &out), ST_OK);
-    assert_true(out.created);
+    assert_true(each[0].created);
     assert_int_equal(out.nearest.compared, 1);
     assert_int_equal(add(&again, false, &out), ST_OK);
-    assert_false(out.created);
+    assert_false(each[0].created);
     assert_int_equal(add(&tempdb_face[1], false, &out), ST_EMISMATCH);
     assert_int_equal(out.nearest.compared, 2);
     assert_int_equal(out.nearest.result.decision, FACE_NO_MATCH);
@@ -128,29 +161,7 @@ static void test_inconclusive(void **state)
     assert_non_null(strstr(e.msg, "too little in common"));
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
     assert_int_equal(add(&cheek, true, &out), ST_OK);
-    assert_true(out.created);
-}
-
-/* Nor does one that hides a part of the face, with a score between the two thresholds. */
-static void test_doubt(void **state)
-{
-    struct decision strict = model_default.decision;
-    struct face hidden = again; /* borrows its surface */
-    struct enrolment_outcome out;
-
-    (void)state;
-    hidden.hidden = 0.4;
-    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
-    assert_int_equal(add(&hidden, false, &out), ST_OK);
-    store_close(store);
-    store = tempdb_fresh();
-    strict.threshold_mm = 0.8 * out.nearest.result.calibrated_mm;
-    face_work_decide(tempdb_work, &strict);
-    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
-    assert_int_equal(add(&hidden, false, &out), ST_EMISMATCH);
-    face_work_decide(tempdb_work, NULL);
-    assert_int_equal(out.nearest.result.decision, FACE_INCONCLUSIVE);
-    assert_non_null(strstr(e.msg, "a part of the face is hidden"));
+    assert_true(each[0].created);
 }
 
 /* A template that is enrolled between comparing and storing is compared with too. */
@@ -198,14 +209,170 @@ static void test_admitted(void **state)
     assert_int_equal(out.admit, ADMIT_YES);
 }
 
+/* Several at once: each that matches the first becomes a template. */
+static void test_several(void **state)
+{
+    const struct face *const burst[] = {&tempdb_face[0], &tempdb_face[1], &again,
+                                        &tempdb_face[0], &cheek,          &again};
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add_all(burst, 6, false, &out), ST_OK);
+    assert_taken("1.1s.s");
+    assert_non_null(strstr(each[1].why.msg, "does not match the first"));
+    assert_non_null(strstr(each[4].why.msg, "too little in common"));
+    assert_string_equal(each[3].tmpl.id, each[0].tmpl.id);
+    assert_string_equal(each[5].tmpl.id, each[2].tmpl.id);
+    assert_int_equal(out.nearest.compared, 0);
+    /* what was compared with another sample alone says nothing of the subject */
+    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+                                   " WHERE kind = 'enroll_mismatch'"),
+                     0);
+    assert_int_equal(add_all(burst, 6, false, &out), ST_OK);
+    assert_taken("s.ss.s");
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
+    assert_int_equal(add_all(burst, 6, true, &out), ST_OK);
+    assert_taken("s1ss1s");
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 4);
+    assert_int_equal(tempdb_check(store).problems, 0);
+}
+
+/* Those before the first that fits are tried as if each had come alone; none fits: the first
+ * one's reason. */
+static void test_first(void **state)
+{
+    const struct face *const burst[] = {&tempdb_face[1], &cheek, &again, &tempdb_face[1],
+                                        &tempdb_face[0]};
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(add_all(burst, 2, false, &out), ST_EMISMATCH);
+    assert_taken("..");
+    assert_string_equal(e.msg, each[0].why.msg);
+    assert_non_null(strstr(each[0].why.msg, "matches none of the subject's templates"));
+    assert_non_null(strstr(each[1].why.msg, "too little in common with any"));
+    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+                                   " WHERE kind = 'enroll_mismatch'"),
+                     2);
+    assert_int_equal(add_all(burst, 5, false, &out), ST_OK);
+    assert_taken("..1.s");
+    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+                                   " WHERE kind = 'enroll_mismatch'"),
+                     4);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);
+}
+
+/* Another enrolment in between: what stands for the burst is compared again, and the burst is
+ * stored whole. */
+static void test_several_meanwhile(void **state)
+{
+    const struct face *const burst[] = {&tempdb_face[2], &again, &tempdb_face[0]};
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    rival = &tempdb_face[1];
+    assert_int_equal(add_all(burst, 3, false, &out), ST_OK);
+    assert_taken(".1s");
+    assert_null(rival);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
+}
+
+/* Those that are no faces are passed over, wherever they stand. */
+static void test_refused(void **state)
+{
+    const struct face *const burst[] = {NULL, &tempdb_face[0], NULL, &again, NULL};
+    struct enrolment_outcome out;
+
+    (void)state;
+    for (int force = 0; force < 2; force++) {
+        assert_int_equal(add_all(burst, 1, force == 1, &out), ST_EQUALITY);
+        assert_true(out.none);
+        assert_string_equal(e.msg, "too poor");
+    }
+    assert_int_equal(add_all(burst, 5, false, &out), ST_OK);
+    assert_false(out.none);
+    assert_taken("-1-1-");
+    assert_int_equal(
+        add_all((const struct face *const[]){NULL, &tempdb_face[1]}, 2, false, &out),
+        ST_EQUALITY);
+    assert_true(out.none);
+    assert_taken("-.");
+    assert_int_equal(add_all(burst, 5, true, &out), ST_OK);
+    assert_taken("-s-s-");
+}
+
+static bool twice(void *arg, const struct store_attempts *now)
+{
+    (void)now;
+    return --*(int *)arg >= 0;
+}
+
+/* Locked out on the way: nothing is enrolled. */
+static void test_locked(void **state)
+{
+    struct store_sample sample[] = {{.face = &tempdb_face[1]}, {.face = &again}};
+    struct admission_context c = {
+        .store = store, .work = tempdb_work, .keep = keep, .release = release};
+    int left = 2; /* before and after the first comparison */
+    const struct enrolment x = {.actor = "test",
+                                .subject = "alice",
+                                .label = "",
+                                .sample = sample,
+                                .n = 2,
+                                .may = twice,
+                                .arg = &left};
+    struct enrolment_outcome out;
+
+    (void)state;
+    memset(each, 0, sizeof each);
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(enrolment_add(&c, &x, each, &out, &e), ST_EDENIED);
+    assert_true(out.locked);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
+}
+
+/* What cannot be stored whole is not stored at all. */
+static void test_all_or_none(void **state)
+{
+    struct face bad = again; /* fits, but the database refuses it */
+    const struct face *burst[] = {&tempdb_face[0], &bad};
+    struct enrolment_outcome out;
+
+    (void)state;
+    bad.surface.mesh.nt = 0;
+    assert_int_equal(add_all(burst, 2, false, &out), ST_EDB);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 0);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 0);
+    burst[1] = &again;
+    assert_int_equal(add_all(burst, 2, false, &out), ST_OK);
+    assert_taken("11");
+}
+
+static void test_code(void **state)
+{
+    (void)state;
+    assert_string_equal(enrolment_code(ST_EMISMATCH), "sample_mismatch");
+    assert_string_equal(enrolment_code(ST_EQUALITY), "low_quality");
+    assert_string_equal(enrolment_code(ST_EINVAL), "malformed");
+    assert_null(enrolment_code(ST_OK));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
         cmocka_unit_test_setup_teardown(test_inconclusive, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_doubt, fresh, closed),
         cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
         cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_several, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_first, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_several_meanwhile, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_refused, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_locked, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_all_or_none, fresh, closed),
+        cmocka_unit_test(test_code),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);

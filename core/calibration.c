@@ -1,0 +1,39 @@
+#include "calibration.h"
+
+#include <math.h>
+
+#define LARGEST 1e4
+
+static bool is_score(double x)
+{
+    return fabs(x) < LARGEST; /* false for NAN */
+}
+
+bool calibration_valid(const struct calibration *c)
+{
+    const struct calibration_knot *k = c->knot;
+
+    if (!(c->n >= 2 && c->n <= CALIBRATION_KNOTS) || !is_score(c->threshold) ||
+        !(k[0].rate >= 1 && k[0].rate <= 1))
+        return false;
+    for (uint32_t i = 0; i < c->n; i++)
+        if (!is_score(k[i].score) || !(k[i].rate > 0) ||
+            (i > 0 && !(k[i].score > k[i - 1].score && k[i].rate < k[i - 1].rate)))
+            return false;
+    return true;
+}
+
+double calibration_fmr(const struct calibration *c, double score)
+{
+    const struct calibration_knot *k = c->knot;
+    uint32_t i = 1;
+
+    if (!(score >= k[0].score))
+        return 1;
+    if (score >= k[c->n - 1].score)
+        return k[c->n - 1].rate;
+    while (score >= k[i].score)
+        i++;
+    return k[i - 1].rate + (k[i].rate - k[i - 1].rate) * (score - k[i - 1].score) /
+                               (k[i].score - k[i - 1].score);
+}

@@ -1,0 +1,191 @@
+#include "heights.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "lattice.h"
+#include "mesh.h"
+#include "surface.h"
+
+/* The most that one sample stands for: a quarter of a cell. */
+#define HEIGHTS_AREA_MM2 4.0f
+
+/* mm beside the grid: farther no motion of a fit leads. */
+#define HEIGHTS_AROUND_MM 40.0f
+
+/* Share of a cell that must be covered. */
+#define HEIGHTS_COVERED 0.45f
+
+/* Cosine of the steepest triangle. */
+#define HEIGHTS_STEEP 0.2f
+
+/* Parts of a triangle's side, at most: of one that is as large as the grid. */
+#define HEIGHTS_PARTS 64
+
+struct corner {
+    float x, y, z;
+};
+
+static void place(const struct mesh *m, const struct align_pose *pose, struct corner *at)
+{
+    struct align_pose mm = *pose; /* of lattice units */
+
+    for (int i = 0; i < 9; i++)
+        mm.r[i] /= LATTICE_PER_MM;
+    for (uint32_t v = 0; v < m->nv; v++) {
+        const struct dvec3 q =
+            align_pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
+
+        at[v] = (struct corner){(float)q.x, (float)q.y, (float)q.z};
+    }
+}
+
+/* Is the place on the grid, or near it? */
+static bool is_near(const struct corner *c)
+{
+    const float rim = HEIGHTS_AROUND_MM;
+
+    return c->x > (float)GRID_LEFT - rim &&
+           c->x < (float)(GRID_LEFT + GRID_NX * GRID_MM) + rim &&
+           c->y > (float)GRID_BOTTOM - rim &&
+           c->y < (float)(GRID_BOTTOM + GRID_NY * GRID_MM) + rim;
+}
+
+/* Into how many parts each side of the triangle is divided, 0: left out; and its area seen along
+ * z, doubled. */
+static uint32_t parts(const struct corner *a, const struct corner *b,
+                      const struct corner *c, float *twice)
+{
+    const float ux = b->x - a->x, uy = b->y - a->y, uz = b->z - a->z;
+    const float vx = c->x - a->x, vy = c->y - a->y, vz = c->z - a->z;
+    const float nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    const float length = nx * nx + ny * ny + nz * nz;
+
+    *twice = nz;
+    if (!(nz > 0.0f) || !(nz * nz > HEIGHTS_STEEP * HEIGHTS_STEEP * length) ||
+        !(is_near(a) || is_near(b) || is_near(c)))
+        return 0;
+    if (nz <= 2 * HEIGHTS_AREA_MM2)
+        return 1;
+    return (uint32_t)fminf(ceilf(sqrtf(nz / (2 * HEIGHTS_AREA_MM2))), HEIGHTS_PARTS);
+}
+
+/* Where samples go. */
+struct list {
+    float *x, *y, *z, *area;
+    uint32_t n;
+};
+
+static void add(struct list *l, const struct corner *a, const struct corner *b,
+                const struct corner *c, float u, float v, float area)
+{
+    const float w = 1.0f - u - v;
+
+    l->x[l->n] = w * a->x + u * b->x + v * c->x;
+    l->y[l->n] = w * a->y + u * b->y + v * c->y;
+    l->z[l->n] = w * a->z + u * b->z + v * c->z;
+    l->area[l->n++] = area;
+}
+
+static void add_parts(struct list *l, const struct corner *a, const struct corner *b,
+                      const struct corner *c, uint32_t k, float twice)
+{
+    const float step = 1.0f / (float)k, third = step / 3.0f;
+    const float area = twice / 2 * step * step;
+
+    for (uint32_t i = 0; i < k; i++)
+        for (uint32_t j = 0; i + j < k; j++) {
+            const float u = (float)i * step, v = (float)j * step;
+
+            add(l, a, b, c, u + third, v + third, area);
+            if (i + j + 1 < k)
+                add(l, a, b, c, u + 2 * third, v + 2 * third, area);
+        }
+}
+
+enum status heights_take(const struct surface *f, const struct align_pose *pose,
+                         struct scratch *s, struct heights *out)
+{
+    const struct mesh *m = &f->mesh;
+    const size_t corners = mem_round(m->nv * sizeof(struct corner));
+    struct corner *at = scratch_need(s, corners);
+    struct list l = {0};
+    size_t n = 0, used = 0;
+    unsigned char *block;
+    float twice;
+
+    if (at == NULL)
+        return ST_ENOMEM;
+    place(m, pose, at);
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+        const size_t k =
+            f->bridge[t] ? 0 : parts(&at[v[0]], &at[v[1]], &at[v[2]], &twice);
+
+        n += k * k;
+    }
+    n = (n + 15) & ~(size_t)15;
+    block = scratch_need(s, corners + 4 * n * sizeof(float));
+    if (block == NULL)
+        return ST_ENOMEM;
+    at = mem_take(block, &used, m->nv, sizeof *at);
+    l.x = mem_take(block, &used, n, sizeof *l.x);
+    l.y = mem_take(block, &used, n, sizeof *l.y);
+    l.z = mem_take(block, &used, n, sizeof *l.z);
+    l.area = mem_take(block, &used, n, sizeof *l.area);
+    place(m, pose, at); /* a larger block does not keep what was in the smaller one */
+    for (uint32_t t = 0; t < m->nt; t++) {
+        const uint32_t *v = &m->org[3 * t];
+        const uint32_t k =
+            f->bridge[t] ? 0 : parts(&at[v[0]], &at[v[1]], &at[v[2]], &twice);
+
+        if (k > 0)
+            add_parts(&l, &at[v[0]], &at[v[1]], &at[v[2]], k, twice);
+    }
+    *out = (struct heights){l.x, l.y, l.z, l.area, l.n};
+    return ST_OK;
+}
+
+void heights_at(const struct heights *h, const struct align_pose *pose, float out[GRID_N])
+{
+    const double *d = pose->r, *t = pose->t;
+    const float over = (float)(1 / GRID_MM);
+    /* To cells, so that x and y are cut to whole numbers. */
+    const float xx = (float)d[0] * over, xy = (float)d[1] * over, xz = (float)d[2] * over;
+    const float yx = (float)d[3] * over, yy = (float)d[4] * over, yz = (float)d[5] * over;
+    const float zx = (float)d[6], zy = (float)d[7], zz = (float)d[8], z0 = (float)t[2];
+    const float x0 = ((float)t[0] - (float)GRID_LEFT) * over;
+    const float y0 = ((float)t[1] - (float)GRID_BOTTOM) * over;
+    float area[GRID_N + 1], sum[GRID_N + 1]; /* the last: off the grid */
+
+    memset(area, 0, sizeof area);
+    memset(sum, 0, sizeof sum);
+    for (uint32_t k = 0; k < h->n; k++) {
+        const float x = h->x[k], y = h->y[k], z = h->z[k];
+        const float i = xx * x + xy * y + xz * z + x0;
+        const float j = yx * x + yy * y + yz * z + y0;
+        const bool in =
+            i >= 0.0f && i < (float)GRID_NX && j >= 0.0f && j < (float)GRID_NY;
+        const uint32_t cell = in ? (uint32_t)j * GRID_NX + (uint32_t)i : GRID_N;
+
+        area[cell] += h->area[k];
+        sum[cell] += h->area[k] * (zx * x + zy * y + zz * z + z0);
+    }
+    for (uint32_t i = 0; i < GRID_N; i++)
+        out[i] = area[i] >= HEIGHTS_COVERED * (float)(GRID_MM * GRID_MM)
+                     ? sum[i] / area[i]
+                     : (float)NAN;
+}
+
+enum status heights_of(const struct surface *f, const struct align_pose *pose,
+                       struct scratch *s, float out[GRID_N])
+{
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct heights h;
+    const enum status st = heights_take(f, pose, s, &h);
+
+    if (st == ST_OK)
+        heights_at(&h, &still, out);
+    return st;
+}

@@ -1,0 +1,167 @@
+#include "normal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The two loops that matter are compiled twice, for processors with wider vectors too.  A lane
+ * does the same operations on the same numbers either way, and nothing is contracted: the digits
+ * are the same. */
+#if defined __x86_64__ && !defined NORMAL_NARROW
+#define NORMAL_WIDE __attribute__((target("avx2")))
+#endif
+#define EITHER static inline __attribute__((always_inline))
+
+#define TILE 4
+
+typedef float lanes __attribute__((vector_size(4 * NORMAL_LANES)));
+
+/* sum[k..k+3][l..l+7] += the products of some rows, in a tile that stays in registers. */
+EITHER void add_tile(const struct normal_rows *r, uint32_t k, uint32_t l, float *sum,
+                     uint32_t stride)
+{
+    lanes t[TILE];
+
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(&t[i], &sum[(k + i) * stride + l], sizeof t[i]);
+    for (uint32_t j = 0; j < r->n; j++) {
+        const float *a = &r->times[j][k];
+        lanes v;
+
+        memcpy(&v, &r->row[j][l], sizeof v);
+        for (uint32_t i = 0; i < TILE; i++)
+            t[i] += a[i] * v;
+    }
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(&sum[(k + i) * stride + l], &t[i], sizeof t[i]);
+}
+
+EITHER void add_all(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+                    uint32_t stride)
+{
+    for (uint32_t l = from; l < to; l += NORMAL_LANES)
+        for (uint32_t k = 0; k < l + NORMAL_LANES; k += TILE)
+            add_tile(r, k, l, sum, stride);
+}
+
+/* Columns at a time: what lies to their right is read and written once for all of them. */
+#define PANEL 4
+
+/* Columns from..to-1 of a panel, by themselves. */
+static bool factor_panel(double *h, uint32_t stride, uint32_t from, uint32_t to,
+                         uint32_t n)
+{
+    for (uint32_t k = from; k < to; k++) {
+        double *col = h + k * stride, over;
+
+        if (!(col[k] > 1e-9))
+            return false;
+        over = 1.0 / sqrt(col[k]);
+        for (uint32_t i = k; i < n; i++)
+            col[i] *= over;
+        for (uint32_t j = k + 1; j < to; j++) {
+            const double c = col[j];
+            double *other = h + j * stride;
+
+            for (uint32_t i = j; i < n; i++)
+                other[i] -= c * col[i];
+        }
+    }
+    return true;
+}
+
+/* Column j less what a whole panel explains of it. */
+EITHER void reduce(const double *restrict panel, uint32_t stride, uint32_t j, uint32_t n,
+                   double *restrict col)
+{
+    const double *a = panel, *b = a + stride, *c = b + stride, *d = c + stride;
+    const double ja = a[j], jb = b[j], jc = c[j], jd = d[j];
+
+    for (uint32_t i = j; i < n; i++)
+        col[i] -= (ja * a[i] + jb * b[i]) + (jc * c[i] + jd * d[i]);
+}
+
+/* Column after column from `end` on less what the panel explains of it. */
+EITHER void reduce_all(double *h, uint32_t stride, uint32_t panel, uint32_t n)
+{
+    for (uint32_t j = panel + PANEL; j < n; j++)
+        reduce(h + panel * stride, stride, j, n, h + j * stride);
+}
+
+#ifdef NORMAL_WIDE
+NORMAL_WIDE static void add_wide(const struct normal_rows *r, uint32_t from, uint32_t to,
+                                 float *sum, uint32_t stride)
+{
+    add_all(r, from, to, sum, stride);
+}
+
+NORMAL_WIDE static void reduce_wide(double *h, uint32_t stride, uint32_t panel,
+                                    uint32_t n)
+{
+    reduce_all(h, stride, panel, n);
+}
+
+static bool is_wide(void)
+{
+    return __builtin_cpu_supports("avx2") != 0;
+}
+#else
+#define add_wide    add_all
+#define reduce_wide reduce_all
+static bool is_wide(void)
+{
+    return false;
+}
+#endif
+
+void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+                uint32_t stride)
+{
+    if (r->n == 0)
+        return;
+    if (is_wide())
+        add_wide(r, from, to, sum, stride);
+    else
+        add_all(r, from, to, sum, stride);
+    r->n = 0;
+}
+
+bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n)
+{
+    for (uint32_t k = from; k < to; k += PANEL) {
+        const uint32_t end = k + PANEL <= to ? k + PANEL : to;
+
+        if (!factor_panel(h, stride, k, end, n))
+            return false;
+        if (end == k + PANEL && is_wide())
+            reduce_wide(h, stride, k, n);
+        else if (end == k + PANEL)
+            reduce_all(h, stride, k, n);
+        for (uint32_t p = k; p < end && end < k + PANEL; p++) /* the last columns */
+            for (uint32_t j = end; j < n; j++)
+                for (uint32_t i = j; i < n; i++)
+                    h[j * stride + i] -= h[p * stride + j] * h[p * stride + i];
+    }
+    return true;
+}
+
+void normal_forward(const double *h, uint32_t stride, uint32_t to, uint32_t n, double *v)
+{
+    for (uint32_t k = 0; k < to; k++) {
+        const double *col = h + k * stride;
+
+        v[k] /= col[k];
+        for (uint32_t i = k + 1; i < n; i++)
+            v[i] -= v[k] * col[i];
+    }
+}
+
+void normal_backward(const double *h, uint32_t stride, uint32_t n, double *v)
+{
+    for (uint32_t k = n; k-- > 0;) {
+        const double *col = h + k * stride;
+
+        for (uint32_t i = k + 1; i < n; i++)
+            v[k] -= v[i] * col[i];
+        v[k] /= col[k];
+    }
+}

@@ -1,0 +1,58 @@
+#include "in_force.h"
+
+#include <string.h>
+
+#include "face.h"
+#include "model.h"
+#include "store_calibration.h"
+#include "store_open.h"
+
+/* Was it made for the measure and the model that s is used with? */
+static bool holds(const struct store *s, const struct store_calibration *k)
+{
+    return k->shipped || face_same_engine(k->engine, store_made_by(s));
+}
+
+/* What *k, the newest or zeros, means for s. */
+static void complete(const struct store *s, struct store_calibration *k)
+{
+    k->ignored = k->version != 0 && !holds(s, k);
+    if (k->version == 0 || k->shipped || k->ignored) {
+        k->shipped = true;
+        k->table = store_model(s)->calibration;
+    }
+}
+
+enum status in_force_get(struct store *s, struct store_calibration *k, struct errinfo *e)
+{
+    const enum status st = store_calibration_get(s, k, e);
+
+    if (st == ST_ENOTFOUND)
+        memset(k, 0, sizeof *k);
+    else if (st != ST_OK)
+        return st;
+    complete(s, k);
+    return ST_OK;
+}
+
+void in_force_use(const struct store *s, struct store_calibration k, struct face_work *w)
+{
+    complete(s, &k);
+    face_work_decide(w, k.shipped ? NULL : &k.table);
+}
+
+enum status in_force_follow(struct store *s, struct face_work *w, int64_t *version,
+                            struct errinfo *e)
+{
+    struct store_calibration k;
+    int64_t newest;
+    enum status st = store_calibration_version(s, &newest, e);
+
+    if (st != ST_OK || newest == *version)
+        return st;
+    if ((st = in_force_get(s, &k, e)) != ST_OK)
+        return st;
+    in_force_use(s, k, w);
+    *version = k.version;
+    return ST_OK;
+}

@@ -1,0 +1,398 @@
+#include "find_view.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "find_grid.h"
+#include "frame.h"
+#include "mem.h"
+
+#define ROLLS FIND_VIEW_ROLLS
+#define NONE  (-1e9f)
+
+/* Cells beside the cloud: as far as a face reaches from its nose. */
+#define PAD 12
+
+#define UNIT  FIND_VIEW_MM
+#define LANES 4 /* rolls at a time */
+
+typedef float lanes __attribute__((vector_size(4 * LANES)));
+typedef int32_t masks __attribute__((vector_size(4 * LANES)));
+
+/* cos and sin of the rolls, each 22.5 degrees from the one before. */
+static void turn_of(int roll, double *c, double *s)
+{
+    static const double table[5] = {1, .92387953251128675613, .70710678118654752440,
+                                    .38268343236508977173, 0};
+    const int k = roll % 8;
+
+    *c = k <= 4 ? table[k] : -table[8 - k];
+    *s = k <= 4 ? table[4 - k] : table[k - 4];
+    if (roll >= 8) {
+        *c = -*c;
+        *s = -*s;
+    }
+}
+
+void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out)
+{
+    uint32_t top = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (mean->height[i] > mean->height[top] || isnan(mean->height[top]))
+            top = i;
+    out->tip = (struct dvec3){0, grid_y(top), (double)mean->height[top]};
+    out->n = 0;
+    for (uint32_t i = 0; i < GRID_N && out->n < FIND_VIEW_SAMPLES; i++) {
+        const double x = grid_x(i), y = grid_y(i) - out->tip.y;
+
+        if (i % GRID_NX % 3 != 0 || i / GRID_NX % 3 != 1 || isnan(mean->height[i]) ||
+            fabs(x) > FIND_FACE_X_MM || y < FIND_FACE_BOTTOM_MM || y > FIND_FACE_TOP_MM)
+            continue;
+        out->z[out->n] = mean->height[i] - (float)out->tip.z;
+        for (int r = 0; r < ROLLS; r++) {
+            double c, s;
+
+            turn_of(r, &c, &s);
+            out->x[out->n][r] = (float)((c * x - s * y) / UNIT);
+            out->y[out->n][r] = (float)((s * x + c * y) / UNIT);
+        }
+        out->n++;
+    }
+}
+
+/* ---- the map */
+
+struct map {
+    int nx, ny;
+    float left, bottom;   /* mm, of the first cell's corner */
+    float *z;             /* mm; NONE: no points */
+    float *out;           /* how far it stands out, mm; 0: not as a nose does */
+    struct align_pose to; /* from the cloud to the view: a rotation */
+    int32_t at[FIND_VIEW_SAMPLES]
+              [ROLLS]; /* where each sample lies, in cells from the nose */
+};
+
+/* The rotation to a view along an axis. */
+static struct align_pose seen_from(struct dvec3 z)
+{
+    const struct dvec3 up =
+        z.x == 0 && z.z == 0 ? (struct dvec3){0, 0, 1} : (struct dvec3){0, 1, 0};
+    const double l = 1 / sqrt(vec_dot(z, z));
+    struct dvec3 x = vec_cross(up, z), y;
+    const double k = 1 / sqrt(vec_dot(x, x));
+
+    z = (struct dvec3){l * z.x, l * z.y, l * z.z};
+    x = (struct dvec3){k * x.x, k * x.y, k * x.z};
+    y = vec_cross(z, x);
+    return (struct align_pose){{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, {0, 0, 0}};
+}
+
+/* The box of the cloud in the view. */
+static enum status make_room(const struct find_grid *g, struct map *m)
+{
+    double size[2], lo[2];
+
+    for (int i = 0; i < 2; i++) {
+        const double *r = &m->to.r[3 * i];
+
+        size[i] = lo[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            size[i] += fabs(r[k]) * g->size[k];
+            lo[i] += fmin(r[k], 0) * g->size[k];
+        }
+    }
+    m->nx = (int)(size[0] / FIND_CELL_MM) + 2 + 2 * PAD;
+    m->ny = (int)(size[1] / FIND_CELL_MM) + 2 + 2 * PAD;
+    m->left = (float)(lo[0] - PAD * FIND_CELL_MM);
+    m->bottom = (float)(lo[1] - PAD * FIND_CELL_MM);
+    m->z = mem_array(2 * (size_t)m->nx * (size_t)m->ny, sizeof *m->z);
+    m->out = m->z != NULL ? m->z + m->nx * m->ny : NULL;
+    return m->z != NULL ? ST_OK : ST_ENOMEM;
+}
+
+/* Holes of a cell are filled by the highest beside them. */
+static void fill(struct map *m)
+{
+    const int by[4] = {-1, 1, -m->nx, m->nx};
+
+    memcpy(m->out, m->z, (size_t)m->nx * (size_t)m->ny * sizeof *m->z);
+    for (int i = m->nx; i < (m->ny - 1) * m->nx; i++) {
+        float most = NONE;
+        int n = 0;
+
+        if (m->out[i] > NONE)
+            continue;
+        for (int k = 0; k < 4; k++) {
+            const float z = m->out[i + by[k]];
+
+            n += z > NONE;
+            most = z > most ? z : most;
+        }
+        m->z[i] = n > 1 ? most : NONE;
+    }
+}
+
+/* How far each cell stands out from the mean of a ring about it. */
+static void protrude(struct map *m)
+{
+    const float near = (float)FIND_NEAR_MM;
+    int ring[ROLLS];
+
+    for (int r = 0; r < ROLLS; r++) {
+        double c, s;
+
+        turn_of(r, &c, &s);
+        ring[r] = (int)rint(s * FIND_RING_MM / FIND_CELL_MM) * m->nx +
+                  (int)rint(c * FIND_RING_MM / FIND_CELL_MM);
+    }
+    memset(m->out, 0, (size_t)m->nx * (size_t)m->ny * sizeof *m->out);
+    for (int i = PAD * m->nx; i < (m->ny - PAD) * m->nx; i++) {
+        float sum = 0.0f, n = 0.0f;
+
+        if (!(m->z[i] > NONE))
+            continue;
+        for (int r = 0; r < ROLLS; r++) {
+            const float d = m->z[i] - m->z[i + ring[r]];
+            const bool in = (d < near) & (d > -near);
+
+            sum += in ? d : 0.0f;
+            n += in ? 1.0f : 0.0f;
+        }
+        if (n >= FIND_RING_SEEN && sum > (float)FIND_OUT_MM * n)
+            m->out[i] = sum / n;
+    }
+}
+
+static enum status make_map(const struct find_view_face *f, const struct find_grid *g,
+                            struct map *m)
+{
+    const float per = (float)(1 / FIND_CELL_MM);
+    const enum status st = make_room(g, m);
+
+    if (st != ST_OK)
+        return st;
+    for (int i = 0; i < m->nx * m->ny; i++)
+        m->z[i] = NONE;
+    for (uint32_t v = 0; v < g->n; v++) {
+        const struct dvec3 p = align_pose_apply(&m->to, g->at[v]);
+        float *z = &m->z[(int)(((float)p.y - m->bottom) * per) * m->nx +
+                         (int)(((float)p.x - m->left) * per)];
+
+        *z = (float)p.z > *z ? (float)p.z : *z;
+    }
+    fill(m);
+    protrude(m);
+    for (uint32_t k = 0; k < f->n; k++)
+        for (int r = 0; r < ROLLS; r++)
+            m->at[k][r] = (int)rintf(f->y[k][r] * (float)UNIT * per) * m->nx +
+                          (int)rintf(f->x[k][r] * (float)UNIT * per);
+    return ST_OK;
+}
+
+/* Does no cell beside it stand out more? */
+static bool highest(const struct map *m, int at)
+{
+    for (int y = -m->nx; y <= m->nx; y += m->nx)
+        for (int x = -1; x <= 1; x++)
+            if (m->out[at + y + x] > m->out[at])
+                return false;
+    return true;
+}
+
+/* ---- the mean face at a nose */
+
+/* By roll: the cost, and the plane z + x u + y v of the gap. */
+struct laid {
+    float cost[ROLLS], z[ROLLS], x[ROLLS], y[ROLLS];
+};
+
+/* Of LANES rolls: sums over the samples with a gap of 1, u, v, their products, and those with
+ * the gap. */
+struct sums {
+    lanes n, x, y, xx, xy, yy, d, dx, dy;
+};
+
+/* A sample's gap, where that is one: what is too far, or nothing, is not (in[k]). */
+struct gaps {
+    lanes z[FIND_VIEW_SAMPLES];
+    masks in[FIND_VIEW_SAMPLES];
+};
+
+static void measure(const struct find_view_face *f, const struct map *m, int at, int roll,
+                    struct gaps *gap, struct sums *out)
+{
+    const float far = (float)FIND_NEAR_MM, *here = &m->z[at];
+    struct sums s;
+
+    memset(&s, 0, sizeof s);
+    for (uint32_t k = 0; k < f->n; k++) {
+        const int32_t *by = &m->at[k][roll];
+        const float from = *here + f->z[k];
+        lanes z = {here[by[0]], here[by[1]], here[by[2]], here[by[3]]}, x, y;
+        masks in;
+
+        z -= from;
+        in = (z < far) & (z > -far);
+        memcpy(&x, &f->x[k][roll], sizeof x);
+        memcpy(&y, &f->y[k][roll], sizeof y);
+        z = (lanes)(in & (masks)z);
+        x = (lanes)(in & (masks)x);
+        y = (lanes)(in & (masks)y);
+        gap->z[k] = z;
+        gap->in[k] = in;
+        s.n -= __builtin_convertvector(in, lanes);
+        s.x += x;
+        s.y += y;
+        s.xx += x * x;
+        s.xy += x * y;
+        s.yy += y * y;
+        s.d += z;
+        s.dx += z * x;
+        s.dy += z * y;
+    }
+    *out = s;
+}
+
+/* The mean square of what the plane z + x u + y v leaves, capped; more where samples have no
+ * gap. */
+static void rate(const struct find_view_face *f, const struct gaps *gap, int roll,
+                 const struct sums *s, const lanes plane[3], float *cost)
+{
+    const float cap = (float)(FIND_CAP_MM * FIND_CAP_MM), all = (float)f->n;
+    const float steep = (float)(FIND_STEEP * FIND_STEEP * UNIT * UNIT);
+    lanes rest = {0.0f};
+
+    for (uint32_t k = 0; k < f->n; k++) {
+        lanes x, y, e;
+
+        memcpy(&x, &f->x[k][roll], sizeof x);
+        memcpy(&y, &f->y[k][roll], sizeof y);
+        e = gap->z[k] - (plane[0] + plane[1] * x + plane[2] * y);
+        e = e * e - cap;
+        rest += (lanes)((e < 0.0f) & gap->in[k] & (masks)e);
+    }
+    rest = rest / s->n + cap;
+    for (int r = 0; r < LANES; r++) {
+        const float x = plane[1][r], y = plane[2][r], n = s->n[r];
+        const bool fits = n >= (float)FIND_SEEN * all && x * x + y * y < steep;
+
+        cost[r] = fits ? rest[r] * sqrtf(all / n) : INFINITY;
+    }
+}
+
+static void lay(const struct find_view_face *f, const struct map *m, int at,
+                struct laid *out)
+{
+    struct gaps gap;
+    struct sums s;
+
+    for (int roll = 0; roll < ROLLS; roll += LANES) {
+        lanes a, b, xx, xy, yy, p, q, plane[3];
+
+        measure(f, m, at, roll, &gap, &s);
+        /* the best plane, by elimination */
+        a = s.x / s.n;
+        b = s.y / s.n;
+        xx = s.xx - a * s.x;
+        xy = s.xy - a * s.y;
+        yy = s.yy - b * s.y;
+        p = s.dx - a * s.d;
+        q = s.dy - b * s.d;
+        plane[2] = (q - xy / xx * p) / (yy - xy / xx * xy);
+        plane[1] = (p - xy * plane[2]) / xx;
+        plane[0] = (s.d - s.x * plane[1] - s.y * plane[2]) / s.n;
+        rate(f, &gap, roll, &s, plane, &out->cost[roll]);
+        memcpy(&out->z[roll], &plane[0], sizeof plane[0]);
+        memcpy(&out->x[roll], &plane[1], sizeof plane[0]);
+        memcpy(&out->y[roll], &plane[2], sizeof plane[0]);
+    }
+}
+
+/* ---- starts */
+
+/* The view turned by the roll, then tilted until the plane is level; the nose at the cell goes to
+ * the mean face's tip. */
+static struct align_pose pose_of(const struct find_view_face *f, const struct map *m,
+                                 int at, int roll, const struct laid *l)
+{
+    const double *a = m->to.r;
+    double c, s, b[9], n[3], tilt[9], along;
+    struct align_pose out;
+    struct dvec3 tip = {(double)m->left + (at % m->nx + 0.5) * FIND_CELL_MM,
+                        (double)m->bottom + (at / m->nx + 0.5) * FIND_CELL_MM,
+                        (double)(m->z[at] + l->z[roll])};
+
+    turn_of(roll, &c, &s);
+    for (int k = 0; k < 3; k++) {
+        b[k] = c * a[k] + s * a[3 + k];
+        b[3 + k] = c * a[3 + k] - s * a[k];
+        b[6 + k] = a[6 + k];
+    }
+    n[0] = -(c * (double)l->x[roll] + s * (double)l->y[roll]) / UNIT;
+    n[1] = -(c * (double)l->y[roll] - s * (double)l->x[roll]) / UNIT;
+    along = 1 / sqrt(n[0] * n[0] + n[1] * n[1] + 1);
+    n[0] *= along;
+    n[1] *= along;
+    n[2] = along;
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++)
+            tilt[3 * i + k] = (i == k) - n[i] * n[k] / (1 + n[2]);
+        tilt[3 * i + 2] = -n[i];
+    }
+    memcpy(tilt + 6, n, sizeof n);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            out.r[3 * i + k] = tilt[3 * i] * b[k] + tilt[3 * i + 1] * b[3 + k] +
+                               tilt[3 * i + 2] * b[6 + k];
+    tip = (struct dvec3){a[0] * tip.x + a[3] * tip.y + a[6] * tip.z,
+                         a[1] * tip.x + a[4] * tip.y + a[7] * tip.z,
+                         a[2] * tip.x + a[5] * tip.y + a[8] * tip.z};
+    memset(out.t, 0, sizeof out.t);
+    tip = vec_sub(f->tip, align_pose_apply(&out, tip));
+    out.t[0] = tip.x;
+    out.t[1] = tip.y;
+    out.t[2] = tip.z;
+    return out;
+}
+
+static void keep(struct find_starts *s, const struct find_start *start)
+{
+    uint32_t i = s->n < FIND_STARTS ? s->n++ : FIND_STARTS - 1;
+
+    for (; i > 0 && start->cost < s->start[i - 1].cost; i--)
+        s->start[i] = s->start[i - 1];
+    s->start[i] = *start;
+}
+
+/* The rolls that fit better than those beside them. */
+static void take(const struct find_view_face *f, const struct map *m, int at,
+                 struct find_starts *s)
+{
+    struct laid l;
+
+    lay(f, m, at, &l);
+    for (int r = 0; r < ROLLS; r++) {
+        const float cost = l.cost[r];
+
+        if (cost <= l.cost[(r + 1) % ROLLS] && cost < l.cost[(r + ROLLS - 1) % ROLLS] &&
+            (s->n < FIND_STARTS || cost < s->start[FIND_STARTS - 1].cost))
+            keep(s, &(struct find_start){cost, pose_of(f, m, at, r, &l)});
+    }
+}
+
+enum status find_view_all(const struct find_view_face *f, const struct find_grid *g,
+                          struct dvec3 axis, struct find_starts *s)
+{
+    struct map m = {.to = seen_from(axis)};
+    const enum status st = make_map(f, g, &m);
+
+    for (int i = 0; st == ST_OK && i < m.nx * m.ny && s->left > 0; i++)
+        if (m.out[i] > 0.0f && highest(&m, i)) {
+            take(f, &m, i, s);
+            s->left--;
+        }
+    mem_free(m.z);
+    return st;
+}

@@ -1,0 +1,52 @@
+/* find_view.h -- a cloud seen from one side: where it sticks out as a nose does, and how well the
+ * mean face lies there, at every roll.  Internal to find.h. */
+#ifndef SCAN_FIND_VIEW_H
+#define SCAN_FIND_VIEW_H
+#include <stdint.h>
+#include "align_pose.h"
+#include "status.h"
+#include "tuning.h"
+
+struct find_grid;  /* find_grid.h */
+struct frame_mean; /* frame.h */
+
+#define FIND_VIEW_SAMPLES 96
+#define FIND_VIEW_ROLLS   16
+
+/* Samples of the mean face from its tip, by the roll of the face. */
+struct find_view_face {
+    struct dvec3 tip;
+    uint32_t n;
+    float x[FIND_VIEW_SAMPLES][FIND_VIEW_ROLLS], y[FIND_VIEW_SAMPLES][FIND_VIEW_ROLLS];
+    float z[FIND_VIEW_SAMPLES]; /* mm; x and y in units of FIND_VIEW_MM */
+};
+
+/* About a face's half width, so that sums of squares are alike. */
+#define FIND_VIEW_MM 50.0
+
+/* find_view_prepare(mean, out): once for a mean face. */
+void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out);
+
+struct find_start {
+    float cost;             /* mm^2: of what is left of the gap once it is levelled */
+    struct align_pose pose; /* cloud, mm from its corner -> canonical frame */
+};
+
+/* The best, by rising cost. */
+struct find_starts {
+    struct find_start start[FIND_STARTS];
+    uint32_t n;
+    int64_t left; /* noses that may still be looked at */
+};
+
+/* find_view_all(f, g, axis, s): look at g from axis (any length) and add what is found.
+ * The cloud becomes a map of the heights that are nearest to the eye.  Where a cell of it stands
+ * out from a ring about it as the tip of a nose does, samples of the mean face are laid on the
+ * map, their tip on that cell, at each of the rolls; of what is left once the best plane is
+ * taken out, the mean square, up to FIND_CAP_MM each, is the cost.  The plane tilts the start:
+ * axis need be right to some 30 degrees alone.
+ * O(g->n + cells of the map + noses).  Returns ST_OK, ST_ENOMEM. */
+enum status find_view_all(const struct find_view_face *f, const struct find_grid *g,
+                          struct dvec3 axis, struct find_starts *s);
+
+#endif

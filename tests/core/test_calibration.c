@@ -1,0 +1,97 @@
+/* A calibration is a distribution function of non-mated scores, and says no more than it knows. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "calibration.h"
+#include "model.h"
+
+static const struct calibration table = {
+    8, 4, {{-50, 1}, {-10, 0.5}, {0, 0.1}, {10, 0.001}}};
+
+static void test_by_hand(void **state)
+{
+    (void)state;
+    assert_true(calibration_fmr(&table, -50.001) == 1 &&
+                calibration_fmr(&table, -50) == 1);
+    assert_true(calibration_fmr(&table, -30) == 0.75);
+    assert_true(calibration_fmr(&table, -10) == 0.5);
+    assert_true(fabs(calibration_fmr(&table, -2.5) - 0.2) < 1e-12);
+    assert_true(calibration_fmr(&table, 0) == 0.1);
+    assert_true(calibration_fmr(&table, 10) == 0.001); /* and no better beyond */
+    assert_true(calibration_fmr(&table, 10.001) == 0.001);
+}
+
+/* The shipped one too: monotone, without jumps, and the wanted rate at its threshold. */
+static void test_shipped(void **state)
+{
+    const struct calibration *c = &model_default.calibration;
+    double last = 1;
+
+    (void)state;
+    assert_true(calibration_valid(c));
+    for (int i = 0; i <= 50000; i++) {
+        const double rate = calibration_fmr(c, -200 + i * 0.01);
+
+        assert_true(rate > 0 && rate <= last && rate > last - 0.01);
+        last = rate;
+    }
+    assert_true(calibration_fmr(c, c->threshold) < 1e-3);
+}
+
+static void test_odd_values(void **state)
+{
+    (void)state;
+    assert_true(calibration_fmr(&table, (double)NAN) == 1);
+    assert_true(calibration_fmr(&table, -(double)INFINITY) == 1);
+    assert_true(calibration_fmr(&table, (double)INFINITY) == 0.001);
+}
+
+static void test_valid(void **state)
+{
+    struct calibration c = table;
+
+    (void)state;
+    assert_true(calibration_valid(&c));
+    c.threshold = -8;
+    assert_true(calibration_valid(&c));
+    c.threshold = (double)NAN;
+    assert_false(calibration_valid(&c));
+    c.threshold = 1e4;
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.n = CALIBRATION_KNOTS + 1;
+    assert_false(calibration_valid(&c));
+    c.n = 1;
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.knot[2].score = c.knot[1].score;
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.knot[2].rate = c.knot[1].rate;
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.knot[0].rate = 0.99; /* not all */
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.knot[3].rate = 0; /* nobody can know that */
+    assert_false(calibration_valid(&c));
+    c = table;
+    c.knot[3].score = (double)INFINITY;
+    assert_false(calibration_valid(&c));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_by_hand),
+        cmocka_unit_test(test_shipped),
+        cmocka_unit_test(test_odd_values),
+        cmocka_unit_test(test_valid),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,350 @@
+/* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
+ * and changes are found, despite outliers; too few cells; failed allocations. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "cells.h"
+#include "fail_alloc.h"
+#include "fit.h"
+#include "toy.h"
+#include "tuning.h"
+
+#define MOST (MODEL_MODES + 6)
+
+static struct model model;
+static struct model_basis nothing_changes; /* the model's rest, without modes */
+static struct fit_basis moved, changed;    /* that, and the model's change, prepared */
+static struct scratch scratch;
+static struct cells cells;
+static struct fit fit, again;
+static uint64_t seed;
+
+/* All cells of the mean face are covered, without a gap. */
+static void no_gap(struct cells *c)
+{
+    toy_cells(&model, model.mean, model.mean, c);
+}
+
+/* What a motion x of the probe adds to the gap of cell i: the normal component of its turn
+ * about the lever's point and of its shift. */
+static double moves(const struct cells *c, uint32_t i, const double x[6])
+{
+    const double p[3] = {grid_x(i), grid_y(i), (double)c->z[i] + POSE_LEVER_MM};
+    const double m[3] = {(double)c->normal[i][0], (double)c->normal[i][1],
+                         (double)c->normal[i][2]};
+    const double len = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    const double d[3] = {x[1] * p[2] - x[2] * p[1] + x[3],
+                         x[2] * p[0] - x[0] * p[2] + x[4],
+                         x[0] * p[1] - x[1] * p[0] + x[5]};
+
+    return (m[0] * d[0] + m[1] * d[1] + m[2] * d[2]) / len;
+}
+
+/* Adds the gap of a probe that is off by the inverse of x and has changed by a. */
+static void add_known(struct cells *c, const double *a, const double x[6])
+{
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        double g = -moves(c, i, x);
+
+        for (uint32_t k = 0; k < model.change.n; k++)
+            g += a[k] * (double)model.change.mode[i][k];
+        c->gap[i] += c->area[i] > 0.0f ? (float)g : 0.0f;
+    }
+}
+
+/* Gauss, with pivots: m x = v, n unknowns. */
+static void gauss(double m[MOST][MOST + 1], uint32_t n, double *x)
+{
+    for (uint32_t k = 0; k < n; k++) {
+        uint32_t best = k;
+
+        for (uint32_t i = k + 1; i < n; i++)
+            best = fabs(m[i][k]) > fabs(m[best][k]) ? i : best;
+        for (uint32_t j = 0; j <= n; j++) {
+            const double t = m[k][j];
+
+            m[k][j] = m[best][j];
+            m[best][j] = t;
+        }
+        for (uint32_t i = k + 1; i < n; i++)
+            for (uint32_t j = n + 1; j-- > k;)
+                m[i][j] -= m[i][k] / m[k][k] * m[k][j];
+    }
+    for (uint32_t k = n; k-- > 0;) {
+        x[k] = m[k][n];
+        for (uint32_t j = k + 1; j < n; j++)
+            x[k] -= m[k][j] * x[j];
+        x[k] /= m[k][k];
+    }
+}
+
+/* One row by definition: the modes; then, negated, the effect of each turn by 1 mm at the
+ * lever's length and of each shift by 1 mm. */
+static void row_of(const struct model_basis *b, const struct cells *c, uint32_t i,
+                   double *row)
+{
+    for (uint32_t k = 0; k < b->n; k++)
+        row[k] = (double)b->mode[i][k];
+    for (uint32_t k = 0; k < 6; k++) {
+        double x[6] = {0};
+
+        x[k] = k < 3 ? 1 / POSE_LEVER_MM : 1;
+        row[b->n + k] = -moves(c, i, x);
+    }
+}
+
+/* fit_solve() by definition, in double. */
+static void naive(const struct model_basis *b, const struct cells *c, double tie,
+                  int passes, double *y, double *rest)
+{
+    static double m[MOST][MOST + 1], share[GRID_N]; /* of its full weight, by cell */
+    const uint32_t n = b->n + 6;
+    double row[MOST];
+
+    memset(rest, 0, GRID_N * sizeof *rest);
+    for (int pass = 0; pass <= passes; pass++) {
+        memset(m, 0, sizeof m);
+        for (uint32_t i = 0; i < GRID_N; i++) {
+            const double over = 1 / (double)b->rest[i], z = fabs(rest[i]) * over;
+            const double now = z > FIT_HUBER ? FIT_HUBER / z : 1;
+            double w;
+
+            if (pass == 0)
+                share[i] = 1;
+            else if (fabs(now - share[i]) > FIT_STILL)
+                share[i] = now;
+            w = over * over * (double)cells_cover(c, i) * share[i];
+            if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
+                continue;
+            row_of(b, c, i, row);
+            for (uint32_t k = 0; k < n; k++) {
+                for (uint32_t j = 0; j < n; j++)
+                    m[k][j] += w * row[k] * row[j];
+                m[k][n] += w * row[k] * (double)c->gap[i];
+            }
+        }
+        for (uint32_t k = 0; k < n; k++)
+            m[k][k] += k < b->n ? 1 : tie;
+        gauss(m, n, y);
+        for (uint32_t i = 0; i < GRID_N; i++) {
+            if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
+                continue;
+            row_of(b, c, i, row);
+            rest[i] = (double)c->gap[i];
+            for (uint32_t k = 0; k < n; k++)
+                rest[i] -= row[k] * y[k];
+        }
+    }
+}
+
+static void noisy(struct brute_rng *rng, double amount)
+{
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (cells.area[i] > 0.0f)
+            cells.gap[i] += (float)(amount * (brute_real(rng) - 0.5));
+}
+
+/* Random gaps over random parts, and random modes: the coefficients, motion and rest are
+ * those of the dense solver. */
+static void test_against_naive(void **state)
+{
+    struct brute_rng rng = {seed};
+
+    (void)state;
+    for (int round = 0; round < 24; round++) {
+        static struct model_basis b;
+        static struct fit_basis p;
+        static double rest[GRID_N];
+        const double tie = round % 2 == 0 ? 4 : 0.01;
+        const int passes = round % 3;
+        double y[MOST], scale = 1;
+
+        b = model.change;
+        b.n = (uint32_t)brute_int(&rng, 0, round < 12 ? 8 : MODEL_MODES);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            for (uint32_t k = 0; k < MODEL_MODES; k++)
+                b.mode[i][k] = k < b.n ? (float)(brute_real(&rng) - 0.5) : 0.0f;
+        no_gap(&cells);
+        noisy(&rng, 2);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (brute_real(&rng) < 0.1 * (round % 5))
+                cells.area[i] = (float)(8 * brute_real(&rng)); /* some not covered */
+        fit_prepare(&b, &p);
+        assert_int_equal(p.modes, b.n);
+        if (round % 3 == 1 && b.n > 16)
+            p.modes = b.n = 16; /* the first alone */
+        assert_int_equal(fit_solve(&p, &cells, tie, passes, &scratch, &fit), ST_OK);
+        naive(&b, &cells, tie, passes, y, rest);
+        for (uint32_t k = 0; k < b.n + 6; k++)
+            scale = fmax(scale, fabs(y[k]));
+        for (uint32_t k = 0; k < b.n; k++)
+            assert_true(fabs(fit.a[k] - y[k]) < 2e-4 * scale);
+        for (uint32_t k = 0; k < 6; k++)
+            assert_true(fabs(fit.x[k] * (k < 3 ? POSE_LEVER_MM : 1) - y[b.n + k]) <
+                        2e-4 * scale);
+        for (uint32_t k = b.n; k < MODEL_MODES; k++)
+            assert_true(fit.a[k] == 0);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            assert_true(fabs((double)fit.rest[i] - rest[i]) < 2e-4);
+    }
+}
+
+static const double motion[6] = {0.004, -0.006, 0.005, 0.3, -0.4, 0.2};
+static const double change[6] = {1.2, -0.7, -1.5, 0.4, 0.8, -0.3};
+static const double nothing[6] = {0};
+
+/* A motion, a change, or both are found, and almost no rest is left. */
+static void test_known(void **state)
+{
+    (void)state;
+    for (int which = 1; which < 4; which++) {
+        const double *x = which & 1 ? motion : nothing, *a = which & 2 ? change : nothing;
+
+        no_gap(&cells);
+        add_known(&cells, a, x);
+        assert_int_equal(fit_solve(&changed, &cells, 1e-6, 2, &scratch, &fit), ST_OK);
+        assert_true(fit.cells > 700);
+        for (int k = 0; k < 6; k++) {
+            assert_true(fabs(fit.x[k] - x[k]) < (k < 3 ? 1e-3 : 0.1));
+            assert_true(fabs(fit.a[k] - a[k]) <
+                        0.15); /* drawn towards 0 by their prior */
+            assert_true(fit.deviation[k] > 0 && fit.deviation[k] < (k < 3 ? 0.01 : 0.5));
+        }
+        for (uint32_t i = 0; i < GRID_N; i++)
+            assert_true(fabsf(fit.rest[i]) < 0.03f);
+    }
+}
+
+/* A strong tie keeps the motion near 0. */
+static void test_tie(void **state)
+{
+    (void)state;
+    no_gap(&cells);
+    add_known(&cells, nothing, motion);
+    assert_int_equal(fit_solve(&changed, &cells, 1e9, 0, &scratch, &fit), ST_OK);
+    for (int k = 0; k < 6; k++)
+        assert_true(fabs(fit.x[k]) < 1e-3);
+}
+
+/* An outlier region of 3 mm that no mode explains: reweighting reduces its influence. */
+static void test_outliers(void **state)
+{
+    double off[2] = {0, 0};
+
+    (void)state;
+    for (int passes = 0; passes < 4; passes += 3) {
+        no_gap(&cells);
+        add_known(&cells, nothing, motion);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (cells.area[i] > 0.0f && grid_x(i) > 25 && grid_y(i) < -30)
+                cells.gap[i] += 3.0f;
+        assert_int_equal(fit_solve(&moved, &cells, 1e-6, passes, &scratch, &fit), ST_OK);
+        for (int k = 0; k < 6; k++)
+            off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? POSE_LEVER_MM : 1);
+    }
+    print_message("off by %.3f mm by least squares, %.3f mm reweighted\n", off[0],
+                  off[1]);
+    assert_true(off[1] < 0.6 * off[0]);
+}
+
+/* White noise stays in the rest: motion and change explain little of it. */
+static void test_noise_stays(void **state)
+{
+    struct brute_rng rng = {seed + 1};
+    double before = 0, after = 0;
+
+    (void)state;
+    no_gap(&cells);
+    noisy(&rng, 0.3);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        before += (double)cells.gap[i] * (double)cells.gap[i];
+        after += (double)fit.rest[i] * (double)fit.rest[i];
+    }
+    assert_true(after > 0.95 * before && after <= before);
+}
+
+static void test_few(void **state)
+{
+    (void)state;
+    for (uint32_t keep = FIT_MIN_CELLS + 1; keep-- > FIT_MIN_CELLS - 2;) {
+        uint32_t n = 0;
+
+        no_gap(&cells);
+        add_known(&cells, nothing, motion);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (cells.area[i] > 0.0f && n++ >= keep)
+                cells.area[i] = 0.0f;
+        assert_int_equal(fit_solve(&changed, &cells, 1, 2, &scratch, &fit), ST_OK);
+        assert_int_equal(fit.cells, keep);
+        for (int k = 0; k < 6; k++) {
+            assert_true((fit.x[k] != 0) == (keep >= FIT_MIN_CELLS));
+            assert_true(isfinite(fit.deviation[k]) == (keep >= FIT_MIN_CELLS));
+        }
+        for (uint32_t i = 0; i < GRID_N; i++)
+            assert_true(keep >= FIT_MIN_CELLS || cells.area[i] < CELLS_COVERED ||
+                        fit.rest[i] == cells.gap[i]);
+    }
+    memset(&cells, 0, sizeof cells);
+    assert_int_equal(fit_solve(&changed, &cells, 1, 2, &scratch, &fit), ST_OK);
+    assert_int_equal(fit.cells, 0);
+}
+
+/* The same input gives the same bytes, also in memory that was used before; a failed
+ * allocation leaves the memory usable. */
+static void test_determinism_and_memory(void **state)
+{
+    struct scratch fresh = {0};
+    struct brute_rng rng = {seed + 2};
+
+    (void)state;
+    no_gap(&cells);
+    add_known(&cells, change, motion);
+    noisy(&rng, 0.5);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
+    assert_int_equal(fit_solve(&moved, &cells, 1, 1, &scratch, &again), ST_OK);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &again), ST_OK);
+    assert_memory_equal(fit.a, again.a, sizeof fit.a);
+    assert_memory_equal(fit.x, again.x, sizeof fit.x);
+    assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
+    fail_alloc_at(1);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_ENOMEM);
+    fail_alloc_at(0);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
+    assert_int_equal(fail_alloc_count(), 1);
+    assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
+    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
+    assert_int_equal(fail_alloc_count(), 1); /* used again */
+    scratch_free(&fresh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_against_naive),
+        cmocka_unit_test(test_known),
+        cmocka_unit_test(test_tie),
+        cmocka_unit_test(test_outliers),
+        cmocka_unit_test(test_noise_stays),
+        cmocka_unit_test(test_few),
+        cmocka_unit_test(test_determinism_and_memory),
+    };
+    int failed;
+
+    seed = brute_seed("fit");
+    toy_model(&model);
+    memcpy(nothing_changes.rest, model.change.rest, sizeof nothing_changes.rest);
+    fit_prepare(&nothing_changes, &moved);
+    fit_prepare(&model.change, &changed);
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    scratch_free(&scratch);
+    return failed;
+}

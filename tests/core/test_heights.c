@@ -1,0 +1,417 @@
+/* Heights of cells: by hand where the mean is known exactly, holes and steep places left out, the
+ * same whether the surface moves or the pose. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "brute.h"
+#include "face.h"
+#include "facegen.h"
+#include "fail_alloc.h"
+#include "heights.h"
+#include "toy.h"
+
+#define ROOM 70000
+
+static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static struct scratch scratch;
+static struct surface surface;
+static struct dvec3 pts[ROOM];
+static size_t n;
+static float z[GRID_N];
+
+static void heights(const struct align_pose *pose)
+{
+    assert_int_equal(heights_of(&surface, pose, &scratch, z), ST_OK);
+}
+
+/* The points of z = f(x, y), `step` apart, over a rectangle. */
+static void sheet(double (*f)(double x, double y), double x0, double x1, double y0,
+                  double y1, double step)
+{
+    n = 0;
+    for (int j = 0; j <= (int)lround((y1 - y0) / step); j++)
+        for (int i = 0; i <= (int)lround((x1 - x0) / step); i++) {
+            const double x = x0 + i * step, y = y0 + j * step;
+
+            assert_true(n < ROOM);
+            pts[n++] = (struct dvec3){x, y, f(x, y)};
+        }
+}
+
+static void measure(void)
+{
+    toy_surface(pts, n, &surface);
+    heights(&still);
+}
+
+static double flat(double x, double y)
+{
+    (void)x;
+    (void)y;
+    return -20;
+}
+
+static double tilted(double x, double y)
+{
+    return 0.6 * x - 0.4 * y - 30;
+}
+
+static bool has(uint32_t cell)
+{
+    return !isnan(z[cell]);
+}
+
+static void close_to(uint32_t cell, double want, double within)
+{
+    if (!(fabs((double)z[cell] - want) <= within))
+        fail_msg("at %g, %g: %.6f, wanted %.6f", grid_x(cell), grid_y(cell),
+                 (double)z[cell], want);
+}
+
+static bool in(uint32_t i, double x0, double x1, double y0, double y1)
+{
+    return grid_x(i) > x0 && grid_x(i) < x1 && grid_y(i) > y0 && grid_y(i) < y1;
+}
+
+/* Small triangles, of half of HEIGHTS_AREA_MM2, and large ones, which are taken in parts: of a
+ * level plane each cell that is covered, and no other, has its height. */
+static void test_flat(void **state)
+{
+    static const double step[] = {0.5, 1, 2, 4, 8, 40};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
+        sheet(flat, -40, 40, -54, 66, step[k]);
+        measure();
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (in(i, -40, 40, -54, 66))
+                close_to(i, -20, 1e-5);
+            else
+                assert_false(has(i));
+    }
+}
+
+static double tilted_toy(const void *arg, double x, double y)
+{
+    (void)arg;
+    return tilted(x, y);
+}
+
+/* Where samples lie evenly in the cells the mean of a tilted plane is exact; anywhere else the
+ * less so the fewer there are. */
+static void test_tilted(void **state)
+{
+    static const double step[] = {0.5, 1, 2, 4};
+    static const double most[] = {0.25, 0.22, 0.15}; /* mm, root mean square */
+    struct brute_rng rng = {brute_seed("tilted")};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
+        sheet(tilted, -40, 40, -54, 66, step[k]);
+        measure();
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (in(i, -40, 40, -54, 66))
+                close_to(i, tilted(grid_x(i), grid_y(i)), 0.03);
+            else
+                assert_false(has(i));
+    }
+    for (size_t k = 0; k < sizeof most / sizeof *most; k++) {
+        double squares = 0, cells = 0;
+
+        toy_scan(tilted_toy, NULL, (uint32_t)1000 << 2 * k, NULL, &rng, &surface);
+        heights(&still);
+        for (uint32_t i = 0; i < GRID_N; i++) {
+            const double off = (double)z[i] - tilted(grid_x(i), grid_y(i));
+
+            squares += has(i) ? off * off : 0;
+            cells += has(i);
+        }
+        print_message("%u points: %.3f mm\n", 1000U << 2 * k, sqrt(squares / cells));
+        assert_true(cells > 600);
+        assert_true(sqrt(squares / cells) < most[k]);
+    }
+}
+
+static double step_at_zero(double x, double y)
+{
+    (void)y;
+    return x < 0.1 ? -30 : -20;
+}
+
+/* Of a step each side keeps its height, and the wall between them is left out. */
+static void test_step(void **state)
+{
+    (void)state;
+    sheet(step_at_zero, -40, 40, -54, 66, 0.5);
+    measure();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (in(i, -40, 40, -54, 66))
+            close_to(i, grid_x(i) < 0 ? -30 : -20, 1e-5);
+}
+
+static double ramp(double x, double y)
+{
+    (void)y;
+    return x;
+}
+
+/* Seen at 77 degrees, and at 79. */
+static void test_steep(void **state)
+{
+    struct align_pose pose = still;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double a = (k == 0 ? 32 : 34) * 3.14159265358979 / 180;
+        uint32_t seen = 0;
+
+        sheet(ramp, -40, 40, -54, 66, 0.5); /* 45 degrees, and the rest by the pose */
+        pose.r[0] = pose.r[8] = cos(a);
+        pose.r[2] = -sin(a);
+        pose.r[6] = sin(a);
+        toy_surface(pts, n, &surface);
+        heights(&pose);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            seen += has(i);
+        assert_true(k == 0 ? seen > 50 : seen == 0);
+    }
+}
+
+/* From behind nothing is seen. */
+static void test_behind(void **state)
+{
+    const struct align_pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
+    struct heights h;
+
+    (void)state;
+    sheet(flat, -40, 40, -54, 66, 2);
+    toy_surface(pts, n, &surface);
+    heights(&turned);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        assert_false(has(i));
+    assert_int_equal(heights_take(&surface, &turned, &scratch, &h), ST_OK);
+    assert_int_equal(h.n, 0); /* nor does it take away from what is seen */
+}
+
+/* What only bridges missing points is not there. */
+static void test_hole(void **state)
+{
+    size_t kept = 0;
+
+    (void)state;
+    sheet(flat, -40, 40, -54, 66, 1);
+    for (size_t i = 0; i < n; i++) /* on its rim there are points */
+        if (!(pts[i].x > -16 && pts[i].x < 16 && pts[i].y > -14 && pts[i].y < 18))
+            pts[kept++] = pts[i];
+    n = kept;
+    measure();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (in(i, -40, 40, -54, 66) && !in(i, -16, 16, -14, 18))
+            close_to(i, -20, 1e-5);
+        else
+            assert_false(has(i));
+    memset(surface.bridge, 1, surface.mesh.nt);
+    heights(&still);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        assert_false(has(i));
+}
+
+/* A cell counts from 0.45 of it covered. */
+static void test_coverage(void **state)
+{
+    static const struct {
+        double to;
+        bool counts;
+    } k[] = {{1.6, false}, {2, true}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof k / sizeof *k; i++) {
+        const uint32_t last = grid_cell(1, 10); /* from x = 0 to 4 */
+
+        sheet(flat, -40, k[i].to, -54, 66, 0.4);
+        measure();
+        assert_true(has(last - 1));
+        assert_true(has(last) == k[i].counts);
+        assert_false(has(last + 1));
+    }
+}
+
+/* On the grid's rim, and beside it. */
+static void test_off_grid(void **state)
+{
+    static const double away[] = {60, 100, 300, 5000};
+
+    (void)state;
+    sheet(flat, -100, 100, -130, 110, 2);
+    measure();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        close_to(i, -20, 1e-5);
+    for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
+        struct align_pose pose = still;
+
+        sheet(flat, -40, 40, -54, 66, 2);
+        toy_surface(pts, n, &surface);
+        pose.t[0] = -away[k];
+        heights(&pose);
+        for (uint32_t i = 0; i < GRID_N; i++)
+            if (in(i, -40 - away[k], 40 - away[k], -54, 66))
+                close_to(i, -20, 1e-5);
+            else
+                assert_false(has(i));
+    }
+}
+
+/* What is beside the grid may be moved onto it. */
+static void test_beside(void **state)
+{
+    struct align_pose pose = still;
+    struct heights h;
+
+    (void)state;
+    sheet(flat, 68, 100, -54, 66, 2);
+    toy_surface(pts, n, &surface);
+    assert_int_equal(heights_take(&surface, &still, &scratch, &h), ST_OK);
+    pose.t[0] = -36;
+    heights_at(&h, &pose, z);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        assert_int_equal(has(i), in(i, 32, 64, -54, 66));
+}
+
+/* ---- poses */
+
+static void face(void)
+{
+    static struct face f;
+    struct face_work *w = face_work_new(NULL);
+    struct facegen_scan s;
+
+    assert_non_null(w);
+    facegen_default(&s);
+    assert_int_equal(face_build(pts, n = facegen_sample(&s, pts), w, &f, NULL), ST_OK);
+    surface_free(&surface);
+    surface = f.surface;
+    memset(&f, 0, sizeof f);
+    face_work_free(w);
+}
+
+/* Shifting the points, or the pose: the same to the rounding of floats. */
+static void test_moved(void **state)
+{
+    const struct dvec3 by = {3, -5, 700};
+    struct align_pose pose = still;
+    float want[GRID_N];
+    uint32_t same = 0, all = 0;
+
+    (void)state;
+    face();
+    heights(&still);
+    memcpy(want, z, sizeof z);
+    for (uint32_t v = 0; v < surface.mesh.nv; v++) {
+        surface.mesh.xy[v].x += (int32_t)by.x * 1000;
+        surface.mesh.xy[v].y += (int32_t)by.y * 1000;
+        surface.mesh.z[v] += (int32_t)by.z * 1000;
+    }
+    pose.t[0] = -by.x;
+    pose.t[1] = -by.y;
+    pose.t[2] = -by.z;
+    heights(&pose);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        assert_true(isnan(z[i]) == isnan(want[i]));
+        if (isnan(z[i]))
+            continue;
+        all++; /* a sample on the border of two cells may go to the other */
+        same += fabsf(z[i] - want[i]) < 1e-3f;
+        assert_true(fabsf(z[i] - want[i]) < 0.3f);
+    }
+    assert_true(all > 700 && same > all * 99 / 100);
+}
+
+/* Samples are taken at one pose, and seen from another near it. */
+static void test_samples(void **state)
+{
+    struct align_pose near;
+    struct heights h;
+    float direct[GRID_N];
+    double squares = 0, cells = 0, area = 0;
+
+    (void)state;
+    face();
+    toy_pose(4, -3, 2, (struct dvec3){1, -2, 3}, &near);
+    heights(&near);
+    memcpy(direct, z, sizeof z);
+    assert_int_equal(heights_take(&surface, &still, &scratch, &h), ST_OK);
+    heights_at(&h, &near, z);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (isnan(z[i]) || isnan(direct[i]))
+            continue;
+        squares += (double)(z[i] - direct[i]) * (double)(z[i] - direct[i]);
+        cells++;
+    }
+    print_message("%g cells: %.3f mm\n", cells, sqrt(squares / cells));
+    assert_true(cells > 700 && sqrt(squares / cells) < 0.1);
+    for (uint32_t k = 0; k < h.n; k++) {
+        assert_true(h.area[k] > 0.0f && h.area[k] <= 4.001f);
+        area += (double)h.area[k];
+    }
+    assert_true(area > 0.8 * surface.measured / 1e6 && area <= surface.measured / 1e6);
+    heights_at(&h, &still, z); /* as it was taken: what heights_of() gives */
+    memcpy(direct, z, sizeof z);
+    heights(&still);
+    assert_memory_equal(z, direct, sizeof z);
+}
+
+/* ---- memory */
+
+static void test_memory(void **state)
+{
+    struct scratch fresh = {0};
+    enum status st = ST_ENOMEM;
+    unsigned long k;
+    float want[GRID_N];
+
+    (void)state;
+    face();
+    heights(&still);
+    memcpy(want, z, sizeof z);
+    for (k = 1; st != ST_OK; k++) {
+        scratch_free(&fresh);
+        fail_alloc_at(k);
+        st = heights_of(&surface, &still, &fresh, z);
+        fail_alloc_at(0);
+        assert_true(st == ST_OK || st == ST_ENOMEM);
+        if (st != ST_OK)
+            assert_int_equal(heights_of(&surface, &still, &fresh, z), ST_OK);
+        assert_memory_equal(z, want, sizeof z);
+    }
+    assert_int_equal(k, 4);
+    fail_alloc_at(0);
+    assert_int_equal(heights_of(&surface, &still, &fresh, z), ST_OK);
+    assert_int_equal(fail_alloc_count(), 0);
+    scratch_free(&fresh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_flat),     cmocka_unit_test(test_tilted),
+        cmocka_unit_test(test_step),     cmocka_unit_test(test_steep),
+        cmocka_unit_test(test_behind),   cmocka_unit_test(test_hole),
+        cmocka_unit_test(test_coverage), cmocka_unit_test(test_off_grid),
+        cmocka_unit_test(test_beside),   cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_samples),  cmocka_unit_test(test_memory),
+    };
+    int failed;
+
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    surface_free(&surface);
+    scratch_free(&scratch);
+    return failed;
+}

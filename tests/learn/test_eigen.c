@@ -1,0 +1,200 @@
+/* Eigenvalues and eigenvectors: of matrices where they are known, and what holds of all. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "eigen.h"
+#include "rates.h"
+
+#define MOST 80
+
+static double a[MOST * MOST], was[MOST * MOST], value[MOST];
+
+static double random_number(uint64_t *state)
+{
+    return (double)(rates_random(state) >> 11) / 4503599627370496.0 - 1;
+}
+
+/* Eigenvalues fall; a v = value v; the v are orthonormal, with their largest entries positive;
+ * errors up to `within` of the largest entry. */
+static void check(uint32_t n, double within)
+{
+    double largest = 0;
+
+    memcpy(was, a, sizeof a);
+    for (uint32_t i = 0; i < n * n; i++)
+        largest = fmax(largest, fabs(a[i]));
+    assert_int_equal(eigen_symmetric(a, n, value), ST_OK);
+    for (uint32_t k = 0; k < n; k++) {
+        double most = 0;
+
+        assert_true(k == 0 || value[k] <= value[k - 1]);
+        for (uint32_t i = 0; i < n; i++) {
+            double s = 0, both = 0;
+
+            for (uint32_t j = 0; j < n; j++) {
+                s += was[i * n + j] * a[k * n + j];
+                both += a[i * n + j] * a[k * n + j];
+            }
+            assert_true(fabs(s - value[k] * a[k * n + i]) <= within * largest);
+            assert_true(fabs(both - (i == k ? 1 : 0)) <= within);
+            most = fabs(a[k * n + i]) > fabs(most) ? a[k * n + i] : most;
+        }
+        assert_true(most > 0);
+    }
+}
+
+static void test_known(void **state)
+{
+    const double half = sqrt(0.5);
+
+    (void)state;
+    memcpy(a, (const double[]){2, 1, 1, 2}, 4 * sizeof *a);
+    check(2, 1e-15);
+    assert_true(fabs(value[0] - 3) < 1e-15 && fabs(value[1] - 1) < 1e-15);
+    assert_true(fabs(a[0] - half) < 1e-15 && fabs(a[1] - half) < 1e-15);
+
+    memcpy(a, (const double[]){1, 0, 0, 0, 3, 0, 0, 0, -2}, 9 * sizeof *a);
+    check(3, 0);
+    assert_true(value[0] >= 3 && value[0] <= 3 && value[2] <= -2 && value[2] >= -2);
+    assert_true(a[1] >= 1 && a[3] >= 1 && a[8] >= 1);
+
+    a[0] = -7;
+    check(1, 0);
+    assert_true(value[0] <= -7 && value[0] >= -7 && a[0] >= 1);
+    assert_int_equal(eigen_symmetric(a, 0, value), ST_OK);
+
+    memset(a, 0, sizeof a);
+    check(5, 0);
+    for (int i = 0; i < 5; i++)
+        assert_true(fabs(value[i]) <= 0);
+}
+
+/* The second difference has the eigenvalues 2 - 2 cos (k pi / (n + 1)). */
+static void test_difference(void **state)
+{
+    const uint32_t n = 50;
+
+    (void)state;
+    memset(a, 0, sizeof a);
+    for (uint32_t i = 0; i < n; i++) {
+        a[i * n + i] = 2;
+        if (i > 0)
+            a[i * n + i - 1] = a[(i - 1) * n + i] = -1;
+    }
+    check(n, 1e-14);
+    for (uint32_t k = 0; k < n; k++)
+        assert_true(fabs(value[k] - (2 - 2 * cos((n - k) * 3.14159265358979323846 /
+                                                 (n + 1)))) < 1e-14);
+}
+
+static void fill(uint32_t n, uint64_t *random, double by)
+{
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k <= i; k++)
+            a[i * n + k] = a[k * n + i] = by * random_number(random);
+}
+
+static void test_random(void **state)
+{
+    uint64_t random = 5;
+
+    (void)state;
+    for (uint32_t n = 1; n <= 40; n++) {
+        fill(n, &random, 1);
+        check(n, 1e-13);
+    }
+    fill(20, &random, 1e200);
+    check(20, 1e-13);
+    fill(20, &random, 1e-200);
+    check(20, 1e-13);
+    fill(MOST, &random, 1);
+    check(MOST, 1e-13);
+}
+
+/* Most eigenvalues are 0 but for rounding, as those of a covariance of few samples. */
+static void test_low_rank(void **state)
+{
+    uint64_t random = 9;
+
+    (void)state;
+    for (uint32_t rank = 1; rank < 6; rank++) {
+        memset(a, 0, sizeof a);
+        for (uint32_t k = 0; k < rank; k++) {
+            double x[MOST];
+
+            for (uint32_t i = 0; i < MOST; i++)
+                x[i] = random_number(&random) * (k == 0 ? 1e5 : 1);
+            for (uint32_t i = 0; i < MOST; i++)
+                for (uint32_t j = 0; j < MOST; j++)
+                    a[i * MOST + j] += x[i] * x[j];
+        }
+        check(MOST, 1e-13);
+        assert_true(fabs(value[rank]) < 1e-14 * value[0] * MOST);
+    }
+}
+
+/* Equal eigenvalues: any orthonormal vectors of their space. */
+static void test_equal(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 30; i++)
+        for (uint32_t k = 0; k < 30; k++)
+            a[i * 30 + k] = (i == k ? 1 : 0) + 1;
+    check(30, 1e-13);
+    assert_true(fabs(value[0] - 31) < 1e-12 && fabs(value[1] - 1) < 1e-13 &&
+                fabs(value[29] - 1) < 1e-13);
+}
+
+static void test_not_finite(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        memset(a, 0, sizeof a);
+        a[5] = i == 0 ? (double)NAN : (double)INFINITY;
+        assert_int_equal(eigen_symmetric(a, 3, value), ST_EINVAL);
+    }
+}
+
+static void test_cholesky(void **state)
+{
+    uint64_t random = 3;
+    double m[] = {4, 99, 2, 5}, bad[] = {1, 0, 2, 1}, nan[] = {(double)NAN};
+    double low[10 * 10] = {0}, product[10 * 10] = {0};
+
+    (void)state;
+    assert_true(eigen_cholesky(m, 2));
+    assert_true(m[0] >= 2 && m[0] <= 2 && m[1] >= 99 && m[2] >= 1 && m[2] <= 1 &&
+                m[3] >= 2 && m[3] <= 2);
+    assert_false(eigen_cholesky(bad, 2));
+    assert_false(eigen_cholesky(nan, 1));
+    for (int i = 0; i < 10; i++)
+        for (int k = 0; k <= i; k++)
+            low[i * 10 + k] =
+                i == k ? 2 + random_number(&random) : random_number(&random);
+    for (int i = 0; i < 10; i++)
+        for (int k = 0; k < 10; k++)
+            for (int j = 0; j < 10; j++)
+                product[i * 10 + k] += low[i * 10 + j] * low[k * 10 + j];
+    assert_true(eigen_cholesky(product, 10));
+    for (int i = 0; i < 10; i++)
+        for (int k = 0; k <= i; k++)
+            assert_true(fabs(product[i * 10 + k] - low[i * 10 + k]) < 1e-12);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known),    cmocka_unit_test(test_difference),
+        cmocka_unit_test(test_random),   cmocka_unit_test(test_low_rank),
+        cmocka_unit_test(test_equal),    cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_cholesky),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

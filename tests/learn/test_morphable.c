@@ -1,0 +1,225 @@
+/* A morphable model's folder: read, brought to the canonical frame, and made into random people;
+ * and folders that are none. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "morphable.h"
+#include "sculpt.h"
+#include "toy.h"
+
+static char dir[] = "/tmp/test_morphable.XXXXXX";
+static struct errinfo e;
+
+static void run(const char *command)
+{
+    char line[300];
+
+    (void)snprintf(line, sizeof line, "cd %s && %s", dir, command);
+    assert_int_equal(system(line), 0);
+}
+
+static struct morphable *model(double unit_mm, double pitch)
+{
+    struct morphable *m;
+
+    run("rm -f *");
+    assert_true(sculpt_write(dir, unit_mm, pitch));
+    if (morphable_read(dir, &m, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return m;
+}
+
+static void test_read(void **state)
+{
+    struct morphable *m = model(10, 0);
+
+    (void)state;
+    assert_int_equal(m->nv, SCULPT_NX * SCULPT_NY); /* those of the lash are not used */
+    assert_int_equal(m->nt, 2 * (SCULPT_NX - 1) * (SCULPT_NY - 1));
+    assert_int_equal(m->nidentity, SCULPT_IDENTITIES);
+    assert_int_equal(m->nexpression, SCULPT_EXPRESSIONS);
+    assert_string_equal(m->kind[0].name, "browUp_L"); /* by name */
+    assert_int_equal(m->kind[0].mirror, 1);
+    assert_int_equal(m->kind[1].mirror, 0);
+    assert_string_equal(m->kind[2].name, "jawOpen");
+    assert_int_equal(m->kind[2].mirror, 2);
+    assert_true(m->kind[2].share < m->kind[1].share);
+    morphable_free(m);
+    morphable_free(NULL);
+}
+
+/* Whatever the unit and the tilt, the nose tip is at the origin, and forehead and chin are
+ * equally far back. */
+static void test_place(void **state)
+{
+    static const double unit[] = {1, 10, 1000}, pitch[] = {-0.12, 0, 0.2};
+    float first[GRID_N], h[GRID_N];
+
+    (void)state;
+    for (int u = 0; u < 3; u++)
+        for (int p = 0; p < 3; p++) {
+            struct morphable *m = model(unit[u], pitch[p]);
+            double most = 0;
+
+            morphable_heights(m, m->neutral, h);
+            if (u == 0 && p == 0)
+                memcpy(first, h, sizeof h);
+            for (uint32_t i = 0; i < GRID_N; i++)
+                if (!isnan(h[i]) && !isnan(first[i]) && fabs(grid_x(i)) < 50 &&
+                    fabs(grid_y(i)) < 62)
+                    most = fmax(most, fabs((double)(h[i] - first[i])));
+            assert_true(most < 1.5); /* the vertices lie elsewhere on slopes */
+            assert_true(fabs((double)h[grid_cell(1, 1)]) < 0.7);
+            assert_true(fabs((double)(h[grid_cell(1, 60)] - h[grid_cell(1, -60)])) < 1);
+            morphable_free(m);
+        }
+}
+
+/* A mode of identity moves the surface as its file says, whatever the tilt. */
+static void test_modes(void **state)
+{
+    struct morphable *m = model(10, 0.2);
+    float *at = malloc(3 * (size_t)m->nv * sizeof *at), h[GRID_N], neutral[GRID_N];
+
+    (void)state;
+    assert_non_null(at);
+    morphable_heights(m, m->neutral, neutral);
+    for (size_t i = 0; i < 3 * (size_t)m->nv; i++)
+        at[i] = m->neutral[i] + m->identity[3 * 3 * (size_t)m->nv + i]; /* the chin */
+    morphable_heights(m, at, h);
+    assert_true(h[grid_cell(1, -60)] > neutral[grid_cell(1, -60)] + 4.0f);
+    assert_true(fabs((double)(h[grid_cell(1, 50)] - neutral[grid_cell(1, 50)])) < 0.5);
+    free(at);
+    morphable_free(m);
+}
+
+/* Random people: their mean is the neutral face, they depend on their number alone, and an
+ * expression is more or less on both sides. */
+static void test_random(void **state)
+{
+    enum { N = 300 };
+    struct morphable *m = model(10, 0);
+    const size_t each = 3 * (size_t)m->nv;
+    float *at = malloc(each * sizeof *at), *again = malloc(each * sizeof *at);
+    double sum = 0, square = 0, both = 0, left = 0, right = 0;
+    const size_t tip = 3 * (size_t)(SCULPT_NX * 17 + SCULPT_NX / 2) + 2;
+    const size_t l = 3 * (size_t)(SCULPT_NX * 12 + SCULPT_NX / 2 + 6) + 2;
+    const size_t r = 3 * (size_t)(SCULPT_NX * 12 + SCULPT_NX / 2 - 6) + 2;
+    uint64_t random = 1, same = 1;
+
+    (void)state;
+    assert_true(at != NULL && again != NULL);
+    for (int i = 0; i < N; i++) {
+        double d, a, b;
+
+        morphable_person(m, 1, &random, at);
+        d = (double)(at[tip] - m->neutral[tip]) / (double)m->identity[tip];
+        sum += d;
+        square += d * d;
+        morphable_person(m, 0, &random, at);
+        assert_memory_equal(at, m->neutral, each * sizeof *at);
+        morphable_express(m, &random, at);
+        a = (double)(at[l] - m->neutral[l]);
+        b = (double)(at[r] - m->neutral[r]);
+        both += a * b;
+        left += a * a;
+        right += b * b;
+    }
+    assert_true(fabs(sum / N) < 0.2 && fabs(square / N - 1) < 0.3);
+    assert_true(both / sqrt(left * right) > 0.6);
+    for (int i = 0; i < 2; i++) {
+        random = same;
+        morphable_person(m, 1, &random, i == 0 ? at : again);
+        morphable_express(m, &random, i == 0 ? at : again);
+    }
+    assert_memory_equal(at, again, each * sizeof *at);
+    free(at);
+    free(again);
+    morphable_free(m);
+}
+
+static void refused(const char *change, enum status want, const char *words)
+{
+    struct morphable *m;
+
+    run("rm -f *");
+    assert_true(sculpt_write(dir, 10, 0.1));
+    run(change);
+    if (morphable_read(dir, &m, &e) != want)
+        fail_msg("not status %d: %s", want, change);
+    assert_null(m);
+    if (strstr(e.msg, words) == NULL)
+        fail_msg("'%s' lacks '%s'", e.msg, words);
+}
+
+static void test_refused(void **state)
+{
+    struct morphable *m;
+
+    (void)state;
+    refused("rm neutral.obj", ST_EINVAL, "0 files of a neutral face");
+    refused("cp neutral.obj other_Neutral.OBJ", ST_EINVAL, "2 files of a neutral face");
+    refused("rm identity*", ST_EINVAL, "0 modes of identity");
+    refused("rm mouth* brow* jaw*", ST_EINVAL, "0 expressions");
+    refused("head -500 neutral.obj > identity00.obj", ST_EINVAL,
+            "identity00.obj: 498 vertices, where the neutral face has 1890");
+    refused("echo 'v 1 2 x' >> jawOpen.obj", ST_EINVAL, "jawOpen.obj: line");
+    refused(
+        "echo 'f 1 2 3000' >> neutral.obj; echo 'usemtl a\nf 1 2 3000' >> neutral.obj",
+        ST_EINVAL, "neutral.obj: line");
+    refused("rm jawOpen.obj; mkfifo jawOpen.obj", ST_EINVAL, "not a regular file");
+    refused("sed -i 's/^v \\([^ ]*\\) \\([^ ]*\\) .*/v \\1 \\2 0/' neutral.obj",
+            ST_ENOTFACE, "not a face"); /* flat */
+    refused(
+        "sed -i 's/^v \\([^ ]*\\) \\([^ ]*\\) \\(.*\\)/v \\1 \\2 -\\3/; s/--//' neutral.obj",
+        ST_ENOTFACE, "not a face"); /* from behind */
+    refused("sed -i 's/^v \\([^ ]*\\) \\([^ ]*\\) \\(.*\\)/v \\1 \\3 \\2/' neutral.obj",
+            ST_ENOTFACE, "neutral.obj"); /* other axes */
+    refused("sed -i 's/^v \\([^ ]*\\)/v 3\\1/; s/3-/-3/' neutral.obj", ST_ENOTFACE,
+            "neutral.obj"); /* beside x = 0 */
+    refused("sed -i 's/^f .*//' neutral.obj", ST_ENOTFACE, "neutral.obj");
+    refused("sed -i 's/^v \\([^ ]*\\) \\([^ ]*\\)/v \\1 \\2e-7/' neutral.obj",
+            ST_ENOTFACE, "as high as");
+    assert_int_equal(morphable_read("/nowhere", &m, &e), ST_ENOTFOUND);
+    assert_int_equal(morphable_read("/dev/null", &m, &e), ST_EIO);
+    run("rm -f *");
+    assert_int_equal(morphable_read(dir, &m, &e), ST_EINVAL);
+}
+
+/* Other files do not matter. */
+static void test_others(void **state)
+{
+    struct morphable *m = model(10, 0);
+
+    (void)state;
+    morphable_free(m);
+    run("echo x > readme.txt; echo x > PupilDilate.obj; echo x > .jaw.obj; mkdir obj");
+    assert_int_equal(morphable_read(dir, &m, &e), ST_OK);
+    assert_int_equal(m->nexpression, SCULPT_EXPRESSIONS);
+    morphable_free(m);
+    run("rmdir obj; rm -f .jaw.obj *");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_read),    cmocka_unit_test(test_place),
+        cmocka_unit_test(test_modes),   cmocka_unit_test(test_random),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_others),
+    };
+    int failed;
+
+    if (mkdtemp(dir) == NULL)
+        return 1;
+    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    return rmdir(dir) == 0 ? failed : 1;
+}

@@ -1,0 +1,218 @@
+/* NumPy's arrays: points and depth images by their shape; types, byte orders and both orders
+ * of the values; headers that are not true. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "scanfile.h"
+
+/* The header of a version with this dictionary. */
+static void begin(struct scanfile *f, unsigned version, const char *dictionary)
+{
+    f->len = 0;
+    scanfile_text(f, "\x93NUMPY");
+    scanfile_whole(f, version, 2, false);
+    scanfile_whole(f, strlen(dictionary) + 1, version == 1 ? 2 : 4, false);
+    scanfile_text(f, dictionary);
+    scanfile_text(f, "\n");
+}
+
+static void put(struct scanfile *f, const char *type, double v)
+{
+    const unsigned size = (unsigned)(type[2] - '0');
+
+    if (type[1] == 'f')
+        scanfile_real(f, v, size, type[0] == '>');
+    else
+        scanfile_whole(f, (uint64_t)(int64_t)v, size, type[0] == '>');
+}
+
+/* An array of the values 1, 2, 3, ... in C order. */
+static void make(struct scanfile *f, const char *type, bool fortran, unsigned rows,
+                 unsigned columns, unsigned values)
+{
+    const unsigned n[3] = {rows, columns, values}, dims = values > 0 ? 3 : 2;
+    const unsigned deep = values > 0 ? values : 1;
+    char text[200], last[20];
+
+    (void)snprintf(last, sizeof last, dims == 3 ? ", %u" : "%.0u", values);
+    (void)snprintf(text, sizeof text,
+                   "{'descr': '%s', 'fortran_order': %s, 'shape': (%u, %u%s), }   ", type,
+                   fortran ? "True" : "False", rows, columns, last);
+    begin(f, 1, text);
+    for (unsigned i = 0; i < n[0] * n[1] * deep; i++) {
+        const unsigned a = fortran ? i % rows : i / deep / columns,
+                       b = fortran ? i / rows % columns : i / deep % columns,
+                       c = fortran ? i / rows / columns : i % deep;
+
+        put(f, type, 1.0 + (a * columns + b) * deep + c);
+    }
+}
+
+static const char *const types[] = {"<f4", ">f4", "<f8", ">f8", "<i2", ">i2", "<u2",
+                                    ">u2", "<i4", ">i4", "<u4", ">u4", "|i1", "|u1"};
+#define TYPES (sizeof types / sizeof *types)
+
+static void check(const struct scanfile *f, uint32_t width, uint32_t height)
+{
+    struct cloudpoints p;
+
+    scanfile_good(f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.format == CLOUDFORMAT_NPY && p.unit_mm == 0 && p.normal == NULL);
+    assert_true(p.n == 4 && p.read == 4 && p.width == width && p.height == height);
+    for (size_t i = 0; i < 4; i++)
+        scanfile_at(p.at[i], 1 + 3 * (double)i, 2 + 3 * (double)i, 3 + 3 * (double)i);
+    cloudpoints_free(&p);
+}
+
+static void test_points(void **state)
+{
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    (void)state;
+    for (size_t i = 0; i < 2 * TYPES; i++) {
+        make(&f, types[i / 2], i % 2 == 1, 4, 3, 0);
+        check(&f, 0, 0);
+        scanfile_cut(&f, CLOUDFORMAT_NPY);
+        make(&f, types[i / 2], i % 2 == 1, 2, 2, 3);
+        check(&f, 2, 2);
+        make(&f, types[i / 2], i % 2 == 1, 3, 20, 0); /* of each coordinate a row */
+        scanfile_good(&f, CLOUDFORMAT_NPY, &p);
+        assert_true(p.n == 20 && p.width == 0);
+        scanfile_at(p.at[19], 20, 40, 60);
+        cloudpoints_free(&p);
+        make(&f, types[i / 2], i % 2 == 1, 2, 16, 0); /* with 13 values behind them */
+        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        assert_true(p.n == 2 && p.width == 0);
+        scanfile_at(p.at[1], 17, 18, 19);
+        cloudpoints_free(&p);
+    }
+}
+
+static void test_no_value(void **state)
+{
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    (void)state;
+    begin(&f, 3, "{'shape': (2, 2, 3), 'fortran_order': False, 'descr': '<f8'}");
+    for (int i = 0; i < 12; i++)
+        scanfile_real(&f, i == 4 ? (double)NAN : i < 9 ? i : 0, 8, false);
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.n == 2 && p.read == 4 && p.index[1] == 2);
+    cloudpoints_free(&p);
+}
+
+static enum status read_by(const struct scanfile *f, double scale, struct cloudpoints *p)
+{
+    const struct cloudfile_options o = {
+        .max_points = 100,
+        .max_bytes = 1000,
+        .unit_mm = 10,
+        .camera = {.fx = 100, .fy = 50, .cx = 1, .cy = 0, .scale = scale}};
+    struct scanfile_said err;
+
+    return scanfile_read(f->bytes, f->len, &o, p, &err);
+}
+
+/* Of integers a value is a millimetre; of floats it may be anything. */
+static void test_depth(void **state)
+{
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    (void)state;
+    for (size_t i = 0; i < 2 * TYPES; i++)
+        for (int scaled = 0; scaled < 2; scaled++) {
+            const char *type = types[i / 2];
+
+            make(&f, type, i % 2 == 1, 2, 20, 0);
+            assert_int_equal(read_by(&f, scaled ? 2 : 0, &p), ST_OK);
+            assert_true(p.unit_mm == (type[1] == 'f' && !scaled ? 10 : 1));
+            assert_true(p.n == 40 && p.width == 20 && p.height == 2);
+            if (scaled)
+                scanfile_at(p.at[22], 0.46, -0.92, -46);
+            else
+                scanfile_at(p.at[22], 0.23, -0.46, -23);
+            cloudpoints_free(&p);
+        }
+    begin(&f, 2,
+          "{'shape': (2, 17), 'descr': '<i2'}"); /* what is not above 0 is no value */
+    for (int i = 0; i < 34; i++)
+        scanfile_whole(&f, (uint64_t)(int64_t)(i - 5), 2, false);
+    assert_int_equal(read_by(&f, 0, &p), ST_OK);
+    assert_true(p.n == 28 && p.read == 34 && p.index[0] == 6);
+    cloudpoints_free(&p);
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, "fx, fy, cx and cy");
+}
+
+static void test_bad(void **state)
+{
+    static const struct {
+        const char *dictionary;
+        enum status st;
+        const char *words;
+    } bad[] = {
+        {"", ST_EINVAL, "byte 10: not what an NPY header has here"},
+        {"{}", ST_EINVAL, "byte 12: the NPY header has no type or no shape"},
+        {"{'shape': (4, 3)}", ST_EINVAL, "no type or no shape"},
+        {"{'descr': '<f8'}", ST_EINVAL, "no type or no shape"},
+        {"{'descr': '<f8', 'shape': ()}", ST_EINVAL, "no type or no shape"},
+        {"{'descr': '<f8', 'shape': 12}", ST_EINVAL, "byte 36: the shape of the array"},
+        {"{'descr': '<f8', 'shape': (4, x)}", ST_EVERSION, "up to three numbers"},
+        {"{'descr': '<f8', 'shape': (4, -3)}", ST_EVERSION, "up to three numbers"},
+        {"{'descr': '<f8', 'shape': (4, 3", ST_EVERSION, "up to three numbers"},
+        {"{'descr': '<f8', 'shape': (1, 1, 4, 3)}", ST_EVERSION, "up to three numbers"},
+        {"{'descr': '<f8', 'shape': (12,)}", ST_EVERSION, "(N, 3), (3, N), (H, W, 3)"},
+        {"{'descr': '<f8', 'shape': (6, 2)}", ST_EVERSION, "a shape that is not read"},
+        {"{'descr': '<f8', 'shape': (4, 3, 1)}", ST_EVERSION, "a shape that is not read"},
+        {"{'descr': '<c16', 'shape': (4, 3)}", ST_EVERSION, "byte 22: an NPY type"},
+        {"{'descr': '<i8', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': '<f2', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': [('x', '<f4')], 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': '<f8', 'fortran_order': 1, 'shape': (4, 3)}", ST_EINVAL,
+         "not what an NPY header has here"},
+        {"{'descr': '<f8', 'size': 3, 'shape': (4, 3)}", ST_EINVAL, "byte 27: not what"},
+        {"{'descr': '<f8', 'shape': (4, 3)", ST_EINVAL, "not what an NPY header"},
+        {"{'descr': '<f8', 'shape': (5, 3)}", ST_EINVAL, "takes 120 bytes, here are 96"},
+        {"{'descr': '<f8', 'shape': (3, 3)}", ST_EINVAL, "takes 72 bytes, here are 96"},
+        {"{'descr': '<f4', 'shape': (4, 3)}", ST_EINVAL, "takes 48 bytes, here are 96"},
+        {"{'descr': '<f8', 'shape': (0, 3)}", ST_EINVAL, "no points"},
+        {"{'descr': '<f8', 'shape': (0, 4000000000, 3)}", ST_EINVAL, ""},
+        {"{'descr': '<f8', 'shape': (4000000000, 0, 3)}", ST_EINVAL, ""},
+        {"{'descr': '<f8', 'shape': (999999999999999999, 999999999999999999, 3)}",
+         ST_EINVAL, "the data ends before the array does"},
+    };
+    static struct scanfile f;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        begin(&f, 1, bad[i].dictionary);
+        for (int k = 0; k < 12; k++)
+            scanfile_real(&f, k, 8, false);
+        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
+    }
+    begin(&f, 4, "{}");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, "another version than 1, 2 and 3");
+    f.len = 0;
+    scanfile_text(&f, "NUMPY and nothing");
+    scanfile_bad(&f, CLOUDFORMAT_NPY, ST_EINVAL, "an NPY file begins with");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_points),
+        cmocka_unit_test(test_no_value),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_bad),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
