@@ -26,7 +26,7 @@ static bool in_part(enum part p, uint32_t cell)
     case NO_EYES:
         return y < 8 || y > 48;
     case UPPER:
-        return y > 4;
+        return y > 14;
     case LOWER:
         return y < 40;
     case LEFT:
@@ -107,6 +107,22 @@ static double worth_of(const struct shape_work *w, const float *over, const doub
     for (uint32_t k = 0; k < w->modes->n; k++)
         square += a[k] * a[k];
     return sum - SHAPE_WORTH_COST * square;
+}
+
+/* What a cover explains, in cells: skin is never so far in front of what the rest of the face says.
+ * It tells a face of which a part is covered from one that is bent to pass through the cover, and
+ * says nothing where the pose is not known. */
+static double covered(const struct shape_work *w, const struct shape_fit *f)
+{
+    double sum = 0.0;
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const double r = (double)((f->z[i] - f->height[i]) * w->normal[i][2]);
+
+        if (r > SHAPE_COVER_MM) /* NAN is not */
+            sum += fmin(r / SHAPE_COVER_MM - 1.0, 1.0);
+    }
+    return sum;
 }
 
 /* First b, then a. */
@@ -211,25 +227,19 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
     return st;
 }
 
-/* The fits from a start, of parts; *out becomes one that is worth more. */
+/* The fit from a start, which begins with a part. */
 static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                             const struct align_pose *start, enum part from, enum part to,
+                             const struct align_pose *start, enum part part,
                              struct shape_fit *out)
 {
     static const struct shape_pass pass[] = SHAPE_PASSES;
-    const uint32_t passes = sizeof pass / sizeof *pass;
     struct shape_points p;
-    struct shape_fit one;
     enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
 
-    for (enum part part = from; st == ST_OK && part <= to; part++) {
-        st = fit_from(w, &(struct target){.points = &p}, part, pass, passes, false, true,
-                      &one);
-        if (st != ST_OK || !(one.worth > out->worth))
-            continue;
-        *out = one;
-        out->pose = follow(&one.pose, start);
-    }
+    if (st == ST_OK)
+        st = fit_from(w, &(struct target){.points = &p}, part, pass,
+                      sizeof pass / sizeof *pass, false, true, out);
+    out->pose = follow(&out->pose, start);
     return st;
 }
 
@@ -237,25 +247,30 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out)
 {
-    struct shape_fit part = {.worth = -INFINITY};
+    struct shape_fit one;
     enum status st = ST_OK;
+    double least;
     uint32_t best = 0;
 
     out->worth = -INFINITY;
     out->skin = out->cover = out->apart = out->sure = 0;
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
-        const double before = out->worth;
-
-        st = fit_start(w, pts, n, &start[i], WHOLE, WHOLE, out);
-        best = out->worth > before ? i : best;
+        if ((st = fit_start(w, pts, n, &start[i], WHOLE, &one)) != ST_OK ||
+            !(one.worth > out->worth))
+            continue;
+        *out = one;
+        best = i;
     }
-    if (!hard || st != ST_OK)
+    if (!hard || out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart))
         return st;
-    if (out->skin < SHAPE_GOOD * (out->skin + out->cover + out->apart))
-        return fit_start(w, pts, n, &start[best], WHOLE + 1, PARTS - 1, out);
-    st = fit_start(w, pts, n, &start[best], UPPER, LOWER, &part);
-    if (st == ST_OK && part.sure >= SHAPE_SURE_CELLS && part.worth > out->worth)
-        *out = part;
+    least = out->worth + covered(w, out) + SHAPE_PART_GAIN;
+    for (enum part part = WHOLE + 1; st == ST_OK && part < PARTS; part++) {
+        st = fit_start(w, pts, n, &start[best], part, &one);
+        if (st != ST_OK || !(one.worth + covered(w, &one) > least))
+            continue;
+        *out = one;
+        least = one.worth + covered(w, &one);
+    }
     return st;
 }
 

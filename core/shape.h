@@ -25,13 +25,13 @@ struct surface; /* surface.h */
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
- * hard  try again from the face below the brows, and from that above the mouth: what clings to
- *       the rest may pass as skin; such a fit is taken where SHAPE_SURE_CELLS are a cover for sure.
- *       If less than SHAPE_GOOD of the cells with points are skin, try at each start, also from
- *       what glasses do not cover and from either half, and take the fit of most support
+ * hard  if less than SHAPE_GOOD of the cells with points are skin, try again from parts of the face
+ *       that a cover may have left free: above it, below it, either half, all but the eyes.  Such a
+ *       fit is taken where it explains SHAPE_PART_GAIN cells more: as skin, or as a cover in front of
+ *       what the rest of the face says
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: of these every so manieth is taken.
- * Cost  O(n) for each start, and one fit; if hard 2 more, or 5 more for each start: each about
+ * Cost  O(n) for each start, and one fit; if hard 5 more: each about
  * 1 ms with 3,000 points and 2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,

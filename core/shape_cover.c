@@ -61,6 +61,20 @@ static void grow(const float *height, bool holes, uint8_t *cell)
     }
 }
 
+/* Cells between covered ones of a row or a column (`step` apart), SHAPE_HOLE at most. */
+static void close_gaps(uint8_t *cell, uint32_t from, uint32_t n, uint32_t step)
+{
+    uint32_t last = GRID_NONE;
+
+    for (uint32_t k = 0; k < n; k++) {
+        if (cell[from + k * step] != SHAPE_COVER)
+            continue;
+        for (uint32_t j = last + 1; last != GRID_NONE && k - last <= SHAPE_HOLE && j < k; j++)
+            cell[from + j * step] = SHAPE_COVER;
+        last = k;
+    }
+}
+
 /* What stands in front of the face, and its surroundings. */
 static void mark_front(const struct shape_work *w, const float *gap, const float *height,
                        uint8_t *cell)
@@ -82,8 +96,13 @@ static void mark_front(const struct shape_work *w, const float *gap, const float
     }
     for (int k = 0; k < SHAPE_HOLE && any > 0; k++)
         grow(height, true, cell);
-    if (any > 0)
-        grow(height, false, cell);
+    if (any == 0)
+        return;
+    for (uint32_t y = 0; y < GRID_NY; y++)
+        close_gaps(cell, y * GRID_NX, GRID_NX, 1);
+    for (uint32_t x = 0; x < GRID_NX; x++)
+        close_gaps(cell, x, GRID_NY, GRID_NX);
+    grow(height, false, cell);
 }
 
 /* ---- hair */
@@ -139,9 +158,10 @@ static bool is_hair(const float *rough, uint32_t i, float limit)
     return more > SHAPE_HAIR_SHARE * n && n >= SHAPE_HAIR_LEAST;
 }
 
-/* hair[i]: SEEN where cell i is one of enough that are connected.  Most scans are so smooth that
- * there can be none. */
-static void find_hair(const float *gap, const float *height, uint8_t hair[GRID_N])
+/* hair[i]: SEEN where cell i is one of enough that are connected.  What is covered anyway says
+ * nothing of the rest.  Most scans are so smooth that there can be none. */
+static void find_hair(const float *gap, const float *height, const uint8_t *cell,
+                      uint8_t hair[GRID_N])
 {
     const uint32_t brow = grid_cell(GRID_LEFT, SHAPE_BROW_Y + GRID_MM);
     uint8_t mark[GRID_N] = {0};
@@ -150,7 +170,7 @@ static void find_hair(const float *gap, const float *height, uint8_t hair[GRID_N
 
     memset(hair, 0, GRID_N);
     for (uint32_t i = brow - 2 * GRID_NX; i < GRID_N; i++) {
-        rough[i] = rough_at(gap, i);
+        rough[i] = cell[i] == SHAPE_COVER ? (float)NAN : rough_at(gap, i);
         n += rough[i] > (float)SHAPE_HAIR_MM;
     }
     if (n < SHAPE_HAIR_SHARE * SHAPE_HAIR_CELLS)
@@ -166,95 +186,31 @@ static void find_hair(const float *gap, const float *height, uint8_t hair[GRID_N
 
 /* ---- masks */
 
-/* How much more concave than a plane z is at cell i, 8 mm around; NAN: not known. */
-static float hollow(const float *z, uint32_t i)
+/* Where most of the face below the eyes is covered, all is, from the cover's upper rim down: what
+ * seems skin there is where cloth lies on it, or the fit was bent to the cloth.  Returns whether
+ * it is. */
+static bool mark_mask(const float *z, uint8_t *cell)
 {
-    return z[i - 2] + z[i + 2] + z[i - 2 * GRID_NX] + z[i + 2 * GRID_NX] - 4 * z[i];
-}
+    const uint32_t top = grid_cell(GRID_LEFT, SHAPE_MASK_TOP) / GRID_NX * GRID_NX;
+    uint32_t seen = 0, covered = 0;
 
-/* The cells of the valley beside the nose of the mean face, to the right or to the left of it
- * (side -1); how many. */
-static uint32_t find_wing(const struct shape_work *w, int side, uint32_t list[GRID_N])
-{
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const double x = side * grid_x(i), y = grid_y(i);
-
-        if (x > 0 && x < SHAPE_WING_X && y > SHAPE_WING_BOTTOM && y < SHAPE_WING_TOP &&
-            hollow(w->mean, i) > SHAPE_WING_MM)
-            list[n++] = i;
-    }
-    return n;
-}
-
-/* How deep z is there, moved by so many cells, of the mean face's depth; NAN: not known. */
-static float depth(const struct shape_work *w, const float *z, const uint32_t *list,
-                   uint32_t n, int move)
-{
-    float both = 0.0f, mean = 0.0f;
-    uint32_t seen = 0;
-
-    for (uint32_t k = 0; k < n; k++) {
-        const float of = hollow(w->mean, list[k]);
-        const float is = hollow(z, (uint32_t)((int)list[k] + move));
-
-        if (isnan(is))
-            continue;
-        both += of * fminf(is, 3 * of);
-        mean += of * of;
-        seen++;
-    }
-    return seen >= SHAPE_WING_KNOWN ? both / mean : (float)NAN;
-}
-
-/* Is the valley beside the nose missing, wherever within two cells it may be? */
-static bool no_wing(const struct shape_work *w, const float *z, int side)
-{
-    uint32_t list[GRID_N];
-    const uint32_t n = find_wing(w, side, list);
-    float most = (float)NAN;
-
-    for (int y = -2; y <= 2; y++)
-        for (int x = -2; x <= 2; x++)
-            most = fmaxf(most, depth(w, z, list, n, y * GRID_NX + x));
-    return most < SHAPE_WING_LEAST;
-}
-
-/* Between the first and the last covered cell of n, `step` apart. */
-static void fill(const float *height, uint8_t *cell, uint32_t from, uint32_t n,
-                 uint32_t step)
-{
-    uint32_t first = n, last = 0;
-
-    for (uint32_t k = 0; k < n; k++)
-        if (cell[from + k * step] == SHAPE_COVER) {
-            first = first < n ? first : k;
-            last = k;
+    for (uint32_t i = 0; i < top; i++)
+        if (!isnan(z[i])) {
+            seen++;
+            covered += cell[i] == SHAPE_COVER;
         }
-    for (uint32_t k = first; k < last; k++)
-        if (!isnan(height[from + k * step]))
-            cell[from + k * step] = SHAPE_COVER;
-}
-
-static bool mark_mask(const struct shape_work *w, const float *z, const float *height,
-                      uint8_t *cell)
-{
-    uint32_t rows = 0, left = 0, right = 0;
-
-    for (uint32_t i = 0; i < GRID_N; i++)
-        if (cell[i] == SHAPE_COVER && grid_y(i) < SHAPE_MASK_TOP) {
-            rows = i / GRID_NX + 1;
-            left += grid_x(i) < 0;
-            right += grid_x(i) > 0;
-        }
-    if (left < SHAPE_MASK_CELLS || right < SHAPE_MASK_CELLS || !no_wing(w, z, -1) ||
-        !no_wing(w, z, 1))
+    if (covered <= SHAPE_MASK_SHARE * seen)
         return false;
-    for (uint32_t k = 0; k < rows; k++)
-        fill(height, cell, k * GRID_NX, GRID_NX, 1);
-    for (uint32_t k = 0; k < GRID_NX; k++)
-        fill(height, cell, k, rows, GRID_NX);
+    for (uint32_t x = 0; x < GRID_NX; x++) {
+        bool below = false;
+
+        for (uint32_t i = top + x; i >= GRID_NX;) {
+            i -= GRID_NX;
+            below = below || cell[i] == SHAPE_COVER;
+            if (below && !isnan(z[i]))
+                cell[i] = SHAPE_COVER;
+        }
+    }
     return true;
 }
 
@@ -285,11 +241,11 @@ uint32_t shape_cover_mark(const struct shape_work *w, const float gap[GRID_N],
     uint32_t sure;
 
     mark_front(w, gap, height, cell);
-    find_hair(gap, height, hair);
+    find_hair(gap, height, cell, hair);
     for (uint32_t i = 0; i < GRID_N; i++)
         cell[i] = hair[i] ? SHAPE_COVER : cell[i];
     sure = count_upper(gap, height, hair);
-    if (mark_mask(w, z, height, cell))
+    if (mark_mask(z, cell))
         for (uint32_t i = 0; i < GRID_N; i++)
             sure += cell[i] == SHAPE_COVER && grid_y(i) < SHAPE_MASK_TOP;
     return sure;

@@ -16,8 +16,7 @@ struct shape_work; /* shape_work.h */
  *   with what is beside it, sideways, of more than SHAPE_WEAK_MM, if there are SHAPE_COVER_CELLS
  *   strong cells; then empty ones up to SHAPE_HOLE cells from a strong one; then all beside;
  * - above the brows what is as rough as hair;
- * - what lies between covered cells below the eyes, where the valleys that every face has beside
- *   the nose are missing: a mask is taut over them, though it lies on the skin in places.
+ * - all below its upper rim, where it covers most of the face below the eyes: a mask.
  * Returns how many cells are in front of the face as no expression is: those above the brows,
  * strays too, and all that a mask covers. */
 uint32_t shape_cover_mark(const struct shape_work *w, const float gap[GRID_N],

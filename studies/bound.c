@@ -236,7 +236,6 @@ static void one_pair(struct study *s, const struct person *template,
 
     lab_must(face_build(person->probe, person->n, s->w, &probe, NULL));
     p.probe = &probe;
-    lab_must(face_compare(p.tmpl, &probe, (double)NAN, NULL, s->w, &found));
     lab_must(face_minimal(p.tmpl, &probe, NULL, s->w, &found, &p.least));
     lab_must(
         measure_at(&p.tmpl->surface, &probe.surface, p.least.transform, NULL, &s->m, &d));

@@ -136,7 +136,7 @@ static void figures(const struct lab *lab, struct face_work *w)
         double truth[16];
 
         scan(row[k].subject, 1, 0, true, w, &b);
-        lab_must(face_compare(&a, &b, (double)NAN, NULL, w, &found));
+        lab_must(face_align(&a, &b, NULL, w, &found));
         true_pose(truth);
         for (int i = 0; i < 3; i++) {
             const double *pose[] = {identity, found.align.transform, truth};
@@ -231,7 +231,7 @@ static void weights(const struct lab *lab, struct face_work *w)
             struct face_result found;
 
             scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
-            lab_must(face_compare(&a, &b, (double)NAN, NULL, w, &found));
+            lab_must(face_align(&a, &b, NULL, w, &found));
             for (int i = 0; i < U; i++) {
                 const struct disparity_weight weight = {u[i].at, NULL};
                 struct disparity d;

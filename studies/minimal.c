@@ -152,7 +152,6 @@ static void one_pair(struct study *s, const struct person *template,
     struct disparity at;
     struct start best;
 
-    lab_must(face_compare(p.tmpl, probe, (double)NAN, NULL, s->w, &found));
     lab_must(face_minimal(p.tmpl, probe, NULL, s->w, &found, &least));
     p.aligned = found.align.transform;
     p.centre = vec_transform(p.aligned, align_pose_centre(&probe->surface.mesh));

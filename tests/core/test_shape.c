@@ -230,7 +230,7 @@ static void test_slab(void **state)
         check_rectangle(&f, mouth, 0, SHAPE_COVER); /* and the rim: */
         check_rectangle(&f, (const double[4]){-28, 28, -57, -9}, 1, SHAPE_COVER);
         check_outside(&f, mouth, 9);
-        assert_true(off(&f) < 1.5);
+        assert_true(off(&f) < 2.5); /* under the slab it is a guess */
     }
 }
 
@@ -264,8 +264,8 @@ static void test_hard(void **state)
         cover(h[0], h[1], h[2], h[3], 9);
         fit(&still, false, &f);
         fit(&still, true, &g);
-        assert_true(g.worth >= f.worth && (k > 0 || g.support > 0.6));
-        assert_true(off(&g) < (k > 0 ? 9 : 1));
+        assert_true(g.cover >= f.cover && off(&g) < off(&f) + 2);
+        assert_true(k > 1 || off(&g) < 1); /* half of a face may lie elsewhere */
     }
 }
 

@@ -165,16 +165,32 @@ static double puff(double x, double y)
     return r < 1 ? 12 * (1 - r * r) : 0;
 }
 
-/* A mask is a cover; cheeks that are puffed, or a hand on one of them, are none for sure. */
+/* Loose cloth from the cheeks down past the chin. */
+static double scarf(double x, double y)
+{
+    return y < 4 ? 8 + 4 * cos(x / 30) : 0;
+}
+
+/* A mask is a cover, and loose cloth down to the rim, and nothing above it; cheeks that are puffed,
+ * or a hand on one of them, are none for sure. */
 static void test_mask(void **state)
 {
     struct shape_fit f;
+    uint32_t below = 0, above = 0;
 
     (void)state;
     for (int hard = 0; hard < 2; hard++) {
         f = see(mask, hard);
         assert_true(f.cover > 50);
     }
+    f = see(scarf, true);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        below += f.cell[i] == SHAPE_SKIN && grid_y(i) < 0;
+        above += f.cell[i] == SHAPE_COVER && grid_y(i) > 16;
+    }
+    assert_int_equal(below, 0);
+    assert_int_equal(above, 0);
+    assert_true(f.sure > 300);
     f = see(one_cheek, false);
     assert_true(f.cover > 20 && f.sure == 0);
     f = see(puff, false);
