@@ -19,7 +19,7 @@
 
 /* Chosen on scans of real people (docs/model.md). */
 #define KINSHIP        0.3
-#define NOISE_FLOOR_MM 1.0
+#define NOISE_FLOOR_MM 0.75
 #define NOISE_FACTOR   1.2
 
 #define CALIBRATED_FMR 0.001

@@ -8,7 +8,8 @@ cd "$(dirname "$0")/../.." || exit 1
 FACES=${FACES:-../shared/faces}
 subjects="0 1 2 3 4 5 6 7 8 9"
 
-# rank WHAT ENROLL PROBE: ENROLL and PROBE are file names with % for the subject's number.
+# rank WHAT ENROLL PROBE [relatives]: ENROLL and PROBE are file names with % for the subject's
+# number; relatives: 8 and 9 are, and count as neither.
 rank() {
     first=0 mated=0 false=0
     for s in $subjects; do
@@ -25,6 +26,7 @@ rank() {
             printf '%s %s\n' "$(get .score)" "$s" >>"$T/ranks"
             case $(get .decision),$s in
             "match,$p") mated=$((mated + 1)) ;;
+            match,[89]) [ "${4:-} $p" = "relatives $((17 - s))" ] || false=$((false + 1)) ;;
             match,*) false=$((false + 1)) ;;
             esac
         done
@@ -43,7 +45,7 @@ for s in $subjects; do
 done
 rank generated "$T/e%.ply" "$T/p%.ply"
 if [ -r "$FACES/id000_enroll.ply" ]; then
-    rank scanned "$FACES/id00%_enroll.ply" "$FACES/id00%_p1.ply"
+    rank scanned "$FACES/id00%_enroll.ply" "$FACES/id00%_p1.ply" relatives # 8 and 9 are
 else
     echo "SKIP the scans: no $FACES/id000_enroll.ply"
 fi

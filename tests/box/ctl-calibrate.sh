@@ -72,7 +72,7 @@ is "two more, two that do not count, one refused" \
 ctl calibrate --fmr 0.05
 is "not without --yes" "$CODE $(said .stored)" "64 null"
 ok "it says what and how: $(said .error.detail)" \
-    matches "$(said .error.detail)" 'lowers the threshold from 9.50 to .*match. Use --yes'
+    matches "$(said .error.detail)" 'lowers the threshold from 8.00 to .*match. Use --yes'
 ctl calibrate --list
 is "nothing is stored" "$(said '.calibrations | length')" 0
 
