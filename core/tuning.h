@@ -579,11 +579,17 @@
 #define FIND_SPENT_FAR   1000
 
 /* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
- * neither the smooth back of a head is nor one the wrong way up; and what may well be one, so that
- * other units are not tried. */
-#define FIND_WORTH_EYES 200.0
-#define FIND_PLAIN      620.0
-#define FIND_LIKELY     350.0
+ * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45
+ * degrees (1 + 2 cos) of upright before a scanner; and what may well be one, so that other units are
+ * not tried. */
+#define FIND_WORTH_EYES    200.0
+#define FIND_PLAIN         620.0
+#define FIND_UPRIGHT       560.0
+#define FIND_UPRIGHT_TRACE 2.4142
+#define FIND_LIKELY        350.0
+
+/* Where no face is plain, other poses than the best are told if they are worth this share of it. */
+#define FIND_RIVAL 0.75
 
 /* mm: where the nose is in a face that was fitted the wrong way up. */
 #define FIND_WAY_UP_MM 56.0

@@ -228,7 +228,8 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
     return st;
 }
 
-/* A face the wrong way up resembles one, whose nose is between its brows: try the other way. */
+/* Fit the best again, and the other way up: a face the wrong way up resembles one, whose nose is
+ * between its brows. */
 static enum status turn_over(struct finder *f, const struct find_grid *g, double unit_mm)
 {
     struct align_pose over = f->best.at[0].pose.pose;
@@ -242,11 +243,23 @@ static enum status turn_over(struct finder *f, const struct find_grid *g, double
     over.t[0] = -over.t[0];
     over.t[1] = FIND_WAY_UP_MM - over.t[1];
     over = less(&over, 1, g->corner);
-    st = fit_roughly(f, g, unit_mm, &over, &one);
-    return st == ST_OK ? fit_closely(f, g, &one) : st;
+    one = f->best.at[0];
+    if ((st = fit_closely(f, g, &one)) == ST_OK &&
+        (st = fit_roughly(f, g, unit_mm, &over, &one)) == ST_OK)
+        st = fit_closely(f, g, &one);
+    return st;
 }
 
 /* ---- sides and units */
+
+/* A face that stands upright before a scanner, of agreed axes or a camera's, as most do, may show
+ * less of itself. */
+static bool upright(const struct finder *f)
+{
+    const double *r = f->best.at[0].pose.pose.r;
+
+    return found(f, FIND_UPRIGHT) && r[0] + fabs(r[4] + r[8]) > FIND_UPRIGHT_TRACE;
+}
 
 /* Along the agreed axes or a camera's; or from all other sides: to the faces, edges and corners
  * of a cube. */
@@ -274,7 +287,7 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
     st = seek(f, g, unit_mm, FIND_SEEKS, FIND_FITS);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
-    if (st == ST_OK && !found(f, FIND_PLAIN)) {
+    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
         look(f, g, true, &r);
         st = seek(f, g, unit_mm, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
         if (st == ST_OK)
@@ -384,7 +397,8 @@ static void choose(const struct finder *f, struct find *out)
     if (found(f, FIND_PLAIN))
         return;
     for (uint32_t i = 1; i < f->best.n && out->n < FIND_POSES; i++)
-        if (f->best.at[i].pose.unit_mm == out->pose[0].unit_mm)
+        if (f->best.at[i].pose.unit_mm == out->pose[0].unit_mm &&
+            f->best.at[i].pose.worth >= FIND_RIVAL * out->pose[0].worth)
             out->pose[out->n++] = f->best.at[i].pose;
 }
 

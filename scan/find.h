@@ -49,9 +49,9 @@ struct find {
  * stop     when another thread sets it, the search ends; NULL: none does
  * Each pose is right to a few degrees and millimetres: a start for shape_fit(), which tells
  * whether it is a face at all.
- * Cost: linear in n: the search ends with what it has where that is spent; memory 40 MB at most for 300,000 points,
- * allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all; ST_EBUSY: stop
- * was set; ST_ENOMEM. */
+ * Cost: linear in n: the search ends with what it has where that is spent; memory 40 MB at most
+ * for 300,000 points, allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all;
+ * ST_EBUSY: stop was set; ST_ENOMEM. */
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct face_work *w, const atomic_bool *stop, struct find *out);
 
