@@ -214,15 +214,16 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
 }
 
 enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                       const struct align_pose *start, struct shape_fit *out)
+                       const struct align_pose *start, bool close, struct shape_fit *out)
 {
-    static const struct shape_pass pass[] = SHAPE_SEEK;
+    static const struct shape_pass rough[] = SHAPE_ROUGH, fine[] = SHAPE_SEEK;
     struct shape_points p;
     enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
 
     if (st == ST_OK)
-        st = fit_from(w, &(struct target){.points = &p}, WHOLE, pass,
-                      sizeof pass / sizeof *pass, false, false, out);
+        st = fit_from(w, &(struct target){.points = &p}, WHOLE, close ? fine : rough,
+                      close ? sizeof fine / sizeof *fine : sizeof rough / sizeof *rough,
+                      false, close, out);
     out->pose = follow(&out->pose, start);
     return st;
 }

@@ -38,10 +38,11 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct align_pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out);
 
-/* shape_seek(w, pts, n, start, out): quickly, by few modes, from a start that is right to about 25 mm and 20 degrees:
- * out's pose, a, height and worth alone. */
+/* shape_seek(w, pts, n, start, close, out): quickly, by few modes.  From a start that is right to
+ * about 25 mm and 20 degrees roughly: out's pose, a, height and worth alone; or closely from what
+ * that has found. */
 enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                       const struct align_pose *start, struct shape_fit *out);
+                       const struct align_pose *start, bool close, struct shape_fit *out);
 
 /* shape_place(w, f, start, nstart, out): the fit of most support to a surface of a face alone,
  * from nstart > 0 starting poses, as shape_fit(), not hard: the canonical frame of a face.

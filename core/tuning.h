@@ -407,7 +407,8 @@
  * that are no faces; with twice as much 88 % of the cells of masks are told instead of 96. */
 /* clang-format off */
 #define SHAPE_PASSES { {12, 100, 88}, {12, 100, 88}, {8, 50, 88}, {8, 50, 88}, {5, 20, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
-#define SHAPE_SEEK { {25, 100, 8}, {18, 100, 16}, {12, 100, 16}, {12, 100, 16}, {8, 50, 16} }
+#define SHAPE_ROUGH { {25, 100, 8}, {18, 100, 16} }
+#define SHAPE_SEEK { {12, 100, 16}, {12, 100, 16}, {8, 50, 16} }
 #define SHAPE_FILL 1
 #define SHAPE_WORTH_MM 2.5
 #define SHAPE_WORTH_COST 2.5
@@ -540,14 +541,15 @@
 #define FIND_STRAYS_IN   10
 #define FIND_REACH_MM    4000
 
-/* A view (find_view.h), mm: its cells; a nose stands out by OUT from a ring about it, of which so
- * many of 16 places must be SEEN; what lies farther than NEAR before or behind the nose is
- * something else.  The samples of the mean face: without what hair, a collar or the view hides.
- * So great a share of them must be SEEN; gaps count up to CAP; the plane may be so STEEP. */
+/* A view (find_view.h), mm: its cells; a nose stands out by OUT, as no ball of a head's size does,
+ * from a ring about it, of which so many of 16 places must be SEEN; what lies farther than NEAR
+ * before or behind the nose is something else.  The samples of the mean face: without what hair, a
+ * collar or the view hides.  So great a share of them must be SEEN; gaps count up to CAP; the plane
+ * may be so STEEP. */
 #define FIND_CELL_MM        8.0
 #define FIND_RING_MM        32.0
 #define FIND_RING_SEEN      10
-#define FIND_OUT_MM         5.0
+#define FIND_OUT_MM         8.5
 #define FIND_NEAR_MM        60.0
 #define FIND_FACE_X_MM      54.0
 #define FIND_FACE_BOTTOM_MM (-62.0)
@@ -556,21 +558,41 @@
 #define FIND_CAP_MM         6.0
 #define FIND_STEEP          0.6
 
-/* Starts that are kept, and of these followed by a quick fit at most: of those along a scanner's
- * axes, and of the others. */
+/* Starts that are kept; of these followed roughly at most, and of what that finds to the end: of
+ * those along a scanner's axes, and of the others.  What is worth SURE roughly is followed at
+ * once. */
 #define FIND_STARTS       64
 #define FIND_SEEKS        12
-#define FIND_SEEKS_OTHERS 30
+#define FIND_FITS         4
+#define FIND_SEEKS_OTHERS 40
+#define FIND_FITS_OTHERS  8
+#define FIND_SURE         400.0
 
-/* Noses looked at in all, some 4 us each, before the search ends with what it has. */
-#define FIND_NOSES 40000
+/* The search ends with what it has once it has spent what so many noses cost, some 4 us each, and
+ * one for each so many points.  A view costs one for so many cubes and for so many cells that are
+ * seen; a fit costs FIT and one for so many cubes. */
+#define FIND_SPENT       4000
+#define FIND_SPENT_PER   8
+#define FIND_SPENT_CUBES 512
+#define FIND_SPENT_CELLS 32
+#define FIND_SPENT_FIT   25
+#define FIND_SPENT_FAR   1000
 
-/* The worth (shape.h) of a quick fit that is plainly a face: of those along a scanner's axes, and
- * of others, among which the smooth back of a head is; and of what may well be one, so that other
- * units are not tried. */
-#define FIND_PLAIN        450.0
-#define FIND_PLAIN_OTHERS 600.0
-#define FIND_LIKELY       300.0
+/* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
+ * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45
+ * degrees (1 + 2 cos) of upright before a scanner; and what may well be one, so that other units are
+ * not tried. */
+#define FIND_WORTH_EYES    200.0
+#define FIND_PLAIN         620.0
+#define FIND_UPRIGHT       560.0
+#define FIND_UPRIGHT_TRACE 2.4142
+#define FIND_LIKELY        350.0
+
+/* Where no face is plain, other poses than the best are told if they are worth this share of it. */
+#define FIND_RIVAL 0.75
+
+/* mm: where the nose is in a face that was fitted the wrong way up. */
+#define FIND_WAY_UP_MM 56.0
 
 /* Poses are the same within MM and 10 degrees (1 + 2 cos).  Another face is OTHER_MM away, of
  * nose from nose, and its start costs less than COST. */

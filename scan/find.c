@@ -60,6 +60,12 @@ struct found {
     struct dvec3 nose; /* the tip, mm, in the points' axes */
 };
 
+/* By falling worth, no two the same. */
+struct list {
+    struct found at[FOUND];
+    uint32_t n;
+};
+
 /* One call of find_face(). */
 struct finder {
     const struct dvec3 *pts;
@@ -70,19 +76,19 @@ struct finder {
     struct extent extent;
     struct find_view_face face;
     struct find_starts starts;
-    struct found best[FOUND]; /* by falling worth, no two the same */
-    uint32_t found;
-    double plain; /* the worth of what is plainly a face */
+    struct list rough, best;
 };
 
+/* Does nobody wait any more, or has all been spent that the cloud's size allows? */
 static bool stopped(const struct finder *f)
 {
-    return f->stop != NULL && atomic_load_explicit(f->stop, memory_order_relaxed);
+    return f->starts.left <= 0 ||
+           (f->stop != NULL && atomic_load_explicit(f->stop, memory_order_relaxed));
 }
 
 static bool found(const struct finder *f, double worth)
 {
-    return f->found > 0 && f->best[0].pose.worth >= worth;
+    return f->best.n > 0 && f->best.at[0].pose.worth >= worth;
 }
 
 /* ---- poses */
@@ -103,92 +109,191 @@ static bool same(const struct found *a, const struct found *b)
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
 }
 
-/* The place of one that is the same; f->found: there is none. */
-static uint32_t place_of(const struct finder *f, const struct found *one)
+/* The place of one that is the same; l->n: there is none. */
+static uint32_t place_of(const struct list *l, const struct found *one)
 {
     uint32_t i = 0;
 
-    while (i < f->found && !same(&f->best[i], one))
+    while (i < l->n && !same(&l->at[i], one))
         i++;
     return i;
 }
 
-static void take(struct finder *f, const struct found *one)
+static void take(struct list *l, const struct found *one)
 {
-    uint32_t i = place_of(f, one);
+    uint32_t i = place_of(l, one);
 
-    if (i < f->found && one->pose.worth <= f->best[i].pose.worth)
+    if (i < l->n && one->pose.worth <= l->at[i].pose.worth)
         return;
-    if (i == f->found && i < FOUND)
-        f->found++;
-    else if (i == f->found && one->pose.worth <= f->best[--i].pose.worth)
+    if (i == l->n && i < FOUND)
+        l->n++;
+    else if (i == l->n && one->pose.worth <= l->at[--i].pose.worth)
         return;
-    for (; i > 0 && one->pose.worth > f->best[i - 1].pose.worth; i--)
-        f->best[i] = f->best[i - 1];
-    f->best[i] = *one;
+    for (; i > 0 && one->pose.worth > l->at[i - 1].pose.worth; i--)
+        l->at[i] = l->at[i - 1];
+    l->at[i] = *one;
 }
 
 /* Is a plain face at a place, or in another unit? */
 static bool taken(const struct finder *f, const struct found *one)
 {
-    for (uint32_t i = 0; i < f->found && f->best[i].pose.worth >= f->plain; i++)
-        if (f->best[i].pose.unit_mm != one->pose.unit_mm ||
-            near(f->best[i].nose, one->nose, FIND_OTHER_MM))
+    const struct found *best = f->best.at;
+
+    for (uint32_t i = 0; i < f->best.n && best[i].pose.worth >= FIND_PLAIN; i++)
+        if (best[i].pose.unit_mm != one->pose.unit_mm ||
+            near(best[i].nose, one->nose, FIND_OTHER_MM))
             return true;
     return false;
+}
+
+/* A pose of points as one of the same points, each less by so much. */
+static struct align_pose less(const struct align_pose *pose, double by, struct dvec3 way)
+{
+    struct align_pose out = *pose;
+
+    for (int i = 0; i < 3; i++)
+        out.t[i] += by * (out.r[3 * i] * way.x + out.r[3 * i + 1] * way.y +
+                          out.r[3 * i + 2] * way.z);
+    return out;
 }
 
 /* A pose of g's cubes as one of the points in mm. */
 static struct found found_at(const struct find_grid *g, double unit_mm,
                              const struct align_pose *pose, double worth)
 {
-    struct found out = {.pose = {unit_mm, *pose, worth}};
-    struct align_pose *p = &out.pose.pose;
+    const struct align_pose p = less(pose, -1, g->corner);
 
-    for (int i = 0; i < 3; i++)
-        p->t[i] -= p->r[3 * i] * g->corner.x + p->r[3 * i + 1] * g->corner.y +
-                   p->r[3 * i + 2] * g->corner.z;
-    out.nose = align_pose_origin(p);
-    return out;
+    return (struct found){{unit_mm, p, worth}, align_pose_origin(&p)};
 }
 
-/* Follow the best starts; once a face is plain, those elsewhere that may well be another. */
-static enum status seek(struct finder *f, const struct find_grid *g, double unit_mm,
-                        uint32_t left)
+/* What a face shows that other things, and a face the wrong way up, hardly do. */
+static double worth_of(const struct shape_fit *fit)
 {
-    for (uint32_t k = 0; k < f->starts.n && left > 0 && !stopped(f); k++) {
+    return fit->worth + FIND_WORTH_EYES * fmax(fit->eyes, 0);
+}
+
+static enum status fit_roughly(struct finder *f, const struct find_grid *g,
+                               double unit_mm, const struct align_pose *start,
+                               struct found *out)
+{
+    struct shape_fit fit;
+    const enum status st = shape_seek(f->shape, g->at, g->n, start, false, &fit);
+
+    f->starts.left -= FIND_SPENT_FIT + g->n / FIND_SPENT_FAR;
+    *out = found_at(g, unit_mm, &fit.pose, fit.worth);
+    return st;
+}
+
+static enum status fit_closely(struct finder *f, const struct find_grid *g,
+                               const struct found *rough)
+{
+    const struct align_pose start = less(&rough->pose.pose, 1, g->corner);
+    struct shape_fit fit;
+    const enum status st = shape_seek(f->shape, g->at, g->n, &start, true, &fit);
+
+    f->starts.left -= FIND_SPENT_FIT + g->n / FIND_SPENT_FAR;
+    if (st == ST_OK) {
+        const struct found one =
+            found_at(g, rough->pose.unit_mm, &fit.pose, worth_of(&fit));
+
+        take(&f->best, &one);
+    }
+    return st;
+}
+
+/* Follow the best starts roughly, and the best of these to the end; once a face is plain, those
+ * elsewhere that may well be another. */
+static enum status seek(struct finder *f, const struct find_grid *g, double unit_mm,
+                        uint32_t left, uint32_t most)
+{
+    enum status st = ST_OK;
+
+    f->rough.n = 0;
+    for (uint32_t k = 0; k < f->starts.n && left > 0 && st == ST_OK && !stopped(f); k++) {
         const struct find_start *start = &f->starts.start[k];
         struct found one = found_at(g, unit_mm, &start->pose, 0);
-        struct shape_fit fit;
-        enum status st;
 
-        if (place_of(f, &one) < f->found || taken(f, &one) ||
-            (found(f, f->plain) && start->cost > FIND_OTHER_COST))
+        if (taken(f, &one) || (found(f, FIND_PLAIN) && start->cost > FIND_OTHER_COST))
             continue;
         left--;
-        if ((st = shape_seek(f->shape, g->at, g->n, &start->pose, &fit)) != ST_OK)
-            return st;
-        one = found_at(g, unit_mm, &fit.pose, fit.worth);
-        take(f, &one);
+        st = fit_roughly(f, g, unit_mm, &start->pose, &one);
+        if (st == ST_OK && one.pose.worth >= FIND_SURE)
+            st = fit_closely(f, g, &one);
+        else
+            take(&f->rough, &one);
     }
-    return ST_OK;
+    for (uint32_t k = 0; k < f->rough.n && k < most && st == ST_OK && !stopped(f); k++)
+        if (!taken(f, &f->rough.at[k]))
+            st = fit_closely(f, g, &f->rough.at[k]);
+    return st;
+}
+
+/* Fit the best again, and the other way up: a face the wrong way up resembles one, whose nose is
+ * between its brows. */
+static enum status turn_over(struct finder *f, const struct find_grid *g, double unit_mm)
+{
+    struct align_pose over = f->best.at[0].pose.pose;
+    struct found one;
+    enum status st;
+
+    if (f->best.n == 0 || found(f, FIND_PLAIN) || stopped(f))
+        return ST_OK;
+    for (int k = 0; k < 6; k++)
+        over.r[k] = -over.r[k];
+    over.t[0] = -over.t[0];
+    over.t[1] = FIND_WAY_UP_MM - over.t[1];
+    over = less(&over, 1, g->corner);
+    one = f->best.at[0];
+    if ((st = fit_closely(f, g, &one)) == ST_OK &&
+        (st = fit_roughly(f, g, unit_mm, &over, &one)) == ST_OK)
+        st = fit_closely(f, g, &one);
+    return st;
 }
 
 /* ---- sides and units */
 
+/* A face that stands upright before a scanner, of agreed axes or a camera's, as most do, may show
+ * less of itself. */
+static bool upright(const struct finder *f)
+{
+    const double *r = f->best.at[0].pose.pose.r;
+
+    return found(f, FIND_UPRIGHT) && r[0] + fabs(r[4] + r[8]) > FIND_UPRIGHT_TRACE;
+}
+
 /* Along the agreed axes or a camera's; or from all other sides: to the faces, edges and corners
  * of a cube. */
-static enum status look(struct finder *f, const struct find_grid *g, bool others)
+static void look(struct finder *f, const struct find_grid *g, bool others,
+                 struct find_view_room *r)
 {
-    enum status st = ST_OK;
-
     f->starts.n = 0;
-    for (int k = 0; k < 27 && st == ST_OK && !stopped(f); k++) {
+    for (int k = 0; k < 27 && !stopped(f); k++) {
         const struct dvec3 axis = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
 
         if (k != 13 && (axis.x != 0 || axis.y != 0) == others)
-            st = find_view_all(&f->face, g, axis, &f->starts);
+            find_view_all(&f->face, g, axis, r, &f->starts);
     }
+}
+
+static enum status search_grid(struct finder *f, const struct find_grid *g,
+                               double unit_mm)
+{
+    struct find_view_room r;
+    enum status st = find_view_open(g, &r);
+
+    if (st != ST_OK)
+        return st;
+    look(f, g, false, &r);
+    st = seek(f, g, unit_mm, FIND_SEEKS, FIND_FITS);
+    if (st == ST_OK)
+        st = turn_over(f, g, unit_mm);
+    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
+        look(f, g, true, &r);
+        st = seek(f, g, unit_mm, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
+        if (st == ST_OK)
+            st = turn_over(f, g, unit_mm);
+    }
+    find_view_close(&r);
     return st;
 }
 
@@ -200,14 +305,8 @@ static enum status search(struct finder *f, double unit_mm)
         find_grid_make(f->pts, f->n, unit_mm,
                        (struct dvec3){m.x * unit_mm, m.y * unit_mm, m.z * unit_mm}, &g);
 
-    f->plain = FIND_PLAIN;
-    if (st == ST_OK && (st = look(f, &g, false)) == ST_OK)
-        st = seek(f, &g, unit_mm, FIND_SEEKS);
-    if (st == ST_OK && !found(f, f->plain)) {
-        f->plain = FIND_PLAIN_OTHERS;
-        if ((st = look(f, &g, true)) == ST_OK)
-            st = seek(f, &g, unit_mm, FIND_SEEKS_OTHERS);
-    }
+    if (st == ST_OK)
+        st = search_grid(f, &g, unit_mm);
     find_grid_free(&g);
     return st;
 }
@@ -245,7 +344,9 @@ static enum status search_all(struct finder *f)
         if (st == ST_OK)
             st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM);
     }
-    return st == ST_OK && stopped(f) ? ST_EBUSY : st;
+    if (f->stop != NULL && atomic_load(f->stop))
+        return ST_EBUSY;
+    return st;
 }
 
 /* ---- what is told */
@@ -254,9 +355,9 @@ static enum status search_all(struct finder *f)
 static bool another(const struct finder *f, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
-        if (near(f->best[i].nose, f->best[k].nose, FIND_OTHER_MM))
+        if (near(f->best.at[i].nose, f->best.at[k].nose, FIND_OTHER_MM))
             return false;
-    return f->best[i].pose.worth >= f->plain;
+    return f->best.at[i].pose.worth >= FIND_PLAIN;
 }
 
 /* How near the nose is to a scanner with the agreed axes (side 1) or a camera's (-1: y down
@@ -286,16 +387,19 @@ static void choose(const struct finder *f, struct find *out)
     uint32_t first = 0;
 
     out->faces = 1;
-    for (uint32_t i = 1; i < f->found; i++) {
+    for (uint32_t i = 1; i < f->best.n; i++) {
         if (!another(f, i))
             continue;
         out->faces++;
-        first = nearer(&f->best[i], &f->best[first]) ? i : first;
+        first = nearer(&f->best.at[i], &f->best.at[first]) ? i : first;
     }
-    out->pose[out->n++] = f->best[first].pose;
-    for (uint32_t i = 1; i < f->found && out->n < FIND_POSES && !found(f, f->plain); i++)
-        if (f->best[i].pose.unit_mm == out->pose[0].unit_mm)
-            out->pose[out->n++] = f->best[i].pose;
+    out->pose[out->n++] = f->best.at[first].pose;
+    if (found(f, FIND_PLAIN))
+        return;
+    for (uint32_t i = 1; i < f->best.n && out->n < FIND_POSES; i++)
+        if (f->best.at[i].pose.unit_mm == out->pose[0].unit_mm &&
+            f->best.at[i].pose.worth >= FIND_RIVAL * out->pose[0].worth)
+            out->pose[out->n++] = f->best.at[i].pose;
 }
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
@@ -314,11 +418,11 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     f->unit_mm = unit_mm;
     f->shape = face_work_shape(w);
     f->stop = stop;
-    f->starts.left = FIND_NOSES;
-    f->found = 0;
+    f->starts.left = FIND_SPENT + (int64_t)(n / FIND_SPENT_PER);
+    f->best.n = 0;
     find_view_prepare(face_work_mean(w), &f->face);
     st = search_all(f);
-    if (st == ST_OK && f->found == 0)
+    if (st == ST_OK && f->best.n == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
         choose(f, out);

@@ -5,7 +5,8 @@
  * (2) Starting poses: seen from some side, places that stand out as a nose does, with every roll,
  *     by how well the mean face lies there (find_view.h).  The sides are those from which
  *     scanners look along agreed axes; where nothing is plain, all others.
- * (3) The shape of a face is fitted from the best of them, quickly (shape_seek()).
+ * (3) The shape of a face is fitted from the best of them, roughly, and from the best of these
+ *     more closely (shape_seek()).
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
 #ifndef SCAN_FIND_H
 #define SCAN_FIND_H
@@ -24,8 +25,9 @@ struct find_pose {
     double unit_mm;         /* millimetres per unit of the points */
     struct align_pose pose; /* points times unit_mm -> canonical frame */
     double
-        worth; /* of the quick fit (shape.h): FIND_PLAIN and more are a face; the best of what
-                     is none has less, as may a face that is covered or half seen */
+        worth; /* of the quick fit (shape.h), and of its eyes: FIND_PLAIN and more are a face;
+                     the best of what is none has less, as may a face that is covered or half
+                     seen */
 };
 
 /* pose[0] is the best; pose[1] ... pose[n - 1] are others that may be right where it is not.
@@ -47,9 +49,9 @@ struct find {
  * stop     when another thread sets it, the search ends; NULL: none does
  * Each pose is right to a few degrees and millimetres: a start for shape_fit(), which tells
  * whether it is a face at all.
- * Cost: linear in n, and beyond that bounded; memory 40 MB at most for 300,000 points,
- * allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all; ST_EBUSY: stop
- * was set; ST_ENOMEM. */
+ * Cost: linear in n: the search ends with what it has where that is spent; memory 40 MB at most
+ * for 300,000 points, allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all;
+ * ST_EBUSY: stop was set; ST_ENOMEM. */
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct face_work *w, const atomic_bool *stop, struct find *out);
 

@@ -67,12 +67,42 @@ void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out
 struct map {
     int nx, ny;
     float left, bottom;   /* mm, of the first cell's corner */
-    float *z;             /* mm; NONE: no points */
-    float *out;           /* how far it stands out, mm; 0: not as a nose does */
     struct align_pose to; /* from the cloud to the view: a rotation */
+    float *z, *out;       /* the room's */
+    uint32_t *cell, n;    /* those that have a height */
     int32_t at[FIND_VIEW_SAMPLES]
               [ROLLS]; /* where each sample lies, in cells from the nose */
 };
+
+/* Cells along the side of a view. */
+static int cells(double mm)
+{
+    return (int)(mm / FIND_CELL_MM) + 2 + 2 * PAD;
+}
+
+enum status find_view_open(const struct find_grid *g, struct find_view_room *r)
+{
+    const double *s = g->size;
+    const size_t side = (size_t)cells(sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]));
+    const size_t all = side * side, most = 5 * (size_t)g->n; /* and those beside them */
+
+    r->z = mem_array(2 * all, sizeof *r->z);
+    r->cell = mem_array(most < all ? most : all, sizeof *r->cell);
+    if (r->z == NULL || r->cell == NULL) {
+        find_view_close(r);
+        return ST_ENOMEM;
+    }
+    r->out = r->z + all;
+    for (size_t i = 0; i < 2 * all; i++)
+        r->z[i] = NONE;
+    return ST_OK;
+}
+
+void find_view_close(struct find_view_room *r)
+{
+    mem_free(r->z);
+    mem_free(r->cell);
+}
 
 /* The rotation to a view along an axis. */
 static struct align_pose seen_from(struct dvec3 z)
@@ -90,7 +120,7 @@ static struct align_pose seen_from(struct dvec3 z)
 }
 
 /* The box of the cloud in the view. */
-static enum status make_room(const struct find_grid *g, struct map *m)
+static void lay_out(const struct find_grid *g, struct map *m)
 {
     double size[2], lo[2];
 
@@ -103,38 +133,48 @@ static enum status make_room(const struct find_grid *g, struct map *m)
             lo[i] += fmin(r[k], 0) * g->size[k];
         }
     }
-    m->nx = (int)(size[0] / FIND_CELL_MM) + 2 + 2 * PAD;
-    m->ny = (int)(size[1] / FIND_CELL_MM) + 2 + 2 * PAD;
+    m->nx = cells(size[0]);
+    m->ny = cells(size[1]);
     m->left = (float)(lo[0] - PAD * FIND_CELL_MM);
     m->bottom = (float)(lo[1] - PAD * FIND_CELL_MM);
-    m->z = mem_array(2 * (size_t)m->nx * (size_t)m->ny, sizeof *m->z);
-    m->out = m->z != NULL ? m->z + m->nx * m->ny : NULL;
-    return m->z != NULL ? ST_OK : ST_ENOMEM;
 }
 
 /* Holes of a cell are filled by the highest beside them. */
 static void fill(struct map *m)
 {
     const int by[4] = {-1, 1, -m->nx, m->nx};
+    const uint32_t seen = m->n;
 
-    memcpy(m->out, m->z, (size_t)m->nx * (size_t)m->ny * sizeof *m->z);
-    for (int i = m->nx; i < (m->ny - 1) * m->nx; i++) {
+    for (uint32_t i = 0; i < 4 * seen; i++) {
+        const uint32_t hole = m->cell[i / 4] + (uint32_t)by[i % 4];
         float most = NONE;
         int n = 0;
 
-        if (m->out[i] > NONE)
+        if (m->z[hole] > NONE || m->out[hole] > NONE)
             continue;
         for (int k = 0; k < 4; k++) {
-            const float z = m->out[i + by[k]];
+            const float z = m->z[(int)hole + by[k]];
 
             n += z > NONE;
             most = z > most ? z : most;
         }
-        m->z[i] = n > 1 ? most : NONE;
+        if (n > 1) {
+            m->out[hole] = most;
+            m->cell[m->n++] = hole;
+        }
+    }
+    for (uint32_t i = seen; i < m->n; i++) {
+        m->z[m->cell[i]] = m->out[m->cell[i]];
+        m->out[m->cell[i]] = NONE;
     }
 }
 
-/* How far each cell stands out from the mean of a ring about it. */
+static float sum_of(lanes v)
+{
+    return (v[0] + v[2]) + (v[1] + v[3]);
+}
+
+/* How far each cell stands out from the mean of a ring about it, if as a nose does. */
 static void protrude(struct map *m)
 {
     const float near = (float)FIND_NEAR_MM;
@@ -147,40 +187,41 @@ static void protrude(struct map *m)
         ring[r] = (int)rint(s * FIND_RING_MM / FIND_CELL_MM) * m->nx +
                   (int)rint(c * FIND_RING_MM / FIND_CELL_MM);
     }
-    memset(m->out, 0, (size_t)m->nx * (size_t)m->ny * sizeof *m->out);
-    for (int i = PAD * m->nx; i < (m->ny - PAD) * m->nx; i++) {
-        float sum = 0.0f, n = 0.0f;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const float *here = &m->z[m->cell[i]];
+        lanes sum = {0.0f}, count = {0.0f};
+        float n;
 
-        if (!(m->z[i] > NONE))
-            continue;
-        for (int r = 0; r < ROLLS; r++) {
-            const float d = m->z[i] - m->z[i + ring[r]];
-            const bool in = (d < near) & (d > -near);
+        for (int r = 0; r < ROLLS; r += LANES) {
+            const lanes z = {here[ring[r]], here[ring[r + 1]], here[ring[r + 2]],
+                             here[ring[r + 3]]};
+            const lanes d = *here - z;
+            const masks in = (d < near) & (d > -near);
 
-            sum += in ? d : 0.0f;
-            n += in ? 1.0f : 0.0f;
+            sum += (lanes)(in & (masks)d);
+            count -= __builtin_convertvector(in, lanes);
         }
-        if (n >= FIND_RING_SEEN && sum > (float)FIND_OUT_MM * n)
-            m->out[i] = sum / n;
+        n = sum_of(count);
+        if (n >= FIND_RING_SEEN && sum_of(sum) > (float)FIND_OUT_MM * n)
+            m->out[m->cell[i]] = sum_of(sum) / n;
     }
 }
 
-static enum status make_map(const struct find_view_face *f, const struct find_grid *g,
-                            struct map *m)
+/* In an empty room. */
+static void make_map(const struct find_view_face *f, const struct find_grid *g,
+                     struct map *m)
 {
     const float per = (float)(1 / FIND_CELL_MM);
-    const enum status st = make_room(g, m);
 
-    if (st != ST_OK)
-        return st;
-    for (int i = 0; i < m->nx * m->ny; i++)
-        m->z[i] = NONE;
+    lay_out(g, m);
     for (uint32_t v = 0; v < g->n; v++) {
         const struct dvec3 p = align_pose_apply(&m->to, g->at[v]);
-        float *z = &m->z[(int)(((float)p.y - m->bottom) * per) * m->nx +
-                         (int)(((float)p.x - m->left) * per)];
+        const int at = (int)(((float)p.y - m->bottom) * per) * m->nx +
+                       (int)(((float)p.x - m->left) * per);
 
-        *z = (float)p.z > *z ? (float)p.z : *z;
+        if (!(m->z[at] > NONE))
+            m->cell[m->n++] = (uint32_t)at;
+        m->z[at] = (float)p.z > m->z[at] ? (float)p.z : m->z[at];
     }
     fill(m);
     protrude(m);
@@ -188,7 +229,6 @@ static enum status make_map(const struct find_view_face *f, const struct find_gr
         for (int r = 0; r < ROLLS; r++)
             m->at[k][r] = (int)rintf(f->y[k][r] * (float)UNIT * per) * m->nx +
                           (int)rintf(f->x[k][r] * (float)UNIT * per);
-    return ST_OK;
 }
 
 /* Does no cell beside it stand out more? */
@@ -382,17 +422,21 @@ static void take(const struct find_view_face *f, const struct map *m, int at,
     }
 }
 
-enum status find_view_all(const struct find_view_face *f, const struct find_grid *g,
-                          struct dvec3 axis, struct find_starts *s)
+void find_view_all(const struct find_view_face *f, const struct find_grid *g,
+                   struct dvec3 axis, struct find_view_room *r, struct find_starts *s)
 {
-    struct map m = {.to = seen_from(axis)};
-    const enum status st = make_map(f, g, &m);
+    struct map m = {.to = seen_from(axis), .z = r->z, .out = r->out, .cell = r->cell};
 
-    for (int i = 0; st == ST_OK && i < m.nx * m.ny && s->left > 0; i++)
-        if (m.out[i] > 0.0f && highest(&m, i)) {
-            take(f, &m, i, s);
+    make_map(f, g, &m);
+    for (uint32_t i = 0; i < m.n && s->left > 0; i++) {
+        const int at = (int)m.cell[i];
+
+        if (m.out[at] > NONE && highest(&m, at)) {
+            take(f, &m, at, s);
             s->left--;
         }
-    mem_free(m.z);
-    return st;
+    }
+    s->left -= g->n / FIND_SPENT_CUBES + m.n / FIND_SPENT_CELLS;
+    for (uint32_t i = 0; i < m.n; i++)
+        m.z[m.cell[i]] = m.out[m.cell[i]] = NONE;
 }

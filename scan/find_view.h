@@ -36,17 +36,29 @@ struct find_start {
 struct find_starts {
     struct find_start start[FIND_STARTS];
     uint32_t n;
-    int64_t left; /* noses that may still be looked at */
+    int64_t left; /* to spend, in noses (FIND_SPENT) */
 };
 
-/* find_view_all(f, g, axis, s): look at g from axis (any length) and add what is found.
+/* Maps of one cloud, one after the other: empty between two views. */
+struct find_view_room {
+    float *z;       /* mm; NONE: no points */
+    float *out;     /* how far it stands out, mm; NONE: not as a nose does */
+    uint32_t *cell; /* the cells of a view that have a height */
+};
+
+/* find_view_open(g, r): room for g from every side.  Returns ST_OK, ST_ENOMEM (r is closed).
+ * find_view_close(r). */
+enum status find_view_open(const struct find_grid *g, struct find_view_room *r);
+void find_view_close(struct find_view_room *r);
+
+/* find_view_all(f, g, axis, r, s): look at g from axis (any length) and add what is found.
  * The cloud becomes a map of the heights that are nearest to the eye.  Where a cell of it stands
  * out from a ring about it as the tip of a nose does, samples of the mean face are laid on the
  * map, their tip on that cell, at each of the rolls; of what is left once the best plane is
  * taken out, the mean square, up to FIND_CAP_MM each, is the cost.  The plane tilts the start:
  * axis need be right to some 30 degrees alone.
- * O(g->n + cells of the map + noses).  Returns ST_OK, ST_ENOMEM. */
-enum status find_view_all(const struct find_view_face *f, const struct find_grid *g,
-                          struct dvec3 axis, struct find_starts *s);
+ * O(g->n + noses), however large g is. */
+void find_view_all(const struct find_view_face *f, const struct find_grid *g,
+                   struct dvec3 axis, struct find_view_room *r, struct find_starts *s);
 
 #endif

@@ -14,7 +14,7 @@
 #include "head.h"
 #include "work.h"
 
-#define MOST   100 /* where a face is plain the search ends at once; 63 are counted */
+#define MOST   13
 #define POINTS 300000
 #define KINDS  7
 
