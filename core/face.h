@@ -16,7 +16,7 @@
 #include "surface.h"
 #include "vec.h"
 
-#define FACE_ENGINE     "surfaced/0.2.0 measure/4" /* and a model: face_engine() */
+#define FACE_ENGINE     "surfaced/0.2.0 measure/5" /* and a model: face_engine() */
 #define FACE_ENGINE_MAX 63
 #define FACE_MIN_POINTS 100
 #define FACE_MAX_POINTS 1000000 /* default limit: a depth image of 1280 x 720 fits */
