@@ -52,9 +52,8 @@ bool face_same_engine(const char *a, const char *b)
     return x != NULL && y != NULL && strcmp(x, y) == 0;
 }
 
-/* mm and the trace of a rotation of 4 degrees: two starts farther apart are both tried. */
-#define FACE_START_MM    4.0
-#define FACE_START_TRACE 2.995
+/* Support from which on a face lies where it was fitted. */
+#define FACE_SURE 0.6
 
 /* Support below which nothing is a face, or whoever looks at more than its surface would know. */
 #define FACE_SUPPORT 0.15
@@ -183,41 +182,34 @@ static void clear(struct face *f)
     f->surface.mesh.nv = f->surface.mesh.nt = 0;
 }
 
-/* Do the poses differ by more than a fit corrects without fail? */
-static bool apart(const struct align_pose *a, const struct align_pose *b)
+/* The share of what is seen that a face's shape explains. */
+static double support(const struct face_work *w, const struct shape_fit *fit)
 {
-    double trace = 0, way = 0;
+    const uint32_t seen = fit->skin + fit->cover + fit->apart;
 
-    for (int i = 0; i < 9; i++)
-        trace += a->r[i] * b->r[i];
-    for (int i = 0; i < 3; i++)
-        way += (a->t[i] - b->t[i]) * (a->t[i] - b->t[i]);
-    return trace < FACE_START_TRACE || way > FACE_START_MM * FACE_START_MM;
+    return seen > 0 ? fit->support * w->shape.cells / seen : -1;
 }
 
 enum status face_place(struct face *f, struct face_work *w)
 {
-    /* What comes from a search has been turned to the front by a fit already. */
-    struct align_pose start[2] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
-    struct shape_fit fit;
-    uint32_t seen;
-    enum status st;
+    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct shape_fit fit, other;
+    enum status st = shape_place(&w->shape, &f->surface, &still, &fit);
 
-    exchange(w);
-    st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
-    exchange(w);
+    /* What comes from a search lies as a face does already; all else may be anywhere. */
+    if (st == ST_OK && support(w, &fit) < FACE_SURE) {
+        exchange(w);
+        st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
+        exchange(w);
+        if (st == ST_OK)
+            st = shape_place(&w->shape, &f->surface, &f->frame.pose, &other);
+        if (st == ST_OK && other.worth > fit.worth)
+            fit = other;
+    }
     if (st != ST_OK)
         return st;
-    start[1] = f->frame.pose;
-    if (apart(&start[0], &start[1]))
-        st = shape_place(&w->shape, &f->surface, start, 2, &fit);
-    else
-        st = shape_place(&w->shape, &f->surface, start + 1, 1, &fit);
-    if (st != ST_OK)
-        return st;
-    f->frame.pose = fit.pose;
-    seen = fit.skin + fit.cover + fit.apart;
-    f->frame.support = seen > 0 ? fit.support * w->shape.cells / seen : -1;
+    f->frame = (struct frame){
+        .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
     return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
 }
 

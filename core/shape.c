@@ -290,24 +290,18 @@ enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
 }
 
 enum status shape_place(struct shape_work *w, const struct surface *f,
-                        const struct align_pose *start, uint32_t nstart,
-                        struct shape_fit *out)
+                        const struct align_pose *start, struct shape_fit *out)
 {
     static const struct shape_pass pass[] = SHAPE_PLACE;
-    struct shape_fit one;
     struct heights samples;
-    enum status st = ST_OK;
+    enum status st = heights_take(f, start, &w->points, &samples);
 
-    out->worth = -INFINITY;
-    for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
-        if ((st = heights_take(f, &start[i], &w->points, &samples)) == ST_OK)
-            st = fit_from(w, &(struct target){.samples = &samples}, WHOLE, pass,
-                          sizeof pass / sizeof *pass, false, true, &one);
-        if (st != ST_OK || !(one.worth > out->worth))
-            continue;
-        *out = one;
-        out->pose = follow(&one.pose, &start[i]);
-    }
+    if (st == ST_OK)
+        st = fit_from(w, &(struct target){.samples = &samples}, WHOLE, pass,
+                      sizeof pass / sizeof *pass, false, true, out);
+    if (st != ST_OK)
+        return st;
+    out->pose = follow(&out->pose, start);
     /* As whoever knows the pose alone sees it. */
-    return st != ST_OK ? st : heights_of(f, &out->pose, &w->points, out->z);
+    return heights_of(f, &out->pose, &w->points, out->z);
 }

@@ -44,12 +44,10 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
 enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
                        const struct align_pose *start, bool close, struct shape_fit *out);
 
-/* shape_place(w, f, start, nstart, out): the fit of most support to a surface of a face alone,
- * from nstart > 0 starting poses, as shape_fit(), not hard: the canonical frame of a face.
- * Cost  about 0.8 ms for each start.  Returns ST_OK, ST_ENOMEM. */
+/* shape_place(w, f, start, out): the fit to a surface of a face alone, from a starting pose, as
+ * shape_fit(), not hard: the canonical frame of a face.  About 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
 enum status shape_place(struct shape_work *w, const struct surface *f,
-                        const struct align_pose *start, uint32_t nstart,
-                        struct shape_fit *out);
+                        const struct align_pose *start, struct shape_fit *out);
 
 /* shape_judge(w, pts, n, pose, out): the same at a pose that is known: cheap, for a face whose
  * frame has been found (frame.h).  out->pose = *pose.  About 0.15 ms for 3,000 points.

@@ -161,30 +161,16 @@
 #define SCAN_FULL   10000
 #define SCAN_ENOUGH 7000
 
-/* Of more points about so many are looked at, to see whether they are a face as they are. */
-#define SCAN_LOOK 3000
-
-/* mm, of the longest side of a face alone: no two units do for one scan. */
-#define SCAN_SIDE_MIN_MM 100
-#define SCAN_SIDE_MAX_MM 250
-
-/* What is plainly an uncovered face seen from the front, and need not be searched for: the
- * least support of its shape, the most cells that are covered, the most spikes.  The shape is
- * fitted where a look at it does not make it sure.  Of 1,400 scans of faces one in twenty needs
- * the fit, the least has a support of 0.30 and the most 81 cells; of 80 with a mask or glasses
- * the fewest have 193.  Spikes above the brows make up to 7 STRAYS that look like a cover for
- * sure; more are a reason to fit hard.  Once fitted, twice as many are a cover: of 1,400 faces
- * the most have 7, of 300 made-up ones about one in 50 has more.  Points of the back of a head,
- * seen through, become spikes. */
-#define SCAN_SURE         0.4
+/* What is plainly a face seen from the front, and is left as it is where nothing covers it: how far
+ * it is turned from upright (1 + 2 cos 25 degrees), the least support of its shape, and the most
+ * spikes: points of the back of a head, seen through, become such.  Of 1,400 scans of faces the least
+ * has a support of 0.30. */
 #define SCAN_PLAIN        0.28
-#define SCAN_PLAIN_COVER  60
-#define SCAN_PLAIN_STRAYS 7
-#define SCAN_PLAIN_SURE   14
+#define SCAN_PLAIN_TRACE  2.8126
 #define SCAN_PLAIN_SPIKES 0.03
 
-/* mm, along x: wider than any head.  By hand. */
-#define SCAN_PLAIN_WIDE_MM 300
+/* mm, along x and y: larger than any head.  By hand. */
+#define SCAN_PLAIN_SIDE_MM 300
 
 /* Share of the face that may be covered at enrolment; and from which it is told, as is the
  * share of points elsewhere. */
@@ -571,10 +557,10 @@
 /* The search ends with what it has once it has spent what so many noses cost, some 4 us each, and
  * one for each so many points.  A view costs one for so many cubes and for so many cells that are
  * seen; a fit costs FIT and one for so many cubes. */
-#define FIND_SPENT       4000
-#define FIND_SPENT_PER   8
+#define FIND_SPENT       5000
+#define FIND_SPENT_PER   12
 #define FIND_SPENT_CUBES 512
-#define FIND_SPENT_CELLS 32
+#define FIND_SPENT_CELLS 96
 #define FIND_SPENT_FIT   25
 #define FIND_SPENT_FAR   1000
 

@@ -15,7 +15,7 @@ struct shape_work; /* shape.h */
 /* What the gate looks at. */
 struct gate_scan {
     struct shape_work *shape;
-    const struct shape_fit *fit; /* shape_fit()'s for an enrolment, or shape_judge()'s */
+    const struct shape_fit *fit; /* shape_fit()'s */
     const struct dvec3 *pts;     /* that it was fitted to, mm */
     size_t n;
     bool enrolment;

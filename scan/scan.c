@@ -1,19 +1,18 @@
 #include "scan.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cloudpoints.h"
 #include "crop.h"
 #include "face.h"
 #include "find.h"
+#include "lattice.h"
 #include "mem.h"
 #include "mirror.h"
 #include "scan_search.h"
 #include "shape.h"
 #include "sight.h"
-#include "sparse.h"
 #include "tuning.h"
 #include "vec.h"
 
@@ -168,7 +167,7 @@ static enum status judge_enrolment(struct scan *s)
                : ST_OK;
 }
 
-/* ---- points that are frontal already */
+/* ---- the face as it was found */
 
 /* c in this many times as large units. */
 static void scale(struct cloudpoints *c, double by)
@@ -177,84 +176,35 @@ static void scale(struct cloudpoints *c, double by)
         c->at[i] = (struct dvec3){c->at[i].x * by, c->at[i].y * by, c->at[i].z * by};
 }
 
-/* The unit by which the points are as large as a face alone; mm if there is none. */
-static double likely_unit(const struct cloudpoints *c, const double extent[3])
+static enum status build(struct scan *s)
 {
-    static const double mm[] = {1, 1000, 10, 25.4};
-    const double side = fmax(extent[0], fmax(extent[1], extent[2]));
-
-    if (c->unit_mm != 0)
-        return c->unit_mm;
-    for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
-        if (side * mm[i] >= SCAN_SIDE_MIN_MM && side * mm[i] <= SCAN_SIDE_MAX_MM)
-            return mm[i];
-    return 1;
-}
-
-/* What the shape of a face explains of n points, at a pose that is nearly right. */
-static enum status fit(struct scan *s, const struct dvec3 *pts, size_t n,
-                       const struct align_pose *pose)
-{
-    enum status st = shape_judge(s->shape, pts, n, pose, &s->fit);
-    const uint32_t sure = s->fit.sure;
-    const bool hard = sure > SCAN_PLAIN_STRAYS;
-
-    if (st != ST_OK ||
-        (s->fit.support >= SCAN_SURE && s->fit.cover == 0 && !hard && !s->o->enrolment))
-        return st;
-    if ((st = shape_fit(s->shape, pts, n, pose, 1, hard, &s->fit)) == ST_OK && !hard)
-        s->fit.sure = sure; /* a fit may also raise what it was not asked for */
-    return st;
-}
-
-/* Where no search follows, what was refused only once it had been laid on the mean face has
- * evidence to tell. */
-static bool placed(const struct scan *s, enum status built)
-{
-    return built == ST_ENOTFACE && s->o->axes == SCAN_AXES_SCANNER &&
-           s->out->frame.mean_id != 0;
-}
-
-/* The model of points that are frontal, and what the shape of a face explains of them.  Few
- * points leave cells between them, of which their surface tells. */
-static enum status build(struct scan *s, const struct dvec3 *pts, size_t n)
-{
-    const struct align_pose *pose = &s->out->frame.pose;
-    const enum status built = face_build(pts, n, s->w, s->out, s->bad);
-    struct dvec3 *more;
-    enum status st;
-
-    if (built != ST_OK && !placed(s, built))
-        return built;
-    if (built != ST_OK || s->out->quality.density_mm <= QUALITY_SPARSE_MM) {
-        st = fit(s, pts, n, pose);
-        return st != ST_OK ? st : built;
-    }
-    if ((st = sparse_points(&s->out->surface, &more, &n)) == ST_OK)
-        st = fit(s, more, n, pose);
-    mem_free(more);
-    return st;
+    return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
 }
 
 /* Is it plainly one uncovered face seen from the front, without much else?  Beyond a head's
- * width there may be another person's. */
+ * size there may be shoulders, or another person. */
 static bool plain(const struct scan *s)
 {
-    const struct surface *f = &s->out->surface;
-    const double wide = s->found->extent[0] * s->found->unit_mm;
+    const double *r = s->fit.pose.r;
+    const double side = fmax(s->found->extent[0], s->found->extent[1]);
 
-    return wide <= SCAN_PLAIN_WIDE_MM && s->fit.support >= SCAN_PLAIN &&
-           s->fit.cover <= SCAN_PLAIN_COVER && s->fit.sure <= SCAN_PLAIN_SURE &&
-           f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv;
+    return side * s->found->unit_mm <= SCAN_PLAIN_SIDE_MM &&
+           r[0] + r[4] + r[8] >= SCAN_PLAIN_TRACE && s->fit.support >= SCAN_PLAIN &&
+           s->fit.cover == 0;
 }
 
-/* What little seems covered is the face's own shape. */
-static void uncover(struct shape_fit *f)
+/* Is a point where none can be, which tells more than that there is no face? */
+static bool beyond(const struct scan *s)
 {
-    for (uint32_t i = 0; i < GRID_N; i++)
-        f->cell[i] = f->cell[i] == SHAPE_COVER ? SHAPE_SKIN : f->cell[i];
-    f->skin += f->cover;
-    f->cover = 0;
+    const double most = LATTICE_MAX / LATTICE_PER_MM;
+
+    for (size_t i = 0; i < s->c->n; i++) {
+        const struct dvec3 p = s->c->at[i];
+
+        if (fabs(p.x) > most || fabs(p.y) > most || fabs(p.z) > most)
+            return true;
+    }
+    return false;
 }
 
 /* The model of the points that s->fit explains. */
@@ -266,6 +216,8 @@ static enum status build_crop(struct scan *s)
     const enum status judged = judge_face(s, s->c->at, n);
     enum status st;
 
+    if (judged == ST_ENOTFACE && beyond(s))
+        return build(s);
     tell_turn(s, false);
     st = crop_face(s->c, &view, most, &count);
     if (st != ST_OK || judged == ST_ENOMEM)
@@ -277,7 +229,7 @@ static enum status build_crop(struct scan *s)
     st = judge_enrolment(s);
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;
-    return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
+    return build(s);
 }
 
 /* The points stay as they are, and their model. */
@@ -294,6 +246,19 @@ static enum status keep(struct scan *s)
 
 /* ---- the ways from points to a model */
 
+static enum status build_as_it_is(struct scan *s)
+{
+    enum status st = build(s), kept;
+
+    /* What was refused only once it had been laid on the mean face has evidence to tell. */
+    if (st != ST_OK && (st != ST_ENOTFACE || s->out->frame.mean_id == 0))
+        return st;
+    kept = shape_fit(s->shape, s->c->at, s->c->n, &s->out->frame.pose, 1, true, &s->fit);
+    if (kept == ST_OK)
+        kept = keep(s);
+    return kept != ST_OK ? kept : st;
+}
+
 /* The unit and the axes are as agreed, or given; a format may have agreed on its own. */
 static enum status build_agreed(struct scan *s)
 {
@@ -309,60 +274,7 @@ static enum status build_agreed(struct scan *s)
     warn(s, SCAN_THINNED, s->c->n < n);
     if (st != ST_OK)
         return st;
-    st = build(s, s->c->at, s->c->n);
-    if (st == ST_OK || placed(s, st)) {
-        const enum status kept = keep(s);
-
-        st = kept != ST_OK ? kept : st;
-    }
-    return st;
-}
-
-static uint64_t mix(uint64_t h, double v)
-{
-    uint64_t bits;
-
-    memcpy(&bits, &v, sizeof bits);
-    h = (h ^ bits) * UINT64_C(0xBF58476D1CE4E5B9); /* of splitmix64 */
-    return h ^ (h >> 32);
-}
-
-/* Some SCAN_LOOK of more points, drawn by their coordinates: the same ones in any order. */
-static size_t draw(const struct cloudpoints *c, struct dvec3 few[2 * SCAN_LOOK])
-{
-    const uint64_t most = UINT64_MAX / c->n * SCAN_LOOK;
-    size_t n = 0;
-
-    for (size_t i = 0; i < c->n && n < 2 * SCAN_LOOK; i++) {
-        const struct dvec3 p = c->at[i];
-
-        few[n] = p;
-        n += mix(mix(mix(0, p.x), p.y), p.z) < most;
-    }
-    return n;
-}
-
-/* Are the points in mm plainly a face as they are?  Of many, few are looked at first. */
-static enum status look(struct scan *s, bool *is)
-{
-    struct dvec3 *few = NULL;
-    enum status st;
-
-    if (s->c->n <= SCAN_FULL)
-        st = build(s, s->c->at, s->c->n);
-    else if ((few = mem_array(2 * SCAN_LOOK, sizeof *few)) == NULL)
-        st = ST_ENOMEM;
-    else if ((st = build(s, few, draw(s->c, few))) == ST_ERANGE)
-        st = ST_ENOFACE; /* nobody knows its place any more */
-    *is = st == ST_OK && plain(s);
-    if (*is && few != NULL) {
-        st = fit(s, s->c->at, s->c->n, &s->out->frame.pose);
-        *is = st == ST_OK && plain(s);
-    }
-    mem_free(few);
-    if (*is)
-        uncover(&s->fit);
-    return st;
+    return build_as_it_is(s);
 }
 
 /* Nothing is known of unit and axes; c is as it was read.  Leaves it in the unit found. */
@@ -385,52 +297,48 @@ static enum status search(struct scan *s, struct scan_search *k)
     return shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
 }
 
-static enum status build_searched(struct scan *s)
+/* Where no face is found the points may be too small a part of one, or something is wrong with
+ * them as they are. */
+static enum status build_unfound(struct scan *s)
 {
-    struct scan_search own = {.done = false};
-    struct scan_search *k = s->o->search != NULL ? s->o->search : &own;
+    const bool many = s->c->n > SCAN_FULL;
+    enum status st = ST_OK;
 
-    k->st = search(s, k);
-    k->done = true;
-    if (k->st != ST_OK)
-        return k->st;
-    if (s->o->stop != NULL && atomic_load_explicit(s->o->stop, memory_order_relaxed))
-        return ST_EBUSY;
-    s->fit = k->fit;
-    s->found->found = true;
-    s->found->faces = k->find.faces;
-    s->found->unit_mm = k->find.pose[0].unit_mm;
-    s->out->quality = (struct quality){0}; /* was that of all points */
-    return build_crop(s);
+    s->found->unit_mm = s->c->unit_mm != 0 ? s->c->unit_mm : 1;
+    scale(s->c, s->found->unit_mm);
+    if (many)
+        st = crop_thin(s->c, SCAN_ENOUGH);
+    if (st == ST_OK)
+        st = build_as_it_is(s);
+    /* of those thinned out nobody knows the place of one any more */
+    return st == ST_ENOTFACE || (many && st == ST_ERANGE) ? ST_ENOFACE : st;
 }
 
 static enum status build_found(struct scan *s)
 {
-    const double unit = likely_unit(s->c, s->found->extent);
-    struct quality quality;
-    enum status st, searched;
-    bool is;
+    struct scan_search own = {.done = false};
+    struct scan_search *k = s->o->search != NULL ? s->o->search : &own;
+    const struct surface *f = &s->out->surface;
+    enum status st;
 
     if (s->c->n < FACE_MIN_POINTS)
         return ST_ETOOFEW;
-    s->found->unit_mm = unit;
-    scale(s->c, unit);
-    st = look(s, &is);
-    if (is)
-        return s->c->n <= SCAN_FULL ? keep(s) : build_crop(s);
-    if (st == ST_ENOMEM || st == ST_ENOTFINITE)
-        return st; /* of metres taken for mm the points coincide: that ends nothing */
-    scale(s->c, 1 / unit);
-    s->found->unit_mm = s->c->unit_mm;
-    quality = s->out->quality;
-    searched = build_searched(s);
-    /* What is wrong with the points as they are may be the nearer reason. */
-    if ((searched == ST_ENOFACE && st != ST_OK) ||
-        (searched == ST_ENOTFACE && (st == ST_EQUALITY || st == ST_ERANGE))) {
-        s->out->quality = quality;
-        return st;
-    }
-    return searched;
+    k->st = search(s, k);
+    k->done = true;
+    if (k->st != ST_OK)
+        return k->st == ST_ENOFACE ? build_unfound(s) : k->st;
+    if (s->o->stop != NULL && atomic_load_explicit(s->o->stop, memory_order_relaxed))
+        return ST_EBUSY;
+    s->fit = k->fit;
+    s->found->faces = k->find.faces;
+    s->found->unit_mm = k->find.pose[0].unit_mm;
+    s->found->found = !plain(s);
+    if (s->found->found || s->c->n > SCAN_FULL)
+        return build_crop(s);
+    if ((st = build(s)) == ST_OK && f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv)
+        return keep(s);
+    s->found->found = true;
+    return st != ST_ENOMEM ? build_crop(s) : st;
 }
 
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,

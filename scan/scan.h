@@ -50,7 +50,7 @@ struct scan_found {
     bool unit_found;  /* it was not told */
     double extent[3]; /* of the points, in the unit given */
     double view[16];  /* from the file's unit and axes to the frontal view in mm */
-    bool found;       /* the face was searched for; else the axes were as agreed */
+    bool found; /* the face was taken out of what it lay in; else it lies as agreed */
     /* the face's front, seen from the scanner: positive to the image's right; NAN:
      * where the scanner was cannot be told */
     double yaw_deg;
