@@ -109,6 +109,25 @@ struct align_pose align_pose_after(const struct align_pose *a, const struct alig
     return out;
 }
 
+struct align_pose align_pose_scale(const struct align_pose *a, double by)
+{
+    struct align_pose out;
+
+    for (size_t i = 0; i < 9; i++)
+        out.r[i] = by * a->r[i];
+    for (size_t i = 0; i < 3; i++)
+        out.t[i] = by * a->t[i];
+    return out;
+}
+
+struct align_pose align_pose_unscaled(const struct align_pose *a)
+{
+    const double *r = a->r;
+    const double size = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+
+    return fabs(size - 1) < 1e-6 ? *a : align_pose_scale(a, 1 / size);
+}
+
 struct dvec3 align_pose_origin(const struct align_pose *a)
 {
     const double *r = a->r, *t = a->t;

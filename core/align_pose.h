@@ -38,6 +38,12 @@ void align_pose_from_matrix(const double m[16], struct align_pose *a);
 struct align_pose align_pose_after(const struct align_pose *a,
                                    const struct align_pose *b);
 
+/* align_pose_scale(a, by): p -> by (r p + t), a similarity: where poses are applied or moved, one may
+ * stand in their place.
+ * align_pose_unscaled(a): the rigid motion of which a is a multiple. */
+struct align_pose align_pose_scale(const struct align_pose *a, double by);
+struct align_pose align_pose_unscaled(const struct align_pose *a);
+
 /* align_pose_origin(a): what a moves to the origin. */
 struct dvec3 align_pose_origin(const struct align_pose *a);
 

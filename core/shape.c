@@ -141,14 +141,6 @@ static struct align_pose follow(const struct align_pose *a, const struct align_p
     return out;
 }
 
-/* How far the points are in front of the surface once it has been bent from `before` at the
- * same pose. */
-static void shift(const float *before, const float *height, float *over)
-{
-    for (uint32_t i = 0; i < GRID_N; i++)
-        over[i] += before[i] - height[i];
-}
-
 /* What is fitted to, in the frame of the start: points, or samples of a surface. */
 struct target {
     struct shape_points *points; /* near the face */
@@ -171,14 +163,14 @@ static void look(const struct target *t, const struct align_pose *pose,
 }
 
 /* Fit in passes, from the mean face; the first SHAPE_PART_PASSES see the part alone.  out->pose
- * then moves the target; fixed: it does not. */
+ * then moves the target. */
 static enum status fit_from(struct shape_work *w, const struct target *t, enum part part,
-                            const struct shape_pass *pass, uint32_t passes, bool fixed,
-                            bool rate, struct shape_fit *out)
+                            const struct shape_pass *pass, uint32_t passes, bool rate,
+                            struct shape_fit *out)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
-    float over[GRID_N], before[GRID_N];
+    float over[GRID_N];
     struct cells cells;
     struct fit fit;
 
@@ -193,19 +185,13 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
               pass[k].limit_mm, &cells);
         w->fit.prior = pass[k].prior;
         w->fit.modes = pass[k].modes < w->modes->n ? pass[k].modes : w->modes->n;
-        st = fit_solve(&w->fit, &cells, fixed ? SHAPE_FIXED : SHAPE_TIE, 0, &w->solve,
-                       &fit);
+        st = fit_solve(&w->fit, &cells, SHAPE_TIE, 0, &w->solve, &fit);
         if (st != ST_OK)
             return st;
         memcpy(out->a, fit.a, sizeof out->a);
-        memcpy(before, out->height, sizeof before);
         bend(w, out->a, w->fit.modes, out->height);
-        if (fixed) {
-            shift(before, out->height, over);
-        } else {
-            align_pose_move(&out->pose, centre, fit.x);
-            look(t, &out->pose, out->height, over);
-        }
+        align_pose_move(&out->pose, centre, fit.x);
+        look(t, &out->pose, out->height, over);
     }
     out->worth = worth_of(w, over, out->a);
     if (rate)
@@ -223,7 +209,7 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
     if (st == ST_OK)
         st = fit_from(w, &(struct target){.points = &p}, WHOLE, close ? fine : rough,
                       close ? sizeof fine / sizeof *fine : sizeof rough / sizeof *rough,
-                      false, close, out);
+                      close, out);
     out->pose = follow(&out->pose, start);
     return st;
 }
@@ -239,9 +225,75 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
 
     if (st == ST_OK)
         st = fit_from(w, &(struct target){.points = &p}, part, pass,
-                      sizeof pass / sizeof *pass, false, true, out);
+                      sizeof pass / sizeof *pass, true, out);
     out->pose = follow(&out->pose, start);
     return st;
+}
+
+/* What a fit explains in all, in cells. */
+static double explained(const struct shape_work *w, const struct shape_fit *f)
+{
+    return f->worth + covered(w, f);
+}
+
+/* The same of a whole face: at a size at which more of the grid is seen more is not explained for
+ * that. */
+static double share(const struct shape_work *w, const struct shape_fit *f)
+{
+    return explained(w, f) * w->cells / (f->skin + f->cover + f->apart + 1);
+}
+
+/* Is so much explained that no other fit needs to be tried? */
+static bool good(const struct shape_fit *f)
+{
+    return f->skin >= SHAPE_GOOD * (f->skin + f->cover + f->apart) &&
+           f->worth >= SHAPE_GOOD_WORTH;
+}
+
+/* The fits that begin with a part, at *out's size; *out becomes one that explains more. */
+static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                             const struct align_pose *start, struct shape_fit *out)
+{
+    double least = explained(w, out) + SHAPE_GAIN;
+    const double size = out->size;
+    enum status st = ST_OK;
+    struct shape_fit one;
+
+    for (enum part part = WHOLE + 1; st == ST_OK && part < PARTS; part++) {
+        st = fit_start(w, pts, n, start, part, &one);
+        if (st != ST_OK || !(explained(w, &one) > least))
+            continue;
+        *out = one;
+        out->size = size;
+        least = explained(w, &one);
+    }
+    return st;
+}
+
+/* The fits to heads of other sizes; *out becomes one that explains more. */
+static enum status fit_sizes(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                             const struct align_pose *of_one, struct shape_fit *out)
+{
+    static const double size[] = SHAPE_SIZES;
+    double least = share(w, out) + SHAPE_SIZE_GAIN;
+    struct shape_fit best, one;
+    struct align_pose start;
+    enum status st = ST_OK;
+
+    best.size = 1;
+    for (size_t k = 0; st == ST_OK && k < sizeof size / sizeof *size; k++) {
+        start = align_pose_scale(of_one, 1 / size[k]);
+        st = fit_start(w, pts, n, &start, WHOLE, &one);
+        if (st != ST_OK || !(share(w, &one) > least))
+            continue;
+        best = one;
+        best.size = size[k];
+        least = share(w, &one);
+    }
+    if (st != ST_OK || best.size == 1)
+        return st;
+    *out = best;
+    return good(out) ? ST_OK : fit_parts(w, pts, n, &best.pose, out);
 }
 
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
@@ -250,7 +302,6 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
 {
     struct shape_fit one;
     enum status st = ST_OK;
-    double least;
     uint32_t best = 0;
 
     out->worth = -INFINITY;
@@ -262,30 +313,11 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
         *out = one;
         best = i;
     }
-    if (!hard || out->skin >= SHAPE_GOOD * (out->skin + out->cover + out->apart))
-        return st;
-    least = out->worth + covered(w, out) + SHAPE_PART_GAIN;
-    for (enum part part = WHOLE + 1; st == ST_OK && part < PARTS; part++) {
-        st = fit_start(w, pts, n, &start[best], part, &one);
-        if (st != ST_OK || !(one.worth + covered(w, &one) > least))
-            continue;
-        *out = one;
-        least = one.worth + covered(w, &one);
-    }
-    return st;
-}
-
-enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                        const struct align_pose *pose, struct shape_fit *out)
-{
-    static const struct shape_pass pass[] = SHAPE_JUDGE;
-    struct shape_points p;
-    enum status st = shape_map_points(pts, n, pose, w->mean, &w->points, &p);
-
-    if (st == ST_OK)
-        st = fit_from(w, &(struct target){.points = &p}, WHOLE, pass,
-                      sizeof pass / sizeof *pass, true, true, out);
-    out->pose = *pose;
+    out->size = 1;
+    if (st == ST_OK && hard && !good(out))
+        st = fit_parts(w, pts, n, &start[best], out);
+    if (st == ST_OK && hard && !good(out))
+        st = fit_sizes(w, pts, n, &start[best], out);
     return st;
 }
 
@@ -298,10 +330,11 @@ enum status shape_place(struct shape_work *w, const struct surface *f,
 
     if (st == ST_OK)
         st = fit_from(w, &(struct target){.samples = &samples}, WHOLE, pass,
-                      sizeof pass / sizeof *pass, false, true, out);
+                      sizeof pass / sizeof *pass, true, out);
     if (st != ST_OK)
         return st;
     out->pose = follow(&out->pose, start);
+    out->size = 1;
     /* As whoever knows the pose alone sees it. */
     return heights_of(f, &out->pose, &w->points, out->z);
 }

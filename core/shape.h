@@ -25,13 +25,15 @@ struct surface; /* surface.h */
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
- * hard  if less than SHAPE_GOOD of the cells with points are skin, try again from parts of the face
- *       that a cover may have left free: above it, below it, either half, all but the eyes.  Such a
- *       fit is taken where it explains SHAPE_PART_GAIN cells more: as skin, or as a cover in front of
- *       what the rest of the face says
+ * hard  unless SHAPE_GOOD of the cells with points are skin and SHAPE_GOOD_MM are left at most, try
+ *       again: from parts of the face that a cover may have left free (above it, below it, either
+ *       half, all but the eyes), then at the sizes of children and of large adults.  Such a fit is
+ *       taken where it explains SHAPE_GAIN cells more: as skin, or as a cover in front of what the
+ *       rest of the face says
+ * out->pose is a similarity then: rotation and shift in mm, both over out->size.
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: of these every so manieth is taken.
- * Cost  O(n) for each start, and one fit; if hard 5 more: each about
+ * Cost  O(n) for each start, and one fit; if hard up to 16 more: each about
  * 1 ms with 3,000 points and 2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
@@ -48,11 +50,5 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
  * shape_fit(), not hard: the canonical frame of a face.  About 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
 enum status shape_place(struct shape_work *w, const struct surface *f,
                         const struct align_pose *start, struct shape_fit *out);
-
-/* shape_judge(w, pts, n, pose, out): the same at a pose that is known: cheap, for a face whose
- * frame has been found (frame.h).  out->pose = *pose.  About 0.15 ms for 3,000 points.
- * Returns ST_OK, ST_ENOMEM. */
-enum status shape_judge(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                        const struct align_pose *pose, struct shape_fit *out);
 
 #endif

@@ -18,7 +18,8 @@ enum shape_cell {
 };
 
 struct shape_fit {
-    struct align_pose pose; /* points -> canonical frame, mm */
+    struct align_pose pose; /* points -> canonical frame, mm, shrunk by size */
+    double size;            /* of the head, over the mean face's */
     double a[MODEL_MODES];  /* coefficients of the modes */
     float height[GRID_N];   /* of the fitted face, mm; NAN off it */
     float z[GRID_N];        /* of the points; NAN: none */

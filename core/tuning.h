@@ -171,6 +171,7 @@
 
 /* mm, along x and y: larger than any head.  By hand. */
 #define SCAN_PLAIN_SIDE_MM 300
+#define SCAN_SAME_MM 10.0
 
 /* Share of the face that may be covered at enrolment; and from which it is told, as is the
  * share of points elsewhere. */
@@ -409,15 +410,8 @@
 /* mm: the most that a cell adds to the residual. */
 #define SHAPE_RESIDUAL_MM 5.0
 
-/* At a pose that is known one pass tells as much. */
-/* clang-format off */
-#define SHAPE_JUDGE { {12, 10, 88} }
-/* clang-format on */
-
-/* The prior on the motion, 1 / mm^2 (fit.h): next to none, and so strong that nothing moves.
- * By hand. */
-#define SHAPE_TIE   1e-2
-#define SHAPE_FIXED 1e9
+/* The prior on the motion, 1 / mm^2 (fit.h): next to none.  By hand. */
+#define SHAPE_TIE 1e-2
 
 /* The limit in front of the face is this share of the one behind: what covers a face lies in
  * front of it. */
@@ -473,11 +467,11 @@
 #define SHAPE_HAIR_CELLS 50
 
 /* What a cover explains (shape.c): nothing up to MM in front of the fit, a cell from twice that on.
- * A fit from a part of the face is taken where it explains GAIN cells more than that of the whole.
+ * A fit from a part of the face, or at another size, is taken where it explains GAIN cells more.
  * So the right half is chosen for 39 of 40 masks and all of 40 pairs of glasses; of 150 whole faces
  * of real people without either the most that a part gains is 34, of 160 simulated ones 4. */
-#define SHAPE_COVER_MM  3.0
-#define SHAPE_PART_GAIN 36.0
+#define SHAPE_COVER_MM 3.0
+#define SHAPE_GAIN     36.0
 
 /* A mask covers more than this share of what is seen of the face below y in mm.  By hand. */
 #define SHAPE_MASK_TOP   14.0
@@ -496,7 +490,12 @@
 
 /* Share of skin among the cells with points that needs no other start; scans of uncovered faces
  * have 0.96 at least. */
-#define SHAPE_GOOD 0.95
+#define SHAPE_GOOD       0.95
+#define SHAPE_GOOD_WORTH 600.0
+
+/* Sizes of heads, over the mean face's: children from five years on, and large adults. */
+#define SHAPE_SIZE_GAIN 24.0
+#define SHAPE_SIZES { 0.84, 1.16, 0.77, 0.71 }
 
 /* ---- the decision (face.h) */
 
@@ -526,6 +525,11 @@
 #define FIND_STRAY_IN    100
 #define FIND_STRAYS_IN   10
 #define FIND_REACH_MM    4000
+
+/* A child's head, upright before a scanner, is looked at as if it were so much larger; it must be
+ * worth so much more. */
+#define FIND_SMALL      1.25
+#define FIND_SMALL_COST 80.0
 
 /* A view (find_view.h), mm: its cells; a nose stands out by OUT, as no ball of a head's size does,
  * from a ring about it, of which so many of 16 places must be SEEN; what lies farther than NEAR
@@ -558,6 +562,7 @@
  * one for each so many points.  A view costs one for so many cubes and for so many cells that are
  * seen; a fit costs FIT and one for so many cubes. */
 #define FIND_SPENT       5000
+#define FIND_SPENT_SMALL 2000
 #define FIND_SPENT_PER   12
 #define FIND_SPENT_CUBES 512
 #define FIND_SPENT_CELLS 96

@@ -144,12 +144,15 @@ static void put_frame(unsigned char *p, const struct align_pose *a)
         bytes_put_real(&p, i < 9 ? a->r[i] : a->t[i - 9]);
 }
 
-/* False: no rigid motion, or one beyond the lattice. */
+/* False: no similarity, or one beyond the lattice. */
 static bool get_frame(const unsigned char *p, struct align_pose *a)
 {
+    struct align_pose unscaled;
+
     for (size_t i = 0; i < 12; i++)
         *(i < 9 ? &a->r[i] : &a->t[i - 9]) = bytes_real(p + 8 * i);
-    return align_pose_rigid(a);
+    unscaled = align_pose_unscaled(a);
+    return align_pose_rigid(&unscaled);
 }
 
 static unsigned char *put_float(unsigned char *p, float v)

@@ -12,7 +12,7 @@ struct shape_fit;   /* shape.h */
 
 /* Where the face is. */
 struct crop_view {
-    struct align_pose pose; /* points -> canonical frame, mm */
+    struct align_pose pose; /* points -> canonical frame; may shrink (shape.h) */
     const float *height;    /* [GRID_N] of the face there, mm; NAN off it */
     const uint8_t *cell;    /* [GRID_N] enum shape_cell */
 };

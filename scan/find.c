@@ -71,6 +71,7 @@ struct finder {
     const struct dvec3 *pts;
     size_t n;
     double unit_mm; /* 0: to be found */
+    double size;    /* by which what is looked at is larger than it is */
     struct shape_work *shape;
     const atomic_bool *stop; /* find.h */
     struct extent extent;
@@ -157,13 +158,26 @@ static struct align_pose less(const struct align_pose *pose, double by, struct d
     return out;
 }
 
-/* A pose of g's cubes as one of the points in mm. */
-static struct found found_at(const struct find_grid *g, double unit_mm,
-                             const struct align_pose *pose, double worth)
+/* A pose of g's cubes, of a head that seems f->size as large as it is, as one of the points in mm,
+ * and back. */
+static struct found found_at(const struct finder *f, const struct find_grid *g,
+                             double unit_mm, const struct align_pose *pose, double worth)
 {
-    const struct align_pose p = less(pose, -1, g->corner);
+    struct align_pose p = less(pose, -1, g->corner);
 
+    for (int i = 0; i < 3; i++)
+        p.t[i] /= f->size;
     return (struct found){{unit_mm, p, worth}, align_pose_origin(&p)};
+}
+
+static struct align_pose in_grid(const struct finder *f, const struct find_grid *g,
+                                 const struct align_pose *pose)
+{
+    struct align_pose p = *pose;
+
+    for (int i = 0; i < 3; i++)
+        p.t[i] *= f->size;
+    return less(&p, 1, g->corner);
 }
 
 /* What a face shows that other things, and a face the wrong way up, hardly do. */
@@ -180,21 +194,22 @@ static enum status fit_roughly(struct finder *f, const struct find_grid *g,
     const enum status st = shape_seek(f->shape, g->at, g->n, start, false, &fit);
 
     f->starts.left -= FIND_SPENT_FIT + g->n / FIND_SPENT_FAR;
-    *out = found_at(g, unit_mm, &fit.pose, fit.worth);
+    *out = found_at(f, g, unit_mm, &fit.pose, fit.worth);
     return st;
 }
 
 static enum status fit_closely(struct finder *f, const struct find_grid *g,
                                const struct found *rough)
 {
-    const struct align_pose start = less(&rough->pose.pose, 1, g->corner);
+    const struct align_pose start = in_grid(f, g, &rough->pose.pose);
     struct shape_fit fit;
     const enum status st = shape_seek(f->shape, g->at, g->n, &start, true, &fit);
 
     f->starts.left -= FIND_SPENT_FIT + g->n / FIND_SPENT_FAR;
     if (st == ST_OK) {
         const struct found one =
-            found_at(g, rough->pose.unit_mm, &fit.pose, worth_of(&fit));
+            found_at(f, g, rough->pose.unit_mm, &fit.pose,
+                     worth_of(&fit) - (f->size == 1 ? 0 : FIND_SMALL_COST));
 
         take(&f->best, &one);
     }
@@ -211,7 +226,7 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
     f->rough.n = 0;
     for (uint32_t k = 0; k < f->starts.n && left > 0 && st == ST_OK && !stopped(f); k++) {
         const struct find_start *start = &f->starts.start[k];
-        struct found one = found_at(g, unit_mm, &start->pose, 0);
+        struct found one = found_at(f, g, unit_mm, &start->pose, 0);
 
         if (taken(f, &one) || (found(f, FIND_PLAIN) && start->cost > FIND_OTHER_COST))
             continue;
@@ -242,7 +257,7 @@ static enum status turn_over(struct finder *f, const struct find_grid *g, double
         over.r[k] = -over.r[k];
     over.t[0] = -over.t[0];
     over.t[1] = FIND_WAY_UP_MM - over.t[1];
-    over = less(&over, 1, g->corner);
+    over = in_grid(f, g, &over);
     one = f->best.at[0];
     if ((st = fit_closely(f, g, &one)) == ST_OK &&
         (st = fit_roughly(f, g, unit_mm, &over, &one)) == ST_OK)
@@ -287,7 +302,7 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
     st = seek(f, g, unit_mm, FIND_SEEKS, FIND_FITS);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
-    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
+    if (st == ST_OK && f->size == 1 && !found(f, FIND_PLAIN) && !upright(f)) {
         look(f, g, true, &r);
         st = seek(f, g, unit_mm, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
         if (st == ST_OK)
@@ -301,9 +316,9 @@ static enum status search(struct finder *f, double unit_mm)
 {
     const struct dvec3 m = f->extent.middle;
     struct find_grid g;
-    enum status st =
-        find_grid_make(f->pts, f->n, unit_mm,
-                       (struct dvec3){m.x * unit_mm, m.y * unit_mm, m.z * unit_mm}, &g);
+    const double mm = unit_mm * f->size;
+    enum status st = find_grid_make(f->pts, f->n, mm,
+                                    (struct dvec3){m.x * mm, m.y * mm, m.z * mm}, &g);
 
     if (st == ST_OK)
         st = search_grid(f, &g, unit_mm);
@@ -311,15 +326,16 @@ static enum status search(struct finder *f, double unit_mm)
     return st;
 }
 
-/* By each unit that makes the cloud as large as that, until a face is plain. */
+/* By each unit that makes the cloud as large as that, until there may be a face; for a head that
+ * may not be of the usual size, until one is plain. */
 static enum status search_units(struct finder *f, double from_mm, double to_mm)
 {
     static const double units[] = FIND_UNITS_MM;
     const size_t n = f->unit_mm > 0 ? 1 : sizeof units / sizeof *units;
+    const double enough = f->size == 1 ? FIND_LIKELY : FIND_PLAIN;
     enum status st = ST_OK;
 
-    for (size_t i = 0; i < n && st == ST_OK && !found(f, FIND_LIKELY) && !stopped(f);
-         i++) {
+    for (size_t i = 0; i < n && st == ST_OK && !found(f, enough) && !stopped(f); i++) {
         const double mm = f->unit_mm > 0 ? f->unit_mm : units[i];
 
         if (f->extent.size * mm >= from_mm && f->extent.size * mm < to_mm)
@@ -328,7 +344,8 @@ static enum status search_units(struct finder *f, double from_mm, double to_mm)
     return st;
 }
 
-/* As large as a head, then as a room; once more where there are many strays. */
+/* As large as a head, then as a room; once more where there are many strays; and as if a child's
+ * head were larger. */
 static enum status search_all(struct finder *f)
 {
     static const size_t strays[] = {FIND_STRAY_IN, FIND_STRAYS_IN};
@@ -343,6 +360,11 @@ static enum status search_all(struct finder *f)
         st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MIN_MM);
         if (st == ST_OK)
             st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM);
+    }
+    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
+        f->size = FIND_SMALL;
+        f->starts.left = FIND_SPENT_SMALL;
+        st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MAX_MM);
     }
     if (f->stop != NULL && atomic_load(f->stop))
         return ST_EBUSY;
@@ -416,6 +438,7 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     f->pts = pts;
     f->n = n;
     f->unit_mm = unit_mm;
+    f->size = 1;
     f->shape = face_work_shape(w);
     f->stop = stop;
     f->starts.left = FIND_SPENT + (int64_t)(n / FIND_SPENT_PER);

@@ -5,21 +5,10 @@
 #ifndef SCAN_GATE_H
 #define SCAN_GATE_H
 #include <stdbool.h>
-#include <stddef.h>
 #include "status.h"
-#include "vec.h"
 
 struct shape_fit;  /* shape.h */
 struct shape_work; /* shape.h */
-
-/* What the gate looks at. */
-struct gate_scan {
-    struct shape_work *shape;
-    const struct shape_fit *fit; /* shape_fit()'s */
-    const struct dvec3 *pts;     /* that it was fitted to, mm */
-    size_t n;
-    bool enrolment;
-};
 
 /* The evidence, and the least of it that is wanted. */
 struct gate {
@@ -36,15 +25,13 @@ struct gate {
     double residual_mm; /* what the shape leaves of the scan (shape.h) */
     double support_wanted, seen_wanted, evidence_wanted;
     double residual_most; /* INFINITY for a probe */
-    double
-        size; /* times the model's: by which the evidence is judged; of an enrolment that is
-                    hardly explained as it is */
+    double size;          /* of the head, over the mean face's (shape.h) */
 };
 
-/* gate_judge(s, out): an enrolment with too little evidence is fitted at the sizes of children and
- * of large adults too, and judged by the best.
+/* gate_judge(w, fit, enrolment, out): what shape_fit() found.
  * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, too much covered, or too
- * noisy; ST_ENOMEM. */
-enum status gate_judge(const struct gate_scan *s, struct gate *out);
+ * noisy. */
+enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,
+                       bool enrolment, struct gate *out);
 
 #endif

@@ -29,7 +29,8 @@ struct scan {
     struct face *out;
     size_t *bad;
     struct scan_found *found;
-    struct shape_fit fit; /* the latest */
+    struct shape_fit fit;   /* the latest */
+    struct align_pose view; /* its pose, in mm */
 };
 
 /* ---- what is found */
@@ -98,7 +99,7 @@ static double turn_of(const double r[9], double side, struct scan_found *f)
  * there, as those of a frontal scan are. */
 static void tell_turn(struct scan *s, bool frontal)
 {
-    const struct align_pose *pose = &s->fit.pose;
+    const struct align_pose *pose = &s->view;
     struct scan_found *f = s->found;
     const double camera = turn_of(pose->r, -1, f);
     struct scan_found seen = *f;
@@ -129,13 +130,11 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
 
 /* ---- the gate */
 
-/* The points are those that were fitted to. */
-static enum status judge_face(struct scan *s, const struct dvec3 *pts, size_t n)
+static enum status judge_face(struct scan *s)
 {
-    const struct gate_scan g = {s->shape, &s->fit, pts, n, s->o->enrolment};
-
-    s->found->occluded = (double)s->fit.cover / g.shape->cells;
-    return gate_judge(&g, &s->found->gate);
+    s->found->occluded = (double)s->fit.cover / s->shape->cells;
+    s->view = align_pose_scale(&s->fit.pose, s->fit.size);
+    return gate_judge(s->shape, &s->fit, s->o->enrolment, &s->found->gate);
 }
 
 /* The share of the face that is seen of the side to which it is turned, 0..1. */
@@ -189,8 +188,18 @@ static bool plain(const struct scan *s)
     const double side = fmax(s->found->extent[0], s->found->extent[1]);
 
     return side * s->found->unit_mm <= SCAN_PLAIN_SIDE_MM &&
-           r[0] + r[4] + r[8] >= SCAN_PLAIN_TRACE && s->fit.support >= SCAN_PLAIN &&
-           s->fit.cover == 0;
+           (r[0] + r[4] + r[8]) * s->fit.size >= SCAN_PLAIN_TRACE &&
+           s->fit.support >= SCAN_PLAIN && s->fit.cover == 0;
+}
+
+/* Is the model's nose where the fit's is?  A neck may have led it astray. */
+static bool same_place(const struct scan *s)
+{
+    const struct align_pose a = align_pose_unscaled(&s->out->frame.pose);
+    const struct align_pose b = align_pose_unscaled(&s->fit.pose);
+    const struct dvec3 way = vec_sub(align_pose_origin(&a), align_pose_origin(&b));
+
+    return vec_dot(way, way) < SCAN_SAME_MM * SCAN_SAME_MM;
 }
 
 /* Is a point where none can be, which tells more than that there is no face? */
@@ -213,16 +222,16 @@ static enum status build_crop(struct scan *s)
     const struct crop_view view = {s->fit.pose, s->fit.height, s->fit.cell};
     const size_t n = s->c->n, most = n > SCAN_FULL ? SCAN_ENOUGH : SCAN_FULL;
     struct crop_count count;
-    const enum status judged = judge_face(s, s->c->at, n);
+    const enum status judged = judge_face(s);
     enum status st;
 
     if (judged == ST_ENOTFACE && beyond(s))
         return build(s);
     tell_turn(s, false);
-    st = crop_face(s->c, &view, most, &count);
-    if (st != ST_OK || judged == ST_ENOMEM)
-        return st != ST_OK ? st : judged;
-    tell_fit(s, &s->fit.pose);
+    if ((st = crop_face(s->c, &view, most, &count)) != ST_OK)
+        return st;
+    scale(s->c, s->fit.size);
+    tell_fit(s, &s->view);
     s->found->elsewhere = 1 - (double)(count.face + count.other) / (double)n;
     warn(s, SCAN_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
     warn(s, SCAN_THINNED, count.kept < count.face);
@@ -235,7 +244,7 @@ static enum status build_crop(struct scan *s)
 /* The points stay as they are, and their model. */
 static enum status keep(struct scan *s)
 {
-    const enum status judged = judge_face(s, s->c->at, s->c->n);
+    const enum status judged = judge_face(s);
     enum status st;
 
     tell_turn(s, true);
@@ -249,11 +258,13 @@ static enum status keep(struct scan *s)
 static enum status build_as_it_is(struct scan *s)
 {
     enum status st = build(s), kept;
+    struct align_pose pose;
 
     /* What was refused only once it had been laid on the mean face has evidence to tell. */
     if (st != ST_OK && (st != ST_ENOTFACE || s->out->frame.mean_id == 0))
         return st;
-    kept = shape_fit(s->shape, s->c->at, s->c->n, &s->out->frame.pose, 1, true, &s->fit);
+    pose = align_pose_unscaled(&s->out->frame.pose);
+    kept = shape_fit(s->shape, s->c->at, s->c->n, &pose, 1, true, &s->fit);
     if (kept == ST_OK)
         kept = keep(s);
     return kept != ST_OK ? kept : st;
@@ -335,7 +346,8 @@ static enum status build_found(struct scan *s)
     s->found->found = !plain(s);
     if (s->found->found || s->c->n > SCAN_FULL)
         return build_crop(s);
-    if ((st = build(s)) == ST_OK && f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv)
+    if ((st = build(s)) == ST_OK && f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv &&
+        same_place(s))
         return keep(s);
     s->found->found = true;
     return st != ST_ENOMEM ? build_crop(s) : st;

@@ -105,8 +105,8 @@ static void test_identity(void **state)
         build(&b);
         assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
         assert_int_equal(r.decision, FACE_MATCH);
-        /* the moved points are triangulated differently */
-        assert_true(r.score > r.threshold + 1 && fabs(r.score - itself) < 1);
+        /* the moved points are triangulated differently, and the fit starts elsewhere */
+        assert_true(r.score > r.threshold + 1 && fabs(r.score - itself) < 2.5);
         assert_int_equal(face_align(&a, &b, NULL, work, &r), ST_OK);
         for (size_t i = 0; i < cloud.n; i++) {
             const double *t = r.align.transform, *m = moved;
