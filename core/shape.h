@@ -47,7 +47,8 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
                        const struct align_pose *start, bool close, struct shape_fit *out);
 
 /* shape_place(w, f, start, out): the fit to a surface of a face alone, from a starting pose, as
- * shape_fit(), not hard: the canonical frame of a face.  About 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
+ * shape_fit(), not hard: the canonical frame of a face.  About 0.8 ms.
+ * Returns ST_OK, ST_ENOMEM. */
 enum status shape_place(struct shape_work *w, const struct surface *f,
                         const struct align_pose *start, struct shape_fit *out);
 

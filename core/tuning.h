@@ -163,8 +163,8 @@
 
 /* What is plainly a face seen from the front, and is left as it is where nothing covers it: how far
  * it is turned from upright (1 + 2 cos 25 degrees), the least support of its shape, and the most
- * spikes: points of the back of a head, seen through, become such.  Of 1,400 scans of faces the least
- * has a support of 0.30. */
+ * spikes: points of the back of a head, seen through, become such.  Of 1,400 scans of faces the
+ * least has a support of 0.30. */
 #define SCAN_PLAIN        0.28
 #define SCAN_PLAIN_TRACE  2.8126
 #define SCAN_PLAIN_SPIKES 0.03
@@ -571,8 +571,8 @@
 
 /* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
  * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45
- * degrees (1 + 2 cos) of upright before a scanner; and what may well be one, so that other units are
- * not tried. */
+ * degrees (1 + 2 cos) of upright before a scanner; and what may well be one, so that other units
+ * are not tried. */
 #define FIND_WORTH_EYES    200.0
 #define FIND_PLAIN         620.0
 #define FIND_UPRIGHT       560.0
