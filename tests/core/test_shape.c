@@ -72,10 +72,11 @@ static void move(const struct align_pose *p)
 
 static void check(const struct shape_fit *f)
 {
+    const struct align_pose rigid = align_pose_unscaled(&f->pose);
     uint32_t of[4] = {0, 0, 0, 0};
 
     assert_true(isfinite(f->support) && f->support <= 1 && isfinite(f->likeness));
-    assert_true(align_pose_rigid(&f->pose));
+    assert_true(align_pose_rigid(&rigid));
     for (uint32_t k = 0; k < MODEL_MODES; k++)
         assert_true(isfinite(f->a[k]) && (k < model.shape.n || f->a[k] == 0.0));
     for (uint32_t i = 0; i < GRID_N; i++) {
