@@ -59,9 +59,9 @@ bool face_same_engine(const char *a, const char *b)
  * mean face's, as most do; anywhere. */
 enum { STARTS = 3 };
 
-/* A head is taken for one of another size where that explains so many cells more: at 0.78 of adults'
- * size all gain 228 at least but two, of adults a scan whose face is half hidden.  STEP: of sizes
- * about the best. */
+/* What is not explained to SURE is tried at other sizes, and a head taken for one of another size
+ * where that explains GAIN cells more: with less adults of two scans have two sizes, with more
+ * children look like each other.  STEP: of the sizes about the best. */
 #define FACE_SIZE_SURE 0.8
 #define FACE_SIZE_GAIN 120.0
 #define FACE_SIZE_STEP 0.04
@@ -296,10 +296,9 @@ static enum status start_at(struct face *f, struct face_work *w, int k,
 enum status face_place(struct face *f, struct face_work *w)
 {
     struct align_pose start[STARTS];
-    struct shape_fit fit, one;
+    struct shape_fit fit = {.worth = -INFINITY}, one;
     enum status st = ST_OK;
 
-    fit.worth = -INFINITY;
     for (int k = 0;
          st == ST_OK && (k == 0 || (k < STARTS && support(w, &fit) < FACE_SURE)); k++) {
         if ((st = start_at(f, w, k, &start[k])) == ST_OK &&

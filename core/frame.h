@@ -26,11 +26,12 @@ struct frame_mean {
 enum status frame_mean_make(const struct model *m, struct frame_mean *out);
 
 struct frame {
-    struct align_pose pose; /* face -> canonical; shrinks a head that is not of adults' size */
-    uint32_t mean_id;       /* of the mean face it was found by; 0: not found yet */
-    double cost_mm;         /* mean distance from the mean face there (capped, L1) */
-    double within;          /* share of the face's points over the mean face */
-    double support; /* share of what is seen that a face's shape explains (shape.h) */
+    struct align_pose
+        pose;         /* face -> canonical; shrinks a head that is not of adults' size */
+    uint32_t mean_id; /* of the mean face it was found by; 0: not found yet */
+    double cost_mm;   /* mean distance from the mean face there (capped, L1) */
+    double within;    /* share of the face's points over the mean face */
+    double support;   /* share of what is seen that a face's shape explains (shape.h) */
 };
 
 /* frame_find(mean, face, w, out): align the face to the mean face.  (Of a decoded template

@@ -69,7 +69,8 @@ static void close_gaps(uint8_t *cell, uint32_t from, uint32_t n, uint32_t step)
     for (uint32_t k = 0; k < n; k++) {
         if (cell[from + k * step] != SHAPE_COVER)
             continue;
-        for (uint32_t j = last + 1; last != GRID_NONE && k - last <= SHAPE_HOLE && j < k; j++)
+        for (uint32_t j = last + 1; last != GRID_NONE && k - last <= SHAPE_HOLE && j < k;
+             j++)
             cell[from + j * step] = SHAPE_COVER;
         last = k;
     }

@@ -169,9 +169,10 @@
 #define SCAN_PLAIN_TRACE  2.8126
 #define SCAN_PLAIN_SPIKES 0.03
 
-/* mm, along x and y: larger than any head.  By hand. */
+/* mm, along x and y: larger than any head; and so near each other are two places for one nose.  By
+ * hand. */
 #define SCAN_PLAIN_SIDE_MM 300
-#define SCAN_SAME_MM 10.0
+#define SCAN_SAME_MM       10.0
 
 /* Share of the face that may be covered at enrolment; and from which it is told, as is the
  * share of points elsewhere. */
@@ -495,7 +496,9 @@
 
 /* Sizes of heads, over the mean face's: children from five years on, and large adults. */
 #define SHAPE_SIZE_GAIN 24.0
+/* clang-format off */
 #define SHAPE_SIZES { 0.84, 1.16, 0.77, 0.71 }
+/* clang-format on */
 
 /* ---- the decision (face.h) */
 
