@@ -144,15 +144,18 @@ static void put_frame(unsigned char *p, const struct align_pose *a)
         bytes_put_real(&p, i < 9 ? a->r[i] : a->t[i - 9]);
 }
 
-/* False: no similarity, or one beyond the lattice. */
+/* False: no similarity, beyond the lattice, or of no head's size. */
 static bool get_frame(const unsigned char *p, struct align_pose *a)
 {
-    struct align_pose unscaled;
+    const double *r = a->r;
+    struct align_pose rigid;
+    double scale;
 
     for (size_t i = 0; i < 12; i++)
         *(i < 9 ? &a->r[i] : &a->t[i - 9]) = bytes_real(p + 8 * i);
-    unscaled = align_pose_unscaled(a);
-    return align_pose_rigid(&unscaled);
+    scale = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+    rigid = align_pose_unscaled(a);
+    return scale > 0.25 && scale < 4 && align_pose_rigid(&rigid);
 }
 
 static unsigned char *put_float(unsigned char *p, float v)

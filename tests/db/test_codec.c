@@ -369,7 +369,7 @@ static void test_no_mark(void **state)
 }
 
 /* The frame is kept to the last digit; another mean face's is found again; what is no
- * rigid motion is refused. */
+ * similarity of a head's size is refused. */
 static void test_frame(void **state)
 {
     static const struct {
@@ -397,6 +397,15 @@ static void test_frame(void **state)
     assert_int_equal(decode(other, len, &g, &e), ST_OK);
     assert_int_equal(f.frame.mean_id, g.frame.mean_id);
     check_close(&f.frame.pose, &g.frame.pose);
+    for (double size = 0.25; size < 4.5; size += 0.5) { /* of a head: half to twice */
+        for (size_t i = 0; i < 9; i += 4)
+            put_double(buf + FRAME + 8 * i, 1 / size);
+        put_checksum(buf, len);
+        assert_int_equal(decode(buf, len, &g, &e),
+                         size > 0.5 && size < 2 ? ST_OK : ST_ECORRUPT);
+    }
+    for (size_t i = 0; i < 9; i += 4)
+        put_double(buf + FRAME + 8 * i, 1);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         memcpy(other, buf, len);
         put_double(other + FRAME + 8 * bad[i].at, bad[i].value);
