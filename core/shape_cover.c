@@ -61,8 +61,9 @@ static void grow(const float *height, bool holes, uint8_t *cell)
     }
 }
 
-/* Cells between covered ones of a row or a column (`step` apart), SHAPE_HOLE at most. */
-static void close_gaps(uint8_t *cell, uint32_t from, uint32_t n, uint32_t step)
+/* Cells of the face between covered ones of a row or a column (`step` apart), SHAPE_HOLE at most. */
+static void close_gaps(const float *height, uint8_t *cell, uint32_t from, uint32_t n,
+                       uint32_t step)
 {
     uint32_t last = GRID_NONE;
 
@@ -71,7 +72,8 @@ static void close_gaps(uint8_t *cell, uint32_t from, uint32_t n, uint32_t step)
             continue;
         for (uint32_t j = last + 1; last != GRID_NONE && k - last <= SHAPE_HOLE && j < k;
              j++)
-            cell[from + j * step] = SHAPE_COVER;
+            if (!isnan(height[from + j * step]))
+                cell[from + j * step] = SHAPE_COVER;
         last = k;
     }
 }
@@ -100,9 +102,9 @@ static void mark_front(const struct shape_work *w, const float *gap, const float
     if (any == 0)
         return;
     for (uint32_t y = 0; y < GRID_NY; y++)
-        close_gaps(cell, y * GRID_NX, GRID_NX, 1);
+        close_gaps(height, cell, y * GRID_NX, GRID_NX, 1);
     for (uint32_t x = 0; x < GRID_NX; x++)
-        close_gaps(cell, x, GRID_NY, GRID_NX);
+        close_gaps(height, cell, x, GRID_NY, GRID_NX);
     grow(height, false, cell);
 }
 

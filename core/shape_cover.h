@@ -14,7 +14,8 @@ struct shape_work; /* shape_work.h */
  * A cover is
  * - more than SHAPE_STRONG_MM in front of the face (times the cell's rest over the mean of all),
  *   with what is beside it, sideways, of more than SHAPE_WEAK_MM, if there are SHAPE_COVER_CELLS
- *   strong cells; then empty ones up to SHAPE_HOLE cells from a strong one; then all beside;
+ *   strong cells; then empty ones up to SHAPE_HOLE cells from a strong one, and what is between
+ *   such cells, SHAPE_HOLE at most; then all beside;
  * - above the brows what is as rough as hair;
  * - all below its upper rim, where it covers most of the face below the eyes: a mask.
  * Returns how many cells are in front of the face as no expression is: those above the brows,
