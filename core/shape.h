@@ -25,11 +25,11 @@ struct surface; /* surface.h */
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
- * hard  unless SHAPE_GOOD of the cells with points are skin and SHAPE_GOOD_MM are left at most, try
- *       again: from parts of the face that a cover may have left free (above it, below it, either
+ * hard  unless SHAPE_GOOD of the cells with points are skin and the fit's worth is
+ *       SHAPE_GOOD_WORTH, try again: from parts of the face that a cover may have left free (above it, below it, either
  *       half, all but the eyes), then at the sizes of children and of large adults.  Such a fit is
- *       taken where it explains SHAPE_GAIN cells more: as skin, or as a cover in front of what the
- *       rest of the face says
+ *       taken where it explains SHAPE_GAIN cells more (of sizes SHAPE_SIZE_GAIN of a whole face): as
+ *       skin, or as a cover in front of what the rest of the face says
  * out->pose is a similarity then: rotation and shift in mm, both over out->size.
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: of these every so manieth is taken.

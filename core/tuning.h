@@ -445,7 +445,8 @@
 #define SHAPE_FINE 2
 
 /* mm: a cell is explained up to NEAR; what stands farther than STRONG in front of the face,
- * or WEAK beside such cells, covers it, if there are so many. */
+ * or WEAK beside such cells, covers it, if there are so many; and what is HOLE cells beside or
+ * between them. */
 #define SHAPE_NEAR_MM     2.0
 #define SHAPE_STRONG_MM   3.0
 #define SHAPE_WEAK_MM     1.6
@@ -468,7 +469,7 @@
 #define SHAPE_HAIR_CELLS 50
 
 /* What a cover explains (shape.c): nothing up to MM in front of the fit, a cell from twice that on.
- * A fit from a part of the face, or at another size, is taken where it explains GAIN cells more.
+ * A fit from a part of the face is taken where it explains GAIN cells more.
  * So the right half is chosen for 39 of 40 masks and all of 40 pairs of glasses; of 150 whole faces
  * of real people without either the most that a part gains is 34, of 160 simulated ones 4. */
 #define SHAPE_COVER_MM 3.0
@@ -489,12 +490,13 @@
 #define SHAPE_REST_MM2        0.05
 #define SHAPE_RELIEF_MM2      0.5
 
-/* Share of skin among the cells with points that needs no other start; scans of uncovered faces
- * have 0.96 at least. */
+/* Share of skin among the cells with points, and worth (shape.c), that need no other start: most
+ * scans of uncovered faces of real people have both. */
 #define SHAPE_GOOD       0.95
 #define SHAPE_GOOD_WORTH 600.0
 
-/* Sizes of heads, over the mean face's: children from five years on, and large adults. */
+/* Sizes of heads, over the mean face's: children from five years on, and large adults; taken where
+ * they explain GAIN cells of a whole face more. */
 #define SHAPE_SIZE_GAIN 24.0
 /* clang-format off */
 #define SHAPE_SIZES { 0.84, 1.16, 0.77, 0.71 }
