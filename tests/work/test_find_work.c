@@ -14,7 +14,7 @@
 #include "head.h"
 #include "work.h"
 
-#define MOST   13
+#define MOST   14
 #define POINTS 300000
 #define KINDS  7
 
