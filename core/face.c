@@ -224,26 +224,31 @@ static enum status place_size(struct face *f, struct face_work *w,
     return ST_OK;
 }
 
+/* What shape_place() is worth at the size; 0: it is no face. */
+static enum status worth_at(struct face *f, struct face_work *w,
+                            const struct align_pose *start, double size, double *out)
+{
+    struct shape_fit fit = {.worth = 0};
+    const enum status st = place_size(f, w, start, size, &fit);
+
+    *out = worth(w, &fit);
+    return st;
+}
+
 /* The fit at the size where the worth is greatest, by the parabola through three. */
 static enum status refine_size(struct face *f, struct face_work *w, struct shape_fit *fit)
 {
     const struct align_pose start = align_pose_scale(&fit->pose, fit->size);
-    const double size = fit->size, by[2] = {1 - FACE_SIZE_STEP, 1 + FACE_SIZE_STEP};
-    struct shape_fit side[2];
-    double bend, way;
+    const double size = fit->size;
+    double less, more, bend, way;
+    enum status st = worth_at(f, w, &start, size * (1 - FACE_SIZE_STEP), &less);
 
-    for (int k = 0; k < 2; k++) {
-        enum status st;
-
-        side[k] = (struct shape_fit){.worth = -INFINITY};
-        if ((st = place_size(f, w, &start, size * by[k], &side[k])) != ST_OK)
-            return st;
-    }
-    if (!(side[0].worth > 0 && side[1].worth > 0))
-        return ST_OK; /* neither is a face */
-    bend = 2 * worth(w, fit) - worth(w, &side[0]) - worth(w, &side[1]);
-    way = (worth(w, &side[1]) - worth(w, &side[0])) / (2 * fmax(bend, 1));
-    way = fmax(-1, fmin(way, 1));
+    if (st == ST_OK)
+        st = worth_at(f, w, &start, size * (1 + FACE_SIZE_STEP), &more);
+    if (st != ST_OK || !(less > 0 && more > 0))
+        return st;
+    bend = 2 * worth(w, fit) - less - more;
+    way = fmax(-1, fmin((more - less) / (2 * fmax(bend, 1)), 1));
     return place_size(f, w, &start, size * (1 + way * FACE_SIZE_STEP), fit);
 }
 
@@ -293,7 +298,8 @@ static enum status start_at(struct face *f, struct face_work *w, int k,
     return st;
 }
 
-enum status face_place(struct face *f, struct face_work *w)
+/* The frame and the encoding; with the builders' block to take heights in. */
+static enum status place(struct face *f, struct face_work *w)
 {
     struct align_pose start[STARTS];
     struct shape_fit fit = {.worth = -INFINITY}, one;
@@ -313,6 +319,24 @@ enum status face_place(struct face *f, struct face_work *w)
     f->frame = (struct frame){
         .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
     return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
+}
+
+static void lend(struct face_work *w)
+{
+    const struct scratch block = w->measure.scratch;
+
+    w->measure.scratch = w->shape.points;
+    w->shape.points = block;
+}
+
+enum status face_place(struct face *f, struct face_work *w)
+{
+    enum status st;
+
+    lend(w);
+    st = place(f, w);
+    lend(w);
+    return st;
 }
 
 enum status face_adopt(struct face *f, struct face_work *w)
