@@ -493,7 +493,7 @@
 /* Share of skin among the cells with points, and worth (shape.c), that need no other start: most
  * scans of uncovered faces of real people have both. */
 #define SHAPE_GOOD       0.95
-#define SHAPE_GOOD_WORTH 600.0
+#define SHAPE_GOOD_WORTH 540.0
 
 /* Sizes of heads, over the mean face's: children from five years on, and large adults; taken where
  * they explain GAIN cells of a whole face more. */
