@@ -363,6 +363,7 @@ static enum status search_all(struct finder *f)
     }
     if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
         f->size = FIND_SMALL;
+        f->unit_mm = f->best.n > 0 ? f->best.at[0].pose.unit_mm : f->unit_mm;
         f->starts.left = FIND_SPENT_SMALL;
         st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MAX_MM);
     }

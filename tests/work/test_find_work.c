@@ -14,7 +14,7 @@
 #include "head.h"
 #include "work.h"
 
-#define MOST   14
+#define MOST   13
 #define POINTS 300000
 #define KINDS  7
 
