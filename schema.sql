@@ -71,22 +71,16 @@ CREATE TABLE attempts (
 -- How many subjects a token has tried in an hour.
 CREATE INDEX attempts_token ON attempts (token, at_ms);
 
--- Scans that are no new ones when they come again: those that templates
--- were made of, and probes that matched, until a time.  Keyed hashes of the points as they
--- were read; what templates are made of is also in templates.same.  retry: keyed hash of the
--- request that a probe came with, which may come again once; NULL: it may not.
+-- The clouds that templates were made of, which are refused as probes: keyed hashes of the points
+-- as they were read; those of the points as they were used are templates.same.
 CREATE TABLE clouds (
     subject_key  INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
     digest       BLOB NOT NULL CHECK (length(digest) = 32),
-    template_key INTEGER REFERENCES templates (template_key) ON DELETE CASCADE,
-    until_ms     INTEGER CHECK (until_ms >= 0 AND template_key IS NULL
-                 OR until_ms IS NULL AND template_key IS NOT NULL), -- since 1970, UTC
-    retry        BLOB CHECK (length(retry) = 32),
+    template_key INTEGER NOT NULL REFERENCES templates (template_key) ON DELETE CASCADE,
     PRIMARY KEY (subject_key, digest)
 ) STRICT;
 
-CREATE INDEX clouds_template ON clouds (template_key) WHERE template_key IS NOT NULL;
-CREATE INDEX clouds_until ON clouds (until_ms) WHERE until_ms IS NOT NULL;
+CREATE INDEX clouds_template ON clouds (template_key);
 
 -- The audit log: who did what, when, with what outcome, in two chains (db/store_chain.h):
 -- 0 the changes, which are kept for ever; 1 the uses (verifications, refusals, exports), of

@@ -56,10 +56,6 @@ const struct setting options_table[] = {
      0, 1000000, "N",
      "subjects that a token may try without a match in an hour; beyond\n"
      "it: 429; 0: no limit"},
-    {"replay-window", SETTING_NUMBER, "0", offsetof(struct options, replay_window), 0,
-     30 * 86400, "SECONDS",
-     "how long a probe that matched is refused when it comes again: 422;\n"
-     "0: only the cloud of a template is"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",

@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     26
+#define OPTIONS_ROWS     25
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -34,7 +34,6 @@ struct options {
     unsigned rate_limit_tokens; /* wrong ones a minute and address; 0: no limit */
     unsigned attempts;          /* verifications that may fail in a row; 0: no limit */
     unsigned attempt_wait;      /* s */
-    unsigned replay_window;     /* s */
     unsigned attempt_subjects;  /* of a token, without a match in an hour; 0: no limit */
     unsigned cache_mb;          /* of decoded templates; 0: none are kept */
     unsigned log_format;        /* enum log_format */

@@ -46,7 +46,7 @@ static enum status settle(struct ctl *c, const struct ctl_nearest *best,
                                       .template_id = best->tmpl.id,
                                       .outcome = verdict_decision(decision),
                                       .probe = decision == FACE_MATCH ? &probe : NULL};
-    enum status st = replay_probe(&best->tmpl, found, f, 0, &probe, &c->e);
+    enum status st = replay_probe(&best->tmpl, found, f, &probe, &c->e);
 
     if (st == ST_OK)
         st = store_settle(c->store, &what, &out, &c->e);

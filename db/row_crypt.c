@@ -50,12 +50,6 @@ void row_crypt_cloud(const struct vault *v, const unsigned char uid[ROW_CRYPT_UI
     find_digest(v, "cloud", uid, digest, out);
 }
 
-void row_crypt_retry(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
-                     const char *digest, unsigned char out[VAULT_HASH])
-{
-    find_digest(v, "retry", uid, digest, out);
-}
-
 /* ---- keys */
 
 void row_crypt_new(const struct vault *v, const unsigned char *uid,

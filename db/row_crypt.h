@@ -33,10 +33,6 @@ void row_crypt_same(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID
 void row_crypt_cloud(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
                      const char *digest, unsigned char out[VAULT_HASH]);
 
-/* row_crypt_retry(v, uid, digest, out): likewise of what names a request. */
-void row_crypt_retry(const struct vault *v, const unsigned char uid[ROW_CRYPT_UID],
-                     const char *digest, unsigned char out[VAULT_HASH]);
-
 /* row_crypt_new(v, uid, k, wrapped): a subject's key, and where uid is NULL that too.
  * row_crypt_key(v, uid, wrapped, k): the key of a row; false: damaged, or another's. */
 void row_crypt_new(const struct vault *v, const unsigned char *uid,

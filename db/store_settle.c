@@ -12,16 +12,14 @@
 #include "store_txn.h"
 
 /* A match by a scan that is no new one is none. */
-static enum status look_back(struct store_txn *t, struct store_settle *what, int64_t now,
+static enum status look_back(struct store_txn *t, struct store_settle *what,
                              struct store_settled *out, struct errinfo *e)
 {
     enum status st;
 
     if (what->probe == NULL)
         return ST_OK;
-    st = row_cloud_known(t, what->subject, what->probe, now, &out->replayed, e);
-    if (st == ST_OK && !out->replayed && what->probe->keep_ms > 0)
-        st = row_cloud_keep(t, what->subject, what->probe, now, &out->replayed, e);
+    st = row_cloud_known(t, what->subject, what->probe, &out->replayed, e);
     if (!out->replayed)
         return st;
     what->outcome = "replayed";
@@ -95,7 +93,7 @@ static enum status write_all(struct store_txn *t, const struct store_settle *ask
     out->may = what->may == NULL || what->may(what->arg, &was);
     if (!out->may)
         return ST_OK;
-    if ((st = look_back(t, what, by->ms, out, e)) != ST_OK)
+    if ((st = look_back(t, what, out, e)) != ST_OK)
         return st;
     judge(what, &was, out);
     if ((st = count_attempt(t, what, &was, by->ms, e)) != ST_OK)

@@ -14,8 +14,8 @@ struct store_settle {
     enum store_settle_as as;
     const char *actor, *kind, *template_id, *outcome; /* of the event */
 
-    /* A probe that matched, which is refused where it is no new scan: the cloud of a template, or
-     * a probe that matched and is kept.  NULL: not asked. */
+    /* A probe that matched, which is refused where it is no new scan: the cloud of a template of
+     * the subject.  NULL: not asked. */
     const struct store_probe *probe;
 
     /* may: by the attempts as they are now, may the verification still be answered?  Others of

@@ -215,16 +215,11 @@ struct store_attempts {
     uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
 };
 
-#define STORE_PROBES 1000 /* that are kept of a subject, at most */
-
 /* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,
  * functions of the set of points alone. */
 struct store_probe {
     const char *read;
-    char used[65];   /* codec_digest(); "": they are no template's */
-    int64_t keep_ms; /* how long it is refused from now on; 0: not for this */
-    char retry[65]; /* a digest that names the request: by the same one it may come again,
-                        once; "": by none */
+    char used[65]; /* codec_digest(); "": they are no template's */
 };
 
 struct store_calibration {

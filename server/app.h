@@ -6,26 +6,24 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct attempts;    /* attempts.h */
-struct cache;       /* cache.h */
-struct erasures;    /* erasures.h */
-struct guard;       /* guard.h */
-struct idempotency; /* idempotency.h */
-struct metrics;     /* metrics.h */
-struct model;       /* model.h */
-struct queue;       /* queue.h */
-struct quota;       /* quota.h */
-struct retention;   /* retention.h */
-struct route;       /* route.h */
-struct store;       /* store.h */
-struct throttle;    /* throttle.h */
+struct attempts;  /* attempts.h */
+struct cache;     /* cache.h */
+struct erasures;  /* erasures.h */
+struct guard;     /* guard.h */
+struct metrics;   /* metrics.h */
+struct model;     /* model.h */
+struct queue;     /* queue.h */
+struct quota;     /* quota.h */
+struct retention; /* retention.h */
+struct route;     /* route.h */
+struct store;     /* store.h */
+struct throttle;  /* throttle.h */
 
 struct app {
     struct store *store; /* its calibration and engine are by the model */
     struct model *model; /* NULL: model_default */
     struct cache *cache;
     struct metrics *metrics;
-    struct idempotency *idempotency;
     struct attempts *attempts;
     struct throttle *throttle;
     struct queue *queue;
@@ -36,9 +34,8 @@ struct app {
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
-    bool signed_captures;   /* nothing else is taken (capture.h) */
-    unsigned replay_window; /* s that a probe that matched is refused; 0: it is not */
-    size_t max_body;        /* bytes */
+    bool signed_captures; /* nothing else is taken (capture.h) */
+    size_t max_body;      /* bytes */
     atomic_bool stopping;
     atomic_flag refusal_told, anchor_told;
 };

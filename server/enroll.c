@@ -152,11 +152,10 @@ static void enroll_several(struct request *r, struct worker *w)
     burst_free(b);
 }
 
-/* Several need no Idempotency-Key: the same again are the same templates. */
 void enroll_handle(struct request *r, struct worker *w)
 {
     if (r->media == REQUEST_FORM)
         enroll_several(r, w);
     else
-        verify_once(r, w, enroll_one);
+        enroll_one(r, w);
 }

@@ -9,7 +9,6 @@
 
 #include "app.h"
 #include "cache.h"
-#include "idempotency.h"
 #include "store.h"
 
 #define LOOK_MS 400 /* between two looks */
@@ -40,18 +39,6 @@ static void drop_templates(const struct app *app)
     free(ids);
 }
 
-static void drop_subjects(const struct app *app)
-{
-    struct store_subject s;
-    size_t n;
-    char(*ids)[STORE_SUBJECT_MAX + 1] = idempotency_list(app->idempotency, &n);
-
-    for (size_t i = 0; i < n; i++)
-        if (is_gone(store_subject_get(app->store, ids[i], &s, NULL)))
-            idempotency_erase(app->idempotency, ids[i]);
-    free(ids);
-}
-
 static bool wait_a_while(struct erasures *x)
 {
     struct timespec t;
@@ -77,10 +64,8 @@ static void *run(void *arg)
 
     (void)prctl(PR_SET_NAME, "erasures");
     while (wait_a_while(x))
-        if (store_erased_since(x->app->store, &since, &erased, NULL) == ST_OK && erased) {
+        if (store_erased_since(x->app->store, &since, &erased, NULL) == ST_OK && erased)
             drop_templates(x->app);
-            drop_subjects(x->app);
-        }
     return NULL;
 }
 

@@ -16,8 +16,6 @@ enum errmap_kind {
     ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
     ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
     ERRMAP_PACKED,     /* the body cannot be unpacked */
-    ERRMAP_KEY_REUSED, /* an Idempotency-Key with another request */
-    ERRMAP_KEY_BUSY,   /* its first request is not finished */
     ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
     ERRMAP_SCOPE,      /* the token lacks the scope */
     ERRMAP_DISABLED,   /* the subject is disabled */

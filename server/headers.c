@@ -110,29 +110,6 @@ static void take_preferences(struct request *r, const char *s)
     }
 }
 
-/* A structured field's string (RFC 9651) has quotes round it; many clients leave them out.
- * Escapes are of no use in a key and are not read. */
-static void take_key(struct request *r, const char *s)
-{
-    size_t len;
-
-    s += strspn(s, BLANKS);
-    len = strlen(s);
-    while (len > 0 && strchr(BLANKS, s[len - 1]) != NULL)
-        len--;
-    if (len >= 2 && s[0] == '"' && s[len - 1] == '"') {
-        s++;
-        len -= 2;
-    }
-    r->bad_key = len == 0 || len > REQUEST_KEY_MAX || r->key[0] != '\0' || r->bad_key;
-    for (size_t i = 0; i < len && !r->bad_key; i++)
-        r->bad_key = s[i] < '!' || s[i] > '~' || s[i] == '"' || s[i] == '\\';
-    if (!r->bad_key) {
-        memcpy(r->key, s, len);
-        r->key[len] = '\0';
-    }
-}
-
 void headers_take(struct request *r, const char *name, const char *value)
 {
     if (value == NULL)
@@ -143,6 +120,4 @@ void headers_take(struct request *r, const char *name, const char *value)
         capture_take(r, value);
     else if (strcasecmp(name, "Prefer") == 0)
         take_preferences(r, value);
-    else if (strcasecmp(name, "Idempotency-Key") == 0)
-        take_key(r, value);
 }

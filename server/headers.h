@@ -25,9 +25,7 @@ bool headers_refuse(struct request *r, const struct headers_framing *f,
  * several times.
  *   Content-Encoding  sets r->coding; twice: INFLATE_OTHER
  *   Prefer            return=minimal sets r->minimal (RFC 7240); of several "return" the
- *                     first counts, other preferences are ignored
- *   Idempotency-Key   sets r->key: a string in quotes, or bare; r->bad_key where it is
- *                     neither, or not 1..REQUEST_KEY_MAX visible characters, or given twice */
+ *                     first counts, other preferences are ignored */
 void headers_take(struct request *r, const char *name, const char *value);
 
 #endif

@@ -15,7 +15,6 @@
 #include "face.h"
 #include "flags.h"
 #include "http.h"
-#include "idempotency.h"
 #include "log.h"
 #include "metrics.h"
 #include "modelfile.h"
@@ -81,14 +80,12 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->cache = cache_new((size_t)o->cache_mb << 20);
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
-    app->idempotency = idempotency_new(IDEMPOTENCY_ROOM);
     app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
     app->throttle = throttle_new(o->rate_limit_tokens);
     if (o->audit_days > 0)
         app->retention = retention_start(app->store, o->audit_days);
     if ((app->retention == NULL && o->audit_days > 0) || app->cache == NULL ||
-        app->metrics == NULL || app->idempotency == NULL || app->attempts == NULL ||
-        app->throttle == NULL)
+        app->metrics == NULL || app->attempts == NULL || app->throttle == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -109,7 +106,6 @@ static void stop(struct app *app, struct http *http)
     erasures_stop(app->erasures);
     cache_free(app->cache);
     metrics_free(app->metrics);
-    idempotency_free(app->idempotency);
     attempts_free(app->attempts);
     throttle_free(app->throttle);
     store_close(app->store);
@@ -274,7 +270,6 @@ int main(int argc, char **argv)
     app.no_auth = o.no_auth;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
-    app.replay_window = o.replay_window;
     if (start(&o, &app, &http, url, &e) != ST_OK) {
         (void)fprintf(stderr, "surfaced: %s\n", e.msg);
         stop(&app, http);

@@ -198,8 +198,6 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
         (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
     if (a->minimal)
         (void)MHD_add_response_header(resp, "Preference-Applied", "return=minimal");
-    if (a->replayed)
-        (void)MHD_add_response_header(resp, "Idempotent-Replayed", "true");
     if (a->retry_after > 0) {
         (void)snprintf(number, sizeof number, "%u", a->retry_after);
         (void)MHD_add_response_header(resp, "Retry-After", number);

@@ -197,14 +197,13 @@ void request_refuse(struct request *r, unsigned kind, char *json)
         r->response.retry_after = 1;
     if (m->http == 401)
         r->response.challenge = true;
-    r->response.location[0] = r->response.template_id[0] = '\0';
+    r->response.location[0] = '\0';
     set_body(r, m->http, "application/problem+json", json);
     r->response.problem = kind;
 }
 
 void request_template(struct request *r, const char *id)
 {
-    (void)snprintf(r->response.template_id, sizeof r->response.template_id, "%s", id);
     (void)snprintf(r->response.location, sizeof r->response.location, "/v1/templates/%s",
                    id);
 }

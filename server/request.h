@@ -20,7 +20,6 @@ struct route; /* route.h */
 
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
-#define REQUEST_KEY_MAX   255
 
 enum request_method {
     REQUEST_GET,
@@ -50,22 +49,20 @@ enum request_stage {                  /* what the time of a request is spent on 
 };
 
 struct response {
-    int http;                           /* 0: none yet */
-    unsigned problem;                   /* errmap.h; 0: it is none */
-    char *body;                         /* heap, or NULL */
-    const char *page;                   /* static, in the place of body; NULL for none */
-    size_t len;                         /* of either; 0 for neither */
-    const char *type;                   /* static */
-    char location[192];                 /* "" for none */
-    char template_id[STORE_ID_LEN + 1]; /* that it is about; "" for none */
-    char allow[40];                     /* "" for none */
+    int http;             /* 0: none yet */
+    unsigned problem;     /* errmap.h; 0: it is none */
+    char *body;           /* heap, or NULL */
+    const char *page;     /* static, in the place of body; NULL for none */
+    size_t len;           /* of either; 0 for neither */
+    const char *type;     /* static */
+    char location[192];   /* "" for none */
+    char allow[40];       /* "" for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
     unsigned lacks;       /* with it: the scope that the token has not; 0 for none */
     bool codings;         /* Accept-Encoding: what a body may be compressed with */
     bool minimal;         /* Preference-Applied: return=minimal */
-    bool replayed;        /* Idempotent-Replayed: true */
     unsigned retry_after; /* seconds; 0 for none */
 };
 
@@ -92,8 +89,6 @@ struct request {
     char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */
     unsigned scopes;                   /* the token's; 0 without one */
-    char key[REQUEST_KEY_MAX + 1];     /* Idempotency-Key; "" for none */
-    bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
     struct request_capture capture;
     enum request_media media;

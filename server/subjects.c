@@ -9,7 +9,6 @@
 #include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "idempotency.h"
 #include "parse.h"
 #include "render.h"
 #include "params.h"
@@ -120,7 +119,6 @@ void subjects_delete(struct request *r, struct worker *w)
     }
     for (uint32_t i = 0; i < receipt.templates; i++)
         cache_forget(r->app->cache, receipt.template_id[i]);
-    idempotency_erase(r->app->idempotency, r->subject);
     request_written(r, 200, render_erased(&receipt));
 out:
     store_receipt_free(&receipt);

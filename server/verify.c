@@ -14,7 +14,6 @@
 #include "errmap.h"
 #include "event.h"
 #include "heatmap.h"
-#include "idempotency.h"
 #include "log.h"
 #include "mem.h"
 #include "minimal.h"
@@ -233,11 +232,10 @@ static bool settle(struct verification *v)
     if (decision == FACE_MATCH) {
         what.probe = &probe;
         if (replay_probe(&v->admission.of.t[v->best.index], &v->found, &v->w->probe,
-                         app->replay_window * INT64_C(1000), &probe, &e) != ST_OK) {
+                         &probe, &e) != ST_OK) {
             request_fail(v->r, &e);
             return false;
         }
-        idempotency_name(v->r, probe.retry);
     }
     if (store_settle(app->store, &what, &out, &e) != ST_OK) {
         request_fail(v->r, &e);
@@ -289,17 +287,6 @@ static void respond(struct verification *v)
                          });
 }
 
-/* The template that decided goes with the response, and its subject with the request. */
-static void sign(struct verification *v)
-{
-    const struct store_admission *a = &v->admission.of;
-
-    if (v->best.compared == 0 || a->n == 0)
-        return;
-    memcpy(v->r->response.template_id, a->t[v->best.index].id, sizeof a->t->id);
-    memcpy(v->r->subject, a->subject.id, sizeof v->r->subject);
-}
-
 /* One of subject and template_id is NULL. */
 static void verify(struct request *r, struct worker *w, const char *subject,
                    const char *template_id)
@@ -310,81 +297,17 @@ static void verify(struct request *r, struct worker *w, const char *subject,
         return;
     if (admit(&v, subject, template_id) && compare(&v) && !request_gone(r) && settle(&v))
         respond(&v);
-    sign(&v);
     admission_free(&w->compare, &v.admission);
     mem_free(v.gap);
     cloudpoints_free(&v.cloud);
 }
 
-static void by_subject(struct request *r, struct worker *w)
+void verify_subject(struct request *r, struct worker *w)
 {
     verify(r, w, r->subject, NULL);
 }
 
-static void by_template(struct request *r, struct worker *w)
-{
-    verify(r, w, NULL, r->template_id);
-}
-
-void verify_subject(struct request *r, struct worker *w)
-{
-    verify_once(r, w, by_subject);
-}
-
 void verify_template(struct request *r, struct worker *w)
 {
-    verify_once(r, w, by_template);
-}
-
-/* ---- retries */
-
-/* A response that is sent again must still be true: of a template that was deleted since
- * nothing is told any more, and a late retry does not enrol it again; nor is a decision told of a
- * subject that may not be verified any more. */
-static enum status still_true(struct request *r, enum admit *admit, struct errinfo *e)
-{
-    struct store_subject one;
-    struct store_template t;
-    enum status st = store_template_get(r->app->store, r->response.template_id, &t, e);
-
-    *admit = ADMIT_YES;
-    if (st != ST_OK || r->route->scope != STORE_SCOPE_VERIFY ||
-        (st = store_subject_get(r->app->store, t.subject, &one, e)) != ST_OK)
-        return st;
-    *admit = admit_subject(&one, e);
-    return *admit == ADMIT_YES ? ST_OK : ST_EDENIED;
-}
-
-static void check_again(struct request *r)
-{
-    struct errinfo e = {0};
-    enum admit admit;
-    enum status st;
-
-    if (r->response.template_id[0] == '\0' || (st = still_true(r, &admit, &e)) == ST_OK)
-        return;
-    r->response.replayed = r->response.minimal = false;
-    if (st == ST_ENOTFOUND) {
-        idempotency_empty(r->app->idempotency, r);
-        request_problem(
-            r, st,
-            "the template that this Idempotency-Key was about has been deleted "
-            "since");
-    } else if (verify_admitted(r, admit, &e)) {
-        request_fail(r, &e);
-    }
-}
-
-void verify_once(struct request *r, struct worker *w,
-                 void (*handle)(struct request *r, struct worker *w))
-{
-    struct idempotency *m = r->app->idempotency;
-    uint32_t ticket;
-
-    if (idempotency_begin(m, r, log_clock_ms(), &ticket)) {
-        handle(r, w);
-        idempotency_end(m, r, r->subject, ticket);
-    } else if (r->response.replayed) {
-        check_again(r);
-    }
+    verify(r, w, NULL, r->template_id);
 }

@@ -16,11 +16,6 @@ struct worker;
 void verify_subject(struct request *r, struct worker *w);
 void verify_template(struct request *r, struct worker *w);
 
-/* verify_once(r, w, handle): handle(r, w), but for a retry by its Idempotency-Key, which gets the
- * first response as long as the template that it is about is there (r->response.template_id). */
-void verify_once(struct request *r, struct worker *w,
-                 void (*handle)(struct request *r, struct worker *w));
-
 /* verify_admitted(r, admit, e): as admit_subject() said; false: r->response says why not. */
 bool verify_admitted(struct request *r, enum admit admit, const struct errinfo *e);
 

@@ -76,12 +76,12 @@ void replay_digest(const struct cloudpoints *c, char hex[65])
 
 /* The digest takes time, and points of another number are no template's. */
 enum status replay_probe(const struct store_template *t, const struct scan_found *found,
-                         const struct face *probe, int64_t keep_ms,
-                         struct store_probe *out, struct errinfo *e)
+                         const struct face *probe, struct store_probe *out,
+                         struct errinfo *e)
 {
     const struct mesh *m = &probe->surface.mesh;
 
-    *out = (struct store_probe){.read = found->digest, .keep_ms = keep_ms};
+    *out = (struct store_probe){.read = found->digest};
     if (m->nv == t->points && codec_digest(m, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
@@ -91,6 +91,6 @@ enum status replay_refuse(struct errinfo *e)
 {
     return errinfo_set(
         e, ST_EREPLAYED,
-        "the scan is not a new one: a template was made of these points, or "
-        "they matched before; scan again");
+        "the scan is not a new one: a template of the subject was made of these "
+        "points; scan again");
 }

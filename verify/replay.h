@@ -1,10 +1,9 @@
 /* replay.h -- is a probe a new scan?  Whoever has a scan of a subject, from a scanner, a log or a
- * stolen copy, must not be verified by it again: the cloud of a template is always refused, and a
- * probe that matched, for as long as the operator wants.  This tells only the same points; who
- * moves them by some tenths of a millimetre is not found (docs/threat-model.md). */
+ * stolen copy, must not be verified by it: the cloud of a template is refused.  This tells only the
+ * same points; who moves them by some tenths of a millimetre, or has another scan, is stopped by
+ * signed captures alone (docs/threat-model.md). */
 #ifndef VERIFY_REPLAY_H
 #define VERIFY_REPLAY_H
-#include <stdint.h>
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
@@ -23,11 +22,11 @@ struct store_template;
 #define REPLAY_SAMPLE 32
 void replay_digest(const struct cloudpoints *c, char hex[65]);
 
-/* replay_probe(t, found, probe, keep_ms, out, e): what store_settle() is to ask of a probe that
+/* replay_probe(t, found, probe, out, e): what store_settle() is to ask of a probe that
  * matched the template t; *found is borrowed.  Returns ST_OK, ST_ENOMEM. */
 enum status replay_probe(const struct store_template *t, const struct scan_found *found,
-                         const struct face *probe, int64_t keep_ms,
-                         struct store_probe *out, struct errinfo *e);
+                         const struct face *probe, struct store_probe *out,
+                         struct errinfo *e);
 
 /* replay_refuse(e): ST_EREPLAYED, and *e for the user. */
 enum status replay_refuse(struct errinfo *e);

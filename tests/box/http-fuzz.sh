@@ -50,7 +50,7 @@ corpus() {
     record erase DELETE /v1/subjects/b%40x 'Prefer: return=minimal, wait=5' </dev/null
     record delete DELETE "/v1/templates/$(printf '%032d' 0)" </dev/null
     record enroll POST '/v1/subjects/b%40x/templates?label=a%20b&force=true&units=mm' "$PLY" \
-        'Idempotency-Key: "k-1"' <"$T/s.ply"
+        <"$T/s.ply"
     record ply POST /v1/subjects/alice/verify "$PLY" 'Expect: 100-continue' <"$T/s.ply"
     record json POST '/v1/subjects/alice/verify?units=mm&detail=heatmap' \
         "$JSON; charset=utf-8" <"$T/s.json"

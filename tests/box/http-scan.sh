@@ -194,11 +194,6 @@ req POST /v1/subjects/bob/templates -F "file=@$T/a.ply;type=model/ply"
 is "enrolled by a form" "$STATUS $(get .scan.format)" '201 ply'
 req POST '/v1/check?units=mm' -F "file=@$T/a.ply"
 is "checked by a form" "$STATUS $(get .usable)" '200 true'
-KEY='Idempotency-Key: "8e03978e-40d5-43e8-bc93-6894a57f9324"'
-req POST /v1/subjects/carol/templates -F "file=@$T/a.ply" -H "$KEY"
-req POST /v1/subjects/carol/templates -F "file=@$T/a.ply" -H "$KEY"
-is "another boundary is no other request" "$STATUS $(field Idempotent-Replayed)" '201 true'
-
 req POST /v1/subjects/alice/verify -F "file=@$T/b.json" -F units=mm
 problem "another part" 400 malformed 'the parts file, units: send one file alone'
 req POST /v1/subjects/alice/verify -F "file=@$T/b.json" -F "more=@$T/a.ply"

@@ -136,7 +136,6 @@ static const char *const words[] = {
     "\r\n folded: line\r\n",
     "\r\nX-Request-Id: a\tb\r\n",
     "\r\nPrefer: return=\"minimal\r\n",
-    "\r\nIdempotency-Key: k\r\n",
     "\r\nCookie: a=b; c\r\n",
     "\r\nUpgrade: h2c\r\n",
     "\r\n0\r\n\r\n",

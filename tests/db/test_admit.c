@@ -342,15 +342,13 @@ static void test_no_event(void **state)
     store_close(s);
 }
 
-static char digest[3][65]; /* of points as they were read */
-static const char *request = "";
+static char digest[2][65]; /* of points as they were read */
 
 /* A match by a probe: is it a new scan? */
-static bool replayed(struct store *s, const char *who, const char *read, const char *used,
-                     int64_t keep_ms)
+static bool replayed(struct store *s, const char *who, const char *read, const char *used)
 {
     struct store_subject one;
-    struct store_probe probe = {.read = read, .keep_ms = keep_ms};
+    struct store_probe probe = {.read = read};
     struct store_settled out = {.may = false};
     const struct store_settle what = {.subject = &one,
                                       .as = STORE_SETTLE_PASSED,
@@ -362,7 +360,6 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     uint32_t before;
 
     (void)snprintf(probe.used, sizeof probe.used, "%s", used);
-    (void)snprintf(probe.retry, sizeof probe.retry, "%s", request);
     assert_int_equal(store_subject_get(s, who, &one, &e), ST_OK);
     before = tempdb_attempts(s, who).failures;
     assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
@@ -372,11 +369,6 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     return out.replayed;
 }
 
-static int64_t kept(void)
-{
-    return tempdb_number("SELECT count(*) FROM clouds WHERE template_key IS NULL");
-}
-
 static void test_replayed(void **state)
 {
     struct store *s = make();
@@ -384,7 +376,7 @@ static void test_replayed(void **state)
     bool created;
 
     (void)state;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 2; i++)
         memset(digest[i], 'a' + i, 64);
     assert_int_equal(
         store_enroll(s,
@@ -397,74 +389,23 @@ static void test_replayed(void **state)
                      &carol, &created, &e),
         ST_OK);
     /* The cloud of a template, as it was used and as it was read; of this subject alone. */
-    assert_true(replayed(s, "alice", digest[1], t[0].digest, 0));
-    assert_true(replayed(s, "alice", digest[1], t[1].digest, 0));
-    assert_false(replayed(s, "alice", digest[1], t[2].digest, 0));
-    assert_true(replayed(s, "carol", digest[0], "", 0));
-    assert_false(replayed(s, "bob", digest[0], "", 0));
-    /* A probe, only where it is to be kept, until then; also by who keeps none. */
-    assert_false(replayed(s, "alice", digest[1], "", 0));
-    assert_int_equal(kept(), 0);
-    assert_false(replayed(s, "alice", digest[1], "", 60000));
-    assert_true(replayed(s, "alice", digest[1], "", 60000));
-    assert_true(replayed(s, "alice", digest[1], "", 0));
-    assert_false(replayed(s, "bob", digest[1], "", 60000));
-    assert_int_equal(kept(), 2);
-    tempdb_sql("UPDATE clouds SET until_ms = until_ms - 60001");
-    assert_false(replayed(s, "alice", digest[1], "", 60000));
-    assert_int_equal(kept(), 1);
-    /* No more than so many of a subject: the one that ends first goes. */
-    tempdb_sql(
-        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < "
-        "1200) INSERT INTO clouds SELECT subject_key, randomblob(32), NULL, until_ms "
-        "+ 1000000 + i, NULL FROM clouds, n WHERE until_ms IS NOT NULL");
-    assert_false(replayed(s, "alice", digest[2], "", 600000000));
-    assert_int_equal(kept(), STORE_PROBES);
-    assert_true(replayed(s, "alice", digest[2], "", 60000));
-    assert_false(replayed(s, "alice", digest[1], "", 0));
+    assert_true(replayed(s, "alice", digest[1], t[0].digest));
+    assert_true(replayed(s, "alice", digest[1], t[1].digest));
+    assert_false(replayed(s, "alice", digest[1], t[2].digest));
+    assert_true(replayed(s, "carol", digest[0], ""));
+    assert_false(replayed(s, "bob", digest[0], ""));
+    /* A probe is not remembered. */
+    assert_false(replayed(s, "alice", digest[1], ""));
+    assert_false(replayed(s, "alice", digest[1], ""));
     /* It ends with the template, and with the subject. */
     assert_int_equal(store_template_delete(s, "test", carol.id, &e), ST_OK);
-    assert_false(replayed(s, "carol", digest[0], carol.digest, 0));
+    assert_false(replayed(s, "carol", digest[0], carol.digest));
+    assert_int_equal(tempdb_number("SELECT count(*) FROM clouds"), 0);
     assert_int_equal(tempdb_check(s).problems, 0);
     assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
-    assert_int_equal(tempdb_number("SELECT count(*) FROM clouds"), 0);
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t[0]);
-    assert_true(replayed(s, "alice", digest[2], t[0].digest, 0));
-    assert_false(replayed(s, "alice", digest[2], "", 0));
-    store_close(s);
-}
-
-/* The same request again: once, for what it was kept for alone, and never a template's cloud. */
-static void test_retried(void **state)
-{
-    struct store *s = make();
-    char name[3][65] = {{0}};
-
-    (void)state;
-    for (int i = 0; i < 3; i++) {
-        memset(digest[i], 'a' + i, 64);
-        memset(name[i], '1' + i, 64);
-    }
-    request = name[0];
-    assert_false(replayed(s, "alice", digest[0], "", 60000));
-    request = name[1];
-    assert_true(replayed(s, "alice", digest[0], "", 60000));
-    request = "";
-    assert_true(replayed(s, "alice", digest[0], "", 60000));
-    request = name[0];
-    assert_true(replayed(s, "alice", digest[0], "", 0)); /* by who keeps none */
-    assert_true(replayed(s, "alice", digest[0], t[0].digest, 60000));
-    assert_false(replayed(s, "alice", digest[0], "", 60000));
-    assert_true(replayed(s, "alice", digest[0], "", 60000)); /* the second retry */
-    assert_false(replayed(s, "alice", digest[1], "", 60000));
-    tempdb_sql("UPDATE clouds SET until_ms = until_ms - 60001");
-    request = name[2];
-    assert_false(replayed(s, "alice", digest[0], "", 60000)); /* kept anew */
-    assert_false(replayed(s, "alice", digest[0], "", 60000));
-    request = "";
-    assert_false(replayed(s, "alice", digest[2], "", 60000));
-    assert_true(replayed(s, "alice", digest[2], "", 60000));
-    assert_int_equal(tempdb_check(s).problems, 0);
+    assert_true(replayed(s, "alice", digest[1], t[0].digest));
+    assert_false(replayed(s, "alice", digest[1], t[1].digest));
     store_close(s);
 }
 
@@ -474,7 +415,6 @@ int main(void)
         cmocka_unit_test(test_admit),    cmocka_unit_test(test_ended),
         cmocka_unit_test(test_state),    cmocka_unit_test(test_settle),
         cmocka_unit_test(test_no_event), cmocka_unit_test(test_replayed),
-        cmocka_unit_test(test_retried),
     };
 
     return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
