@@ -1,5 +1,6 @@
 #include "bytes.h"
 
+#include <math.h>
 #include <string.h>
 
 void bytes_set(unsigned char *to, uint64_t v, size_t n)
@@ -81,6 +82,16 @@ bool bytes_get_real(struct bytes *b, double max, double *out)
         return false;
     *out = bytes_real(in);
     return *out >= 0 && *out <= max; /* NaN is neither */
+}
+
+bool bytes_get_finite(struct bytes *b, double *out)
+{
+    unsigned char in[8];
+
+    if (!bytes_get(b, in, sizeof in))
+        return false;
+    *out = bytes_real(in);
+    return isfinite(*out);
 }
 
 bool bytes_get_text(struct bytes *b, char *to, size_t size)

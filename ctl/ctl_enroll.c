@@ -104,6 +104,7 @@ static enum status enroll(struct ctl *c, struct burst *b)
                                 .label = c->label != NULL ? c->label : "",
                                 .sample = sample,
                                 .n = b->n,
+                                .manager = true,
                                 .force = force};
     struct enrolment_outcome out;
     enum status st;
@@ -113,7 +114,8 @@ static enum status enroll(struct ctl *c, struct burst *b)
         if (st == ST_ENOMEM)
             return st;
         if (st == ST_OK)
-            sample[i] = (struct store_sample){&b->face[i], b->found[i].digest};
+            sample[i] =
+                (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
         else
             b->each[i].why = c->e;
     }
@@ -209,9 +211,10 @@ const struct ctl_command ctl_enroll = {
     .help =
         "Each FILE (a scan in any format that the manual lists; - is standard input; a folder:\n"
         "the scans in it) becomes a template, at most 20 at once, all together or none.  The first\n"
-        "that is a face must match one of the subject's templates, if there are any, and the\n"
-        "others the first; one that does not, or does not tell (inconclusive), is refused and\n"
-        "listed, unless --force is given.  Enrolling the same scan again changes nothing.\n"
+        "that is a face must match the subject's oldest template, if there is one, or one that was\n"
+        "enrolled by this command or with scope manage, and the others the first; one that does\n"
+        "not, or does not tell (inconclusive), is refused and listed, unless --force is given.\n"
+        "Enrolling the same scan again changes nothing.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
         "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
         "and started again, it goes on where it was.\n"

@@ -90,13 +90,14 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 {
     const struct corpus_scan *scan = &w->corpus->scan[i];
     struct scan_found found;
-    const struct enrolment x = {.actor = CTL_ACTOR,
-                                .subject = w->corpus->subject[scan->subject].id,
-                                .label = c->label != NULL ? c->label
-                                                          : w->corpus->kind[scan->kind],
-                                .sample = &(struct store_sample){f, found.digest},
-                                .n = 1,
-                                .force = w->force};
+    const struct enrolment x = {
+        .actor = CTL_ACTOR,
+        .subject = w->corpus->subject[scan->subject].id,
+        .label = c->label != NULL ? c->label : w->corpus->kind[scan->kind],
+        .sample = &(struct store_sample){.face = f, .read = found.digest},
+        .n = 1,
+        .manager = true,
+        .force = w->force};
     struct outcome *o = &w->outcome[i];
     struct enrolment_result one = {.created = false};
     struct enrolment_outcome out;

@@ -15,7 +15,7 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
     const bool other = !face_same_engine(t->engine, c->engine);
 
-    describe_template(c->out, t, NULL);
+    describe_template(c->out, t, NULL, true);
     json_flag(c->out, "to_reencode", other);
     ctl_say(c, "template  %s\n", t->id);
     ctl_say(c, "  subject   %s\n", t->subject);
@@ -27,6 +27,12 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
             t->quality.density_mm);
     ctl_say(c, "  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
             100 * t->quality.coverage, t->quality.noise_mm);
+    ctl_say(c, "  enrolled  %s; score against the oldest template then: ",
+            t->manager ? "with scope manage" : "without scope manage");
+    if (t->first_score != 0)
+        ctl_say(c, "%.2f\n", t->first_score);
+    else
+        ctl_say(c, "none, it was the first\n");
     ctl_say(c, "  digest    %s\n", t->digest);
 }
 
@@ -50,11 +56,12 @@ static enum status list_subject(struct listing *l, const char *subject)
             json_close(c->out);
         }
         if (l->n++ == 0)
-            ctl_say(c, "%-32s  %-24s  %7s  %7s  %s\n", "TEMPLATE", "CREATED", "POINTS",
-                    "QUALITY", "SUBJECT");
-        ctl_say(c, "%-32s  %-24s  %7u  %7.2f  %s%s%s%s\n", t[i].id, t[i].created,
-                t[i].points, t[i].quality.score, t[i].subject,
-                t[i].label[0] != '\0' ? "  " : "", t[i].label,
+            ctl_say(c, "%-32s  %-24s  %7s  %7s  %7s  %s\n", "TEMPLATE", "CREATED",
+                    "POINTS", "QUALITY", "FIRST", "SUBJECT");
+        ctl_say(c, "%-32s  %-24s  %7u  %7.2f  %7.2f  %s%s%s%s%s\n", t[i].id, t[i].created,
+                t[i].points, t[i].quality.score, t[i].first_score, t[i].subject,
+                t[i].manager ? "  (manager)" : "", t[i].label[0] != '\0' ? "  " : "",
+                t[i].label,
                 face_same_engine(t[i].engine, c->engine) ? "" : "  (to re-encode)");
     }
     free(t);

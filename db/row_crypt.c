@@ -158,6 +158,8 @@ size_t row_crypt_encrypt_template(const struct row_crypt_key *k,
     bytes_put_real(&to, t->quality.coverage);
     bytes_put_real(&to, t->quality.density_mm);
     bytes_put_real(&to, t->quality.noise_mm);
+    bytes_put_number(&to, t->manager, 1);
+    bytes_put_real(&to, t->first_score);
     len = (size_t)(to - plain);
     vault_encrypt(k->key, about, n, plain, len, out);
     sodium_memzero(plain, len);
@@ -170,6 +172,7 @@ bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, s
     unsigned char about[ROW_CRYPT_ABOUT], plain[ROW_CRYPT_ABOUT], digest[DIGEST];
     const size_t nabout = about_template(k, t, ABOUT, about);
     struct bytes b = {plain, plain};
+    uint64_t manager;
     bool ok;
 
     if (n < VAULT_OVER || n > ROW_CRYPT_ABOUT ||
@@ -181,7 +184,10 @@ bool row_crypt_decrypt_template(const struct row_crypt_key *k, const void *in, s
          bytes_get_real(&b, 1, &t->quality.score) &&
          bytes_get_real(&b, 1, &t->quality.coverage) &&
          bytes_get_real(&b, 1e6, &t->quality.density_mm) &&
-         bytes_get_real(&b, 1e6, &t->quality.noise_mm) && b.at == b.end;
+         bytes_get_real(&b, 1e6, &t->quality.noise_mm) &&
+         bytes_get_number(&b, 1, &manager) && manager <= 1 &&
+         bytes_get_finite(&b, &t->first_score) && b.at == b.end;
+    t->manager = ok && manager == 1;
     (void)sodium_bin2hex(t->digest, sizeof t->digest, digest, sizeof digest);
     sodium_memzero(plain, n - VAULT_OVER);
     return ok;

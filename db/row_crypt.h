@@ -49,7 +49,7 @@ size_t row_crypt_encrypt_subject(const struct row_crypt_key *k,
 bool row_crypt_decrypt_subject(const struct row_crypt_key *k, const void *in, size_t n,
                                struct store_subject *s);
 
-/* row_crypt_encrypt_template(k, t, out): label, digest and quality; authenticated with
+/* row_crypt_encrypt_template(k, t, out): label, digest, quality and how it was enrolled; authenticated with
  * them: id, created, engine, points and triangles.  Returns the bytes written.
  * row_crypt_decrypt_template(k, in, n, t): the former into *t, which holds the latter. */
 size_t row_crypt_encrypt_template(const struct row_crypt_key *k,

@@ -90,6 +90,8 @@ size_t store_archive_template(const struct store_template *t,
     bytes_put_real(&to, t->quality.coverage);
     bytes_put_real(&to, t->quality.density_mm);
     bytes_put_real(&to, t->quality.noise_mm);
+    bytes_put_number(&to, t->manager, 1);
+    bytes_put_real(&to, t->first_score);
     return (size_t)(to - out);
 }
 
@@ -131,7 +133,8 @@ static bool parse_template(struct bytes *b, struct store_archive_item *item)
         t->triangles > 2 * t->points - 5 || !bytes_get_real(b, 1, &t->quality.score) ||
         !bytes_get_real(b, 1, &t->quality.coverage) ||
         !bytes_get_real(b, 1e6, &t->quality.density_mm) ||
-        !bytes_get_real(b, 1e6, &t->quality.noise_mm))
+        !bytes_get_real(b, 1e6, &t->quality.noise_mm) || !get_flag(b, &t->manager) ||
+        !bytes_get_finite(b, &t->first_score))
         return false;
     item->model = b->at;
     item->len = (size_t)(b->end - b->at);

@@ -110,9 +110,12 @@ static enum status enroll_row(struct enrolling *g, const struct store_sample *sa
 }
 
 static enum status describe(const struct store *s, const struct store_act *by,
-                            const struct store_enroll *what, const struct face *f,
-                            struct store_template *t, struct errinfo *e)
+                            const struct store_enroll *what,
+                            const struct store_sample *sample, struct store_template *t,
+                            struct errinfo *e)
 {
+    const struct face *f = sample->face;
+
     store_rules_random(t->id, STORE_ID_LEN / 2);
     (void)snprintf(t->subject, sizeof t->subject, "%s", what->subject);
     (void)snprintf(t->label, sizeof t->label, "%s", what->label);
@@ -121,6 +124,8 @@ static enum status describe(const struct store *s, const struct store_act *by,
     t->points = f->surface.mesh.nv;
     t->triangles = mesh_real(&f->surface.mesh);
     t->quality = f->quality;
+    t->manager = what->manager;
+    t->first_score = sample->first_score;
     return codec_digest(&f->surface.mesh, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
@@ -157,7 +162,7 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
     for (size_t i = 0; i < what->n; i++) {
         const struct face *f = what->sample[i].face;
 
-        if ((st = describe(s, &g.by, what, f, &t[i], e)) != ST_OK)
+        if ((st = describe(s, &g.by, what, &what->sample[i], &t[i], e)) != ST_OK)
             return st;
         room = codec_size(f) > room ? codec_size(f) : room;
     }

@@ -8,7 +8,8 @@
 
 struct store_sample {
     const struct face *face;
-    const char *read; /* digest of its points (struct store_probe); NULL: not known */
+    const char *read;   /* digest of its points (struct store_probe); NULL: not known */
+    double first_score; /* as in struct store_template */
 };
 
 struct store_enroll {
@@ -18,6 +19,7 @@ struct store_enroll {
     /* the last template that they were compared with; "": there was none; NULL: they were
      * not compared */
     const char *newest;
+    bool manager;         /* as in struct store_template */
     const char *captured; /* follows in the events on their outcome; NULL for nothing */
 };
 

@@ -64,6 +64,9 @@ struct store_template { /* everything about a template but its model */
     char engine[FACE_ENGINE_MAX + 1];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
     struct quality quality;
+    bool manager; /* enrolled with scope manage: further samples are held against it */
+    double first_score; /* when it was enrolled, against the subject's oldest template; 0:
+                           it was the first */
 };
 
 struct store_subject {

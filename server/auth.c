@@ -51,6 +51,11 @@ bool auth_has(const struct request *r, unsigned scopes)
     return r->app->no_auth || (r->scopes & scopes) != 0;
 }
 
+bool auth_exact(const struct request *r)
+{
+    return auth_has(r, STORE_SCOPE_DETAIL | STORE_SCOPE_MANAGE);
+}
+
 bool auth_may(struct request *r, unsigned scopes)
 {
     char has[STORE_SCOPES_MAX], lacks[STORE_SCOPES_MAX];

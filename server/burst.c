@@ -101,7 +101,8 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
     }
     cloudpoints_free(&c);
     if (st == ST_OK) {
-        b->sample[i] = (struct store_sample){&b->face[i], b->found[i].digest};
+        b->sample[i] =
+            (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
     } else if (trial_is_refusal(st) || st == ST_EINVAL) {
         b->each[i].why = *e;
         b->each[i].why.code = st;

@@ -66,6 +66,7 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                           .sample = sample,
                           .n = n,
                           .captured = r->capture.captured,
+                          .manager = auth_has(r, STORE_SCOPE_MANAGE),
                           .force = ask->force,
                           .may = attempts_limited(r->app->attempts) ? may : NULL,
                           .arg = r};
@@ -127,10 +128,12 @@ static void enroll_one(struct request *r, struct worker *w)
     request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
     cloudpoints_free(&c);
     if (st != ST_OK ||
-        !enroll(r, w, &ask, &(struct store_sample){&w->probe, found.digest}, 1, &x, &out))
+        !enroll(r, w, &ask,
+                &(struct store_sample){.face = &w->probe, .read = found.digest}, 1, &x,
+                &out))
         return;
     request_written(r, x.created ? 201 : 200,
-                    render_enrolled(&x.tmpl, &w->probe.frame, &found));
+                    render_enrolled(&x.tmpl, &w->probe.frame, &found, auth_exact(r)));
     if (r->response.http < 300)
         request_template(r, x.tmpl.id);
 }

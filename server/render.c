@@ -56,25 +56,25 @@ char *render_problem(const struct errmap *m, const char *detail, const char *req
 }
 
 char *render_enrolled(const struct store_template *t, const struct frame *frame,
-                      const struct scan_found *scan)
+                      const struct scan_found *scan, bool how)
 {
     struct json *j = json_new();
 
-    describe_template(j, t, frame);
+    describe_template(j, t, frame, how);
     describe_scan(j, "scan", scan);
     return json_compact(j);
 }
 
-char *render_template(const struct store_template *t)
+char *render_template(const struct store_template *t, bool how)
 {
     struct json *j = json_new();
 
-    describe_template(j, t, NULL);
+    describe_template(j, t, NULL, how);
     return json_compact(j);
 }
 
 char *render_subject(const struct store_subject *s, const struct store_template *t,
-                     size_t n)
+                     size_t n, bool how)
 {
     struct json *j = json_new();
 
@@ -82,7 +82,7 @@ char *render_subject(const struct store_subject *s, const struct store_template 
     json_array(j, "templates");
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
-        describe_template(j, &t[i], NULL);
+        describe_template(j, &t[i], NULL, how);
         json_close(j);
     }
     return json_compact(j);

@@ -32,13 +32,13 @@ char *render_asymmetry(const struct asymmetry *a, const struct face *f,
 char *render_trial(const struct trial *t, const struct face *f,
                    const struct describe_times *times);
 
-/* render_enrolled(t, frame, scan): a template with what was found in the scan that it was sent
- * as, and its frame, for the reasons of its quality. */
+/* render_enrolled(t, frame, scan, how): a template with what was found in the scan that it was sent
+ * as, and its frame, for the reasons of its quality; how: as in describe_template(). */
 char *render_enrolled(const struct store_template *t, const struct frame *frame,
-                      const struct scan_found *scan);
-char *render_template(const struct store_template *t);
+                      const struct scan_found *scan, bool how);
+char *render_template(const struct store_template *t, bool how);
 char *render_subject(const struct store_subject *s, const struct store_template *t,
-                     size_t n);
+                     size_t n, bool how);
 
 /* render_subjects(s, n, more): one page; more: another one follows. */
 char *render_subjects(const struct store_subject *s, size_t n, bool more);

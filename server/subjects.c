@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app.h"
+#include "auth.h"
 #include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -67,7 +68,7 @@ static void show(struct request *r, void (*respond)(struct request *, int, char 
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        respond(r, 200, render_subject(&s, t, n));
+        respond(r, 200, render_subject(&s, t, n, auth_exact(r)));
     free(t);
 }
 
@@ -88,7 +89,7 @@ void subjects_add(struct request *r, struct worker *w)
         request_fail(r, &e);
         return;
     }
-    request_written(r, 201, render_subject(&s, NULL, 0));
+    request_written(r, 201, render_subject(&s, NULL, 0, false));
     if (r->response.http == 201)
         (void)snprintf(r->response.location, sizeof r->response.location,
                        "/v1/subjects/%s", s.id);
@@ -133,7 +134,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_respond(r, 200, render_template(&t));
+        request_respond(r, 200, render_template(&t, auth_exact(r)));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)

@@ -87,7 +87,7 @@ void describe_subject(struct json *j, const struct store_subject *s)
 }
 
 void describe_template(struct json *j, const struct store_template *t,
-                       const struct frame *frame)
+                       const struct frame *frame, bool how)
 {
     json_text(j, "template_id", t->id);
     json_text(j, "subject", t->subject);
@@ -98,6 +98,10 @@ void describe_template(struct json *j, const struct store_template *t,
     json_text(j, "digest", t->digest);
     describe_quality(j, "quality", &t->quality, frame);
     json_text(j, "engine", t->engine);
+    if (!how)
+        return;
+    json_flag(j, "manager", t->manager);
+    json_score(j, "first_score", t->first_score);
 }
 
 void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,

@@ -33,9 +33,10 @@ void describe_scan(struct json *j, const char *key, const struct scan_found *f);
 /* describe_subject(j, s): everything but its templates. */
 void describe_subject(struct json *j, const struct store_subject *s);
 
-/* describe_template(j, t, frame): frame as above. */
+/* describe_template(j, t, frame, how): frame as above.  how: also by whom and how far from the first
+ * it was enrolled, for those alone who may know scores. */
 void describe_template(struct json *j, const struct store_template *t,
-                       const struct frame *frame);
+                       const struct frame *frame, bool how);
 
 /* describe_enrolled(j, file, x, found, frame): a file of several that were sent to be enrolled:
  * the template that it is now, or the refusal.  found: points_read is 0 where it was not read.

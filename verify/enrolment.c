@@ -7,18 +7,30 @@
 #include "trial.h"
 #include "verdict.h"
 
+#define ANYWAY "; to enroll it anyway use force (scope manage)"
+
+/* with_first: with the first of several, else with the templates that a sample has to fit. */
+static enum status does_not_fit(const struct face_result *r, bool with_first,
+                                struct errinfo *e)
+{
+    if (r->decision == FACE_INCONCLUSIVE)
+        return errinfo_set(
+            e, ST_EMISMATCH, "the sample has too little in common with %s to tell" ANYWAY,
+            with_first ? "the first that was taken"
+                       : "the subject's oldest template, and with each that was enrolled "
+                         "with scope manage,");
+    return errinfo_set(
+        e, ST_EMISMATCH, "the sample does not fit: it %s" ANYWAY,
+        with_first ? "does not match the first that was taken"
+                   : "matches neither the subject's oldest template nor one that was "
+                     "enrolled with scope manage");
+}
+
 static enum status mismatch(const struct nearest *n, struct errinfo *e)
 {
-    const char *why =
-        "the sample does not fit: it matches none of the subject's templates";
-
     if (nearest_judge(n, e) != ST_OK)
         return e->code = ST_EMISMATCH;
-    if (n->result.decision == FACE_INCONCLUSIVE)
-        why =
-            "the sample has too little in common with any of the subject's templates to "
-            "tell whether it fits";
-    return errinfo_set(e, ST_EMISMATCH, "%s; only with force is it enrolled", why);
+    return does_not_fit(&n->result, false, e);
 }
 
 /* What asks may(). */
@@ -74,103 +86,139 @@ static enum status settle(struct admission_context *c, const struct admission *a
     return st == ST_OK ? mismatch(n, e) : st;
 }
 
-/* newest: the id of the last template that it was compared with, "" where there is none.  A
- * subject that is not there yet is made with its first template. */
-static enum status check_fit(struct admission_context *c, const struct enrolment *x,
-                             const struct face *f, char newest[STORE_ID_LEN + 1],
-                             struct enrolment_outcome *out, struct errinfo *e)
-{
-    struct asking ask = {x, out};
-    const struct admission_request what = {
-        .subject = x->subject, .token = x->actor, .admitted = admitted, .arg = &ask};
-    struct admission a;
-    enum status st = admission_read(c, &what, &a, e);
+/* One enrolment under way. */
+struct enrolling {
+    struct admission_context *c;
+    const struct enrolment *x;
+    struct enrolment_result *each;
+    struct enrolment_outcome *out;
+    size_t first;                  /* the first sample that may become a template */
+    char newest[STORE_ID_LEN + 1]; /* the last template there is, "": none */
+    double first_score[ENROLMENT_SAMPLES];
+};
 
-    newest[0] = '\0';
-    out->nearest = (struct nearest){0};
-    out->admit = a.admit;
-    if (st == ST_OK && a.of.n > 0) {
-        memcpy(newest, a.of.t[a.of.n - 1].id, STORE_ID_LEN + 1);
-        st = nearest_find(c, &a, f, &out->nearest, e);
-        if (st == ST_OK && out->nearest.result.decision != FACE_MATCH)
-            st = settle(c, &a, &ask, e);
-    }
-    admission_free(c, &a);
-    return st == ST_ENOTFOUND ? ST_OK
-                              : st; /* of the subject, or of its templates by now */
+/* *a with n = 0: the subject is not there, or has no template.  A subject that is not there yet is
+ * made with its first template. */
+static enum status read_templates(struct enrolling *g, struct asking *ask,
+                                  struct admission *a, struct errinfo *e)
+{
+    const struct admission_request what = {.subject = g->x->subject,
+                                           .token = g->x->actor,
+                                           .admitted = ask != NULL ? admitted : NULL,
+                                           .arg = ask};
+    const enum status st = admission_read(g->c, &what, a, e);
+
+    g->out->admit = a->admit;
+    return st == ST_ENOTFOUND ? ST_OK : st;
 }
 
-/* All that is asked before an enrolment by force. */
-static enum status look_at_subject(struct store *s, const char *subject, enum admit *out,
-                                   struct errinfo *e)
-{
-    struct store_subject one;
-    const enum status st = store_subject_get(s, subject, &one, e);
-
-    if (st != ST_OK)
-        return st == ST_ENOTFOUND ? ST_OK : st;
-    *out = admit_subject(&one, e);
-    return *out == ADMIT_YES ? ST_OK : ST_EDENIED;
-}
-
-/* From *first on, the first sample that may become a template. */
-static enum status find_first(struct admission_context *c, const struct enrolment *x,
-                              size_t *first, char newest[STORE_ID_LEN + 1],
-                              struct enrolment_result *each,
-                              struct enrolment_outcome *out, struct errinfo *e)
-{
-    for (; *first < x->n; ++*first) {
-        const struct face *f = x->sample[*first].face;
-        enum status st;
-
-        if (f == NULL)
-            continue;
-        st = x->force ? look_at_subject(c->store, x->subject, &out->admit, e)
-                      : check_fit(c, x, f, newest, out, e);
-        each[*first].why.code = st;
-        if (st != ST_EMISMATCH)
-            return st;
-        each[*first].why = *e;
-    }
-    out->none = true;
-    *e = each[0].why;
-    return e->code;
-}
-
-/* The samples behind the first, against that one. */
-static enum status fit_others(struct admission_context *c, const struct enrolment *x,
-                              size_t first, struct enrolment_result *each,
-                              struct errinfo *e)
+/* The sample against what it has to fit.  out->compared is 0 where there is nothing, and where it is
+ * enrolled by force and there is nothing of this engine. */
+static enum status hold_against(struct enrolling *g, const struct admission *a, size_t i,
+                                struct nearest *out, struct errinfo *e)
 {
     enum status st = ST_OK;
 
-    if (!x->force && first + 1 < x->n)
-        st = admission_calibrate(c, e);
-    for (size_t i = first + 1; st == ST_OK && !x->force && i < x->n; i++) {
-        const struct face *f = x->sample[i].face;
-        struct face_result r;
-
-        if (f == NULL)
-            continue;
-        if ((st = face_compare(x->sample[first].face, f, (double)NAN, NULL, c->work,
-                               &r)) != ST_OK)
-            return errinfo_set(e, st, "comparing: %s", status_message(st));
-        each[i].why = (struct errinfo){.code = ST_OK};
-        if (r.decision != FACE_MATCH)
-            (void)errinfo_set(
-                &each[i].why, ST_EMISMATCH, "%s; only with force is it enrolled",
-                r.decision == FACE_NO_MATCH
-                    ? "the sample does not fit: it does not match the first that was taken"
-                    : "the sample has too little in common with the first that was taken "
-                      "to tell whether it fits");
-    }
+    *out = (struct nearest){0};
+    if (a->of.n > 0)
+        st = nearest_fit(g->c, a, g->x->sample[i].face, out, e);
+    if (st == ST_ENOTFOUND || (st == ST_EVERSION && g->x->force))
+        st = ST_OK; /* of the templates by now */
+    g->first_score[i] = out->first_score;
     return st;
 }
 
-static enum status store_fitting(struct admission_context *c, const struct enrolment *x,
-                                 const char *newest, struct enrolment_result *each,
-                                 struct errinfo *e)
+static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
 {
+    struct asking ask = {g->x, g->out};
+    struct nearest *n = &g->out->nearest;
+    struct admission a;
+    enum status st = read_templates(g, g->x->force ? NULL : &ask, &a, e);
+
+    g->newest[0] = '\0';
+    if (st == ST_OK && a.of.n > 0)
+        memcpy(g->newest, a.of.t[a.of.n - 1].id, sizeof g->newest);
+    if (st == ST_OK)
+        st = hold_against(g, &a, i, n, e);
+    if (st == ST_OK && !g->x->force && n->compared > 0 &&
+        n->result.decision != FACE_MATCH)
+        st = settle(g->c, &a, &ask, e);
+    admission_free(g->c, &a);
+    return st;
+}
+
+/* From g->first on, the first sample that may become a template. */
+static enum status find_first(struct enrolling *g, struct errinfo *e)
+{
+    for (; g->first < g->x->n; ++g->first) {
+        struct enrolment_result *r = &g->each[g->first];
+        enum status st;
+
+        if (g->x->sample[g->first].face == NULL)
+            continue;
+        r->why.code = st = check_fit(g, g->first, e);
+        if (st != ST_EMISMATCH)
+            return st;
+        r->why = *e;
+    }
+    g->out->none = true;
+    *e = g->each[0].why;
+    return e->code;
+}
+
+/* Sample i behind the first, where that one is what a sample has to fit: it is the subject's oldest
+ * template to be, or a manager's. */
+static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest,
+                                      struct face_result *r, struct errinfo *e)
+{
+    const struct enrolment *x = g->x;
+    const enum status st = face_compare(x->sample[g->first].face, x->sample[i].face,
+                                        (double)NAN, NULL, g->c->work, r);
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "comparing: %s", status_message(st));
+    if (oldest)
+        g->first_score[i] = r->score;
+    return ST_OK;
+}
+
+/* That it does not fit is not counted as a failed attempt: who sends a scan that matches learns
+ * nothing of the subject by others that he could not find out from that scan. */
+static enum status fit_other(struct enrolling *g, const struct admission *a, size_t i,
+                             struct errinfo *e)
+{
+    const bool none = a->of.n == 0;
+    struct nearest n;
+    enum status st = hold_against(g, a, i, &n, e);
+
+    if (st == ST_OK && (none || g->x->manager))
+        st = compare_with_first(g, i, none, &n.result, e);
+    if (st != ST_OK)
+        return st;
+    g->each[i].why = (struct errinfo){.code = ST_OK};
+    if (!g->x->force && n.result.decision != FACE_MATCH)
+        (void)does_not_fit(&n.result, none || g->x->manager, &g->each[i].why);
+    return ST_OK;
+}
+
+static enum status fit_others(struct enrolling *g, struct errinfo *e)
+{
+    struct admission a = {0};
+    enum status st = ST_OK;
+
+    if (g->first + 1 < g->x->n && (st = read_templates(g, NULL, &a, e)) == ST_OK &&
+        a.of.n == 0)
+        st = admission_calibrate(g->c, e);
+    for (size_t i = g->first + 1; st == ST_OK && i < g->x->n; i++)
+        if (g->x->sample[i].face != NULL)
+            st = fit_other(g, &a, i, e);
+    admission_free(g->c, &a);
+    return st;
+}
+
+static enum status store_fitting(struct enrolling *g, struct errinfo *e)
+{
+    const struct enrolment *x = g->x;
     struct store_sample sample[ENROLMENT_SAMPLES];
     struct store_template t[ENROLMENT_SAMPLES];
     bool created[ENROLMENT_SAMPLES];
@@ -178,18 +226,21 @@ static enum status store_fitting(struct admission_context *c, const struct enrol
                                 .subject = x->subject,
                                 .label = x->label,
                                 .sample = sample,
-                                .newest = x->force ? NULL : newest,
+                                .newest = x->force ? NULL : g->newest,
+                                .manager = x->manager,
                                 .captured = x->captured};
     enum status st;
 
     for (size_t i = 0; i < x->n; i++)
-        if (each[i].why.code == ST_OK)
-            sample[what.n++] = x->sample[i];
-    st = store_enroll(c->store, &what, t, created, e);
+        if (g->each[i].why.code == ST_OK) {
+            sample[what.n] = x->sample[i];
+            sample[what.n++].first_score = g->first_score[i];
+        }
+    st = store_enroll(g->c->store, &what, t, created, e);
     for (size_t i = 0, k = 0; st == ST_OK && i < x->n; i++)
-        if (each[i].why.code == ST_OK) {
-            each[i].tmpl = t[k];
-            each[i].created = created[k++];
+        if (g->each[i].why.code == ST_OK) {
+            g->each[i].tmpl = t[k];
+            g->each[i].created = created[k++];
         }
     return st;
 }
@@ -198,16 +249,14 @@ enum status enrolment_add(struct admission_context *c, const struct enrolment *x
                           struct enrolment_result *each, struct enrolment_outcome *out,
                           struct errinfo *e)
 {
-    char newest[STORE_ID_LEN + 1];
-    size_t first = 0;
+    struct enrolling g = {.c = c, .x = x, .each = each, .out = out};
     enum status st;
 
     *out = (struct enrolment_outcome){0};
     do { /* again only when another enrolment came in between */
-        if ((st = find_first(c, x, &first, newest, each, out, e)) != ST_OK ||
-            (st = fit_others(c, x, first, each, e)) != ST_OK)
+        if ((st = find_first(&g, e)) != ST_OK || (st = fit_others(&g, e)) != ST_OK)
             return st;
-        st = store_fitting(c, x, newest, each, e);
+        st = store_fitting(&g, e);
     } while (st == ST_EEXISTS);
     return st;
 }

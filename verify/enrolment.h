@@ -1,8 +1,10 @@
 /* enrolment.h -- samples become templates of a subject.  A further sample must match the
- * nearest of those that are there: from then on it decides like any of them, so one that
- * does not tell (inconclusive) does not do either.
- * Of several at once, of one sitting, the first that may become a template stands for them: each
- * after it must match that one.  All that fit are stored in one transaction. */
+ * subject's oldest template, or one that was enrolled with scope manage: not just any, or a row of
+ * samples, each like the one before, would lead from the subject to anybody.  From then on it
+ * decides like any of them, so one that does not tell (inconclusive) does not do either.
+ * Several at once, of one sitting, are held against the same; where the subject has no template
+ * yet, or they come with scope manage, against the first of them that may become one.  All that fit
+ * are stored in one transaction. */
 #ifndef VERIFY_ENROLMENT_H
 #define VERIFY_ENROLMENT_H
 #include <stdbool.h>
@@ -19,8 +21,9 @@ struct enrolment {
     const struct store_sample *sample;   /* [n]; without a face: refused already */
     size_t n;                            /* 1 to ENROLMENT_SAMPLES */
     const char *captured;                /* as in store_enroll() */
-    bool force;                          /* whether they fit is not asked */
-    /* A sample that fits none of the subject's templates is a failed attempt on the subject:
+    bool manager;                        /* as in struct store_template */
+    bool force;                          /* they need not fit */
+    /* A sample that does not fit the subject's templates is a failed attempt on the subject:
      * may(arg, now) is asked before the comparison and again before its result is told; NULL:
      * whoever enrols has the database, is not locked out, and the attempt is not counted. */
     bool (*may)(void *arg, const struct store_attempts *now);
@@ -44,15 +47,15 @@ struct enrolment_outcome {
     struct errinfo lost; /* why there is no event of a sample that did not fit */
 };
 
-/* enrolment_add(c, x, each, out, e): the samples are compared (unless x->force), the first ones
- * with all that the subject has at that moment, whatever other threads and processes enrol
- * meanwhile, until one fits; the others with that one.  Those that fit are stored.
+/* enrolment_add(c, x, each, out, e): the samples are compared with what the subject has at that
+ * moment, whatever other threads and processes enrol meanwhile.  Those that fit are stored, with
+ * force all of them.
  * each  [x->n], all zero but for the reason why a sample without a face was refused
  * Returns ST_OK, also where some are refused; where all are, out->none and the first one's reason:
  * ST_EMISMATCH: it does not fit.
- * Each that was compared with the subject's templates in vain is recorded like a failed
- * verification (store_settle()), as enroll_mismatch; one compared with another sample is not: that
- * says nothing of the subject.
+ * Each that does not fit, up to the first that does, is recorded like a failed verification
+ * (store_settle()), as enroll_mismatch.  Those behind it are not: who has a scan that fits learns
+ * nothing of the subject by comparing others with it.
  * On failure nothing is stored.  ST_EDENIED: out->admit says that the subject is disabled or has
  * expired, or out->locked; or as nearest_find(), store_settle(), store_enroll(). */
 enum status enrolment_add(struct admission_context *c, const struct enrolment *x,

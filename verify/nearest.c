@@ -55,21 +55,27 @@ static enum status find_mirrored(struct admission_context *c, const struct admis
     return ST_OK;
 }
 
-enum status nearest_find(struct admission_context *c, const struct admission *a,
-                         const struct face *probe, struct nearest *out, struct errinfo *e)
+/* all: else as nearest_fit(). */
+static enum status find(struct admission_context *c, const struct admission *a, bool all,
+                        const struct face *probe, struct nearest *out, struct errinfo *e)
 {
     bool foreign = false; /* there is one that this engine cannot re-encode */
 
     *out = (struct nearest){0};
     for (size_t i = 0; i < a->of.n; i++) {
         struct face_result result;
-        const enum status st = compare(c, a, i, probe, &result, e);
+        enum status st;
 
+        if (!all && out->compared > 0 && !a->of.t[i].manager)
+            continue;
+        st = compare(c, a, i, probe, &result, e);
         foreign |= st == ST_EVERSION;
         if (st == ST_EVERSION || st == ST_ENOTFOUND)
             continue;
         if (st != ST_OK)
             return st;
+        if (out->compared == 0)
+            out->first_score = result.score;
         if (out->compared++ == 0 || better(&result, &out->result)) {
             out->result = result;
             out->index = i;
@@ -83,6 +89,18 @@ enum status nearest_find(struct admission_context *c, const struct admission *a,
                            "no template of the subject is of this engine, or can be "
                            "re-encoded by it");
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
+}
+
+enum status nearest_find(struct admission_context *c, const struct admission *a,
+                         const struct face *probe, struct nearest *out, struct errinfo *e)
+{
+    return find(c, a, true, probe, out, e);
+}
+
+enum status nearest_fit(struct admission_context *c, const struct admission *a,
+                        const struct face *probe, struct nearest *out, struct errinfo *e)
+{
+    return find(c, a, false, probe, out, e);
 }
 
 enum status nearest_judge(const struct nearest *n, struct errinfo *e)

@@ -16,10 +16,11 @@ struct minimal; /* minimal.h */
 
 struct nearest {
     struct face_result result;
-    size_t index;      /* which of the admission's templates */
-    uint32_t compared; /* how many there were */
-    bool mirrored;     /* no match, but its mirror image is one: nearest_judge() */
-    double score_ms;   /* over all of them */
+    size_t index;       /* which of the admission's templates */
+    uint32_t compared;  /* how many there were */
+    double first_score; /* against the oldest of them */
+    bool mirrored;      /* no match, but its mirror image is one: nearest_judge() */
+    double score_ms;    /* over all of them */
 };
 
 /* nearest_find(c, a, probe, out, e): the probe compared with the templates of a, by the
@@ -30,6 +31,13 @@ struct nearest {
 enum status nearest_find(struct admission_context *c, const struct admission *a,
                          const struct face *probe, struct nearest *out,
                          struct errinfo *e);
+
+/* nearest_fit(c, a, probe, out, e): nearest_find() with those templates alone that a further sample
+ * must fit: the oldest, and those that were enrolled with scope manage.  Each of the others was itself
+ * enrolled because it matched one of these; if samples were held against them too, a row of
+ * samples, each like the one before, would lead from the subject to anybody. */
+enum status nearest_fit(struct admission_context *c, const struct admission *a,
+                        const struct face *probe, struct nearest *out, struct errinfo *e);
 
 /* nearest_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
  * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be told

@@ -81,6 +81,8 @@ static void test_cannot_be(void **state)
         bytes_put_real(&to, bad[i]);
         b = (struct bytes){in, to};
         assert_false(bytes_get_real(&b, 1, &x));
+        b = (struct bytes){in, to};
+        assert_int_equal(bytes_get_finite(&b, &x), isfinite(bad[i]) != 0);
     }
 }
 

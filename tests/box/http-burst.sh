@@ -74,7 +74,7 @@ is "the label is for all" "$(get '[.templates[].label] | join(" ")')" 'door door
 is "none so far" "$(mismatches)" 0
 burst alice b.ply a3.ply c.ply
 is "a stranger first" "$STATUS $LIST $(mismatches)" '201 sample_mismatch new sample_mismatch 1'
-ok "it matches no template" jq_true '.templates[0].refusal.detail | test("none of the subject")' "$T/body"
+ok "it matches no template" jq_true '.templates[0].refusal.detail | test("neither the subject")' "$T/body"
 burst alice c.ply none.ply
 problem "strangers alone" 409 sample_mismatch '^none of the 2 files was taken; c.ply: the sample does not fit'
 is "each is listed" "$LIST $(get '[.templates[].file] | join(" ")')" \

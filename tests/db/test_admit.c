@@ -384,7 +384,8 @@ static void test_replayed(void **state)
                          .actor = "test",
                          .subject = "carol",
                          .label = "",
-                         .sample = &(struct store_sample){&tempdb_face[2], digest[0]},
+                         .sample = &(struct store_sample){.face = &tempdb_face[2],
+                                                          .read = digest[0]},
                          .n = 1},
                      &carol, &created, &e),
         ST_OK);

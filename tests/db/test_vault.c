@@ -255,6 +255,8 @@ static void test_rows(void **state)
     memset(s.purpose, 'c', STORE_NOTE_MAX);
     memset(f.label, 'd', STORE_LABEL_MAX);
     memset(f.digest, '7', 64);
+    f.manager = true;
+    f.first_score = -12.5;
     row_crypt_new(v, NULL, &k, wrapped);
     assert_true(row_crypt_key(v, k.uid, wrapped, &other));
     assert_memory_equal(&k, &other, sizeof k);
@@ -273,10 +275,13 @@ static void test_rows(void **state)
     g = f;
     memset(g.label, 0, sizeof g.label);
     memset(g.digest, 0, sizeof g.digest);
+    g.manager = false;
+    g.first_score = 0;
     assert_true(row_crypt_decrypt_template(&k, in, n, &g));
     assert_string_equal(g.label, f.label);
     assert_string_equal(g.digest, f.digest);
     assert_true(g.quality.density_mm == f.quality.density_mm);
+    assert_true(g.manager && g.first_score == -12.5);
     row_crypt_encrypt_model(&k, &f, "the face", 8, model);
     assert_true(row_crypt_decrypt_model(&k, &f, model, sizeof model, out));
     assert_false(

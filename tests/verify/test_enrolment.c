@@ -1,6 +1,7 @@
-/* A sample becomes a template if it matches one of the subject's templates, if it is forced,
- * or if it is the first; of several the others if they match that one; but not of a disabled or
- * expired subject. */
+/* A sample becomes a template if it matches the subject's oldest template or one that was enrolled
+ * with scope manage, if it is forced, or if it is the first; of several the others likewise, or where
+ * the first is what they have to fit, if they match that one; but not of a disabled or expired
+ * subject. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,11 +17,12 @@
 #define POINTS 1500
 
 static struct store *store;
-#define MODELS 4
+#define MODELS 5
 static struct face model[MODELS]; /* [models], held */
 static int models;
-static struct face again; /* another scan of tempdb_face[0]'s person */
-static struct face cheek; /* a part of that */
+static struct face again;    /* another scan of tempdb_face[0]'s person */
+static struct face cheek;    /* a part of that */
+static struct face other[2]; /* other scans of tempdb_face[1]'s person */
 static struct errinfo e;
 static const struct face *rival; /* enrolled by release(); NULL: nothing */
 
@@ -49,6 +51,7 @@ static void release(void *arg, const struct face *f)
 }
 
 static struct enrolment_result each[ENROLMENT_SAMPLES];
+static bool manager;
 
 static enum status add_all(const struct face *const f[], size_t n, bool force,
                            struct enrolment_outcome *out)
@@ -61,6 +64,7 @@ static enum status add_all(const struct face *const f[], size_t n, bool force,
                                 .label = "",
                                 .sample = sample,
                                 .n = n,
+                                .manager = manager,
                                 .force = force};
 
     memset(each, 0, sizeof each);
@@ -103,6 +107,10 @@ static int set_up(void **state)
         if (pts[i].x > 20)
             pts[part++] = pts[i];
     assert_int_equal(face_build(pts, part, tempdb_work, &cheek, NULL), ST_OK);
+    for (uint64_t i = 0; i < 2; i++) {
+        n = clouds_scan(2, i + 1, POINTS, pts);
+        assert_int_equal(face_build(pts, n, tempdb_work, &other[i], NULL), ST_OK);
+    }
     return 0;
 }
 
@@ -110,6 +118,8 @@ static int tear_down(void **state)
 {
     face_free(&again);
     face_free(&cheek);
+    face_free(&other[0]);
+    face_free(&other[1]);
     return tempdb_end_faces(state);
 }
 
@@ -141,12 +151,68 @@ static void test_fit(void **state)
     assert_int_equal(add(&again, false, &out), ST_OK);
     assert_false(each[0].created);
     assert_int_equal(add(&tempdb_face[1], false, &out), ST_EMISMATCH);
-    assert_int_equal(out.nearest.compared, 2);
+    assert_int_equal(out.nearest.compared, 1);
     assert_int_equal(out.nearest.result.decision, FACE_NO_MATCH);
     assert_non_null(strstr(e.msg, "does not fit"));
     assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
-    assert_int_equal(out.nearest.compared, 0);
+    assert_int_equal(out.nearest.compared, 1);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
+}
+
+/* A further sample is held against the oldest template, and those that a manager enrolled. */
+static void test_basis(void **state)
+{
+    struct enrolment_outcome out;
+    struct store_template t;
+    double first;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_false(each[0].tmpl.manager);
+    assert_true(each[0].tmpl.first_score == 0);
+    assert_int_equal(add(&again, false, &out), ST_OK);
+    first = each[0].tmpl.first_score;
+    assert_true(first == out.nearest.result.score && first > 8);
+    /* by force, without scope manage: nothing is held against it */
+    assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
+    assert_true(each[0].tmpl.first_score < 0);
+    assert_int_equal(store_template_get(store, each[0].tmpl.id, &t, &e), ST_OK);
+    assert_true(t.first_score == each[0].tmpl.first_score && !t.manager);
+    assert_int_equal(add(&other[0], false, &out), ST_EMISMATCH);
+    assert_int_equal(out.nearest.compared, 1);
+    /* with it, it is */
+    manager = true;
+    assert_int_equal(add(&other[0], true, &out), ST_OK);
+    manager = false;
+    assert_true(each[0].tmpl.manager);
+    assert_int_equal(store_template_get(store, each[0].tmpl.id, &t, &e), ST_OK);
+    assert_true(t.manager);
+    assert_int_equal(add(&other[1], false, &out), ST_OK);
+    assert_int_equal(out.nearest.compared, 2);
+    assert_true(each[0].tmpl.first_score < 0 && out.nearest.result.score > 8);
+    assert_false(each[0].tmpl.manager);
+    assert_int_equal(tempdb_check(store).problems, 0);
+}
+
+/* Several, of which the first fits: the others are held against the same templates, not against
+ * that one, unless a manager enrolls them. */
+static void test_several_basis(void **state)
+{
+    const struct face *const burst[] = {&other[0], &again, &other[1]};
+    struct enrolment_outcome out;
+
+    (void)state;
+    assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
+    assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
+    assert_int_equal(add_all(burst, 3, false, &out), ST_OK);
+    assert_taken(".1.");
+    assert_non_null(strstr(each[2].why.msg, "matches neither"));
+    manager = true;
+    assert_int_equal(add(&tempdb_face[2], true, &out), ST_OK);
+    assert_int_equal(add_all(burst, 3, false, &out), ST_OK);
+    manager = false;
+    assert_taken(".s.");
+    assert_non_null(strstr(each[2].why.msg, "does not match the first"));
 }
 
 /* A sample that has too little in common with the others to tell. */
@@ -174,7 +240,7 @@ static void test_meanwhile(void **state)
     rival = &tempdb_face[1];
     assert_int_equal(add(&again, false, &out), ST_OK);
     assert_null(rival);
-    assert_int_equal(out.nearest.compared, 2);
+    assert_int_equal(out.nearest.compared, 1);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
 }
 
@@ -250,8 +316,10 @@ static void test_first(void **state)
     assert_int_equal(add_all(burst, 2, false, &out), ST_EMISMATCH);
     assert_taken("..");
     assert_string_equal(e.msg, each[0].why.msg);
-    assert_non_null(strstr(each[0].why.msg, "matches none of the subject's templates"));
-    assert_non_null(strstr(each[1].why.msg, "too little in common with any"));
+    assert_non_null(
+        strstr(each[0].why.msg, "matches neither the subject's oldest template"));
+    assert_non_null(
+        strstr(each[1].why.msg, "too little in common with the subject's oldest"));
     assert_int_equal(tempdb_number("SELECT count(*) FROM events"
                                    " WHERE kind = 'enroll_mismatch'"),
                      2);
@@ -363,6 +431,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_basis, fresh, closed),
+        cmocka_unit_test_setup_teardown(test_several_basis, fresh, closed),
         cmocka_unit_test_setup_teardown(test_inconclusive, fresh, closed),
         cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
         cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
