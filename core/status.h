@@ -30,6 +30,7 @@ enum status {
     ST_EDENIED,     /* no permission */
     ST_EREFUSED,    /* not the database that it should be: replaced, older, another key */
     ST_EHELD,       /* a subject on hold is not erased */
+    ST_EFULL,       /* a subject has as many templates as it may have */
     ST_EBUSY,       /* try again later */
     ST_EIO,         /* reading or writing failed */
     ST_EDB,         /* the database failed */

@@ -80,7 +80,8 @@ static enum status is_there(struct ctl *c, const char *subject, const struct fac
 /* A scan's own fault, which does not stop the others; else the machine's. */
 static bool is_fault(enum status st, bool stored)
 {
-    return stored ? st == ST_EMISMATCH || st == ST_EINVAL || st == ST_EDENIED
+    return stored ? st == ST_EMISMATCH || st == ST_EFULL || st == ST_EINVAL ||
+                        st == ST_EDENIED
                   : st != ST_ENOMEM;
 }
 

@@ -169,6 +169,7 @@ static enum status add_template(struct importing *m, const struct store_archive_
         return errinfo_set(e, ST_EEXISTS,
                            "there is another template with the id %s already", t->id);
     if (st != ST_ENOTFOUND ||
+        (st = store_rules_room(m->who.id, m->p.templates, e)) != ST_OK ||
         (st = row_template_add(&m->t, &m->p, t, i->model, i->len, e)) != ST_OK)
         return st;
     m->out->new_templates++;

@@ -9,7 +9,8 @@
  * had, unless there is one of that id again.  All of it is verified first; with dry nothing
  * else is done.  Templates of another engine are taken as they are, and outdated.
  * ST_EVERSION: an archive or a template's model of a newer version; ST_EEXISTS: a template's
- * id is another's here; as archive_read(). */
+ * id is another's here; ST_EFULL: a subject would have more than STORE_TEMPLATES_MAX templates; as
+ * archive_read(). */
 enum status store_import(struct store *s, const char *actor, const char *path,
                          const struct keyfile *k, bool dry, struct store_imported *out,
                          struct errinfo *e);

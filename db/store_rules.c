@@ -117,3 +117,14 @@ enum status store_rules_act(struct store_act *by, const char *actor, struct erri
         utc_print(by->ms, by->at);
     return st;
 }
+
+enum status store_rules_room(const char *subject, uint32_t templates, struct errinfo *e)
+{
+    if (templates < STORE_TEMPLATES_MAX)
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EFULL,
+        "subject %s would have more than %d templates: delete some of them "
+        "first, or add fewer",
+        subject, STORE_TEMPLATES_MAX);
+}

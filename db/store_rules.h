@@ -52,4 +52,8 @@ bool store_rules_recent(const char *at, int64_t ms);
 /* store_rules_act(by, actor, e): actor, if it is one, does something now. */
 enum status store_rules_act(struct store_act *by, const char *actor, struct errinfo *e);
 
+/* store_rules_room(subject, templates, e): may a template be added to so many of the subject?
+ * ST_EFULL. */
+enum status store_rules_room(const char *subject, uint32_t templates, struct errinfo *e);
+
 #endif

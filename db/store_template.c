@@ -91,6 +91,8 @@ static enum status enroll_row(struct enrolling *g, const struct store_sample *sa
         st = find_same(x, &p, sample, t, &old, &found, e);
     if (st == ST_OK && !found && g->newest != NULL)
         st = expect_newest(x, p.row, g->newest, e);
+    if (st == ST_OK && !found && !added)
+        st = store_rules_room(t->subject, p.templates, e);
     if (st == ST_OK && !found) {
         codec_encode(sample->face, g->model);
         st = row_template_add(x, &p, t, g->model, codec_size(sample->face), e);

@@ -28,6 +28,7 @@ struct store_enroll {
  * t, created  [what->n].  created[i] is false when the subject has this very cloud already (by
  *             its digest as it was used, or as it was read), also of a sample before it: then
  *             t[i] describes the template that is there
+ * ST_EFULL and nothing stored: the subject would have more than STORE_TEMPLATES_MAX templates.
  * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
  * there may be one that a sample was not compared with, by whatever thread or process. */
 enum status store_enroll(struct store *s, const struct store_enroll *what,

@@ -21,6 +21,10 @@ struct store;   /* store_open.h */
 #define STORE_NOTE_MAX    128 /* bytes of UTF-8, no control characters */
 #define STORE_UID         16
 
+/* Of a subject, at most: each takes time of each verification, and is one more chance for a
+ * false match. */
+#define STORE_TEMPLATES_MAX 20
+
 enum store_mode {
     STORE_READ,   /* changes are refused with ST_EDENIED */
     STORE_WRITE,  /* the database must be there */

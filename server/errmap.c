@@ -26,6 +26,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EREPLAYED] = {422, "replayed", "The scan is that of a template"},
     [ST_EDENIED] = {403, "forbidden", "Not permitted"},
     [ST_EREFUSED] = {503, "database_refused", "The database is refused"},
+    [ST_EFULL] = {409, "too_many_templates",
+                  "The subject has as many templates as it may have"},
     [ST_EHELD] = {409, "on_hold", "The subject is on hold"},
     [ST_EBUSY] = {503, "busy", "Busy for now"},
     [ST_EIO] = {503, "storage", "The storage cannot be used for now"},
