@@ -56,6 +56,14 @@ const struct setting options_table[] = {
      0, 1000000, "N",
      "subjects that a token may try without a match in an hour; beyond\n"
      "it: 429; 0: no limit"},
+    {"enrollments", SETTING_NUMBER, "1000", offsetof(struct options, enrollments), 0,
+     1000000, "N",
+     "templates and subjects that a token may add in an hour; beyond it:\n"
+     "429; 0: no limit"},
+    {"disk-reserve", SETTING_BYTES, "128M", offsetof(struct options, disk_reserve), 0,
+     1UL << 50, "BYTES",
+     "enrolments leave so much free where the database is, for\n"
+     "verifications; below it: 503"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",

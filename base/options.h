@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     25
+#define OPTIONS_ROWS     27
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -35,6 +35,8 @@ struct options {
     unsigned attempts;          /* verifications that may fail in a row; 0: no limit */
     unsigned attempt_wait;      /* s */
     unsigned attempt_subjects;  /* of a token, without a match in an hour; 0: no limit */
+    unsigned enrollments;       /* that a token may add in an hour; 0: no limit */
+    size_t disk_reserve;        /* bytes that enrolments leave free */
     unsigned cache_mb;          /* of decoded templates; 0: none are kept */
     unsigned log_format;        /* enum log_format */
     unsigned audit_days;        /* that uses are kept in the audit log; 0: for ever */

@@ -10,6 +10,7 @@ struct attempts;  /* attempts.h */
 struct cache;     /* cache.h */
 struct erasures;  /* erasures.h */
 struct guard;     /* guard.h */
+struct intake;    /* intake.h */
 struct metrics;   /* metrics.h */
 struct model;     /* model.h */
 struct queue;     /* queue.h */
@@ -25,6 +26,7 @@ struct app {
     struct cache *cache;
     struct metrics *metrics;
     struct attempts *attempts;
+    struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;
     struct retention *retention; /* NULL: uses are kept for ever */

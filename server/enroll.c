@@ -12,6 +12,7 @@
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "intake.h"
 #include "event.h"
 #include "render.h"
 #include "log.h"
@@ -71,12 +72,18 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                           .may = attempts_limited(r->app->attempts) ? may : NULL,
                           .arg = r};
     struct errinfo e = {0};
+    unsigned added = 0;
     enum status st;
 
+    if (!intake_admit(r, (unsigned)n))
+        return false;
     attempts_watch(r->app->attempts, &limits);
     x.warn_failures = limits.warn_failures;
     x.warn_tried = limits.warn_tried;
     st = enrolment_add(&w->compare, &x, each, out, &e);
+    for (size_t i = 0; i < n; i++)
+        added += each[i].created;
+    intake_give(r->app->intake, r->actor, (unsigned)n - added);
     attempts_warn(r, &(struct store_settled){.locked_out = out->locked_out,
                                              .many_subjects = out->many_subjects});
 

@@ -12,17 +12,19 @@ enum errmap_kind {
     ERRMAP_HEADERS,          /* the headers are too large */
     ERRMAP_VERSION,          /* not HTTP/1.0 or 1.1 */
     ERRMAP_TRANSFER,         /* a transfer coding other than chunked */
-    ERRMAP_NO_LENGTH,  /* neither Content-Length nor chunks where a body is needed */
-    ERRMAP_MEDIA_TYPE, /* a body of another kind is needed */
-    ERRMAP_CODING,     /* a body compressed otherwise, or not at all, is needed */
-    ERRMAP_PACKED,     /* the body cannot be unpacked */
-    ERRMAP_NO_TOKEN,   /* no token, or not one of ours */
-    ERRMAP_SCOPE,      /* the token lacks the scope */
-    ERRMAP_DISABLED,   /* the subject is disabled */
-    ERRMAP_EXPIRED,    /* it has expired */
-    ERRMAP_TOKENS,     /* the address is rate-limited for wrong tokens */
-    ERRMAP_ATTEMPTS,   /* the subject is locked out */
-    ERRMAP_SUBJECTS,   /* the token has tried too many subjects in vain */
+    ERRMAP_NO_LENGTH,    /* neither Content-Length nor chunks where a body is needed */
+    ERRMAP_MEDIA_TYPE,   /* a body of another kind is needed */
+    ERRMAP_CODING,       /* a body compressed otherwise, or not at all, is needed */
+    ERRMAP_PACKED,       /* the body cannot be unpacked */
+    ERRMAP_NO_TOKEN,     /* no token, or not one of ours */
+    ERRMAP_SCOPE,        /* the token lacks the scope */
+    ERRMAP_DISABLED,     /* the subject is disabled */
+    ERRMAP_EXPIRED,      /* it has expired */
+    ERRMAP_TOKENS,       /* the address is rate-limited for wrong tokens */
+    ERRMAP_ATTEMPTS,     /* the subject is locked out */
+    ERRMAP_SUBJECTS,     /* the token has tried too many subjects in vain */
+    ERRMAP_ENROLLMENTS,  /* the token has enrolled too much */
+    ERRMAP_STORAGE_FULL, /* too little room on the disk for enrolments */
     /* The capture's signature (capture.h), in this order: */
     ERRMAP_CAPTURE_REQUIRED, /* there is none */
     ERRMAP_CAPTURE_INVALID,  /* malformed, of an unknown device, or wrong */

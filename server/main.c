@@ -15,6 +15,7 @@
 #include "face.h"
 #include "flags.h"
 #include "http.h"
+#include "intake.h"
 #include "log.h"
 #include "metrics.h"
 #include "modelfile.h"
@@ -82,10 +83,12 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
     app->throttle = throttle_new(o->rate_limit_tokens);
+    app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
     if (o->audit_days > 0)
         app->retention = retention_start(app->store, o->audit_days);
     if ((app->retention == NULL && o->audit_days > 0) || app->cache == NULL ||
-        app->metrics == NULL || app->attempts == NULL || app->throttle == NULL)
+        app->metrics == NULL || app->attempts == NULL || app->throttle == NULL ||
+        app->intake == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -108,6 +111,7 @@ static void stop(struct app *app, struct http *http)
     metrics_free(app->metrics);
     attempts_free(app->attempts);
     throttle_free(app->throttle);
+    intake_free(app->intake);
     store_close(app->store);
     free(app->model);
 }

@@ -10,6 +10,7 @@
 #include "cache.h"
 #include "errmap.h"
 #include "guard.h"
+#include "intake.h"
 #include "process.h"
 #include "quota.h"
 #include "queue.h"
@@ -38,6 +39,9 @@ enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 /* A capture that was taken, then those that were refused. */
 #define NCAPTURES (2 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED)
 
+/* Enrolments that were refused for the token's budget, or for want of room. */
+#define NINTAKE (1 + ERRMAP_STORAGE_FULL - ERRMAP_ENROLLMENTS)
+
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
@@ -48,6 +52,7 @@ struct metrics {
     counter warning[METRICS_MANY_SUBJECTS + 1];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
+    counter intake[NINTAKE];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens, replayed;
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
@@ -115,6 +120,9 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         count(&m->wrong_tokens, 1);
     metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
                                                       : ST_OK);
+    if (r->response.problem >= ERRMAP_ENROLLMENTS &&
+        r->response.problem <= ERRMAP_STORAGE_FULL)
+        count(&m->intake[r->response.problem - ERRMAP_ENROLLMENTS], 1);
     if (r->response.problem == ST_EREPLAYED)
         count(&m->replayed, 1);
     metrics_database_error(m, r->failed);
@@ -270,13 +278,17 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     static const char *const check[] = {"enrollable", "usable", "unusable"};
     static const char *const attempts[] = {"token", "others", "subjects"};
     static const char *const warning[] = {"locked_out", "many_subjects"};
-    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
+    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"}, *intake[NINTAKE];
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
     print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
              "Enrolments; known: the subject had this very scan; mismatch: refused.");
+    for (unsigned i = 0; i < NINTAKE; i++)
+        intake[i] = errmap_get(ERRMAP_ENROLLMENTS + i)->code;
+    print_by(f, "surfaced_enrollments_refused_total", "code", intake, m->intake, NINTAKE,
+             "Enrolments refused: the token's were too many, or the disk is too full.");
     for (unsigned i = 0; i < NREFUSALS; i++)
         refused[i] = errmap_get(ST_ELIMIT + i)->code;
     print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
@@ -330,6 +342,9 @@ static void print_gauges(FILE *f, const struct app *app)
     print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
               "Of these, made by another engine, and so re-encoded in memory: surfacectl "
               "template reencode stores the result.");
+    print_one(
+        f, "surfaced_storage_full", "gauge", intake_full(app->intake, NULL),
+        "1: less than the reserve is free on the disk, and enrolments are refused.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates dropped for want of room.");
 }

@@ -10,6 +10,7 @@
 #include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "intake.h"
 #include "parse.h"
 #include "render.h"
 #include "params.h"
@@ -84,8 +85,14 @@ void subjects_add(struct request *r, struct worker *w)
     struct errinfo e = {0};
 
     (void)w;
-    if (parse_newcomer((const char *)r->body, r->len, &s, &e) != ST_OK ||
-        store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
+    if (parse_newcomer((const char *)r->body, r->len, &s, &e) != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    if (!intake_admit(r, 1))
+        return;
+    if (store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
+        intake_give(r->app->intake, r->actor, 1);
         request_fail(r, &e);
         return;
     }

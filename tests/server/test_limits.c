@@ -1,5 +1,5 @@
 /* Rate limit and lock-out: failed authentication by address, with a clock of the test's own,
- * and a subject's failed verifications by their number and age. */
+ * a subject's failed verifications by their number and age, and what a token adds. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,6 +14,7 @@
 #include <sodium.h>
 
 #include "attempts.h"
+#include "intake.h"
 #include "options.h"
 #include "store.h"
 #include "throttle.h"
@@ -248,13 +249,57 @@ static void test_others(void **state)
     attempts_free(a);
 }
 
+/* ---- what is added */
+
+static void test_intake(void **state)
+{
+    struct intake *x = intake_new(10, "/", 0);
+    char name[16];
+    double now = 5 * S;
+
+    (void)state;
+    assert_non_null(x);
+    assert_int_equal(intake_take(x, "a", 4, now), 0);
+    intake_give(x, "a", 3);
+    assert_int_equal(intake_take(x, "a", 8, now), 0);
+    assert_int_equal(intake_take(x, "a", 20, now), 0); /* there is room for one: 29 now */
+    assert_int_equal(intake_take(x, "a", 1, now), 20 * 360);
+    assert_int_equal(intake_take(x, "b", 1, now), 0);
+    now += 20 * 360 * S - 1;
+    assert_int_equal(intake_take(x, "a", 1, now), 1);
+    now += 2;
+    assert_int_equal(intake_take(x, "a", 1, now), 0);
+    assert_int_equal(intake_take(x, "a", 1, now), 360);
+    /* Those that have added least are forgotten. */
+    for (int i = 0; i < 3000; i++) {
+        (void)snprintf(name, sizeof name, "%d", i);
+        assert_int_equal(intake_take(x, name, 1, now), 0);
+    }
+    assert_int_equal(intake_take(x, "a", 1, now), 360);
+    intake_give(x, "nobody", 1);
+    assert_false(intake_full(x, NULL));
+    intake_free(x);
+    x = intake_new(0, "/nowhere", SIZE_MAX);
+    assert_non_null(x);
+    for (int i = 0; i < 100; i++)
+        assert_int_equal(intake_take(x, "a", 100, now), 0);
+    assert_false(intake_full(x, NULL)); /* not known */
+    intake_free(x);
+    x = intake_new(0, "/", SIZE_MAX);
+    assert_non_null(x);
+    assert_true(intake_full(x, NULL));
+    intake_free(x);
+    intake_free(NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_address),  cmocka_unit_test(test_wrong),
-        cmocka_unit_test(test_good),     cmocka_unit_test(test_off),
-        cmocka_unit_test(test_room),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_attempts), cmocka_unit_test(test_others),
+        cmocka_unit_test(test_address), cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_good),    cmocka_unit_test(test_off),
+        cmocka_unit_test(test_intake),  cmocka_unit_test(test_room),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_attempts),
+        cmocka_unit_test(test_others),
     };
 
     if (sodium_init() < 0)

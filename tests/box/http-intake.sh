@@ -1,0 +1,104 @@
+#!/bin/sh
+# Goal: enrolments do not fill the disk.  A token may add so many templates and subjects in an hour,
+# and none is added where the disk has less room than the reserve, while verifications go on.
+# The second part has a small file system of its own, where the tests may mount one.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+
+for i in $(seq 0 9); do
+    scan 1 "$i" "$T/$i.ply"
+done
+enroll() {
+    send POST "/v1/subjects/$1/templates" "$PLY" "$T/$2.ply"
+}
+refused() {
+    metric "surfaced_enrollments_refused_total{code=\"$1\"}"
+}
+trap 'umount -l "$T/disk" 2>/dev/null; cleanup' EXIT
+
+# ---- the budget: 7 an hour, one more every 514 s
+start_daemon --enrollments 7
+TWO=$(new_token two)
+AUTH=$(new_token one)
+for i in 0 1 2; do
+    enroll alice "$i"
+    is "enrolment $i" "$STATUS" 201
+done
+for _ in 1 2 3 4 5 6; do
+    enroll alice 0
+    is "the same again takes nothing" "$STATUS" 200
+done
+req POST /v1/subjects -H "$JSON" -d '{"subject": "bob"}'
+is "a subject takes one" "$STATUS" 201
+req POST /v1/subjects -H "$JSON" -d '{"subject": "bob"}'
+problem "one that is there takes nothing" 409 exists
+scan 2 0 "$T/other.ply"
+enroll alice other
+problem "what does not fit takes nothing" 409 sample_mismatch
+req POST /v1/subjects/alice/templates -F "file=@$T/2.ply" -F "file=@$T/3.ply" -F "file=@$T/4.ply"
+is "two new ones of three" "$STATUS $(get '[.templates[].new] | tojson')" '201 [false,true,true]'
+req POST /v1/subjects/alice/templates -F "file=@$T/5.ply" -F "file=@$T/6.ply" -F "file=@$T/7.ply"
+is "with room for one a form is taken whole" "$STATUS $(get '[.templates[].new] | tojson')" '201 [true,true,true]'
+enroll alice 8
+problem "beyond it" 429 too_many_enrollments 'has added 7 templates and subjects within an hour'
+ok "to be tried again when what was too much and one more have leaked out: $(field Retry-After)" \
+    matches "$(field Retry-After)" '^1(5[0-4])[0-9]$'
+req POST /v1/subjects -H "$JSON" -d '{"subject": "carol"}'
+problem "a subject" 429 too_many_enrollments
+send POST /v1/subjects/alice/verify "$PLY" "$T/9.ply"
+is "verifications go on" "$STATUS $(get .decision)" '200 match'
+AUTH=$TWO
+enroll alice 8
+is "another token" "$STATUS" 201
+is "as a metric" "$(refused too_many_enrollments) $(refused storage_full)" '2 0'
+ctl_exits 0 enroll alice "$T/9.ply"
+stop_daemon
+AUTH=''
+start_daemon --no-auth --enrollments 0
+for i in $(seq 0 9); do
+    enroll dave "$i"
+    is "no limit, $i" "$STATUS" 201
+done
+is "there is room" "$(metric surfaced_storage_full)" 0
+stop_daemon
+
+# ---- the reserve: more than any disk has
+start_daemon --no-auth --disk-reserve 1000000G
+enroll alice 0
+problem "an enrolment" 503 storage_full 'try again later'
+is "not soon" "$(field Retry-After)" 60
+ok "the log says how much is free" grep -Eq 'fault="[0-9]+ MB are free .* disk-reserve keeps 1024000000 MB' "$LOG"
+req POST /v1/subjects -H "$JSON" -d '{"subject": "erin"}'
+problem "a subject" 503 storage_full
+send POST /v1/subjects/dave/verify "$PLY" "$T/other.ply"
+is "a verification" "$STATUS $(get .decision)" '200 no_match'
+req GET /readyz
+is "it is ready" "$STATUS" 200
+is "as metrics" "$(metric surfaced_storage_full) $(refused storage_full)" '1 2'
+req DELETE /v1/subjects/dave
+is "an erasure" "$STATUS" 200
+stop_daemon
+
+# ---- a disk that fills up
+mkdir "$T/disk"
+if ! mount -t tmpfs -o size=24m tmpfs "$T/disk" 2>"$T/mount"; then
+    echo "SKIP $0: not permitted to mount a small file system"
+    finish
+fi
+DB=$T/disk/faces.db
+start_daemon --no-auth --disk-reserve 8M
+enroll alice 0
+is "with room" "$STATUS" 201
+head -c 16M /dev/zero >"$T/disk/else"
+enroll alice 1
+problem "without" 503 storage_full
+for _ in $(seq 100); do
+    send POST /v1/subjects/alice/verify "$PLY" "$T/9.ply"
+    [ "$STATUS" = 200 ] || break
+done
+is "100 verifications" "$STATUS $(get .decision)" '200 match'
+rm "$T/disk/else"
+enroll alice 1
+is "with room again" "$STATUS" 201
+is "the gauge" "$(metric surfaced_storage_full)" 0
+finish
