@@ -479,6 +479,19 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
+/* The mean of n likelihood ratios is one again: of a stranger's scan its expectation is 1, so that it
+ * reaches e^t with a probability of e^-t at most (Markov), like each of them alone.  The greatest of
+ * them, divided by n, is no more than their mean. */
+void face_best_of(struct face_result *r, uint32_t n, const struct face_work *w)
+{
+    if (n == 1)
+        return;
+    r->score -= ratio_ln(n);
+    r->expected -= ratio_ln(n);
+    r->decision = decide(r);
+    r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
+}
+
 void face_shown(const struct face_result *r, double steps, double *score,
                 double *threshold)
 {

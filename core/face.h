@@ -100,7 +100,8 @@ enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
 
 struct face_result {
     enum face_decision decision;
-    double score;     /* the log-likelihood ratio (ratio.h): higher is more alike */
+    double score;     /* the log-likelihood ratio (ratio.h): higher is more alike; after
+                            face_best_of() lowered by the logarithm of their number */
     double threshold; /* a match at or above it */
     double expected;  /* the mean score of two such scans of one person: below the
                             threshold what is no match is inconclusive */
@@ -121,6 +122,12 @@ struct face_result {
 enum status face_compare(const struct face *tmpl, const struct face *probe,
                          double threshold, double (*clock_ms)(void), struct face_work *w,
                          struct face_result *out);
+
+/* face_best_of(r, n, w): r is one of n > 0 comparisons of a probe, with the templates of one subject,
+ * of which the best decides: n chances for a false match.  The score and what is expected of it
+ * are lowered by ln n, and decision and rate follow (docs/decision.md).  With n = 1 nothing
+ * changes. */
+void face_best_of(struct face_result *r, uint32_t n, const struct face_work *w);
 
 /* face_align(tmpl, probe, clock_ms, w, r): r->align and r->align_ms: the pose of the probe over
  * the template, from which the minimal disparity is found and the gaps are shown.  The score

@@ -137,6 +137,7 @@ static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t
                            struct errinfo *e)
 {
     const struct ctl_cross_subject *one = &p->subject[subject];
+    const uint32_t n = one->n - (skip - one->first < one->n);
 
     *score = -(double)INFINITY;
     for (uint32_t t = one->first; t < one->first + one->n; t++) {
@@ -147,6 +148,7 @@ static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t
             continue;
         if ((st = face_compare(&p->face[t], probe, (double)NAN, NULL, w, &r)) != ST_OK)
             return errinfo_set(e, st, "comparing: %s", status_message(st));
+        face_best_of(&r, n, w);
         *score = fmax(*score, r.score);
     }
     return ST_OK;

@@ -1,7 +1,7 @@
 /* ctl_cross.h -- everybody in the database compared with everybody else.
  * A comparison is what a verification does: one scan against all templates of a subject, of
- * which the highest score counts, also where that is inconclusive at the threshold in force:
- * at a lower one it may match. */
+ * which the highest score counts, lowered by the logarithm of their number (face_best_of()), also
+ * where that is inconclusive at the threshold in force: at a lower one it may match. */
 #ifndef CTL_CROSS_H
 #define CTL_CROSS_H
 #include <stddef.h>

@@ -385,8 +385,8 @@ const struct ctl_command ctl_dedup = {
     .run = run,
     .summary = "find one face enrolled under two subjects",
     .help =
-        "All templates of each subject are compared with those of every other, as in a\n"
-        "verification.  The pairs at or above the threshold in force, --threshold or that\n"
+        "All templates of each subject are compared with those of every other, each pair of\n"
+        "templates for itself.  The pairs at or above the threshold in force, --threshold or that\n"
         "for --fmr are listed, the most alike first.  They may be one person, relatives, or\n"
         "alike by chance: about one comparison in a thousand is, at the shipped threshold, so\n"
         "choose a smaller --fmr for a large database.  The number of comparisons and the time\n"

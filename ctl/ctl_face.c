@@ -5,7 +5,6 @@
 #include "frame.h"
 #include "grid.h"
 #include "quality.h"
-#include "verdict.h"
 #include "ctl.h"
 #include "ctl_face.h"
 
@@ -97,7 +96,7 @@ void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
         (void)fprintf(to, "its uncertainty is not known");
 }
 
-void ctl_face_score(FILE *to, const struct face_result *r, uint32_t compared)
+void ctl_face_score(FILE *to, const struct face_result *r)
 {
     double score, threshold;
 
@@ -105,7 +104,7 @@ void ctl_face_score(FILE *to, const struct face_result *r, uint32_t compared)
     (void)fprintf(to,
                   "score        %.2f (a match at %.2f or above)\n"
                   "false match  rate at this score: %.2g\n",
-                  score, threshold, verdict_fmr(r, compared));
+                  score, threshold, r->fmr_at_score);
 }
 
 void ctl_face_minimal(FILE *to, const struct minimal *m)

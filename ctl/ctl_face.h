@@ -36,7 +36,7 @@ int ctl_face_exit(enum face_decision d);
 /* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)"; how
  * well a pose is known, without its end. */
 void ctl_face_known(FILE *to, double turn_deg, double shift_mm);
-void ctl_face_score(FILE *to, const struct face_result *r, uint32_t compared);
+void ctl_face_score(FILE *to, const struct face_result *r);
 void ctl_face_minimal(FILE *to, const struct minimal *m);
 void ctl_face_scan(FILE *to, const struct face *f);
 void ctl_face_regions(FILE *to, const struct face_result *r);

@@ -19,7 +19,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     if (c->json)
         return;
     (void)printf("decision     %s\n", verdict_decision(r->decision));
-    ctl_face_score(stdout, r, x->templates_compared);
+    ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &r->align);
     ctl_face_regions(stdout, r);
@@ -139,7 +139,9 @@ const struct ctl_command ctl_verify = {
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = verify,
     .summary = "compare a scan with a subject's templates",
-    .help = "The template with the highest score decides.",
+    .help =
+        "The template with the highest score decides; of n templates the score is lowered by\n"
+        "ln n, since each is a chance for a false match.",
     .example = "surfacectl --db faces.db verify alice probe.ply"};
 
 const struct ctl_command ctl_verify_compare = {

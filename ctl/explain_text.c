@@ -22,7 +22,7 @@ static void print_result(FILE *to, const struct explanation *x)
     const struct face_result *r = &x->result;
 
     (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
-    ctl_face_score(to, r, x->compared);
+    ctl_face_score(to, r);
     ctl_face_minimal(to, &x->minimal);
     (void)fprintf(to, "expected     %.2f of two such scans of one person\n", r->expected);
     (void)fprintf(to, "common       %.0f %% of the template's face\n", 100 * r->overlap);

@@ -16,6 +16,7 @@ void filled_run(const struct lab *lab);  /* restored points by the size of the h
 void faces_run(const struct lab *lab);   /* figures 10 and 11, the weight */
 void removal_run(const struct lab *lab); /* which removals hurt */
 void scans_run(const struct lab *lab);   /* scans as scanners deliver them */
+void several_run(const struct lab *lab); /* the best of several templates */
 void mirror_run(const struct lab *lab);  /* asymmetry planted and found */
 void minimal_run(const struct lab *lab); /* the minimum, against brute force */
 void missing_run(const struct lab *lab); /* the missing-points paper's figures, tables */

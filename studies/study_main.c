@@ -27,6 +27,7 @@ static const struct {
     {"mirror", "disparity: asymmetry, planted and found", mirror_run},
     {"scans", "scans as scanners deliver them: heads, half profiles, covered faces",
      scans_run},
+    {"several", "several templates: how often the best of n errs", several_run},
     {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
     {"climb", "hill climbing: how like a face scores alone make a scan", climb_run},
     {"bound", "disparity: a sound lower bound of the minimum", bound_run},
@@ -50,7 +51,7 @@ static int usage(FILE *to)
         "--seed     of everything random (%d)\n"
         "--reduced  few draws and small sizes: seconds instead of minutes\n"
         "--faces    a folder of scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, "
-        "which cover, fewer, minimal, bound and scans use\n"
+        "which cover, fewer, minimal, bound, scans and several use\n"
         "--raw      with it: a folder of the same people's scans as delivered, "
         "SUBJECT_head.ply, bust, round, half, glasses, mask, other (scans)\n"
         "With scripts/studies: pictures and a report besides.\n",

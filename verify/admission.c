@@ -60,6 +60,9 @@ static enum status listed(void *arg, const struct store_admission *a, struct err
     bool missing = false;
     enum status st;
 
+    if (a->n > STORE_TEMPLATES_MAX)
+        return errinfo_set(e, ST_ECORRUPT, "subject %s has %zu templates, more than %d",
+                           a->subject.id, a->n, STORE_TEMPLATES_MAX);
     r->out->admit = admit_subject(&a->subject, e);
     if (r->out->admit != ADMIT_YES)
         return ST_EDENIED;

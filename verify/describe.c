@@ -223,7 +223,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     face_shown(r, 100, &score, &threshold);
     json_score(j, "score", score);
     json_score(j, "threshold", threshold);
-    json_rate(j, "fmr_at_score", verdict_fmr(r, c->templates_compared));
+    json_rate(j, "fmr_at_score", r->fmr_at_score);
     json_number(j, "disparity_mm", c->minimal->disparity.plain_mm);
     json_number(j, "overlap", r->overlap);
     ids(j, c);

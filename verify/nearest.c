@@ -50,40 +50,53 @@ static enum status find_mirrored(struct admission_context *c, const struct admis
     admission_release(c, a, of->index, face);
     if (st != ST_OK)
         return errinfo_set(e, st, "the mirror image: %s", status_message(st));
+    face_best_of(&swapped, of->compared, c->work);
     of->mirrored =
         swapped.score > fmax(of->result.score, swapped.threshold) + DECISION_MIRRORED;
     return ST_OK;
+}
+
+/* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
+static void choose(struct face_result *r, const size_t *template, uint32_t n,
+                   const struct face_work *w, struct nearest *out)
+{
+    out->first_score = r[0].score;
+    for (uint32_t k = 0; k < n; k++) {
+        face_best_of(&r[k], n, w);
+        if (k == 0 || better(&r[k], &out->result)) {
+            out->result = r[k];
+            out->index = template[k];
+        }
+        out->score_ms += r[k].score_ms;
+    }
 }
 
 /* all: else as nearest_fit(). */
 static enum status find(struct admission_context *c, const struct admission *a, bool all,
                         const struct face *probe, struct nearest *out, struct errinfo *e)
 {
+    struct face_result result[STORE_TEMPLATES_MAX];
+    size_t template[STORE_TEMPLATES_MAX];
     bool foreign = false; /* there is one that this engine cannot re-encode */
 
     *out = (struct nearest){0};
     for (size_t i = 0; i < a->of.n; i++) {
-        struct face_result result;
         enum status st;
 
         if (!all && out->compared > 0 && !a->of.t[i].manager)
             continue;
-        st = compare(c, a, i, probe, &result, e);
+        st = compare(c, a, i, probe, &result[out->compared], e);
         foreign |= st == ST_EVERSION;
         if (st == ST_EVERSION || st == ST_ENOTFOUND)
             continue;
         if (st != ST_OK)
             return st;
-        if (out->compared == 0)
-            out->first_score = result.score;
-        if (out->compared++ == 0 || better(&result, &out->result)) {
-            out->result = result;
-            out->index = i;
-        }
-        out->score_ms += result.score_ms;
+        template[out->compared++] = i;
     }
-    if (out->compared > 0)
+    if (out->compared > 0) {
+        choose(result, template, out->compared, c->work, out);
         return find_mirrored(c, a, probe, out, e);
+    }
     if (foreign)
         return errinfo_set(e, ST_EVERSION,
                            "no template of the subject is of this engine, or can be "

@@ -1,6 +1,7 @@
 /* nearest.h -- a probe against the templates of one subject: which of them decides.
  * Fusion: the comparison with the highest score decides, so that one matching template suffices;
- * an inconclusive one only where there is no other.
+ * an inconclusive one only where there is no other.  Each is lowered by the logarithm of their
+ * number (face_best_of()), so that a stranger is accepted no more often than by one.
  * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
 #ifndef VERIFY_NEAREST_H
 #define VERIFY_NEAREST_H
@@ -18,7 +19,7 @@ struct nearest {
     struct face_result result;
     size_t index;       /* which of the admission's templates */
     uint32_t compared;  /* how many there were */
-    double first_score; /* against the oldest of them */
+    double first_score; /* against the oldest of them, not lowered */
     bool mirrored;      /* no match, but its mirror image is one: nearest_judge() */
     double score_ms;    /* over all of them */
 };

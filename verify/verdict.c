@@ -8,12 +8,3 @@ const char *verdict_decision(enum face_decision d)
 
     return name[d];
 }
-
-double verdict_fmr(const struct face_result *r, uint32_t n)
-{
-    double any = r->fmr_at_score;
-
-    for (uint32_t i = 1; i < n; i++)
-        any += (1 - any) * r->fmr_at_score;
-    return any;
-}

@@ -142,6 +142,14 @@ is "the days that attempts take with the lock-out" \
     "1,0 2,0 3,0 5,0.00104 10,0.0441 14,0.711 30,16.4"
 is "and warnings" "$(cut -d, -f9 "$T/climb/early.csv" | sed 1d | paste -sd ' ')" "0 0 1 3 8 12 28"
 
+# ---- the best of several templates
+study several
+ok "the best of more accepts more; less ln n, never more than as it is" awk -F, '
+    NR > 1 { if ($9 > $6 || $11 < $8 || ($3 == at && ($6 < was || $8 > missed))) exit bad = 1
+        at = $3; was = $6; missed = $8; n++ }
+    END { exit bad || n < 6 }' "$T/several/several.csv"
+ok "nothing is lowered where there is one" awk -F, '$2 == 1 && ($6 != $9 || $8 != $11) { exit 1 }' "$T/several/several.csv"
+
 # ---- asymmetry
 study mirror
 between "the asymmetry follows the generated one" "$(value mirror/summary.csv 'of the final one' 3)" 0.95 1

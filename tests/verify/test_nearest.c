@@ -191,6 +191,34 @@ static void test_highest(void **state)
     assert_decides("210", &probe, higher, FACE_MATCH);
 }
 
+/* Of n comparisons the best is lowered by ln n, and so are its decision and rate. */
+static void test_lowered(void **state)
+{
+    struct nearest out;
+    struct calibration d = model_default.calibration;
+    enum status st;
+
+    (void)state;
+    assert_int_equal(decide("1", &probe, &st, &out), SAME);
+    const struct face_result one = out.result;
+    assert_true(out.first_score == one.score);
+    assert_int_equal(decide("10", &probe, &st, &out), SAME);
+    assert_true(fabs(out.result.score - (one.score - log(2))) < 1e-12);
+    assert_true(fabs(out.result.expected - (one.expected - log(2))) < 1e-12);
+    assert_true(out.first_score == one.score);
+    assert_true(out.result.fmr_at_score >= one.fmr_at_score);
+    /* A threshold that one template just reaches, and the best of two does not. */
+    d.threshold = one.score;
+    face_work_decide(tempdb_work, &d);
+    assert_decides("1", &probe, SAME, FACE_MATCH);
+    assert_true(decide("10", &probe, &st, &out) >= 0);
+    assert_int_not_equal(out.result.decision, FACE_MATCH);
+    d.threshold = one.score - log(2) - 1e-9;
+    face_work_decide(tempdb_work, &d);
+    assert_decides("10", &probe, SAME, FACE_MATCH);
+    face_work_decide(tempdb_work, NULL);
+}
+
 /* If all comparisons are inconclusive, the highest score is returned. */
 static void test_inconclusive(void **state)
 {
@@ -360,6 +388,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_highest, reset),
+        cmocka_unit_test_setup(test_lowered, reset),
         cmocka_unit_test_setup(test_inconclusive, reset),
         cmocka_unit_test_setup(test_conclusive_first, reset),
         cmocka_unit_test_setup(test_mirrored, reset),
