@@ -75,7 +75,7 @@ void ctl_say(const struct ctl *c, const char *fmt, ...)
     if (c->json)
         return;
     va_start(args, fmt);
-    (void)vprintf(fmt, args);
+    (void)vfprintf(c->piped ? stderr : stdout, fmt, args);
     va_end(args);
 }
 

@@ -86,9 +86,10 @@ struct ctl {
     struct keyfile *asked;            /* a passphrase, once asked for; to be freed */
     struct store *store;              /* the database, once opened (ctl_model.h) */
     struct face_work *work;           /* where the command takes scans (CTL_UNITS) */
-    int code;                         /* EXIT_FINE until a command says otherwise */
-    struct json *out;                 /* NULL without json */
-    struct errinfo e;                 /* why a command did not end with 0, 1 or 2 */
+    bool piped; /* --out -: the result is on standard output, what is said of it not */
+    int code;   /* EXIT_FINE until a command says otherwise */
+    struct json *out; /* NULL without json */
+    struct errinfo e; /* why a command did not end with 0, 1 or 2 */
 };
 
 /* ctl_exit(c, st): the exit code of a command that returned st.
@@ -107,7 +108,7 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
 const char *ctl_bytes(uint64_t n, char out[32]);
 
 /* A command's result is JSON, in c->out, or text.
- * ctl_say(c, ...): print text, unless it is JSON.
+ * ctl_say(c, ...): print text, unless it is JSON; to standard error if c->piped.
  * ctl_print(to, text): print a line of JSON and free() it.  false: it is NULL (out of
  * memory), or cannot be written. */
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,

@@ -1,12 +1,31 @@
 /* export and import: subjects between databases. */
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "keyfile.h"
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_key.h"
 #include "ctl_model.h"
 
 static bool all; /* --all */
+
+/* store_export() replaces no file: with --force the new archive takes the name of the old one
+ * when it is complete. */
+static enum status replace_archive(struct ctl *c, const struct keyfile *k,
+                                   struct store_exported *x)
+{
+    char aside[PATH_MAX];
+    enum status st;
+
+    (void)snprintf(aside, sizeof aside, "%s.new", c->dir);
+    st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, aside, k, x, &c->e);
+    if (st == ST_OK && rename(aside, c->dir) != 0)
+        st = errinfo_set(&c->e, ST_EIO, "%.160s: %s", c->dir, strerror(errno));
+    return st;
+}
 
 static enum status export_subjects(struct ctl *c)
 {
@@ -18,10 +37,12 @@ static enum status export_subjects(struct ctl *c)
     if (c->dir == NULL || all == (c->nargs > 0))
         return ctl_usage(c, "export needs %s",
                          c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
-    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
+    if ((st = ctl_dir_may_write(c, c->dir, 0)) == ST_OK &&
+        (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
-        st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x,
-                          &c->e);
+        st = c->force ? replace_archive(c, k, &x)
+                      : store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs,
+                                     c->dir, k, &x, &c->e);
     keyfile_free(k);
     if (st != ST_OK)
         return st;
@@ -75,12 +96,12 @@ const struct ctl_command ctl_archive_export = {
     .args = "SUBJECT... | --all",
     .takes = {0, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_OUT | CTL_SHORT | CTL_ARCHIVE_KEY,
+    .shared = CTL_OUT | CTL_SHORT | CTL_ARCHIVE_KEY | CTL_FORCE,
     .options = {CTL_OPTION("all", NULL, ctl_option_flag, &all, "every subject")},
     .run = export_subjects,
     .summary = "write subjects to an archive for another machine",
     .help =
-        "The new file --out is encrypted with a passphrase that is asked for, or with the line\n"
+        "The file --out is encrypted with a passphrase that is asked for, or with the line\n"
         "in the file --archive-key: 64 hexadecimal digits are a key, anything else is a\n"
         "passphrase.  Tokens, calibrations and events are not in it.  An event records each\n"
         "subject that was exported.",

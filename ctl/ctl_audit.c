@@ -215,27 +215,26 @@ static enum status export_log(struct ctl *c)
     struct export x = {.nmark = 0};
     enum status st;
 
-    if (c->dir == NULL && c->json)
-        return ctl_usage(c, "the log is JSON lines already: --json needs --out FILE");
+    if (c->dir == NULL)
+        c->dir = "-";
+    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+        return st;
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = store_audit_public(c->store, x.public_key, &c->e)) == ST_OK &&
         (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
             ST_OK &&
         (st = store_audit_marks(c->store, &x.marks, &x.nmark, &c->e)) == ST_OK) {
         x.store = c->store;
-        st = c->dir != NULL ? ctl_dir_file(c->dir, put_log, &x, &c->e)
-                            : put_log(stdout, &x, &c->e);
+        st = ctl_dir_file(c, c->dir, put_log, &x);
     }
     free(x.marks);
     if (st != ST_OK)
         return st;
-    json_text(c->out, "file", c->dir != NULL ? c->dir : "");
+    json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
     json_text(c->out, "public_key", x.public_key);
-    if (!c->json)
-        (void)fprintf(c->dir != NULL ? stdout : stderr,
-                      "%" PRIu64 " changes, and the uses; public key %s\n", x.end.seq,
-                      x.public_key);
+    ctl_say(c, "%" PRIu64 " changes, and the uses; public key %s\n", x.end.seq,
+            x.public_key);
     return ST_OK;
 }
 
@@ -381,11 +380,11 @@ const struct ctl_command ctl_audit_verify = {
 const struct ctl_command ctl_audit_export = {
     .name = "audit export",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_OUT,
+    .shared = CTL_OUT | CTL_FORCE,
     .run = export_log,
     .summary = "write the audit log as signed JSON lines",
     .help =
-        "To --out, or standard output.  It has a keyed hash in place of each subject's id.",
+        "To --out, or standard output (-).  It has a keyed hash in place of each subject's id.",
     .example = "surfacectl --db faces.db audit export --out log.jsonl"};
 
 const struct ctl_command ctl_audit_checkpoint = {

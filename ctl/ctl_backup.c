@@ -2,6 +2,7 @@
 #include <inttypes.h>
 
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_key.h"
 
 /* For "%" PRIu64 " subject%s". */
@@ -29,9 +30,9 @@ static enum status backup(struct ctl *c)
     struct store_copied copied;
     struct store_key key;
     char size[32];
-    enum status st = key_of(c, c->db, &key);
+    enum status st = ctl_dir_may_write(c, c->args[0], 0);
 
-    if (st == ST_OK &&
+    if (st == ST_OK && (st = key_of(c, c->db, &key)) == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
         st = store_backup(c->store, c->args[0], &key, &copied, &c->e);
     if (st != ST_OK)
@@ -97,12 +98,13 @@ const struct ctl_command ctl_backup = {
     .args = "FILE",
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_FORCE,
     .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
         "The copy is of one moment.  Before it gets its name it is verified: every page, every\n"
-        "subject and template decrypted, the audit log.  FILE is complete or not there; an older\n"
-        "backup of that name is replaced.  The key is not in it.",
+        "subject and template decrypted, the audit log.  FILE is complete or not there; --force\n"
+        "replaces an older backup of that name.  The key is not in it.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
 
 const struct ctl_command ctl_backup_restore = {

@@ -8,8 +8,8 @@
 #include "fill.h"
 #include "lattice.h"
 #include "mem.h"
-#include "newfile.h"
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_sample.h"
 
 struct filled {
@@ -59,18 +59,6 @@ static enum status write_filled(FILE *to, const void *arg, struct errinfo *e)
         print_point(to, p->x / per, p->y / per, p->z / per, 1);
     }
     return ST_OK;
-}
-
-static enum status write_new(const char *path, const struct filled *f, struct errinfo *e)
-{
-    struct newfile file = NEWFILE_NONE;
-    enum status st;
-
-    if ((st = newfile_open(path, &file, e)) == ST_OK &&
-        (st = newfile_fill(&file, write_filled, f, e)) == ST_OK)
-        st = newfile_keep(&file, e);
-    newfile_close(&file);
-    return st;
 }
 
 /* ---- what was done */
@@ -166,10 +154,12 @@ static enum status run(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "fill needs --out FILE");
+    if ((st = ctl_dir_may_pipe(c, 1)) != ST_OK)
+        return st;
     c->scans.axes = SCAN_AXES_SCANNER; /* the points stay where they are */
     st = ctl_sample_parse(c, c->args[0], &f.scan);
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
-        (st = write_new(c->dir, &f, &c->e)) == ST_OK)
+        (st = ctl_dir_file(c, c->dir, write_filled, &f)) == ST_OK)
         tell_filled(c, &f);
     fill_free(&f.fill);
     cloudpoints_free(&f.scan);
@@ -180,14 +170,14 @@ const struct ctl_command ctl_fill = {
     .name = "fill",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_UNITS | CTL_CAMERA | CTL_MODEL | CTL_OUT,
+    .shared = CTL_UNITS | CTL_CAMERA | CTL_MODEL | CTL_OUT | CTL_FORCE,
     .run = run,
     .summary = "restore the points that are missing in a scan's holes",
     .help =
         "A hole is where the triangles between the scan's points are much wider than the points\n"
         "round it are apart.  It is filled with points as dense as those, on the triangles.  The\n"
         "scan's points as they are, and the restored ones, marked by the property \"restored\",\n"
-        "are written to the file --out (PLY), which must not exist.  For each hole it says how far\n"
+        "are written to the file --out (PLY; -: standard output).  For each hole it says how far\n"
         "the restored points may be off.  What lies beyond the scan's outline is not filled.\n"
         "Do not enroll a filled scan: restored points would be taken for measured ones.",
     .example = "surfacectl fill alice.ply --out filled.ply"};

@@ -141,7 +141,7 @@ is "with its digest" "$(receipt .digest)" \
     "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
 
 # ---- exported
-ctl audit export --out "$T/log"
+ctl audit export --out "$T/log" --force
 is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 14,\"$key\""
 is "its owner's" "$(stat -c %a "$T/log")" 600
 is "what an entry is not about is null" \
