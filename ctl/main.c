@@ -72,8 +72,14 @@ static bool read_options(int argc, char **argv, struct line *l)
     while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
         int k;
 
-        if (got == '?')
-            return wrong(l, "there is no option", argv[optind - 1]);
+        if (got == '?') {
+            (void)ctl_usage(
+                &l->c,
+                "there is no option %.80s (surfacectl --help); what begins with "
+                "a hyphen and is no option goes behind --",
+                argv[optind - 1]);
+            return false;
+        }
         if (got == ':')
             return wrong(l, "a value is missing after", argv[optind - 1]);
         k = index_of(l, got);

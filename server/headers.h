@@ -5,9 +5,11 @@
 
 struct request;
 
-/* Where the body ends, and so another request may begin, as far as the headers say so without
- * doubt: a proxy in front must not see another end (RFC 9112 section 11.2).  All zero at first. */
+/* Where the body ends, and so another request may begin, to which host it goes and for whom, as far
+ * as the headers say so without doubt: a proxy in front must not read them in another way (RFC 9112
+ * sections 3.2 and 11.2).  All zero at first. */
 struct headers_framing {
+    bool has_host, has_authorization;
     bool has_length;   /* a length or chunks are announced */
     bool coded;        /* a transfer coding is */
     bool other_coding; /* and it is not chunked: nobody knows its end */
