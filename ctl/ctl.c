@@ -1,5 +1,6 @@
 #include "ctl.h"
 
+#include <pwd.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,23 @@ int ctl_exit(const struct ctl *c, enum status st)
     return st == ST_OK || c->code == EXIT_USAGE ? c->code
            : code[st] != 0                      ? code[st]
                                                 : EXIT_DATA;
+}
+
+const char *ctl_actor(void)
+{
+    static char actor[STORE_NAME_MAX + 1];
+    const struct passwd *const user = getpwuid(getuid());
+    const char *name = user != NULL ? user->pw_name : "";
+    const size_t len = strlen(name), room = sizeof actor - sizeof "surfacectl:";
+    size_t plain = 0;
+
+    while (name[plain] >= ' ' && name[plain] <= '~')
+        plain++;
+    if (len > 0 && len <= room && plain == len)
+        (void)snprintf(actor, sizeof actor, "surfacectl:%s", name);
+    else
+        (void)snprintf(actor, sizeof actor, "surfacectl:%u", (unsigned)getuid());
+    return actor;
 }
 
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word)

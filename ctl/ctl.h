@@ -26,8 +26,6 @@ struct options;     /* options.h */
 struct store;       /* store.h */
 struct ctl_command; /* ctl_command.h */
 
-#define CTL_ACTOR "surfacectl" /* in the events table */
-
 /* As in <sysexits.h> where that has one; ctl_help.c says what they mean. */
 enum ctl_exit {
     EXIT_FINE = 0,
@@ -59,6 +57,8 @@ struct ctl {
     const struct ctl_command *cmd;
     int nargs;
     char **args; /* its arguments */
+
+    const char *actor; /* in the audit log: ctl_actor() */
 
     /* Options that several commands take (ctl_option.c). */
     const char *db;
@@ -98,6 +98,10 @@ struct ctl {
 int ctl_exit(const struct ctl *c, enum status st);
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
+
+/* ctl_actor(): "surfacectl:" and the login name of the process's real user, or its number where
+ * it has none that an actor's name can hold (STORE_NAME_MAX printable ASCII).  Static. */
+const char *ctl_actor(void);
 
 /* ctl_confirm(c, what, word): ST_OK with --yes, or when a person on a terminal types the
  * word after reading what will be done ("This erases ..."); else ST_EDENIED, and the exit

@@ -21,7 +21,7 @@ static enum status replace_archive(struct ctl *c, const struct keyfile *k,
     enum status st;
 
     (void)snprintf(aside, sizeof aside, "%s.new", c->dir);
-    st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, aside, k, x, &c->e);
+    st = store_export(c->store, c->actor, c->args, (size_t)c->nargs, aside, k, x, &c->e);
     if (st == ST_OK && rename(aside, c->dir) != 0)
         st = errinfo_set(&c->e, ST_EIO, "%.160s: %s", c->dir, strerror(errno));
     return st;
@@ -41,7 +41,7 @@ static enum status export_subjects(struct ctl *c)
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
         st = c->force ? replace_archive(c, k, &x)
-                      : store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs,
+                      : store_export(c->store, c->actor, c->args, (size_t)c->nargs,
                                      c->dir, k, &x, &c->e);
     keyfile_free(k);
     if (st != ST_OK)
@@ -65,7 +65,7 @@ static enum status import_subjects(struct ctl *c)
 
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, false, &k)) == ST_OK)
-        st = store_import(c->store, CTL_ACTOR, c->args[0], k, c->dry_run, &m, &c->e);
+        st = store_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
     keyfile_free(k);
     if (st != ST_OK)
         return st;

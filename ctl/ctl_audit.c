@@ -111,8 +111,8 @@ static enum status checkpoint(struct ctl *c)
     char public_key[65];
     enum status st = store_audit_public(c->store, public_key, &c->e);
 
-    if (st != ST_OK || (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_SIGN, &m,
-                                              &c->e)) != ST_OK)
+    if (st != ST_OK ||
+        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
         return st;
     out_mark(c->out, &m);
     json_text(c->out, "public_key", public_key);
@@ -221,7 +221,7 @@ static enum status export_log(struct ctl *c)
         return st;
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = store_audit_public(c->store, x.public_key, &c->e)) == ST_OK &&
-        (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
+        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
             ST_OK &&
         (st = store_audit_marks(c->store, &x.marks, &x.nmark, &c->e)) == ST_OK) {
         x.store = c->store;
@@ -305,7 +305,7 @@ static enum status trim(struct ctl *c)
 
     if (keep == 0)
         return ctl_usage(c, "--keep DAYS is missing");
-    st = store_audit_trim(c->store, CTL_ACTOR, keep, c->dry_run, &cut, &c->e);
+    st = store_audit_trim(c->store, c->actor, keep, c->dry_run, &cut, &c->e);
     if (st != ST_OK)
         return st;
     json_number(c->out, "cut", (double)cut);
@@ -357,9 +357,10 @@ const struct ctl_command ctl_audit_show = {
     .run = show,
     .summary = "list who did what, and when",
     .help =
-        "The newest entries of the audit log, oldest first.  The actor is a token's id or a\n"
-        "program.  Erased subjects have no name in the log, but --subject finds their entries;\n"
-        "of a subject that was renamed it also finds those under its former ids.",
+        "The newest entries of the audit log, oldest first.  The actor is a token's id, a\n"
+        "program, or surfacectl:USER.  Erased subjects have no name in the log, but --subject\n"
+        "finds their entries; of a subject that was renamed it also finds those under its former\n"
+        "ids.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_verify = {

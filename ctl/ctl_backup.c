@@ -77,7 +77,7 @@ static enum status restore(struct ctl *c)
     enum status st = key_of(c, c->args[0], &key);
 
     if (st == ST_OK)
-        st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);
+        st = store_restore(c->db, c->args[0], &key, c->actor, c->dry_run, &r, &c->e);
     if (st != ST_OK)
         return st;
     json_object(c->out, "backup");

@@ -300,7 +300,7 @@ static enum status store_it(struct ctl *c, struct store_calibration *k)
     enum status st = may_store(c, k);
 
     if (st == ST_OK && !c->dry_run)
-        st = store_calibration_add(c->store, CTL_ACTOR, k, &c->e);
+        st = store_calibration_add(c->store, c->actor, k, &c->e);
     if (st != ST_OK)
         return st;
     json_flag(c->out, "stored", !c->dry_run);

@@ -90,7 +90,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 {
     const struct corpus_scan *scan = &w->corpus->scan[i];
     struct scan_found found;
-    const struct enrolment x = {.actor = CTL_ACTOR,
+    const struct enrolment x = {.actor = c->actor,
                                 .subject = w->corpus->subject[scan->subject].id,
                                 .label = c->label != NULL ? c->label
                                                           : w->corpus->kind[scan->kind],

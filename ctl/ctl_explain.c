@@ -37,7 +37,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
         x->template_id = t->id;
     }
     if (st == ST_OK)
-        st = store_event(c->store, "explain", CTL_ACTOR, t->subject, t->id,
+        st = store_event(c->store, "explain", c->actor, t->subject, t->id,
                          verdict_decision(x->result.decision), &c->e);
     return st;
 }

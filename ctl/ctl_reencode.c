@@ -39,7 +39,7 @@ static enum status do_one(void *arg, size_t i, struct face_work *w, struct errin
     struct face f = {0};
     bool done = false;
     enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
-                                   : store_reencode(b->c->store, CTL_ACTOR, b->id[i], w,
+                                   : store_reencode(b->c->store, b->c->actor, b->id[i], w,
                                                     &f, &t, &done, &o->e);
 
     face_free(&f);

@@ -107,7 +107,7 @@ static enum status export_template(struct ctl *c)
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = store_template_load(c->store, c->args[0], &t, w, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
-        st = store_event(c->store, "export_template", CTL_ACTOR, t.subject, t.id,
+        st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
     if (st == ST_OK && (st = ctl_dir_mesh(c, c->dir, &f.surface.mesh)) == ST_OK) {
         json_text(c->out, "template_id", t.id);

@@ -206,6 +206,7 @@ static enum status run(struct ctl *c, struct model **model)
     const enum ctl_database database = c->cmd->database;
     enum status st = ctl_model_read(c, model);
 
+    c->actor = ctl_actor();
     if (sodium_init() < 0)
         return errinfo_set(&c->e, ST_EINTERNAL,
                            "the cryptographic library does not start");

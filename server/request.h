@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "address.h"
 #include "cloudformat.h"
 #include "inflate.h"
 #include "multipart.h"
@@ -88,6 +89,7 @@ struct request {
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
+    char client[ADDRESS_HOST_MAX];       /* its address, for the log (address_host()) */
     unsigned char address[THROTTLE_ADDRESS];
     char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */

@@ -209,6 +209,7 @@ is "its mode" "$(stat -c %a "$s")" 660
 URL=http://localhost
 req GET /v1/subjects/alice --unix-socket "$s"
 is "a request" "$STATUS" 200
+ok "the log has whence" grep -q 'route=/v1/subjects/{subject} status=200 .* client=unix' "$LOG"
 refuse "another process listens there" 1 'cannot listen on unix:.*in use' --listen "unix:$s"
 kill -9 "$PID"
 wait "$PID" 2>/dev/null
