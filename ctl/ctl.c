@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "store.h"
+#include "trial.h"
 
 enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 {
@@ -34,6 +35,29 @@ int ctl_exit(const struct ctl *c, enum status st)
     return st == ST_OK || c->code == EXIT_USAGE ? c->code
            : code[st] != 0                      ? code[st]
                                                 : EXIT_DATA;
+}
+
+const char *ctl_error_code(const struct ctl *c)
+{
+    static const char *const word[ST_COUNT] = {[ST_ENOMEM] = "out_of_memory",
+                                               [ST_ESIZE] = "file_too_large",
+                                               [ST_ECORRUPT] = "damaged",
+                                               [ST_EVERSION] = "other_version",
+                                               [ST_ENOTFOUND] = "not_found",
+                                               [ST_EEXISTS] = "exists",
+                                               [ST_EMISMATCH] = "sample_mismatch",
+                                               [ST_EREPLAYED] = "replayed",
+                                               [ST_EDENIED] = "forbidden",
+                                               [ST_EREFUSED] = "database_refused",
+                                               [ST_EHELD] = "on_hold",
+                                               [ST_EBUSY] = "busy",
+                                               [ST_EIO] = "storage",
+                                               [ST_EDB] = "internal",
+                                               [ST_EINTERNAL] = "internal"};
+
+    return c->code == EXIT_USAGE     ? "usage"
+           : word[c->e.code] != NULL ? word[c->e.code]
+                                     : trial_code(c->e.code);
 }
 
 const char *ctl_actor(void)

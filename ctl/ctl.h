@@ -93,9 +93,11 @@ struct ctl {
 };
 
 /* ctl_exit(c, st): the exit code of a command that returned st.
+ * ctl_error_code(c): a stable word for c->e.code, as the HTTP interface has it; static.
  * ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
  * the exit code EXIT_USAGE. */
 int ctl_exit(const struct ctl *c, enum status st);
+const char *ctl_error_code(const struct ctl *c);
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
 
@@ -107,6 +109,9 @@ const char *ctl_actor(void);
  * word after reading what will be done ("This erases ..."); else ST_EDENIED, and the exit
  * code EXIT_USAGE. */
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
+
+/* A count and what makes a word plural where it is not 1, for "%" PRIu64 " template%s". */
+#define CTL_COUNT(n) (uint64_t)(n), (n) == 1 ? "" : "s"
 
 /* Bytes as people read them: "1.5 MB". */
 const char *ctl_bytes(uint64_t n, char out[32]);

@@ -1,5 +1,6 @@
 /* export and import: subjects between databases. */
 #include <errno.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -50,9 +51,8 @@ static enum status export_subjects(struct ctl *c)
     json_number(c->out, "subjects", (double)x.subjects);
     json_number(c->out, "templates", (double)x.templates);
     json_number(c->out, "bytes", (double)x.bytes);
-    ctl_say(c, "%s: %llu subjects, %llu templates, %s\n", c->dir,
-            (unsigned long long)x.subjects, (unsigned long long)x.templates,
-            ctl_bytes(x.bytes, size));
+    ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n", c->dir,
+            CTL_COUNT(x.subjects), CTL_COUNT(x.templates), ctl_bytes(x.bytes, size));
     return ST_OK;
 }
 
@@ -76,18 +76,17 @@ static enum status import_subjects(struct ctl *c)
     json_number(c->out, "subjects_erased", (double)m.erased);
     json_number(c->out, "templates_to_reencode", (double)m.outdated);
     json_flag(c->out, "imported", !c->dry_run);
-    ctl_say(c, "%llu subjects, %llu templates; new %s: %llu and %llu\n",
-            (unsigned long long)m.subjects, (unsigned long long)m.templates,
+    ctl_say(c, "%" PRIu64 " subject%s, %" PRIu64 " template%s; new %s: %llu and %llu\n",
+            CTL_COUNT(m.subjects), CTL_COUNT(m.templates),
             c->dry_run ? "would be" : "are", (unsigned long long)m.new_subjects,
             (unsigned long long)m.new_templates);
     if (m.erased > 0)
-        ctl_say(c, "%llu subjects were erased here and are left out\n",
-                (unsigned long long)m.erased);
+        ctl_say(c, "%" PRIu64 " subject%s erased here before: left out\n",
+                CTL_COUNT(m.erased));
     if (m.outdated > 0)
-        ctl_say(c,
-                "%llu templates were made by another engine: surfacectl template "
-                "reencode\n",
-                (unsigned long long)m.outdated);
+        ctl_say(
+            c, "%" PRIu64 " template%s of another engine: surfacectl template reencode\n",
+            CTL_COUNT(m.outdated));
     return ST_OK;
 }
 

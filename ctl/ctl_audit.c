@@ -233,8 +233,8 @@ static enum status export_log(struct ctl *c)
     json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
     json_text(c->out, "public_key", x.public_key);
-    ctl_say(c, "%" PRIu64 " changes, and the uses; public key %s\n", x.end.seq,
-            x.public_key);
+    ctl_say(c, "%" PRIu64 " change%s, and the uses; public key %s\n",
+            CTL_COUNT(x.end.seq), x.public_key);
     return ST_OK;
 }
 
@@ -289,10 +289,13 @@ static enum status verify(struct ctl *c)
               found.problems > 0 ? store_chain_word(found.chain) : NULL);
     json_number(c->out, "first_entry",
                 found.problems > 0 ? (double)found.first : (double)NAN);
-    ctl_say(
-        c, "%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64 " problems%s%s\n",
-        found.problems == 0 ? "ok" : "NOT ok", found.entries, found.checkpoints,
-        found.problems, public_key[0] != '\0' ? "; public key " : "", public_key);
+    ctl_say(c,
+            "%s: %" PRIu64 " entr%s, %" PRIu64 " checkpoint%s, %" PRIu64
+            " problem%s%s%s\n",
+            found.problems == 0 ? "ok" : "NOT ok", found.entries,
+            found.entries == 1 ? "y" : "ies", CTL_COUNT(found.checkpoints),
+            CTL_COUNT(found.problems), public_key[0] != '\0' ? "; public key " : "",
+            public_key);
     return ST_OK;
 }
 
@@ -310,8 +313,8 @@ static enum status trim(struct ctl *c)
         return st;
     json_number(c->out, "cut", (double)cut);
     json_flag(c->out, "dry_run", c->dry_run);
-    ctl_say(c, "%" PRIu64 " uses are older than %" PRIu32 " days%s\n", cut, keep,
-            c->dry_run ? "" : " and were cut off");
+    ctl_say(c, "%" PRIu64 " use%s older than %" PRIu64 " day%s%s\n", CTL_COUNT(cut),
+            CTL_COUNT(keep), c->dry_run ? "" : ": cut off");
     return ST_OK;
 }
 

@@ -5,9 +5,6 @@
 #include "ctl_dir.h"
 #include "ctl_key.h"
 
-/* For "%" PRIu64 " subject%s". */
-#define COUNT(n) n, (n) == 1 ? "" : "s"
-
 /* The key of a copy is that of the database: its usual name goes by the database's. */
 static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
 {
@@ -40,7 +37,7 @@ static enum status backup(struct ctl *c)
     json_text(c->out, "backup", c->args[0]);
     out_copied(c, &copied);
     ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n",
-            c->args[0], COUNT(copied.subjects), COUNT(copied.templates),
+            c->args[0], CTL_COUNT(copied.subjects), CTL_COUNT(copied.templates),
             ctl_bytes(copied.bytes, size));
     return ST_OK;
 }
@@ -48,7 +45,7 @@ static enum status backup(struct ctl *c)
 static void tell_restored(const struct ctl *c, const struct store_restored *r)
 {
     ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
-            COUNT(r->backup.subjects), COUNT(r->backup.templates));
+            CTL_COUNT(r->backup.subjects), CTL_COUNT(r->backup.templates));
     if (r->was_there)
         ctl_say(c,
                 "; in its place now: %" PRIu64 " subject%s, %" PRIu64 " template%s\n"
@@ -56,8 +53,8 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
                 "%" PRIu64 " subject%s of the backup were erased since and are erased "
                 "again\n"
                 "%" PRIu64 " token%s were revoked since and are revoked again",
-                COUNT(r->had_subjects), COUNT(r->had_templates), COUNT(r->lost),
-                COUNT(r->erased), COUNT(r->revoked));
+                CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates),
+                CTL_COUNT(r->lost), CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
     ctl_say(c, "\n");
     if (c->dry_run)
         ctl_say(c, "nothing was changed\n");

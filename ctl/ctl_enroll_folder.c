@@ -1,5 +1,6 @@
 #include "ctl_enroll_folder.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -204,8 +205,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     json_number(c->out, "left_out", left);
     json_number(c->out, "undone", count[UNDONE]);
     json_number(c->out, "seconds", seconds);
-    ctl_say(c, "%u scans of %s: %u enrolled, %u were there already, %u failed", n,
-            c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
+    ctl_say(c, "%" PRIu64 " scan%s of %s: %u enrolled, %u were there already, %u failed",
+            CTL_COUNT(n), c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
     if (left > 0)
         ctl_say(c, "; %u other%s left out", left, left == 1 ? "" : "s");
     if (count[UNDONE] > 0)

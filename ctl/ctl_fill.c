@@ -1,4 +1,5 @@
 /* fill: what is missing in a scan, restored. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,8 +85,8 @@ static void tell_hole(struct ctl *c, const struct fill_hole *h)
     json_number(c->out, "error_rms_mm", rms);
     json_number(c->out, "error_95_mm", most);
     json_close(c->out);
-    ctl_say(c, "hole         %.1f mm across, %.0f mm2: %u points", diameter, area,
-            h->points);
+    ctl_say(c, "hole         %.1f mm across, %.0f mm2: %" PRIu64 " point%s", diameter,
+            area, CTL_COUNT(h->points));
     if (isnan(rms))
         ctl_say(c, "; wider than was studied, nothing is known of the error\n");
     else
@@ -104,8 +105,10 @@ static void tell_filled(struct ctl *c, struct filled *f)
     json_text(c->out, "file", c->dir);
     json_number(c->out, "points", (double)f->scan.n);
     json_number(c->out, "restored", r->n);
-    ctl_say(c, "restored     %u points in %u holes, beside %zu of the scan\n", r->n,
-            r->nholes, f->scan.n);
+    ctl_say(c,
+            "restored     %" PRIu64 " point%s in %" PRIu64
+            " hole%s, beside %zu of the scan\n",
+            CTL_COUNT(r->n), CTL_COUNT(r->nholes), f->scan.n);
     json_array(c->out, "holes");
     for (uint32_t i = 0; i < r->nholes; i++)
         tell_hole(c, &r->hole[i]);

@@ -33,8 +33,8 @@ static void print_found(const struct scan_found *f)
                  f->unit_mm > 0 ? cloudunit_name(f->unit_mm) : "not found",
                  f->unit_mm > 0 && f->unit_found ? " (found)" : "");
     if (!isnan(f->yaw_deg))
-        (void)printf("view         yaw %.0f, pitch %.0f, roll %.0f degrees\n", f->yaw_deg,
-                     f->pitch_deg, f->roll_deg);
+        (void)printf("view         yaw %ld, pitch %ld, roll %ld degrees\n",
+                     lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
     ctl_sample_warnings(stdout, "warnings", f);

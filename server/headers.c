@@ -1,6 +1,7 @@
 #include "headers.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -159,6 +160,21 @@ static void take_key(struct request *r, const char *s)
     }
 }
 
+/* Does a list of codings have gzip, and not with the weight 0?  RFC 9110, section 12.5.3. */
+static bool accepts_gzip(const char *s)
+{
+    while (*s != '\0') {
+        const size_t len = strcspn(s += strspn(s, BLANKS ","), ",");
+        const size_t name = strcspn(s, ",; \t");
+        const char *q = memchr(s, '=', len);
+
+        if ((name == 4 && strncasecmp(s, "gzip", 4) == 0) || (name == 1 && *s == '*'))
+            return q == NULL || strtod(q + 1, NULL) > 0;
+        s += len;
+    }
+    return false;
+}
+
 void headers_take(struct request *r, const char *name, const char *value)
 {
     if (value == NULL)
@@ -169,6 +185,11 @@ void headers_take(struct request *r, const char *name, const char *value)
         capture_take(r, value);
     else if (strcasecmp(name, "Prefer") == 0)
         take_preferences(r, value);
+    else if (strcasecmp(name, "Accept-Encoding") == 0)
+        r->gzip = r->gzip || accepts_gzip(value);
+    else if (strcasecmp(name, "If-None-Match") == 0 &&
+             strlen(value) < sizeof r->none_match)
+        memcpy(r->none_match, value, strlen(value) + 1);
     else if (strcasecmp(name, "Idempotency-Key") == 0)
         take_key(r, value);
 }

@@ -28,6 +28,8 @@ bool headers_refuse(struct request *r, const struct headers_framing *f,
  *   Content-Encoding  sets r->coding; twice: INFLATE_OTHER
  *   Prefer            return=minimal sets r->minimal (RFC 7240); of several "return" the
  *                     first counts, other preferences are ignored
+ *   Accept-Encoding   gzip sets r->gzip
+ *   If-None-Match     r->none_match
  *   Idempotency-Key   sets r->key: a string in quotes, or bare; r->bad_key where it is
  *                     neither, or not 1..REQUEST_KEY_MAX visible characters, or given twice */
 void headers_take(struct request *r, const char *name, const char *value);

@@ -54,19 +54,22 @@ struct response {
     int http;                           /* 0: none yet */
     unsigned problem;                   /* errmap.h; 0: it is none */
     char *body;                         /* heap, or NULL */
-    const char *page;                   /* static, in the place of body; NULL for none */
+    const void *page;                   /* static, in the place of body; NULL for none */
     size_t len;                         /* of either; 0 for neither */
     const char *type;                   /* static */
     char location[192];                 /* "" for none */
     char template_id[STORE_ID_LEN + 1]; /* that it is about; "" for none */
     char allow[40];                     /* "" for none */
-    const char *policy;   /* Content-Security-Policy; static; NULL for none */
-    bool challenge;       /* WWW-Authenticate */
-    bool bad_token;       /* with it: the token was refused, not missing */
-    unsigned lacks;       /* with it: the scope that the token has not; 0 for none */
-    bool codings;         /* Accept-Encoding: what a body may be compressed with */
-    bool minimal;         /* Preference-Applied: return=minimal */
-    bool replayed;        /* Idempotent-Replayed: true */
+    const char *policy; /* Content-Security-Policy; static; NULL for none */
+    const char
+        *etag;      /* ETag, of what a client may keep and ask for again; static; NULL */
+    bool gzip;      /* Content-Encoding of the page */
+    bool challenge; /* WWW-Authenticate */
+    bool bad_token; /* with it: the token was refused, not missing */
+    unsigned lacks; /* with it: the scope that the token has not; 0 for none */
+    bool codings;   /* Accept-Encoding: what a body may be compressed with */
+    bool minimal;   /* Preference-Applied: return=minimal */
+    bool replayed;  /* Idempotent-Replayed: true */
     unsigned retry_after; /* seconds; 0 for none */
 };
 
@@ -97,6 +100,8 @@ struct request {
     char key[REQUEST_KEY_MAX + 1];     /* Idempotency-Key; "" for none */
     bool bad_key;                      /* it was malformed; key may be anything */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
+    bool gzip;                         /* Accept-Encoding has it */
+    char none_match[256];              /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;
     enum request_media media;
     enum cloudformat format;                   /* of REQUEST_JSON and REQUEST_SCAN */
@@ -161,8 +166,11 @@ void request_template(struct request *r, const char *id);
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);
 
-/* request_page(r, type, text): the same with static text. */
-void request_page(struct request *r, const char *type, const char *text);
+/* request_page(r, type, text, len): the same with static bytes. */
+void request_page(struct request *r, const char *type, const void *text, size_t len);
+
+/* request_not_modified(r): 304, without a body. */
+void request_not_modified(struct request *r);
 
 /* request_problem(r, kind, fmt, ...): problem+json; kind as in errmap.h.  For a 5xx the
  * formatted detail goes to the log alone, and the client gets a general phrase. */

@@ -74,7 +74,10 @@ void route_find(const struct route *table, size_t n, struct request *r)
         request_problem(r, ERRMAP_METHOD, "this path has the methods %s",
                         r->response.allow);
     } else {
-        request_problem(r, ERRMAP_ROUTE, "there is no such path");
+        request_problem(
+            r, ERRMAP_ROUTE,
+            "there is no such path; GET /docs shows those that there are, and "
+            "/openapi.json describes them");
     }
 }
 
