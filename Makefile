@@ -158,8 +158,10 @@ $(BUILD)/lib%.a:
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
 
-# The core, and the search for a face, with a call in each basic block, which tests/work counts.
-COUNTED := $(patsubst %.c,$(BUILD)/counted/%.o,$(wildcard core/*.c scan/find*.c))
+# The core, and the way from points to a face, with a call in each basic block, which tests/work
+# counts.
+COUNTED := $(patsubst %.c,$(BUILD)/counted/%.o,$(wildcard core/*.c scan/find*.c) \
+    $(addprefix scan/,scan.c crop.c gate.c mirror.c sight.c thin.c cloudpoints.c))
 $(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC)

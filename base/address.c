@@ -98,6 +98,28 @@ const char *address_path(const struct sockaddr_storage *ss)
                : NULL;
 }
 
+void address_host(const struct sockaddr *sa, char host[ADDRESS_HOST_MAX])
+{
+    struct sockaddr_in6 in6;
+    struct sockaddr_in in;
+
+    host[0] = '\0';
+    if (sa == NULL)
+        return;
+    if (sa->sa_family == AF_INET6) {
+        memcpy(&in6, sa, sizeof in6);
+        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr))
+            (void)inet_ntop(AF_INET, &in6.sin6_addr.s6_addr[12], host, ADDRESS_HOST_MAX);
+        else
+            (void)inet_ntop(AF_INET6, &in6.sin6_addr, host, ADDRESS_HOST_MAX);
+    } else if (sa->sa_family == AF_INET) {
+        memcpy(&in, sa, sizeof in);
+        (void)inet_ntop(AF_INET, &in.sin_addr, host, ADDRESS_HOST_MAX);
+    } else if (sa->sa_family == AF_UNIX) {
+        (void)snprintf(host, ADDRESS_HOST_MAX, "unix");
+    }
+}
+
 void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_URL_MAX])
 {
     const char *scheme = tls ? "https" : "http";

@@ -1,11 +1,12 @@
-/* address.h -- the address to listen on, as text: IPv4 or IPv6 and a port, or a Unix
- * socket. */
+/* address.h -- addresses as text, that to listen on and those of clients: IPv4 or IPv6 and a
+ * port, or a Unix socket. */
 #ifndef BASE_ADDRESS_H
 #define BASE_ADDRESS_H
 #include <stdbool.h>
 #include <sys/socket.h>
 
-#define ADDRESS_URL_MAX 160
+#define ADDRESS_URL_MAX  160
+#define ADDRESS_HOST_MAX 48
 
 /* address_read(text, out, len): "127.0.0.1:8787", "localhost:8787", "[::1]:8787",
  * "unix:/run/surfaced/socket"; no name is looked up.  False: it is none of these; *out
@@ -20,5 +21,9 @@ const char *address_path(const struct sockaddr_storage *ss);
 
 /* address_url(ss, tls, url): http://ADDR:PORT, https://ADDR:PORT or unix:PATH. */
 void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_URL_MAX]);
+
+/* address_host(sa, host): without the port, "192.0.2.1" (also of an IPv6 socket's IPv4 peer) or
+ * "2001:db8::1"; "unix"; "" for NULL and other families. */
+void address_host(const struct sockaddr *sa, char host[ADDRESS_HOST_MAX]);
 
 #endif

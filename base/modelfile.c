@@ -84,7 +84,8 @@ static void make_readable(int fd)
     (void)fchmod(fd, 0666 & ~mask);
 }
 
-enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e)
+enum status modelfile_write(const char *path, bool replace, const struct model *m,
+                            struct errinfo *e)
 {
     const size_t len = model_write(m, NULL, 0);
     struct newfile file = NEWFILE_NONE;
@@ -97,7 +98,7 @@ enum status modelfile_write(const char *path, const struct model *m, struct erri
     if ((st = newfile_open(path, &file, e)) == ST_OK &&
         (st = newfile_put(&file, text, len, e)) == ST_OK) {
         make_readable(file.fd);
-        st = newfile_commit(&file, e);
+        st = replace ? newfile_commit(&file, e) : newfile_keep(&file, e);
     }
     newfile_close(&file);
     free(text);

@@ -1,6 +1,7 @@
 /* modelfile.h -- reads a model (core/model.h) from a file and writes one. */
 #ifndef BASE_MODELFILE_H
 #define BASE_MODELFILE_H
+#include <stdbool.h>
 #include <stddef.h>
 #include "status.h"
 
@@ -15,9 +16,12 @@ struct model; /* model.h */
  * ST_ECORRUPT damaged; ST_EVERSION of another version; ST_ENOMEM. */
 enum status modelfile_read(const char *path, struct model **out, struct errinfo *e);
 
-/* modelfile_write(path, m, e): whole, or not at all: a file that was there stays until
- * the new one is complete.  As readable as the umask says; not from two threads at once.
- * Returns ST_OK; ST_EDENIED, ST_EIO; ST_EBUSY another process writes it; ST_ENOMEM. */
-enum status modelfile_write(const char *path, const struct model *m, struct errinfo *e);
+/* modelfile_write(path, replace, m, e): whole, or not at all: with replace, a file that was
+ * there stays until the new one is complete.  As readable as the umask says; not from two
+ * threads at once.
+ * Returns ST_OK; ST_EEXISTS there is a file, and replace is false; ST_EDENIED, ST_EIO;
+ * ST_EBUSY another process writes it; ST_ENOMEM. */
+enum status modelfile_write(const char *path, bool replace, const struct model *m,
+                            struct errinfo *e);
 
 #endif

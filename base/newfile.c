@@ -57,38 +57,77 @@ static enum status fail(const struct newfile *n, const char *what, struct errinf
     return errinfo_set(e, st, "cannot %s %.160s: %s", what, n->path, strerror(errno));
 }
 
-/* The part is ours while it is locked and still has its name: another process may have
- * given it the other name between our opening and our locking it; or both, and have been
- * killed before it took this one away. */
-static enum status open_part(struct newfile *n, struct errinfo *e)
+/* Does the part still have its name? */
+static bool is_named(const struct newfile *n)
 {
     struct stat ours, named;
 
-    for (;;) {
-        n->fd = openat(n->dir, n->part, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-        if (n->fd < 0)
-            return fail(n, "create", e);
-        if (flock(n->fd, LOCK_EX | LOCK_NB) != 0) {
-            const int err = errno;
+    return fstat(n->fd, &ours) == 0 &&
+           fstatat(n->dir, n->part, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+           ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
+}
 
-            (void)close(n->fd);
-            n->fd = -1;
-            if (err == EWOULDBLOCK)
-                return errinfo_set(e, ST_EBUSY, "another process writes %.160s", n->path);
-            errno = err;
-            return fail(n, "create", e);
-        }
-        if (fstat(n->fd, &ours) == 0 && fstatat(n->dir, n->part, &named, 0) == 0 &&
-            ours.st_ino == named.st_ino && ours.st_dev == named.st_dev) {
-            if (ours.st_nlink == 1)
-                break;
-            (void)unlinkat(n->dir, n->part, 0);
-        }
+/* Lock n->fd; the part is ours while it is locked and has its name, which another process may
+ * have changed between our opening and our locking it.  *ours: is it? */
+static enum status lock_part(struct newfile *n, bool *ours, struct errinfo *e)
+{
+    const bool locked = flock(n->fd, LOCK_EX | LOCK_NB) == 0;
+    enum status st = ST_OK;
+
+    if (!locked)
+        st = errno == EWOULDBLOCK
+                 ? errinfo_set(e, ST_EBUSY, "another process writes %.160s", n->path)
+                 : fail(n, "create", e);
+    *ours = locked && is_named(n);
+    if (!*ours) {
         (void)close(n->fd);
+        n->fd = -1;
     }
-    if (fchmod(n->fd, 0600) != 0 || ftruncate(n->fd, 0) != 0)
-        return fail(n, "write", e);
+    return st;
+}
+
+/* Whatever has the part's name: what a run of this user has left that was killed is removed.
+ * Others may have put anything there, for us to write into or through. */
+static enum status remove_left(struct newfile *n, struct errinfo *e)
+{
+    struct stat sb;
+    bool ours;
+    enum status st;
+
+    if (fstatat(n->dir, n->part, &sb, AT_SYMLINK_NOFOLLOW) != 0)
+        return errno == ENOENT ? ST_OK : fail(n, "create", e);
+    if (!S_ISREG(sb.st_mode) || sb.st_uid != geteuid() || (sb.st_mode & 077) != 0)
+        return errinfo_set(
+            e, ST_EDENIED,
+            "%.160s is in the way, and no earlier run of this user has left "
+            "it there (owner %u, mode %03o): remove it",
+            n->part, (unsigned)sb.st_uid, (unsigned)(sb.st_mode & 0777));
+    n->fd = openat(n->dir, n->part, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (n->fd < 0)
+        return errno == ENOENT ? ST_OK : fail(n, "create", e);
+    if ((st = lock_part(n, &ours, e)) != ST_OK || !ours)
+        return st;
+    (void)unlinkat(n->dir, n->part, 0);
+    (void)close(n->fd);
+    n->fd = -1;
     return ST_OK;
+}
+
+static enum status open_part(struct newfile *n, struct errinfo *e)
+{
+    const int flags = O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW;
+    bool ours = false;
+    enum status st;
+
+    while (!ours) {
+        n->fd = openat(n->dir, n->part, flags, 0600);
+        if (n->fd < 0 && errno != EEXIST)
+            return fail(n, "create", e);
+        st = n->fd < 0 ? remove_left(n, e) : lock_part(n, &ours, e);
+        if (st != ST_OK)
+            return st;
+    }
+    return fchmod(n->fd, 0600) == 0 ? ST_OK : fail(n, "write", e);
 }
 
 enum status newfile_open_at(int dir, const char *name, struct newfile *n,
@@ -159,9 +198,25 @@ static enum status named(struct newfile *n, struct errinfo *e)
     return sync_directory(n->dir, n->path) == 0 ? ST_OK : fail(n, "write", e);
 }
 
+/* On the disk, and nobody has put another file in its place. */
+static enum status sync_part(const struct newfile *n, struct errinfo *e)
+{
+    if (fsync(n->fd) != 0)
+        return fail(n, "write", e);
+    return is_named(n)
+               ? ST_OK
+               : errinfo_set(e, ST_EIO,
+                             "%.160s was removed or replaced while it was written",
+                             n->part);
+}
+
 enum status newfile_commit(struct newfile *n, struct errinfo *e)
 {
-    if (fsync(n->fd) != 0 || renameat2(n->dir, n->part, n->dir, n->path, 0) != 0)
+    const enum status st = sync_part(n, e);
+
+    if (st != ST_OK)
+        return st;
+    if (renameat2(n->dir, n->part, n->dir, n->path, 0) != 0)
         return fail(n, "write", e);
     return named(n, e);
 }
@@ -181,8 +236,10 @@ static int rename_new(const struct newfile *n)
 
 enum status newfile_keep(struct newfile *n, struct errinfo *e)
 {
-    if (fsync(n->fd) != 0)
-        return fail(n, "write", e);
+    const enum status st = sync_part(n, e);
+
+    if (st != ST_OK)
+        return st;
     if (rename_new(n) != 0)
         return errno == EEXIST
                    ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", n->path)
@@ -193,7 +250,8 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e)
 void newfile_close(struct newfile *n)
 {
     if (n->fd >= 0) {
-        (void)unlinkat(n->dir, n->part, 0);
+        if (is_named(n))
+            (void)unlinkat(n->dir, n->part, 0);
         (void)close(n->fd);
     }
     n->fd = -1;

@@ -20,8 +20,10 @@ struct newfile {
         -1, -1, NULL, NULL                                                               \
     }
 
-/* newfile_open(path, n, e): an empty PATH.part; what a process that was killed has left
- * is overwritten.  ST_EBUSY: another process writes it; ST_EDENIED, ST_EIO, ST_ENOMEM.
+/* newfile_open(path, n, e): a new and empty PATH.part; what a process of this user that was
+ * killed has left is removed.  ST_EBUSY: another process writes it; ST_EDENIED: it may not be
+ * made, or something else has that name: a link, another user's file, one that others may
+ * read; ST_EIO, ST_ENOMEM.
  * After ST_OK newfile_close() must follow.
  * newfile_open_at(dir, name, n, e): in an open folder, which is borrowed until then. */
 enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e);
@@ -39,7 +41,7 @@ enum status newfile_fill(struct newfile *n, newfile_writer *write, const void *a
                          struct errinfo *e);
 
 /* newfile_commit(n, e): sync the part and give it its name; a file of that name is
- * replaced.
+ * replaced.  ST_EIO, also where the part was removed or replaced in the meantime.
  * newfile_keep(n, e): the same, but ST_EEXISTS where there is a file of that name. */
 enum status newfile_commit(struct newfile *n, struct errinfo *e);
 enum status newfile_keep(struct newfile *n, struct errinfo *e);

@@ -1,5 +1,6 @@
 #include "ctl.h"
 
+#include <pwd.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +8,7 @@
 #include <unistd.h>
 
 #include "store.h"
+#include "trial.h"
 
 enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 {
@@ -33,6 +35,46 @@ int ctl_exit(const struct ctl *c, enum status st)
     return st == ST_OK || c->code == EXIT_USAGE ? c->code
            : code[st] != 0                      ? code[st]
                                                 : EXIT_DATA;
+}
+
+const char *ctl_error_code(const struct ctl *c)
+{
+    static const char *const word[ST_COUNT] = {[ST_ENOMEM] = "out_of_memory",
+                                               [ST_ESIZE] = "file_too_large",
+                                               [ST_ECORRUPT] = "damaged",
+                                               [ST_EVERSION] = "other_version",
+                                               [ST_ENOTFOUND] = "not_found",
+                                               [ST_EEXISTS] = "exists",
+                                               [ST_EMISMATCH] = "sample_mismatch",
+                                               [ST_EREPLAYED] = "replayed",
+                                               [ST_EDENIED] = "forbidden",
+                                               [ST_EREFUSED] = "database_refused",
+                                               [ST_EHELD] = "on_hold",
+                                               [ST_EBUSY] = "busy",
+                                               [ST_EIO] = "storage",
+                                               [ST_EDB] = "internal",
+                                               [ST_EINTERNAL] = "internal"};
+
+    return c->code == EXIT_USAGE     ? "usage"
+           : word[c->e.code] != NULL ? word[c->e.code]
+                                     : trial_code(c->e.code);
+}
+
+const char *ctl_actor(void)
+{
+    static char actor[STORE_NAME_MAX + 1];
+    const struct passwd *const user = getpwuid(getuid());
+    const char *name = user != NULL ? user->pw_name : "";
+    const size_t len = strlen(name), room = sizeof actor - sizeof "surfacectl:";
+    size_t plain = 0;
+
+    while (name[plain] >= ' ' && name[plain] <= '~')
+        plain++;
+    if (len > 0 && len <= room && plain == len)
+        (void)snprintf(actor, sizeof actor, "surfacectl:%s", name);
+    else
+        (void)snprintf(actor, sizeof actor, "surfacectl:%u", (unsigned)getuid());
+    return actor;
 }
 
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
@@ -75,7 +117,7 @@ void ctl_say(const struct ctl *c, const char *fmt, ...)
     if (c->json)
         return;
     va_start(args, fmt);
-    (void)vprintf(fmt, args);
+    (void)vfprintf(c->piped ? stderr : stdout, fmt, args);
     va_end(args);
 }
 

@@ -26,8 +26,6 @@ struct options;     /* options.h */
 struct store;       /* store.h */
 struct ctl_command; /* ctl_command.h */
 
-#define CTL_ACTOR "surfacectl" /* in the events table */
-
 /* As in <sysexits.h> where that has one; ctl_help.c says what they mean. */
 enum ctl_exit {
     EXIT_FINE = 0,
@@ -60,6 +58,8 @@ struct ctl {
     int nargs;
     char **args; /* its arguments */
 
+    const char *actor; /* in the audit log: ctl_actor() */
+
     /* Options that several commands take (ctl_option.c). */
     const char *db;
     const char *config;      /* the daemon's file; NULL: where it looks for one */
@@ -86,28 +86,38 @@ struct ctl {
     struct keyfile *asked;            /* a passphrase, once asked for; to be freed */
     struct store *store;              /* the database, once opened (ctl_model.h) */
     struct face_work *work;           /* where the command takes scans (CTL_UNITS) */
-    int code;                         /* EXIT_FINE until a command says otherwise */
-    struct json *out;                 /* NULL without json */
-    struct errinfo e;                 /* why a command did not end with 0, 1 or 2 */
+    bool piped; /* --out -: the result is on standard output, what is said of it not */
+    int code;   /* EXIT_FINE until a command says otherwise */
+    struct json *out; /* NULL without json */
+    struct errinfo e; /* why a command did not end with 0, 1 or 2 */
 };
 
 /* ctl_exit(c, st): the exit code of a command that returned st.
+ * ctl_error_code(c): a stable word for c->e.code, as the HTTP interface has it; static.
  * ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
  * the exit code EXIT_USAGE. */
 int ctl_exit(const struct ctl *c, enum status st);
+const char *ctl_error_code(const struct ctl *c);
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
+
+/* ctl_actor(): "surfacectl:" and the login name of the process's real user, or its number where
+ * it has none that an actor's name can hold (STORE_NAME_MAX printable ASCII).  Static. */
+const char *ctl_actor(void);
 
 /* ctl_confirm(c, what, word): ST_OK with --yes, or when a person on a terminal types the
  * word after reading what will be done ("This erases ..."); else ST_EDENIED, and the exit
  * code EXIT_USAGE. */
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
 
+/* A count and what makes a word plural where it is not 1, for "%" PRIu64 " template%s". */
+#define CTL_COUNT(n) (uint64_t)(n), (n) == 1 ? "" : "s"
+
 /* Bytes as people read them: "1.5 MB". */
 const char *ctl_bytes(uint64_t n, char out[32]);
 
 /* A command's result is JSON, in c->out, or text.
- * ctl_say(c, ...): print text, unless it is JSON.
+ * ctl_say(c, ...): print text, unless it is JSON; to standard error if c->piped.
  * ctl_print(to, text): print a line of JSON and free() it.  false: it is NULL (out of
  * memory), or cannot be written. */
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,

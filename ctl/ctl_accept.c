@@ -15,7 +15,7 @@ static enum status accept_rollback(struct ctl *c)
                           "takes the database as it is for the newest; what was changed "
                           "after it, erasures and revocations too, is undone",
                           "accept")) != ST_OK ||
-        (st = store_accept_rollback(c->db, &key, CTL_ACTOR, outcome, &c->e)) != ST_OK)
+        (st = store_accept_rollback(c->db, &key, c->actor, outcome, &c->e)) != ST_OK)
         return st;
     json_text(c->out, "database", c->db);
     json_text(c->out, "outcome", outcome);

@@ -1,12 +1,32 @@
 /* export and import: subjects between databases. */
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "keyfile.h"
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_key.h"
 #include "ctl_model.h"
 
 static bool all; /* --all */
+
+/* store_export() replaces no file: with --force the new archive takes the name of the old one
+ * when it is complete. */
+static enum status replace_archive(struct ctl *c, const struct keyfile *k,
+                                   struct store_exported *x)
+{
+    char aside[PATH_MAX];
+    enum status st;
+
+    (void)snprintf(aside, sizeof aside, "%s.new", c->dir);
+    st = store_export(c->store, c->actor, c->args, (size_t)c->nargs, aside, k, x, &c->e);
+    if (st == ST_OK && rename(aside, c->dir) != 0)
+        st = errinfo_set(&c->e, ST_EIO, "%.160s: %s", c->dir, strerror(errno));
+    return st;
+}
 
 static enum status export_subjects(struct ctl *c)
 {
@@ -18,10 +38,12 @@ static enum status export_subjects(struct ctl *c)
     if (c->dir == NULL || all == (c->nargs > 0))
         return ctl_usage(c, "export needs %s",
                          c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
-    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
+    if ((st = ctl_dir_may_write(c, c->dir, 0)) == ST_OK &&
+        (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
-        st = store_export(c->store, CTL_ACTOR, c->args, (size_t)c->nargs, c->dir, k, &x,
-                          &c->e);
+        st = c->force ? replace_archive(c, k, &x)
+                      : store_export(c->store, c->actor, c->args, (size_t)c->nargs,
+                                     c->dir, k, &x, &c->e);
     keyfile_free(k);
     if (st != ST_OK)
         return st;
@@ -29,9 +51,8 @@ static enum status export_subjects(struct ctl *c)
     json_number(c->out, "subjects", (double)x.subjects);
     json_number(c->out, "templates", (double)x.templates);
     json_number(c->out, "bytes", (double)x.bytes);
-    ctl_say(c, "%s: %llu subjects, %llu templates, %s\n", c->dir,
-            (unsigned long long)x.subjects, (unsigned long long)x.templates,
-            ctl_bytes(x.bytes, size));
+    ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n", c->dir,
+            CTL_COUNT(x.subjects), CTL_COUNT(x.templates), ctl_bytes(x.bytes, size));
     return ST_OK;
 }
 
@@ -44,7 +65,7 @@ static enum status import_subjects(struct ctl *c)
 
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, false, &k)) == ST_OK)
-        st = store_import(c->store, CTL_ACTOR, c->args[0], k, c->dry_run, &m, &c->e);
+        st = store_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
     keyfile_free(k);
     if (st != ST_OK)
         return st;
@@ -55,18 +76,17 @@ static enum status import_subjects(struct ctl *c)
     json_number(c->out, "subjects_erased", (double)m.erased);
     json_number(c->out, "templates_to_reencode", (double)m.outdated);
     json_flag(c->out, "imported", !c->dry_run);
-    ctl_say(c, "%llu subjects, %llu templates; new %s: %llu and %llu\n",
-            (unsigned long long)m.subjects, (unsigned long long)m.templates,
+    ctl_say(c, "%" PRIu64 " subject%s, %" PRIu64 " template%s; new %s: %llu and %llu\n",
+            CTL_COUNT(m.subjects), CTL_COUNT(m.templates),
             c->dry_run ? "would be" : "are", (unsigned long long)m.new_subjects,
             (unsigned long long)m.new_templates);
     if (m.erased > 0)
-        ctl_say(c, "%llu subjects were erased here and are left out\n",
-                (unsigned long long)m.erased);
+        ctl_say(c, "%" PRIu64 " subject%s erased here before: left out\n",
+                CTL_COUNT(m.erased));
     if (m.outdated > 0)
-        ctl_say(c,
-                "%llu templates were made by another engine: surfacectl template "
-                "reencode\n",
-                (unsigned long long)m.outdated);
+        ctl_say(
+            c, "%" PRIu64 " template%s of another engine: surfacectl template reencode\n",
+            CTL_COUNT(m.outdated));
     return ST_OK;
 }
 
@@ -75,12 +95,12 @@ const struct ctl_command ctl_archive_export = {
     .args = "SUBJECT... | --all",
     .takes = {0, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_OUT | CTL_SHORT | CTL_ARCHIVE_KEY,
+    .shared = CTL_OUT | CTL_SHORT | CTL_ARCHIVE_KEY | CTL_FORCE,
     .options = {CTL_OPTION("all", NULL, ctl_option_flag, &all, "every subject")},
     .run = export_subjects,
     .summary = "write subjects to an archive for another machine",
     .help =
-        "The new file --out is encrypted with a passphrase that is asked for, or with the line\n"
+        "The file --out is encrypted with a passphrase that is asked for, or with the line\n"
         "in the file --archive-key: 64 hexadecimal digits are a key, anything else is a\n"
         "passphrase.  Tokens, calibrations and events are not in it.  An event records each\n"
         "subject that was exported.",

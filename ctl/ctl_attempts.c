@@ -34,7 +34,7 @@ static enum status list(struct ctl *c)
 
 static enum status reset(struct ctl *c)
 {
-    enum status st = store_attempts_reset(c->store, CTL_ACTOR, c->args[0], &c->e);
+    enum status st = store_attempts_reset(c->store, c->actor, c->args[0], &c->e);
 
     if (st != ST_OK)
         return st;

@@ -111,8 +111,8 @@ static enum status checkpoint(struct ctl *c)
     char public_key[65];
     enum status st = store_audit_public(c->store, public_key, &c->e);
 
-    if (st != ST_OK || (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_SIGN, &m,
-                                              &c->e)) != ST_OK)
+    if (st != ST_OK ||
+        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
         return st;
     out_mark(c->out, &m);
     json_text(c->out, "public_key", public_key);
@@ -215,27 +215,26 @@ static enum status export_log(struct ctl *c)
     struct export x = {.nmark = 0};
     enum status st;
 
-    if (c->dir == NULL && c->json)
-        return ctl_usage(c, "the log is JSON lines already: --json needs --out FILE");
+    if (c->dir == NULL)
+        c->dir = "-";
+    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+        return st;
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = store_audit_public(c->store, x.public_key, &c->e)) == ST_OK &&
-        (st = store_audit_sign(c->store, CTL_ACTOR, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
+        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
             ST_OK &&
         (st = store_audit_marks(c->store, &x.marks, &x.nmark, &c->e)) == ST_OK) {
         x.store = c->store;
-        st = c->dir != NULL ? ctl_dir_file(c->dir, put_log, &x, &c->e)
-                            : put_log(stdout, &x, &c->e);
+        st = ctl_dir_file(c, c->dir, put_log, &x);
     }
     free(x.marks);
     if (st != ST_OK)
         return st;
-    json_text(c->out, "file", c->dir != NULL ? c->dir : "");
+    json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
     json_text(c->out, "public_key", x.public_key);
-    if (!c->json)
-        (void)fprintf(c->dir != NULL ? stdout : stderr,
-                      "%" PRIu64 " changes, and the uses; public key %s\n", x.end.seq,
-                      x.public_key);
+    ctl_say(c, "%" PRIu64 " change%s, and the uses; public key %s\n",
+            CTL_COUNT(x.end.seq), x.public_key);
     return ST_OK;
 }
 
@@ -290,10 +289,13 @@ static enum status verify(struct ctl *c)
               found.problems > 0 ? store_chain_word(found.chain) : NULL);
     json_number(c->out, "first_entry",
                 found.problems > 0 ? (double)found.first : (double)NAN);
-    ctl_say(
-        c, "%s: %" PRIu64 " entries, %" PRIu64 " checkpoints, %" PRIu64 " problems%s%s\n",
-        found.problems == 0 ? "ok" : "NOT ok", found.entries, found.checkpoints,
-        found.problems, public_key[0] != '\0' ? "; public key " : "", public_key);
+    ctl_say(c,
+            "%s: %" PRIu64 " entr%s, %" PRIu64 " checkpoint%s, %" PRIu64
+            " problem%s%s%s\n",
+            found.problems == 0 ? "ok" : "NOT ok", found.entries,
+            found.entries == 1 ? "y" : "ies", CTL_COUNT(found.checkpoints),
+            CTL_COUNT(found.problems), public_key[0] != '\0' ? "; public key " : "",
+            public_key);
     return ST_OK;
 }
 
@@ -306,13 +308,13 @@ static enum status trim(struct ctl *c)
 
     if (keep == 0)
         return ctl_usage(c, "--keep DAYS is missing");
-    st = store_audit_trim(c->store, CTL_ACTOR, keep, c->dry_run, &cut, &c->e);
+    st = store_audit_trim(c->store, c->actor, keep, c->dry_run, &cut, &c->e);
     if (st != ST_OK)
         return st;
     json_number(c->out, "cut", (double)cut);
     json_flag(c->out, "dry_run", c->dry_run);
-    ctl_say(c, "%" PRIu64 " uses are older than %" PRIu32 " days%s\n", cut, keep,
-            c->dry_run ? "" : " and were cut off");
+    ctl_say(c, "%" PRIu64 " use%s older than %" PRIu64 " day%s%s\n", CTL_COUNT(cut),
+            CTL_COUNT(keep), c->dry_run ? "" : ": cut off");
     return ST_OK;
 }
 
@@ -358,9 +360,10 @@ const struct ctl_command ctl_audit_show = {
     .run = show,
     .summary = "list who did what, and when",
     .help =
-        "The newest entries of the audit log, oldest first.  The actor is a token's id or a\n"
-        "program.  Erased subjects have no name in the log, but --subject finds their entries;\n"
-        "of a subject that was renamed it also finds those under its former ids.",
+        "The newest entries of the audit log, oldest first.  The actor is a token's id, a\n"
+        "program, or surfacectl:USER.  Erased subjects have no name in the log, but --subject\n"
+        "finds their entries; of a subject that was renamed it also finds those under its former\n"
+        "ids.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_verify = {
@@ -381,11 +384,11 @@ const struct ctl_command ctl_audit_verify = {
 const struct ctl_command ctl_audit_export = {
     .name = "audit export",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_OUT,
+    .shared = CTL_OUT | CTL_FORCE,
     .run = export_log,
     .summary = "write the audit log as signed JSON lines",
     .help =
-        "To --out, or standard output.  It has a keyed hash in place of each subject's id.",
+        "To --out, or standard output (-).  It has a keyed hash in place of each subject's id.",
     .example = "surfacectl --db faces.db audit export --out log.jsonl"};
 
 const struct ctl_command ctl_audit_checkpoint = {

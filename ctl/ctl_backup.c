@@ -2,10 +2,8 @@
 #include <inttypes.h>
 
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_key.h"
-
-/* For "%" PRIu64 " subject%s". */
-#define COUNT(n) n, (n) == 1 ? "" : "s"
 
 /* The key of a copy is that of the database: its usual name goes by the database's. */
 static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
@@ -29,9 +27,9 @@ static enum status backup(struct ctl *c)
     struct store_copied copied;
     struct store_key key;
     char size[32];
-    enum status st = key_of(c, c->db, &key);
+    enum status st = ctl_dir_may_write(c, c->args[0], 0);
 
-    if (st == ST_OK &&
+    if (st == ST_OK && (st = key_of(c, c->db, &key)) == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
         st = store_backup(c->store, c->args[0], &key, &copied, &c->e);
     if (st != ST_OK)
@@ -39,7 +37,7 @@ static enum status backup(struct ctl *c)
     json_text(c->out, "backup", c->args[0]);
     out_copied(c, &copied);
     ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n",
-            c->args[0], COUNT(copied.subjects), COUNT(copied.templates),
+            c->args[0], CTL_COUNT(copied.subjects), CTL_COUNT(copied.templates),
             ctl_bytes(copied.bytes, size));
     return ST_OK;
 }
@@ -47,7 +45,7 @@ static enum status backup(struct ctl *c)
 static void tell_restored(const struct ctl *c, const struct store_restored *r)
 {
     ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
-            COUNT(r->backup.subjects), COUNT(r->backup.templates));
+            CTL_COUNT(r->backup.subjects), CTL_COUNT(r->backup.templates));
     if (r->was_there)
         ctl_say(c,
                 "; in its place now: %" PRIu64 " subject%s, %" PRIu64 " template%s\n"
@@ -55,8 +53,8 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
                 "%" PRIu64 " subject%s of the backup were erased since and are erased "
                 "again\n"
                 "%" PRIu64 " token%s were revoked since and are revoked again",
-                COUNT(r->had_subjects), COUNT(r->had_templates), COUNT(r->lost),
-                COUNT(r->erased), COUNT(r->revoked));
+                CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates),
+                CTL_COUNT(r->lost), CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
     ctl_say(c, "\n");
     if (c->dry_run)
         ctl_say(c, "nothing was changed\n");
@@ -76,7 +74,7 @@ static enum status restore(struct ctl *c)
     enum status st = key_of(c, c->args[0], &key);
 
     if (st == ST_OK)
-        st = store_restore(c->db, c->args[0], &key, CTL_ACTOR, c->dry_run, &r, &c->e);
+        st = store_restore(c->db, c->args[0], &key, c->actor, c->dry_run, &r, &c->e);
     if (st != ST_OK)
         return st;
     json_object(c->out, "backup");
@@ -97,12 +95,13 @@ const struct ctl_command ctl_backup = {
     .args = "FILE",
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_FORCE,
     .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
         "The copy is of one moment.  Before it gets its name it is verified: every page, every\n"
-        "subject and template decrypted, the audit log.  FILE is complete or not there; an older\n"
-        "backup of that name is replaced.  The key is not in it.",
+        "subject and template decrypted, the audit log.  FILE is complete or not there; --force\n"
+        "replaces an older backup of that name.  The key is not in it.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
 
 const struct ctl_command ctl_backup_restore = {

@@ -1,5 +1,6 @@
 /* The command calibrate: a threshold and a table of false match rates from the owner's own
  * database (docs/decision.md). */
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -240,8 +241,9 @@ static void print_result(const struct ctl *c, const struct result *r)
     const struct store_calibration *k = &r->k;
     const struct calibration *d = &k->table;
 
-    (void)printf("subjects     %u%s, %u templates\n", p->nsubject,
-                 p->nenrolled > p->nsubject ? " of more, drawn" : "", p->ntemplate);
+    (void)printf("subjects     %u%s, %" PRIu64 " template%s\n", p->nsubject,
+                 p->nenrolled > p->nsubject ? " of more, drawn" : "",
+                 CTL_COUNT(p->ntemplate));
     (void)printf("non-mated    %llu comparisons of %zu pairs of subjects\n",
                  (unsigned long long)k->impostors, r->pairs);
     (void)printf("threshold    %.2f for a false match rate of %g %%\n", d->threshold,
@@ -300,7 +302,7 @@ static enum status store_it(struct ctl *c, struct store_calibration *k)
     enum status st = may_store(c, k);
 
     if (st == ST_OK && !c->dry_run)
-        st = store_calibration_add(c->store, CTL_ACTOR, k, &c->e);
+        st = store_calibration_add(c->store, c->actor, k, &c->e);
     if (st != ST_OK)
         return st;
     json_flag(c->out, "stored", !c->dry_run);

@@ -1,4 +1,5 @@
 /* check: the whole database, read and verified. */
+#include <inttypes.h>
 #include <stdio.h>
 
 #include "ctl_command.h"
@@ -26,10 +27,12 @@ static enum status check(struct ctl *c)
     json_number(c->out, "bad_templates", (double)found.bad_templates);
     json_number(c->out, "events", (double)found.events);
     json_flag(c->out, "ok", found.problems == 0);
-    ctl_say(c, "%s: %llu templates, %llu bad; %llu events; %llu problems in all\n",
-            found.problems == 0 ? "ok" : "NOT ok", (unsigned long long)found.templates,
-            (unsigned long long)found.bad_templates, (unsigned long long)found.events,
-            (unsigned long long)found.problems);
+    ctl_say(c,
+            "%s: %" PRIu64 " template%s, %llu bad; %" PRIu64 " event%s; %" PRIu64
+            " problem%s in all\n",
+            found.problems == 0 ? "ok" : "NOT ok", CTL_COUNT(found.templates),
+            (unsigned long long)found.bad_templates, CTL_COUNT(found.events),
+            CTL_COUNT(found.problems));
     return ST_OK;
 }
 

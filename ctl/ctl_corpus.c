@@ -2,9 +2,11 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "corpus.h"
 #include "ctl.h"
+#include "ctl_dir.h"
 #include "ctl_sample.h"
 
 void ctl_corpus_tell(const struct corpus *k)
@@ -22,6 +24,29 @@ void ctl_corpus_left(struct json *j, const struct corpus *k)
         json_close(j);
     }
     json_close(j);
+}
+
+enum status ctl_corpus_not_read(struct ctl *c, const struct corpus *k, const char *source,
+                                const char *path)
+{
+    static const char *const table[] = {"index.csv", "subjects.csv"};
+    const char *const slash = strrchr(source, '/');
+    struct stat info;
+    const bool folder = stat(source, &info) == 0 && S_ISDIR(info.st_mode);
+    const int len = folder          ? (int)strlen(source)
+                    : slash != NULL ? (int)(slash - source)
+                                    : 0;
+    char name[PATH_MAX];
+    enum status st = ctl_dir_not_read(c, path, source);
+
+    for (uint32_t i = 0; st == ST_OK && i < k->nscan; i++)
+        st = ctl_dir_not_read(c, path, k->scan[i].path);
+    for (size_t i = 0; st == ST_OK && i < sizeof table / sizeof *table; i++) {
+        (void)snprintf(name, sizeof name, "%.*s%s%s", len, source,
+                       folder || slash != NULL ? "/" : "", table[i]);
+        st = ctl_dir_not_read(c, path, name);
+    }
+    return st;
 }
 
 enum status ctl_corpus_face(const struct ctl *c, const struct corpus_scan *scan,

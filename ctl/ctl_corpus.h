@@ -19,6 +19,11 @@ struct scan_found;  /* scan.h */
 void ctl_corpus_tell(const struct corpus *k);
 void ctl_corpus_left(struct json *j, const struct corpus *k);
 
+/* ctl_corpus_not_read(c, k, source, path): the file at path, which will be written, is no scan of
+ * the collection and no table of it.  ST_EEXISTS, in c->e (ctl_dir.h). */
+enum status ctl_corpus_not_read(struct ctl *c, const struct corpus *k, const char *source,
+                                const char *path);
+
 /* ctl_corpus_face(c, scan, enrolment, w, out, found, code, refused, e): a scan as a face, read
  * as c->scans says; enrolment: by the strict gate.  On any thread, since c is not changed.  Where
  * it is malformed or no face *refused says why, for free(), *code (NULL is allowed) is the

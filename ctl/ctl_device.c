@@ -80,7 +80,7 @@ static enum status add(struct ctl *c)
     enum status st = read_key(c, c->args[1], key);
 
     if (st == ST_OK)
-        st = store_device_add(c->store, CTL_ACTOR, c->args[0], key, &d, &c->e);
+        st = store_device_add(c->store, c->actor, c->args[0], key, &d, &c->e);
     if (st != ST_OK)
         return st;
     out_device(c, &d);
@@ -115,7 +115,7 @@ static enum status list(struct ctl *c)
 static enum status do_remove(struct ctl *c)
 {
     const char *name = c->args[0];
-    const enum status st = store_device_remove(c->store, CTL_ACTOR, name, &c->e);
+    const enum status st = store_device_remove(c->store, c->actor, name, &c->e);
 
     if (st != ST_OK)
         return st;

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ctl_command.h"
 #include "lattice.h"
 #include "mesh.h"
 
@@ -26,7 +27,7 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e)
     return *dir >= 0 ? ST_OK : fail(e, path);
 }
 
-enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
+enum status ctl_dir_write(int dir, const char *name, bool replace, newfile_writer *write,
                           const void *arg, struct errinfo *e)
 {
     struct newfile file = NEWFILE_NONE;
@@ -34,7 +35,7 @@ enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
 
     if ((st = newfile_open_at(dir, name, &file, e)) == ST_OK &&
         (st = newfile_fill(&file, write, arg, e)) == ST_OK)
-        st = newfile_commit(&file, e);
+        st = replace ? newfile_commit(&file, e) : newfile_keep(&file, e);
     newfile_close(&file);
     return st;
 }
@@ -44,22 +45,108 @@ enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e)
     return unlinkat(dir, name, 0) == 0 || errno == ENOENT ? ST_OK : fail(e, name);
 }
 
-enum status ctl_dir_may_write(const char *path, bool force, char *const *input,
-                              size_t ninput, struct errinfo *e)
-{
-    struct stat there, read;
+/* ---- may it be written? */
 
-    if (stat(path, &there) != 0)
-        return ST_OK; /* or the writing says why not */
-    for (size_t i = 0; i < ninput; i++)
-        if (stat(input[i], &read) == 0 && read.st_dev == there.st_dev &&
-            read.st_ino == there.st_ino)
-            return errinfo_set(
-                e, ST_EEXISTS,
-                "%.160s is a file that this command reads: it is not replaced", path);
-    return force ? ST_OK
-                 : errinfo_set(e, ST_EEXISTS, "%.160s exists: --force replaces it", path);
+/* Is the input the file at path, or at "path.part", which the new one is written as first
+ * (newfile.h)? */
+static bool is_same(const char *path, const char *input)
+{
+    char part[PATH_MAX];
+    struct stat in, out;
+
+    if (stat(input, &in) != 0 || S_ISDIR(in.st_mode))
+        return false;
+    if (stat(path, &out) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return true;
+    (void)snprintf(part, sizeof part, "%s.part", path);
+    return stat(part, &out) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino;
 }
+
+enum status ctl_dir_not_read(struct ctl *c, const char *path, const char *input)
+{
+    return input == NULL || !is_same(path, input)
+               ? ST_OK
+               : errinfo_set(&c->e, ST_EEXISTS,
+                             "%.160s is a file that this command reads: it is never "
+                             "replaced; choose another name",
+                             path);
+}
+
+/* None of the shared options' files, nor what belongs to the database. */
+static enum status not_shared(struct ctl *c, const char *path)
+{
+    static const char *const beside[] = {"-wal", "-shm", ".key", ".key.anchor",
+                                         ".anchor"};
+    const char *const given[] = {c->db,     c->config,     c->key,
+                                 c->anchor, c->model_path, c->archive_key};
+    char name[PATH_MAX];
+    enum status st = ST_OK;
+
+    for (size_t i = 0; st == ST_OK && i < sizeof given / sizeof *given; i++)
+        st = ctl_dir_not_read(c, path, given[i]);
+    for (size_t i = 0; st == ST_OK && i < 2 * sizeof beside / sizeof *beside; i++) {
+        const char *const of = i % 2 == 0 ? c->db : c->key;
+
+        (void)snprintf(name, sizeof name, "%s%s", of != NULL ? of : "", beside[i / 2]);
+        st = ctl_dir_not_read(c, path, of != NULL ? name : NULL);
+    }
+    return st;
+}
+
+static bool is_standard(const char *path)
+{
+    return strcmp(path, "-") == 0;
+}
+
+enum status ctl_dir_folder(struct ctl *c, const char *usual, const char **out)
+{
+    *out = c->dir != NULL ? c->dir : usual;
+    return !is_standard(*out)
+               ? ST_OK
+               : ctl_usage(c,
+                           "%s writes several files: --out takes a folder (./- is one)",
+                           c->cmd->name);
+}
+
+enum status ctl_dir_may_write(struct ctl *c, const char *path, int nread)
+{
+    const char *const slash = strrchr(path, '/');
+    struct stat named, there;
+    enum status st = ST_OK;
+
+    if (is_standard(path))
+        return ctl_usage(c,
+                         "%s cannot write to standard output: name a file (./- is one)",
+                         c->cmd->name);
+    for (int i = 0; st == ST_OK && i < nread; i++)
+        st = ctl_dir_not_read(c, path, c->args[i]);
+    if (st != ST_OK || (st = not_shared(c, path)) != ST_OK)
+        return st;
+    if ((slash != NULL && slash[1] == '\0') ||
+        (stat(path, &there) == 0 && S_ISDIR(there.st_mode)))
+        return errinfo_set(&c->e, ST_EINVAL, "%.160s is a folder, not a file", path);
+    if (lstat(path, &named) != 0)
+        return ST_OK; /* or the writing says why not */
+    if (stat(path, &there) == 0 && !S_ISREG(there.st_mode))
+        return errinfo_set(&c->e, ST_EEXISTS,
+                           "%.160s is not a regular file: it is not replaced", path);
+    return c->force ? ST_OK
+                    : errinfo_set(&c->e, ST_EEXISTS, "%.160s exists: --force replaces it",
+                                  path);
+}
+
+enum status ctl_dir_may_pipe(struct ctl *c, int nread)
+{
+    if (!is_standard(c->dir))
+        return ctl_dir_may_write(c, c->dir, nread);
+    if (c->json)
+        return ctl_usage(c,
+                         "--out - and --json both write to standard output: name a file");
+    c->piped = true;
+    return ST_OK;
+}
+
+/* ---- a file */
 
 /* A mesh as PLY, its coordinates to the last digit of the lattice. */
 static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
@@ -83,31 +170,38 @@ static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-enum status ctl_dir_file(const char *path, newfile_writer *write, const void *arg,
-                         struct errinfo *e)
+static enum status write_out(newfile_writer *write, const void *arg, struct errinfo *e)
+{
+    const enum status st = write(stdout, arg, e);
+
+    return st == ST_OK && fflush(stdout) != 0
+               ? errinfo_set(e, ST_EIO, "standard output: %s", strerror(errno))
+               : st;
+}
+
+enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
+                         const void *arg)
 {
     const char *slash = strrchr(path, '/');
     const char *name = slash != NULL ? slash + 1 : path;
-    char *folder = strndup(slash != NULL ? path : "./",
-                           slash != NULL ? (size_t)(slash - path) + 1 : 2);
-    enum status st = ST_OK;
+    char *folder;
+    enum status st;
     int dir = -1;
 
-    if (folder == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (*name == '\0')
-        st = errinfo_set(e, ST_EINVAL, "a folder, not a file: %.80s", path);
-    if (st == ST_OK)
-        st = ctl_dir_open(folder, &dir, e);
-    if (st == ST_OK)
-        st = ctl_dir_write(dir, name, write, arg, e);
+    if (c->piped)
+        return write_out(write, arg, &c->e);
+    if ((folder = strndup(slash != NULL ? path : "./",
+                          slash != NULL ? (size_t)(slash - path) + 1 : 2)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if ((st = ctl_dir_open(folder, &dir, &c->e)) == ST_OK)
+        st = ctl_dir_write(dir, name, c->force, write, arg, &c->e);
     if (dir >= 0)
         (void)close(dir);
     free(folder);
     return st;
 }
 
-enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e)
+enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m)
 {
-    return ctl_dir_file(path, write_mesh, m, e);
+    return ctl_dir_file(c, path, write_mesh, m);
 }

@@ -1,5 +1,6 @@
-/* ctl_dir.h -- a folder of results: files that are there whole or not at all, and
- * readable by their owner alone, since they are biometric data. */
+/* ctl_dir.h -- the files that a command writes: they are there whole or not at all, and readable
+ * by their owner alone, since they are biometric data.  One rule holds for all of them: a file
+ * that exists is replaced with --force alone, and one that the command reads is never. */
 #ifndef CTL_DIR_H
 #define CTL_DIR_H
 #include <stdbool.h>
@@ -7,30 +8,45 @@
 #include "errinfo.h"
 #include "newfile.h"
 
+struct ctl;  /* ctl.h */
 struct mesh; /* mesh.h */
 
-/* ctl_dir_open(path, dir, e): make the folder, unless it is there, and open it; *dir
+/* ---- before anything is computed: may the command write there?  Failures are in c->e.
+ *
+ * ctl_dir_folder(c, usual, out): the folder of --out, or else the usual one.  ST_EINVAL: "-".
+ * ctl_dir_may_write(c, path, nread): a file at path.  It is compared with those that the command
+ * reads: its first nread arguments ("-" and what does not exist are none), and the shared
+ * options' (the database and what belongs to it, keys, model, configuration).
+ * ST_EEXISTS: it is one of them, by whatever name (a link, another path); or it exists, and
+ * there is no --force; or it is no regular file.  ST_EINVAL: "-", or a folder.
+ * ctl_dir_may_pipe(c, nread): the same of --out, which may be "-", standard output:
+ * c->piped is set then; ST_EINVAL with --json.
+ * ctl_dir_not_read(c, path, input): it is not this further file either, which may be NULL;
+ * ST_EEXISTS. */
+enum status ctl_dir_folder(struct ctl *c, const char *usual, const char **out);
+enum status ctl_dir_may_write(struct ctl *c, const char *path, int nread);
+enum status ctl_dir_may_pipe(struct ctl *c, int nread);
+enum status ctl_dir_not_read(struct ctl *c, const char *path, const char *input);
+
+/* ---- writing
+ *
+ * ctl_dir_open(path, dir, e): make the folder, unless it is there, and open it; *dir
  * is closed by the caller.  ST_EIO, ST_EDENIED. */
 enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
 
-/* ctl_dir_write(dir, name, write, arg, e): a file with what write(to, arg, e) writes;
- * one of that name is replaced.  write need not look at write errors; when it fails, or not
- * everything could be written, nothing has changed. */
-enum status ctl_dir_write(int dir, const char *name, newfile_writer *write,
+/* ctl_dir_write(dir, name, replace, write, arg, e): a file with what write(to, arg, e)
+ * writes.  ST_EEXISTS: one of that name has come in the meantime, and replace is false.
+ * write need not look at write errors; when it fails, or not everything could be written,
+ * nothing has changed. */
+enum status ctl_dir_write(int dir, const char *name, bool replace, newfile_writer *write,
                           const void *arg, struct errinfo *e);
 
-/* ctl_dir_may_write(path, force, input, ninput, e): may a file be written at path?  To be asked
- * before anything is computed.  ST_EEXISTS: there is one, and no force; or it is one of those
- * that the command reads, by whatever name ("-" is none), which is never replaced. */
-enum status ctl_dir_may_write(const char *path, bool force, char *const *input,
-                              size_t ninput, struct errinfo *e);
-
-/* ctl_dir_file(path, write, arg, e): the same for a path; its folder is made if it is
- * missing.
- * ctl_dir_mesh(path, m, e): a mesh there, PLY in millimetres. */
-enum status ctl_dir_file(const char *path, newfile_writer *write, const void *arg,
-                         struct errinfo *e);
-enum status ctl_dir_mesh(const char *path, const struct mesh *m, struct errinfo *e);
+/* ctl_dir_file(c, path, write, arg): the same for a path, or standard output if c->piped;
+ * its folder is made if it is missing.
+ * ctl_dir_mesh(c, path, m): a mesh there, PLY in millimetres. */
+enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
+                         const void *arg);
+enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m);
 
 /* ctl_dir_remove(dir, name, e): of a former run, where there is one. */
 enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e);

@@ -99,7 +99,7 @@ static enum status list_files(struct ctl *c, struct burst *b)
 static enum status enroll(struct ctl *c, struct burst *b)
 {
     struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
-    const struct enrolment x = {.actor = CTL_ACTOR,
+    const struct enrolment x = {.actor = c->actor,
                                 .subject = c->args[0],
                                 .label = c->label != NULL ? c->label : "",
                                 .sample = sample,

@@ -1,5 +1,6 @@
 #include "ctl_enroll_folder.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +93,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     const struct corpus_scan *scan = &w->corpus->scan[i];
     struct scan_found found;
     const struct enrolment x = {
-        .actor = CTL_ACTOR,
+        .actor = c->actor,
         .subject = w->corpus->subject[scan->subject].id,
         .label = c->label != NULL ? c->label : w->corpus->kind[scan->kind],
         .sample = &(struct store_sample){.face = f, .read = found.digest},
@@ -206,8 +207,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     json_number(c->out, "left_out", left);
     json_number(c->out, "undone", count[UNDONE]);
     json_number(c->out, "seconds", seconds);
-    ctl_say(c, "%u scans of %s: %u enrolled, %u were there already, %u failed", n,
-            c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
+    ctl_say(c, "%" PRIu64 " scan%s of %s: %u enrolled, %u were there already, %u failed",
+            CTL_COUNT(n), c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
     if (left > 0)
         ctl_say(c, "; %u other%s left out", left, left == 1 ? "" : "s");
     if (count[UNDONE] > 0)

@@ -52,7 +52,7 @@ static enum status erase(struct ctl *c)
         return would_erase(c, &one, one.templates, what);
     if ((st = ctl_confirm(c, what, one.id)) != ST_OK)
         return st;
-    if ((st = store_subject_erase(c->store, CTL_ACTOR, one.id, &r, &c->e)) == ST_OK) {
+    if ((st = store_subject_erase(c->store, c->actor, one.id, &r, &c->e)) == ST_OK) {
         out_receipt(c->out, &r);
         ctl_say(c,
                 "deleted subject %s with %u template%s, at %s\n"
@@ -80,7 +80,7 @@ static enum status erase_template(struct ctl *c)
         return st == ST_OK ? would_erase(c, &one, 1, what) : st;
     }
     if ((st = ctl_confirm(c, what, t.id)) != ST_OK ||
-        (st = store_template_delete(c->store, CTL_ACTOR, t.id, &c->e)) != ST_OK)
+        (st = store_template_delete(c->store, c->actor, t.id, &c->e)) != ST_OK)
         return st;
     json_text(c->out, "template_id", t.id);
     json_number(c->out, "templates_removed", 1);
@@ -111,7 +111,7 @@ static enum status erase_due(struct ctl *c, const struct store_subject *due, siz
 
         if (due[i].hold)
             continue;
-        st = store_subject_purge(c->store, CTL_ACTOR, due[i].id, &c->e);
+        st = store_subject_purge(c->store, c->actor, due[i].id, &c->e);
         if (st == ST_OK)
             ++*erased;
         else if (st != ST_ENOTFOUND && st != ST_EHELD)

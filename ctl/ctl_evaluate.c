@@ -105,21 +105,15 @@ static char *folder_of(const struct run *r, size_t i, const char *out)
 static enum status may_write(struct run *r, const char *dir, const char *file)
 {
     struct ctl *c = r->c;
-    char *path = join(dir, file, 1), *list = strdup(pairs != NULL ? pairs : "");
-    enum status st = ST_OK;
+    char *path = join(dir, file, 1);
+    enum status st;
 
-    if (path == NULL || list == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && (st = ctl_dir_may_write(path, c->force, c->args, (size_t)c->nargs,
-                                               &c->e)) == ST_OK)
-        st = ctl_dir_may_write(path, true, &list, 1, &c->e);
-    if (st == ST_OK && access(path, F_OK) == 0)
-        for (size_t i = 0; i < r->n; i++)
-            for (uint32_t k = 0; k < r->set[i].corpus->nscan && st == ST_OK; k++)
-                st = ctl_dir_may_write(path, true, &r->set[i].corpus->scan[k].path, 1,
-                                       &c->e);
+    if (path == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = ctl_dir_may_write(c, path, c->nargs);
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = ctl_corpus_not_read(c, r->set[i].corpus, r->set[i].source, path);
     free(path);
-    free(list);
     return st;
 }
 
@@ -133,7 +127,8 @@ static enum status may_write_all(struct run *r, const char *out)
     return st;
 }
 
-static enum status write_set(const struct report *r, const char *path, struct errinfo *e)
+static enum status write_set(const struct report *r, const char *path, bool replace,
+                             struct errinfo *e)
 {
     int dir;
     enum status st = ctl_dir_open(path, &dir, e);
@@ -141,7 +136,7 @@ static enum status write_set(const struct report *r, const char *path, struct er
     for (size_t i = 0; i < OUTPUTS && st == ST_OK; i++)
         st = i == MATRIX && !matrix /* and none of a former run stays */
                  ? ctl_dir_remove(dir, output[i].file, e)
-                 : ctl_dir_write(dir, output[i].file, output[i].write, r, e);
+                 : ctl_dir_write(dir, output[i].file, replace, output[i].write, r, e);
     if (dir >= 0)
         (void)close(dir);
     return st;
@@ -155,9 +150,9 @@ static enum status write_all(struct run *r, const char *out)
     enum status st = ctl_dir_open(out, &dir, e);
 
     for (size_t i = 0; i < r->n && st == ST_OK; i++)
-        st = write_set(&r->report[i], r->set[i].dir, e);
+        st = write_set(&r->report[i], r->set[i].dir, r->c->force, e);
     if (st == ST_OK && r->n > 1)
-        st = ctl_dir_write(dir, TABLE, report_csv_sets, &list, e);
+        st = ctl_dir_write(dir, TABLE, r->c->force, report_csv_sets, &list, e);
     if (dir >= 0)
         (void)close(dir);
     return st;
@@ -271,11 +266,13 @@ static enum status evaluate(struct run *r, size_t i)
 
 static enum status evaluate_all(struct run *r)
 {
-    const char *out = r->c->dir != NULL ? r->c->dir : "evaluation";
+    const char *out;
     const time_t now = time(NULL);
     struct tm utc;
-    enum status st = read_sets(r, out);
+    enum status st = ctl_dir_folder(r->c, "evaluation", &out);
 
+    if (st == ST_OK)
+        st = read_sets(r, out);
     if (gmtime_r(&now, &utc) != NULL)
         (void)strftime(r->made, sizeof r->made, "%Y-%m-%dT%H:%M:%SZ", &utc);
     if (st == ST_OK)

@@ -37,7 +37,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
         x->template_id = t->id;
     }
     if (st == ST_OK)
-        st = store_event(c->store, "explain", CTL_ACTOR, t->subject, t->id,
+        st = store_event(c->store, "explain", c->actor, t->subject, t->id,
                          verdict_decision(x->result.decision), &c->e);
     return st;
 }
@@ -82,28 +82,42 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
     return st;
 }
 
+static const struct {
+    const char *name;
+    enum status (*write)(FILE *to, const void *x, struct errinfo *e);
+    bool picture;
+} file[] = {{"explain.txt", explain_text, false},
+            {"explain.json", explain_text_json, false},
+            {"explain.ply", explain_cloud, false},
+            {"explain.png", explain_plot, true}};
+#define FILES (sizeof file / sizeof *file)
+
+static enum status may_write_all(struct ctl *c, const char *folder)
+{
+    char path[PATH_MAX];
+    enum status st = ST_OK;
+
+    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
+        st = ctl_dir_may_write(c, path, c->nargs);
+    }
+    return st;
+}
+
 /* Every file, or as many as there can be: without gnuplot no picture, which is no failure.
  * *picture: is it there? */
 static enum status write_all(struct ctl *c, const struct explanation *x, const char *path,
                              bool *picture)
 {
-    static const struct {
-        const char *name;
-        enum status (*write)(FILE *to, const void *x, struct errinfo *e);
-        bool picture;
-    } file[] = {{"explain.txt", explain_text, false},
-                {"explain.json", explain_text_json, false},
-                {"explain.ply", explain_cloud, false},
-                {"explain.png", explain_plot, true}};
     int dir;
     enum status st = ctl_dir_open(path, &dir, &c->e);
 
     /* What an earlier comparison left must not stand beside this one's. */
-    for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++)
+    for (size_t i = 0; st == ST_OK && c->force && i < FILES; i++)
         st = ctl_dir_remove(dir, file[i].name, &c->e);
     *picture = true;
-    for (size_t i = 0; st == ST_OK && i < sizeof file / sizeof *file; i++) {
-        st = ctl_dir_write(dir, file[i].name, file[i].write, x, &c->e);
+    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
+        st = ctl_dir_write(dir, file[i].name, c->force, file[i].write, x, &c->e);
         if (st == ST_ENOTFOUND && file[i].picture) {
             *picture = false;
             st = ST_OK;
@@ -118,14 +132,16 @@ static enum status write_all(struct ctl *c, const struct explanation *x, const c
 
 static enum status run(struct ctl *c)
 {
-    const char *path = c->dir != NULL ? c->dir : "explanation";
+    const char *path;
     struct explanation x = {
         .a = c->args[0], .b = c->args[1], .engine = c->engine, .compared = 1};
     struct store_template t = {0};
     bool picture = false;
-    enum status st = compare(c, &x, &t);
+    enum status st = ctl_dir_folder(c, "explanation", &path);
 
-    if (st == ST_OK)
+    if (st != ST_OK || (st = may_write_all(c, path)) != ST_OK)
+        return st;
+    if ((st = compare(c, &x, &t)) == ST_OK)
         st = write_all(c, &x, path, &picture);
     if (st == ST_OK) {
         explain_text_out(c->out, &x);
@@ -148,7 +164,7 @@ const struct ctl_command ctl_explain = {
     .args = "A B",
     .takes = {2, 2},
     .database = CTL_TAKES_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT | CTL_FORCE,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = run,
     .summary = "compare two scans and show where they differ",

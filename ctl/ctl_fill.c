@@ -1,4 +1,5 @@
 /* fill: what is missing in a scan, restored. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +9,8 @@
 #include "fill.h"
 #include "lattice.h"
 #include "mem.h"
-#include "newfile.h"
 #include "ctl_command.h"
+#include "ctl_dir.h"
 #include "ctl_sample.h"
 
 struct filled {
@@ -61,18 +62,6 @@ static enum status write_filled(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status write_new(const char *path, const struct filled *f, struct errinfo *e)
-{
-    struct newfile file = NEWFILE_NONE;
-    enum status st;
-
-    if ((st = newfile_open(path, &file, e)) == ST_OK &&
-        (st = newfile_fill(&file, write_filled, f, e)) == ST_OK)
-        st = newfile_keep(&file, e);
-    newfile_close(&file);
-    return st;
-}
-
 /* ---- what was done */
 
 static int by_area(const void *a, const void *b)
@@ -96,8 +85,8 @@ static void tell_hole(struct ctl *c, const struct fill_hole *h)
     json_number(c->out, "error_rms_mm", rms);
     json_number(c->out, "error_95_mm", most);
     json_close(c->out);
-    ctl_say(c, "hole         %.1f mm across, %.0f mm2: %u points", diameter, area,
-            h->points);
+    ctl_say(c, "hole         %.1f mm across, %.0f mm2: %" PRIu64 " point%s", diameter,
+            area, CTL_COUNT(h->points));
     if (isnan(rms))
         ctl_say(c, "; wider than was studied, nothing is known of the error\n");
     else
@@ -116,8 +105,10 @@ static void tell_filled(struct ctl *c, struct filled *f)
     json_text(c->out, "file", c->dir);
     json_number(c->out, "points", (double)f->scan.n);
     json_number(c->out, "restored", r->n);
-    ctl_say(c, "restored     %u points in %u holes, beside %zu of the scan\n", r->n,
-            r->nholes, f->scan.n);
+    ctl_say(c,
+            "restored     %" PRIu64 " point%s in %" PRIu64
+            " hole%s, beside %zu of the scan\n",
+            CTL_COUNT(r->n), CTL_COUNT(r->nholes), f->scan.n);
     json_array(c->out, "holes");
     for (uint32_t i = 0; i < r->nholes; i++)
         tell_hole(c, &r->hole[i]);
@@ -166,10 +157,12 @@ static enum status run(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "fill needs --out FILE");
+    if ((st = ctl_dir_may_pipe(c, 1)) != ST_OK)
+        return st;
     c->scans.axes = SCAN_AXES_SCANNER; /* the points stay where they are */
     st = ctl_sample_parse(c, c->args[0], &f.scan);
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
-        (st = write_new(c->dir, &f, &c->e)) == ST_OK)
+        (st = ctl_dir_file(c, c->dir, write_filled, &f)) == ST_OK)
         tell_filled(c, &f);
     fill_free(&f.fill);
     cloudpoints_free(&f.scan);
@@ -180,14 +173,14 @@ const struct ctl_command ctl_fill = {
     .name = "fill",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_UNITS | CTL_CAMERA | CTL_MODEL | CTL_OUT,
+    .shared = CTL_UNITS | CTL_CAMERA | CTL_MODEL | CTL_OUT | CTL_FORCE,
     .run = run,
     .summary = "restore the points that are missing in a scan's holes",
     .help =
         "A hole is where the triangles between the scan's points are much wider than the points\n"
         "round it are apart.  It is filled with points as dense as those, on the triangles.  The\n"
         "scan's points as they are, and the restored ones, marked by the property \"restored\",\n"
-        "are written to the file --out (PLY), which must not exist.  For each hole it says how far\n"
+        "are written to the file --out (PLY; -: standard output).  For each hole it says how far\n"
         "the restored points may be off.  What lies beyond the scan's outline is not filled.\n"
         "Do not enroll a filled scan: restored points would be taken for measured ones.",
     .example = "surfacectl fill alice.ply --out filled.ply"};

@@ -1,4 +1,5 @@
 /* template reencode: the templates that another engine made, encoded by this one. */
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +40,7 @@ static enum status do_one(void *arg, size_t i, struct face_work *w, struct errin
     struct face f = {0};
     bool done = false;
     enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
-                                   : store_reencode(b->c->store, CTL_ACTOR, b->id[i], w,
+                                   : store_reencode(b->c->store, b->c->actor, b->id[i], w,
                                                     &f, &t, &done, &o->e);
 
     face_free(&f);
@@ -98,9 +99,10 @@ static size_t report(const struct batch *b)
     json_number(c->out, "failed", (double)count[FAILED]);
     json_number(c->out, "undone", (double)count[UNDONE]);
     json_flag(c->out, "dry_run", c->dry_run);
-    ctl_say(c, "%zu templates: %zu %s by %s, %zu current, %zu failed\n", b->n,
-            count[REENCODED], c->dry_run ? "can be re-encoded" : "re-encoded", c->engine,
-            count[CURRENT], count[FAILED]);
+    ctl_say(c, "%" PRIu64 " template%s: %zu %s by %s, %zu current, %zu failed\n",
+            CTL_COUNT(b->n), count[REENCODED],
+            c->dry_run ? "can be re-encoded" : "re-encoded", c->engine, count[CURRENT],
+            count[FAILED]);
     if (count[GONE] > 0)
         ctl_say(c, "%zu were deleted meanwhile\n", count[GONE]);
     if (count[UNDONE] > 0)
@@ -133,8 +135,9 @@ static enum status run(struct ctl *c)
     free(b.id);
     free(b.outcome);
     if (st == ST_OK && failed > 0)
-        st = errinfo_set(&c->e, ST_EVERSION, "%zu of %zu templates stay as they are",
-                         failed, b.n);
+        st = errinfo_set(&c->e, ST_EVERSION,
+                         "%zu of %" PRIu64 " template%s not re-encoded", failed,
+                         CTL_COUNT(b.n));
     return st;
 }
 

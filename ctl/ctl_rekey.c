@@ -90,7 +90,7 @@ static enum status rekey(struct ctl *c)
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&
         (st = confirm_loss(c)) == ST_OK &&
-        (st = store_rekey(c->store, CTL_ACTOR, &to, &c->e)) == ST_OK) {
+        (st = store_rekey(c->store, c->actor, &to, &c->e)) == ST_OK) {
         (void)snprintf(usual, sizeof usual, "%s.key", c->db);
         tell(c, &to, c->key != NULL ? c->key : usual);
     }

@@ -1,7 +1,9 @@
 #include <errno.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "cloudfile.h"
 #include "sample.h"
@@ -15,6 +17,8 @@ enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes
 {
     const bool standard = strcmp(path, "-") == 0;
     FILE *in = standard ? stdin : fopen(path, "rb");
+    char is[32], may[32];
+    struct stat info;
     unsigned char *larger;
     size_t room = 1 << 16, n;
     enum status st = ST_OK;
@@ -24,7 +28,11 @@ enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes
     if (in == NULL)
         return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%s: %s", path,
                            strerror(errno));
-    do {
+    if (fstat(fileno(in), &info) == 0 && S_ISREG(info.st_mode) &&
+        (uintmax_t)info.st_size > most)
+        st = errinfo_set(e, ST_ESIZE, "%s: %s, and at most %s are read", path,
+                         ctl_bytes((uint64_t)info.st_size, is), ctl_bytes(most, may));
+    while (st == ST_OK) {
         if (*bytes == NULL || *len + 1 == room) {
             room *= 2;
             if ((larger = realloc(*bytes, room)) == NULL) {
@@ -36,8 +44,11 @@ enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes
         *len += n = fread(*bytes + *len, 1, room - 1 - *len, in);
         (*bytes)[*len] = '\0';
         if (*len > most)
-            st = errinfo_set(e, ST_ESIZE, "%s: larger than %zu MB", path, most >> 20);
-    } while (n != 0 && st == ST_OK);
+            st = errinfo_set(e, ST_ESIZE, "%s: at most %s are read", path,
+                             ctl_bytes(most, may));
+        if (n == 0)
+            break;
+    }
     if (st == ST_OK && ferror(in))
         st = errinfo_set(e, ST_EIO, "%s: %s", path, strerror(errno));
     if (!standard)

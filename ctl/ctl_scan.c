@@ -33,8 +33,8 @@ static void print_found(const struct scan_found *f)
                  f->unit_mm > 0 ? cloudunit_name(f->unit_mm) : "not found",
                  f->unit_mm > 0 && f->unit_found ? " (found)" : "");
     if (!isnan(f->yaw_deg))
-        (void)printf("view         yaw %.0f, pitch %.0f, roll %.0f degrees\n", f->yaw_deg,
-                     f->pitch_deg, f->roll_deg);
+        (void)printf("view         yaw %ld, pitch %ld, roll %ld degrees\n",
+                     lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
     ctl_sample_warnings(stdout, "warnings", f);
@@ -109,7 +109,7 @@ static enum status draw(struct ctl *c, const struct checked *k)
     memset(used, 0, k->raw.n);
     if (usable)
         mark_used(k, used);
-    if ((st = ctl_dir_file(picture, scan_picture, &p, &c->e)) == ST_EINVAL)
+    if ((st = ctl_dir_file(c, picture, scan_picture, &p)) == ST_EINVAL)
         st = ST_EINTERNAL; /* the script that gnuplot refused is this program's */
     mem_free(used);
     return st;
@@ -157,7 +157,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
     if (st == ST_OK && picture != NULL && k.raw.n > 0)
         st = draw(c, &k);
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
-        st = ctl_dir_mesh(face_file, &k.face.surface.mesh, &c->e);
+        st = ctl_dir_mesh(c, face_file, &k.face.surface.mesh);
     face_free(&k.face);
     cloudpoints_free(&k.raw);
     cloudpoints_free(&k.points);
@@ -173,11 +173,11 @@ static enum status run(struct ctl *c)
 
     if ((picture != NULL || face_file != NULL) && c->nargs > 1)
         return ctl_usage(c, "--picture and --face are of one scan");
+    if (picture != NULL && face_file != NULL && strcmp(picture, face_file) == 0)
+        return ctl_usage(c, "--picture and --face name the same file");
     for (int i = 0; i < 2; i++) {
-        const enum status st = output[i] == NULL
-                                   ? ST_OK
-                                   : ctl_dir_may_write(output[i], c->force, c->args,
-                                                       (size_t)c->nargs, &c->e);
+        const enum status st =
+            output[i] == NULL ? ST_OK : ctl_dir_may_write(c, output[i], c->nargs);
 
         if (st != ST_OK)
             return st;

@@ -46,11 +46,13 @@ static enum status run(struct ctl *c)
 
     if (!(tolerance_mm > 0) || c->dir == NULL)
         return ctl_usage(c, "simplify needs --tolerance MM and --out FILE");
+    if ((st = ctl_dir_may_pipe(c, 1)) != ST_OK)
+        return st;
     if ((st = ctl_sample_read(c, c->args[0], false, c->work, &f, &found)) == ST_OK &&
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
                             NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
-    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &small, &c->e)) == ST_OK)
+    if (st == ST_OK && (st = ctl_dir_mesh(c, c->dir, &small)) == ST_OK)
         tell_simplified(c, &f, &r);
     mesh_free(&small);
     scratch_free(&scratch);
@@ -62,7 +64,7 @@ const struct ctl_command ctl_simplify = {
     .name = "simplify",
     .args = "FILE",
     .takes = {1, 1},
-    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT | CTL_FORCE,
     .options = {CTL_OPTION("tolerance", "MM", ctl_option_mm, &tolerance_mm,
                            "the largest gap that may open; required"),
                 CTL_OPTION("mean", NULL, ctl_option_flag, &mean,
@@ -72,6 +74,6 @@ const struct ctl_command ctl_simplify = {
     .help =
         "Points are removed one by one, the least needed first, as long as the surface of the\n"
         "others stays within --tolerance of the scan's at each of its points.  The points that\n"
-        "remain are written with their triangles to the file --out (PLY).  Spikes are flattened\n"
-        "first.",
+        "remain are written with their triangles to the file --out (PLY; -: standard output).\n"
+        "Spikes are flattened first.",
     .example = "surfacectl simplify alice.ply --tolerance 0.3 --out small.ply"};

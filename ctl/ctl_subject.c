@@ -135,7 +135,7 @@ static enum status set(struct ctl *c)
         return ctl_usage(c, "subject set needs --consent, --purpose or --expires");
     if ((st = ctl_model_open(c, STORE_WRITE)) != ST_OK)
         return st;
-    st = store_subject_set(c->store, CTL_ACTOR, id, &what, &c->e);
+    st = store_subject_set(c->store, c->actor, id, &what, &c->e);
     if (st == ST_OK)
         return tell(c, id, "recorded");
     if (st != ST_ENOTFOUND)
@@ -149,14 +149,14 @@ static enum status set(struct ctl *c)
                    consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
-    st = store_subject_add(c->store, CTL_ACTOR, &new, &c->e);
+    st = store_subject_add(c->store, c->actor, &new, &c->e);
     return st == ST_OK ? tell(c, id, "added") : st;
 }
 
 static enum status rename_it(struct ctl *c)
 {
     const enum status st =
-        store_subject_rename(c->store, CTL_ACTOR, c->args[0], c->args[1], &c->e);
+        store_subject_rename(c->store, c->actor, c->args[0], c->args[1], &c->e);
 
     return st == ST_OK ? tell(c, c->args[1], "is its id now") : st;
 }
@@ -164,8 +164,7 @@ static enum status rename_it(struct ctl *c)
 static enum status change(struct ctl *c, const struct store_subject_change *what,
                           const char *done)
 {
-    const enum status st =
-        store_subject_set(c->store, CTL_ACTOR, c->args[0], what, &c->e);
+    const enum status st = store_subject_set(c->store, c->actor, c->args[0], what, &c->e);
 
     return st == ST_OK ? tell(c, c->args[0], done) : st;
 }

@@ -107,14 +107,16 @@ static enum status export_template(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "template export needs --out FILE");
+    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+        return st;
     if ((w = face_work_new(c->model)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = store_template_load(c->store, c->args[0], &t, w, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
-        st = store_event(c->store, "export_template", CTL_ACTOR, t.subject, t.id,
+        st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
-    if (st == ST_OK && (st = ctl_dir_mesh(c->dir, &f.surface.mesh, &c->e)) == ST_OK) {
+    if (st == ST_OK && (st = ctl_dir_mesh(c, c->dir, &f.surface.mesh)) == ST_OK) {
         json_text(c->out, "template_id", t.id);
         json_text(c->out, "subject", t.subject);
         json_text(c->out, "file", c->dir);
@@ -158,11 +160,11 @@ const struct ctl_command ctl_template_export = {
     .args = "ID",
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_MODEL | CTL_OUT,
+    .shared = CTL_MODEL | CTL_OUT | CTL_FORCE,
     .run = export_template,
     .summary = "write a template's points and triangles",
     .help =
-        "To the file --out (PLY, millimetres).  It is biometric data: only its owner can read\n"
-        "it.  An event records the export.",
+        "To the file --out (PLY, millimetres; -: standard output).  It is biometric data: only\n"
+        "its owner can read it.  An event records the export.",
     .example =
         "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"};

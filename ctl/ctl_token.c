@@ -81,7 +81,7 @@ static enum status create(struct ctl *c)
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
     if ((st = open_for_secret(c)) == ST_OK)
-        st = store_token_create(c->store, CTL_ACTOR, name, scopes, life_s, secret, &t,
+        st = store_token_create(c->store, c->actor, name, scopes, life_s, secret, &t,
                                 &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
@@ -128,7 +128,7 @@ static enum status rotate(struct ctl *c)
     enum status st = open_for_secret(c);
 
     if (st == ST_OK && (st = find(c, id)) == ST_OK)
-        st = store_token_rotate(c->store, CTL_ACTOR, id, grace_s,
+        st = store_token_rotate(c->store, c->actor, id, grace_s,
                                 c->expires.given ? c->expires.life_s : -1, secret, &t,
                                 &c->e);
     if (st != ST_OK)
@@ -183,7 +183,7 @@ static enum status revoke(struct ctl *c)
     char id[STORE_ID_LEN + 1];
     enum status st = find(c, id);
 
-    if (st != ST_OK || (st = store_token_revoke(c->store, CTL_ACTOR, id, &c->e)) != ST_OK)
+    if (st != ST_OK || (st = store_token_revoke(c->store, c->actor, id, &c->e)) != ST_OK)
         return st;
     json_text(c->out, "id", id);
     json_flag(c->out, "revoked", true);

@@ -1,4 +1,6 @@
 /* The command train: a model from a morphable model and from scans (docs/model.md). */
+#include <dirent.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,6 +54,8 @@ static enum status read_scans(struct ctl *c, struct scans *s)
 {
     enum status st = corpus_read(c->args[0], &s->corpus, &c->e);
 
+    if (st == ST_OK)
+        st = ctl_corpus_not_read(c, s->corpus, c->args[0], c->dir);
     if (st != ST_OK)
         return st;
     s->face = calloc(s->corpus->nscan, sizeof *s->face);
@@ -139,19 +143,30 @@ static bool valid_name(const char *text)
     return true;
 }
 
-/* An existing file is replaced by --force alone, and none that is read. */
-static enum status may_write(struct ctl *c)
+/* None of the morphable model's files either.  A folder that cannot be read fails later. */
+static enum status not_a_shape(struct ctl *c)
 {
-    const char *const read[] = {c->nargs > 0 ? c->args[0] : NULL, scores, c->model_path};
+    DIR *const dir = opendir(morphable);
+    const struct dirent *entry;
+    char path[PATH_MAX];
     enum status st = ST_OK;
 
-    for (size_t i = 0; i < sizeof read / sizeof *read && st == ST_OK; i++) {
-        char *const input = read[i] != NULL ? strdup(read[i]) : NULL;
-
-        st = ctl_dir_may_write(c->dir, c->force, &input, input != NULL, &c->e);
-        free(input);
+    while (dir != NULL && st == ST_OK && (entry = readdir(dir)) != NULL) {
+        (void)snprintf(path, sizeof path, "%s/%s", morphable, entry->d_name);
+        st = ctl_dir_not_read(c, c->dir, path);
     }
+    if (dir != NULL)
+        (void)closedir(dir);
     return st;
+}
+
+static enum status may_write(struct ctl *c)
+{
+    enum status st = ctl_dir_may_write(c, c->dir, c->nargs);
+
+    if (st == ST_OK)
+        st = ctl_dir_not_read(c, c->dir, scores);
+    return st == ST_OK && morphable != NULL ? not_a_shape(c) : st;
 }
 
 static enum status check(struct ctl *c)
@@ -192,7 +207,7 @@ static enum status run(struct ctl *c)
     if (st == ST_OK)
         st = train_model(&t, name != NULL ? name : c->model->name, m, &report, &c->e);
     if (st == ST_OK)
-        st = modelfile_write(c->dir, m, &c->e);
+        st = modelfile_write(c->dir, c->force, m, &c->e);
     if (st == ST_OK) {
         if (s.corpus != NULL)
             print_scans(c, &report);

@@ -41,7 +41,7 @@ static enum status settle(struct ctl *c, const struct ctl_nearest *best,
     const enum face_decision decision = best->nearest.result.decision;
     const struct store_settle what = {.subject = &best->subject,
                                       .as = STORE_SETTLE_UNCOUNTED,
-                                      .actor = CTL_ACTOR,
+                                      .actor = c->actor,
                                       .kind = "verify",
                                       .template_id = best->tmpl.id,
                                       .outcome = verdict_decision(decision),

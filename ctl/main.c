@@ -72,8 +72,14 @@ static bool read_options(int argc, char **argv, struct line *l)
     while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
         int k;
 
-        if (got == '?')
-            return wrong(l, "there is no option", argv[optind - 1]);
+        if (got == '?') {
+            (void)ctl_usage(
+                &l->c,
+                "there is no option %.80s (surfacectl --help); what begins with "
+                "a hyphen and is no option goes behind --",
+                argv[optind - 1]);
+            return false;
+        }
         if (got == ':')
             return wrong(l, "a value is missing after", argv[optind - 1]);
         k = index_of(l, got);
@@ -165,6 +171,14 @@ static bool read_line(int argc, char **argv, struct line *l)
     return l->cmd != NULL || l->c.help || l->c.version || wrong(l, "which command?", "");
 }
 
+static bool is_given(const struct line *l, const char *name)
+{
+    for (int k = 0; k < l->noption; k++)
+        if (l->given[k] && strcmp(l->option[k].name, name) == 0)
+            return true;
+    return false;
+}
+
 /* NULL where it is not set, or empty. */
 static const char *environment(const char *name)
 {
@@ -200,6 +214,7 @@ static enum status run(struct ctl *c, struct model **model)
     const enum ctl_database database = c->cmd->database;
     enum status st = ctl_model_read(c, model);
 
+    c->actor = ctl_actor();
     if (sodium_init() < 0)
         return errinfo_set(&c->e, ST_EINTERNAL,
                            "the cryptographic library does not start");
@@ -217,6 +232,7 @@ static void print_error(struct ctl *c, int code)
     (void)fflush(stdout);
     (void)fprintf(stderr, "surfacectl: %s\n", c->e.msg);
     json_object(c->out, "error");
+    json_text(c->out, "code", ctl_error_code(c));
     json_text(c->out, "detail", c->e.msg);
     json_number(c->out, "exit", code);
     json_close(c->out);
@@ -236,12 +252,17 @@ int main(int argc, char **argv)
         return EXIT_FINE;
     }
     ok = ok && read_environment(&l);
+    c->json = is_given(&l, "json"); /* of a wrong command line too */
     if (c->json && (c->out = json_new()) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
         return EXIT_OSERR;
     }
-    if (ok)
-        code = ctl_exit(c, run(c, &model));
+    if (ok) {
+        const enum status st = run(c, &model);
+
+        c->e.code = st;
+        code = ctl_exit(c, st);
+    }
     store_close(c->store);
     face_work_free(c->work);
     free(model);

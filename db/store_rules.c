@@ -17,11 +17,14 @@ bool store_rules_consist(const char *text, const char *set, size_t min, size_t m
     return n >= min && n <= max && strspn(text, set) == n;
 }
 
+/* "." and ".." are none: in a path they name other resources (RFC 3986, section 5.2.4). */
 bool store_subject_valid(const char *subject)
 {
-    return store_rules_consist(
-        subject, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-@:", 1,
-        STORE_SUBJECT_MAX);
+    return strcmp(subject, ".") != 0 && strcmp(subject, "..") != 0 &&
+           store_rules_consist(
+               subject,
+               "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-@:", 1,
+               STORE_SUBJECT_MAX);
 }
 
 bool store_id_valid(const char *id)

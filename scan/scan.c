@@ -255,23 +255,47 @@ static enum status keep(struct scan *s)
 
 /* ---- the ways from points to a model */
 
-static enum status build_as_it_is(struct scan *s)
+/* The model of the points as they are, and their fit; each is made once. */
+static enum status model_of_all(struct scan *s, struct scan_search *k)
 {
-    enum status st = build(s), kept;
-    struct align_pose pose;
+    if (k->as_is) {
+        *s->out = k->model;
+    } else {
+        k->st_as_is = face_build(s->c->at, s->c->n, s->w, s->out, &k->bad);
+        k->model = *s->out;
+        k->as_is = true;
+    }
+    if (s->bad != NULL)
+        *s->bad = k->bad;
+    return k->st_as_is;
+}
+
+static enum status fit_all(struct scan *s, struct scan_search *k)
+{
+    const struct align_pose pose = align_pose_unscaled(&s->out->frame.pose);
+
+    if (!k->fitted)
+        k->st_fitted =
+            shape_fit(s->shape, s->c->at, s->c->n, &pose, 1, true, &k->fit_as_is);
+    k->fitted = true;
+    s->fit = k->fit_as_is;
+    return k->st_fitted;
+}
+
+static enum status build_as_it_is(struct scan *s, struct scan_search *k)
+{
+    enum status st = model_of_all(s, k), kept;
 
     /* What was refused only once it had been laid on the mean face has evidence to tell. */
     if (st != ST_OK && (st != ST_ENOTFACE || s->out->frame.mean_id == 0))
         return st;
-    pose = align_pose_unscaled(&s->out->frame.pose);
-    kept = shape_fit(s->shape, s->c->at, s->c->n, &pose, 1, true, &s->fit);
-    if (kept == ST_OK)
+    if ((kept = fit_all(s, k)) == ST_OK)
         kept = keep(s);
     return kept != ST_OK ? kept : st;
 }
 
 /* The unit and the axes are as agreed, or given; a format may have agreed on its own. */
-static enum status build_agreed(struct scan *s)
+static enum status build_agreed(struct scan *s, struct scan_search *k)
 {
     const size_t n = s->c->n;
     enum status st = ST_OK;
@@ -285,7 +309,7 @@ static enum status build_agreed(struct scan *s)
     warn(s, SCAN_THINNED, s->c->n < n);
     if (st != ST_OK)
         return st;
-    return build_as_it_is(s);
+    return build_as_it_is(s, k);
 }
 
 /* Nothing is known of unit and axes; c is as it was read.  Leaves it in the unit found. */
@@ -310,7 +334,7 @@ static enum status search(struct scan *s, struct scan_search *k)
 
 /* Where no face is found the points may be too small a part of one, or something is wrong with
  * them as they are. */
-static enum status build_unfound(struct scan *s)
+static enum status build_unfound(struct scan *s, struct scan_search *k)
 {
     const bool many = s->c->n > SCAN_FULL;
     enum status st = ST_OK;
@@ -320,15 +344,13 @@ static enum status build_unfound(struct scan *s)
     if (many)
         st = crop_thin(s->c, SCAN_ENOUGH);
     if (st == ST_OK)
-        st = build_as_it_is(s);
+        st = build_as_it_is(s, k);
     /* of those thinned out nobody knows the place of one any more */
     return st == ST_ENOTFACE || (many && st == ST_ERANGE) ? ST_ENOFACE : st;
 }
 
-static enum status build_found(struct scan *s)
+static enum status build_found(struct scan *s, struct scan_search *k)
 {
-    struct scan_search own = {.done = false};
-    struct scan_search *k = s->o->search != NULL ? s->o->search : &own;
     const struct surface *f = &s->out->surface;
     enum status st;
 
@@ -337,7 +359,7 @@ static enum status build_found(struct scan *s)
     k->st = search(s, k);
     k->done = true;
     if (k->st != ST_OK)
-        return k->st == ST_ENOFACE ? build_unfound(s) : k->st;
+        return k->st == ST_ENOFACE ? build_unfound(s, k) : k->st;
     if (s->o->stop != NULL && atomic_load_explicit(s->o->stop, memory_order_relaxed))
         return ST_EBUSY;
     s->fit = k->fit;
@@ -358,11 +380,13 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
                        struct scan_found *found)
 {
     struct scan s = {.c = c, .o = o, .w = w, .out = out, .bad = bad, .found = found};
+    struct scan_search own = {.done = false};
+    struct scan_search *k = o->search != NULL ? o->search : &own;
     enum status st;
 
     begin(&s);
     s.shape = face_work_shape(w);
-    st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s) : build_found(&s);
+    st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s, k) : build_found(&s, k);
     mem_free(c->normal); /* they have told what they could */
     c->normal = NULL;
     if (st == ST_OK)

@@ -48,6 +48,8 @@ void access_log(const struct request *r, int http, double ms)
         (void)snprintf(key, sizeof key, "%s_ms", request_stage_name(i));
         log_real(&l, key, r->stage_ms[i], 3);
     }
+    if (r->client[0] != '\0')
+        log_text(&l, "client", r->client);
     if (r->actor[0] != '\0')
         log_text(&l, "token", r->actor);
     if (r->fault[0] != '\0')

@@ -29,7 +29,7 @@ static void usage(void)
         "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1, and so on.  An option wins over the\n"
         "environment, and that over the file.  SIGTERM and SIGINT finish the running\n"
         "requests.  Exit status: 0 after a clean stop, 1 when it could not start or go on,\n"
-        "2 for a bad option.\n",
+        "64 for a bad setting.\n",
         stdout);
 }
 

@@ -1,6 +1,7 @@
 #include "headers.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -42,6 +43,29 @@ static bool is_folded(const char *name, const char *value)
            (uintptr_t)value - end > strspn((const char *)end, BLANKS);
 }
 
+/* A host and perhaps a port (RFC 3986, section 3.2), or nothing. */
+static bool is_host(const char *s)
+{
+    return s[strspn(s, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
+                       "-._~!$&'()*+,;=:[]%")] == '\0';
+}
+
+/* One of the headers that may come once? */
+static void count(struct headers_framing *f, const char *name, const char *value)
+{
+    if (strcasecmp(name, "Host") == 0) {
+        if (f->has_host)
+            f->wrong = "more than one Host header";
+        else if (!is_host(value))
+            f->wrong = "the Host header is not a host and a port";
+        f->has_host = true;
+    } else if (strcasecmp(name, "Authorization") == 0) {
+        if (f->has_authorization)
+            f->wrong = "more than one Authorization header: send one token";
+        f->has_authorization = true;
+    }
+}
+
 void headers_frame(struct headers_framing *f, const char *name, const char *value)
 {
     const bool coding = strcasecmp(name, "Transfer-Encoding") == 0;
@@ -51,6 +75,7 @@ void headers_frame(struct headers_framing *f, const char *name, const char *valu
         f->wrong = "a header is not a line of a name, a colon and a value";
         return;
     }
+    count(f, name, value);
     if (!coding && strcasecmp(name, "Content-Length") != 0)
         return;
     if (f->has_length)
@@ -65,6 +90,8 @@ bool headers_refuse(struct request *r, const struct headers_framing *f,
 {
     if (f->wrong != NULL)
         request_problem(r, ST_EINVAL, "%s", f->wrong);
+    else if (!f->has_host && strcmp(version, "HTTP/1.1") == 0)
+        request_problem(r, ST_EINVAL, "HTTP/1.1 needs a Host header");
     else if (f->other_coding)
         request_problem(r, ERRMAP_TRANSFER, "Transfer-Encoding may be chunked");
     else if (f->coded && strcmp(version, "HTTP/1.1") != 0)
@@ -110,6 +137,21 @@ static void take_preferences(struct request *r, const char *s)
     }
 }
 
+/* Does a list of codings have gzip, and not with the weight 0?  RFC 9110, section 12.5.3. */
+static bool accepts_gzip(const char *s)
+{
+    while (*s != '\0') {
+        const size_t len = strcspn(s += strspn(s, BLANKS ","), ",");
+        const size_t name = strcspn(s, ",; \t");
+        const char *q = memchr(s, '=', len);
+
+        if ((name == 4 && strncasecmp(s, "gzip", 4) == 0) || (name == 1 && *s == '*'))
+            return q == NULL || strtod(q + 1, NULL) > 0;
+        s += len;
+    }
+    return false;
+}
+
 void headers_take(struct request *r, const char *name, const char *value)
 {
     if (value == NULL)
@@ -120,4 +162,9 @@ void headers_take(struct request *r, const char *name, const char *value)
         capture_take(r, value);
     else if (strcasecmp(name, "Prefer") == 0)
         take_preferences(r, value);
+    else if (strcasecmp(name, "Accept-Encoding") == 0)
+        r->gzip = r->gzip || accepts_gzip(value);
+    else if (strcasecmp(name, "If-None-Match") == 0 &&
+             strlen(value) < sizeof r->none_match)
+        memcpy(r->none_match, value, strlen(value) + 1);
 }

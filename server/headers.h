@@ -5,9 +5,11 @@
 
 struct request;
 
-/* Where the body ends, and so another request may begin, as far as the headers say so without
- * doubt: a proxy in front must not see another end (RFC 9112 section 11.2).  All zero at first. */
+/* Where the body ends, and so another request may begin, to which host it goes and for whom, as far
+ * as the headers say so without doubt: a proxy in front must not read them in another way (RFC 9112
+ * sections 3.2 and 11.2).  All zero at first. */
 struct headers_framing {
+    bool has_host, has_authorization;
     bool has_length;   /* a length or chunks are announced */
     bool coded;        /* a transfer coding is */
     bool other_coding; /* and it is not chunked: nobody knows its end */
@@ -25,7 +27,9 @@ bool headers_refuse(struct request *r, const struct headers_framing *f,
  * several times.
  *   Content-Encoding  sets r->coding; twice: INFLATE_OTHER
  *   Prefer            return=minimal sets r->minimal (RFC 7240); of several "return" the
- *                     first counts, other preferences are ignored */
+ *                     first counts, other preferences are ignored
+ *   Accept-Encoding   gzip sets r->gzip
+ *   If-None-Match     r->none_match */
 void headers_take(struct request *r, const char *name, const char *value);
 
 #endif

@@ -422,6 +422,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     x->peer = p;
     x->drain_fd = -1;
     x->r.app = h->app;
+    address_host(client_address(x), x->r.client);
     x->r.start_ms = log_clock_ms();
     upload_begin(&x->upload, &x->r, h->quota);
     x->r.target = target;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 #include <sodium.h>
 
 #include "app.h"
@@ -253,13 +254,13 @@ int main(int argc, char **argv)
 
     switch (flags_read(argc, argv, stderr, &o)) {
     case FLAGS_CHECK:
-        status = check_files(&o) ? 0 : 2;
+        status = check_files(&o) ? 0 : EX_USAGE;
         goto out;
     case FLAGS_DONE:
         status = 0;
         goto out;
     case FLAGS_BAD:
-        status = 2;
+        status = EX_USAGE;
         goto out;
     case FLAGS_RUN:
         break;

@@ -182,7 +182,14 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
     if (a->len > 0)
         (void)MHD_add_response_header(resp, "Content-Type", a->type);
     (void)MHD_add_response_header(resp, "X-Request-Id", id);
-    (void)MHD_add_response_header(resp, "Cache-Control", "no-store");
+    (void)MHD_add_response_header(resp, "Cache-Control",
+                                  a->etag != NULL ? "no-cache" : "no-store");
+    if (a->etag != NULL) {
+        (void)MHD_add_response_header(resp, "ETag", a->etag);
+        (void)MHD_add_response_header(resp, "Vary", "Accept-Encoding");
+    }
+    if (a->gzip)
+        (void)MHD_add_response_header(resp, "Content-Encoding", "gzip");
     (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
     if (a->location[0] != '\0')
         (void)MHD_add_response_header(resp, "Location", a->location);

@@ -163,11 +163,16 @@ void request_text(struct request *r, const char *type, char *text)
         set_body(r, 200, type, text);
 }
 
-void request_page(struct request *r, const char *type, const char *text)
+void request_page(struct request *r, const char *type, const void *text, size_t len)
 {
     set_body(r, 200, type, NULL);
     r->response.page = text;
-    r->response.len = strlen(text);
+    r->response.len = len;
+}
+
+void request_not_modified(struct request *r)
+{
+    set_body(r, 304, NULL, NULL);
 }
 
 void request_respond(struct request *r, int http, char *json)

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "address.h"
 #include "cloudformat.h"
 #include "inflate.h"
 #include "multipart.h"
@@ -52,12 +53,14 @@ struct response {
     int http;             /* 0: none yet */
     unsigned problem;     /* errmap.h; 0: it is none */
     char *body;           /* heap, or NULL */
-    const char *page;     /* static, in the place of body; NULL for none */
+    const void *page;     /* static, in the place of body; NULL for none */
     size_t len;           /* of either; 0 for neither */
     const char *type;     /* static */
     char location[192];   /* "" for none */
     char allow[40];       /* "" for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
+    const char *etag;     /* of what a client may keep and ask for again; static; NULL */
+    bool gzip;            /* Content-Encoding of the page */
     bool challenge;       /* WWW-Authenticate */
     bool bad_token;       /* with it: the token was refused, not missing */
     unsigned lacks;       /* with it: the scope that the token has not; 0 for none */
@@ -85,11 +88,14 @@ struct request {
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
+    char client[ADDRESS_HOST_MAX];       /* its address, for the log (address_host()) */
     unsigned char address[THROTTLE_ADDRESS];
     char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */
     unsigned scopes;                   /* the token's; 0 without one */
     bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
+    bool gzip;                         /* Accept-Encoding has it */
+    char none_match[256];              /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;
     enum request_media media;
     enum cloudformat format;                   /* of REQUEST_JSON and REQUEST_SCAN */
@@ -100,7 +106,7 @@ struct request {
     size_t max_points; /* 0: FACE_MAX_POINTS; else it is on the worker for small bodies */
     bool larger;       /* it is no small body: to be handled again, by another worker */
     atomic_bool gone;  /* the client has gone: what is done for it may be given up */
-    double start_ms;   /* log_clock_ms() at the request line */
+    double start_ms;   /* logger_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
@@ -154,8 +160,11 @@ void request_template(struct request *r, const char *id);
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);
 
-/* request_page(r, type, text): the same with static text. */
-void request_page(struct request *r, const char *type, const char *text);
+/* request_page(r, type, text, len): the same with static bytes. */
+void request_page(struct request *r, const char *type, const void *text, size_t len);
+
+/* request_not_modified(r): 304, without a body. */
+void request_not_modified(struct request *r);
 
 /* request_problem(r, kind, fmt, ...): problem+json; kind as in errmap.h.  For a 5xx the
  * formatted detail goes to the log alone, and the client gets a general phrase. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errmap.h"
+#include "parse.h"
 #include "request.h"
 
 /* The end of the segment that begins at s. */
@@ -73,7 +74,10 @@ void route_find(const struct route *table, size_t n, struct request *r)
         request_problem(r, ERRMAP_METHOD, "this path has the methods %s",
                         r->response.allow);
     } else {
-        request_problem(r, ERRMAP_ROUTE, "there is no such path");
+        request_problem(
+            r, ERRMAP_ROUTE,
+            "there is no such path; GET /docs shows those that there are, and "
+            "/openapi.json describes them");
     }
 }
 
@@ -89,10 +93,7 @@ void route_read_id(struct request *r)
     if (strstr(r->route->pattern, "{subject}") != NULL) {
         st = request_decode(param, len, false, r->subject, sizeof r->subject);
         if (st != ST_OK || !store_subject_valid(r->subject))
-            request_problem(r, ERRMAP_PARAMETER,
-                            "the subject id is not 1-%d characters of "
-                            "A-Z a-z 0-9 . _ - @ :",
-                            STORE_SUBJECT_MAX);
+            request_problem(r, ERRMAP_PARAMETER, "%s", PARSE_SUBJECT_ID);
     } else {
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !store_id_valid(r->template_id))

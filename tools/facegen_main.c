@@ -26,7 +26,7 @@ static const char usage[] =
     "  --smile S      0 to 1 (0)\n"
     "  --symmetry S   share of the face's asymmetry taken away, -2 to 1 (0)\n"
     "  --format F     ply (binary), ply-ascii, obj, xyz, json; else by FILE's ending\n"
-    "  -o FILE        where to (standard output)\n"
+    "  -o FILE        where to (-: standard output); a file that exists is replaced\n"
     "  --count N      of N subjects, from --subject on; % in FILE is each one's number\n";
 
 enum format { PLY, PLY_ASCII, OBJ, XYZ, JSON, FORMATS };
@@ -156,7 +156,7 @@ static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
 static int write_file(const struct options *o, const char *file, const struct dvec3 *p,
                       size_t n)
 {
-    FILE *out = file != NULL ? fopen(file, "wb") : stdout;
+    FILE *out = file != NULL && strcmp(file, "-") != 0 ? fopen(file, "wb") : stdout;
     bool failed;
 
     if (out == NULL) {

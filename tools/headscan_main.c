@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "cloudfile.h"
 #include "errinfo.h"
@@ -27,7 +28,8 @@ static const char usage[] =
     "  --axes A       agreed, down, z-up, any\n"
     "  --unit U       um, mm, cm, m, in\n"
     "  --mirrored     the mirror image\n"
-    "  -o OUT         .ply (binary), or .pcd (with the grid of a depth camera)\n";
+    "  -o OUT         .ply (binary), or .pcd (with the grid of a depth camera); replaced if it\n"
+    "                 exists, but never IN or FILE\n";
 
 #define FILE_LIMIT ((size_t)1 << 28)
 
@@ -204,6 +206,15 @@ static int read_head(const char *path, struct face_work *w, struct head *out, bo
 
 /* ---- the file */
 
+/* Two names of one file? */
+static bool is_same(const char *a, const char *b)
+{
+    struct stat one, other;
+
+    return a != NULL && stat(a, &one) == 0 && stat(b, &other) == 0 &&
+           one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
 /* Four bytes, the lowest first, on any machine. */
 static void put_float(FILE *f, double value)
 {
@@ -281,6 +292,8 @@ int main(int argc, char **argv)
         rc = 2;
     } else if (w == NULL) {
         rc = fail("out of memory", "");
+    } else if (is_same(c.in, c.out) || is_same(c.other, c.out)) {
+        rc = fail(c.out, ": is read, and not replaced; choose another name");
     } else if ((rc = read_head(c.in, w, &h, &crop)) == 0 &&
                (c.other == NULL || (rc = read_head(c.other, w, &other, &ignore)) == 0)) {
         options_of(&c, crop, &o);

@@ -154,6 +154,7 @@ static void test_part(void **state)
     (void)state;
     assert_non_null(out);
     (void)fputs("much that was left", out);
+    assert_int_equal(fchmod(fileno(out), 0600), 0);
     (void)fclose(out);
     assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_open(in_folder("x"), &other, &e), ST_EBUSY);
@@ -162,6 +163,79 @@ static void test_part(void **state)
     newfile_close(&n);
     holds("new");
     assert_int_equal(newfile_open(in_folder("none/x"), &n, &e), ST_EIO);
+}
+
+/* A process that was killed between link() and unlink() has left two names of one file. */
+static void test_two_names(void **state)
+{
+    char from[128];
+
+    (void)state;
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
+    assert_int_equal(newfile_commit(&n, &e), ST_OK);
+    newfile_close(&n);
+    (void)snprintf(from, sizeof from, "%s", in_folder("x"));
+    assert_int_equal(link(from, in_folder("x.part")), 0);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+    assert_int_equal(newfile_put(&n, "two", 3, &e), ST_OK);
+    holds("one");
+    assert_int_equal(newfile_keep(&n, &e), ST_EEXISTS);
+    newfile_close(&n);
+    holds("one");
+}
+
+/* What others have put there is neither written into nor through, and stays. */
+static void test_planted(void **state)
+{
+    struct stat before, after;
+    FILE *out;
+
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        if (i < 2) { /* readable by others, or theirs */
+            assert_non_null(out = fopen(in_folder("x.part"), "w"));
+            assert_int_equal(fchmod(fileno(out), i == 0 ? 0644 : 0600), 0);
+            (void)fclose(out);
+            if (i == 1 && chown(in_folder("x.part"), 12345, (gid_t)-1) != 0) {
+                assert_int_equal(unlink(in_folder("x.part")), 0);
+                continue; /* only root can make such a file */
+            }
+        } else if (i == 2) {
+            assert_int_equal(symlink("x", in_folder("x.part")), 0);
+        } else {
+            assert_int_equal(mkfifo(in_folder("x.part"), 0600), 0);
+        }
+        assert_int_equal(lstat(in_folder("x.part"), &before), 0);
+        assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_EDENIED);
+        assert_non_null(strstr(e.msg, "x.part is in the way"));
+        assert_int_equal(lstat(in_folder("x.part"), &after), 0);
+        assert_true(before.st_ino == after.st_ino && before.st_size == after.st_size);
+        assert_false(is_there("x"));
+        assert_int_equal(unlink(in_folder("x.part")), 0);
+    }
+}
+
+/* A file that takes the part's place while it is written never gets the name. */
+static void test_replaced(void **state)
+{
+    enum status (*const finish[])(struct newfile *, struct errinfo *) = {newfile_commit,
+                                                                         newfile_keep};
+
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        FILE *out;
+
+        assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
+        assert_int_equal(unlink(in_folder("x.part")), 0);
+        assert_non_null(out = fopen(in_folder("x.part"), "w"));
+        (void)fclose(out);
+        assert_int_equal(finish[i](&n, &e), ST_EIO);
+        newfile_close(&n);
+        assert_false(is_there("x"));
+        assert_true(is_there("x.part")); /* it is not ours to remove */
+        assert_int_equal(unlink(in_folder("x.part")), 0);
+    }
 }
 
 static enum status print(FILE *to, const void *arg, struct errinfo *why)
@@ -220,6 +294,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_keep, begin, end),
         cmocka_unit_test_setup_teardown(test_given_up, begin, end),
         cmocka_unit_test_setup_teardown(test_part, begin, end),
+        cmocka_unit_test_setup_teardown(test_two_names, begin, end),
+        cmocka_unit_test_setup_teardown(test_planted, begin, end),
+        cmocka_unit_test_setup_teardown(test_replaced, begin, end),
         cmocka_unit_test_setup_teardown(test_fill, begin, end),
         cmocka_unit_test_setup_teardown(test_memory, begin, end),
     };

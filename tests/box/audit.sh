@@ -5,6 +5,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # ---- a log of everything, by the daemon and by the command
+ME=surfacectl:$(id -un)
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
@@ -40,20 +41,20 @@ ctl token revoke "$DOOR"
 ctl audit show
 is "who did what" "$(said '.entries[] | [.kind, .actor, .outcome] | join(" ")')" "\
 create_key  file
-create_token surfacectl $DOOR
+create_token $ME $DOOR
 add_subject $DOOR created
 enroll $DOOR created
 verify $DOOR match
 verify $DOOR no_match
 add_subject $DOOR created
 enroll $DOOR created
-verify surfacectl match
-checkpoint surfacectl 
+verify $ME match
+checkpoint $ME 
 delete_template $DOOR deleted
 delete_subject $DOOR deleted
-delete_template surfacectl deleted
-count_templates surfacectl 0
-revoke_token surfacectl $DOOR"
+delete_template $ME deleted
+count_templates $ME 0
+revoke_token $ME $DOOR"
 is "with which template" "$(said '.entries[3].template_id')" "$id"
 is "in which chain" "$(said '[.entries[] | "\(.chain[:1])\(.seq)"] | join(" ")')" \
     "c1 c2 c3 c4 u1 u2 c5 c6 u3 c7 c8 c9 c10 c11 c12"
@@ -141,7 +142,7 @@ is "with its digest" "$(receipt .digest)" \
     "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
 
 # ---- exported
-ctl audit export --out "$T/log"
+ctl audit export --out "$T/log" --force
 is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 14,\"$key\""
 is "its owner's" "$(stat -c %a "$T/log")" 600
 is "what an entry is not about is null" \
@@ -249,7 +250,7 @@ if command -v faketime >/dev/null && ! grep -q __asan_init "$BUILD/surfacectl"; 
     is "they are" "$CODE $(said .cut)" "0 3"
     is "no use is left" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE chain = 1")" 0
     ctl audit show --kind trim_uses
-    is "a change says so" "$(said '.entries[] | [.actor, .outcome] | @csv')" '"surfacectl","3"'
+    is "a change says so" "$(said '.entries[] | [.actor, .outcome] | @csv')" "\"$ME\",\"3\""
     ctl verify carol "$T/b.ply" # nobody: refused, and no use of it
     ctl template export "$(sqlite3 "$DB" 'SELECT id FROM templates LIMIT 1')" --out "$T/t.ply"
     ctl audit verify
@@ -280,4 +281,24 @@ ctl audit show --subject dora --limit 2
 is "the newest" "$(said '[.entries[].seq] | @csv')" 12,13
 ctl audit show --subject ann
 is "an id alone" "$(said '[.entries[].seq] | @csv')" 2,3,4,5,7
+
+# ---- who ran surfacectl: the login's name, or its number where it has none
+ctl subject set dora --consent C-1
+ctl audit show --subject dora
+is "by whom" "$(said '.entries[-1].actor')" "$ME"
+if [ "$(id -u)" -eq 0 ] && command -v setpriv >/dev/null; then
+    mkdir "$T/theirs"
+    for file in '' .key .key.anchor; do
+        cp "$DB$file" "$T/theirs/faces.db$file"
+    done
+    chown -R 54321 "$T/theirs"
+    chmod 711 "$T"
+    they() { # as a user without a name
+        setpriv --reuid 54321 --clear-groups "$(realpath "$BUILD")/surfacectl" --json \
+            --db "$T/theirs/faces.db" "$@"
+    }
+    they subject set emil --consent C-2 >"$T/text" 2>&1
+    is "by a number ($(cat "$T/text"))" "$(they audit show --subject emil |
+        jq -r '.entries[-1].actor')" surfacectl:54321
+fi
 finish

@@ -68,12 +68,14 @@ stop_daemon
 
 # ---- what is overwritten, and what is not
 ctl backup "$T/b3"
+is "an older backup is not replaced unasked" "$CODE" 65
+ctl backup "$T/b3" --force
 is "an older backup is replaced" "$CODE" 0
 echo mine >"$T/notes"
-ctl backup "$T/notes"
+ctl backup "$T/notes" --force
 is "another file is not" "$CODE" 65
 is "it is as it was" "$(cat "$T/notes")" mine
-ctl backup "$DB"
+ctl backup "$DB" --force
 is "nor the database" "$CODE" 65
 ctl backup "$T/nowhere/b"
 is "nor is it in a folder that is not there" "$CODE" 74
@@ -276,7 +278,7 @@ for wait in 0.002 0.005 0.01 0.02 0.04; do
         jq -r .ok)
     is "killed after $wait s" "$whole" true
 done
-ctl backup "$T/k"
+ctl backup "$T/k" --force
 is "what it left does not matter" "$CODE" 0
 ok "nor is it left" test ! -e "$T/k.part"
 finish

@@ -17,7 +17,7 @@ says() {
 # wrong TITLE PATTERN: the file is rejected with a message that matches PATTERN.
 wrong() {
     surfaced --config "$T/conf" --check-config
-    is "$1: exit status" $? 2
+    is "$1: exit status" $? 64
     says "$1" "$2"
 }
 
@@ -95,13 +95,13 @@ wrong "all problems: the first" 'conf:1: queue'
 says "all problems: the last" 'conf:3: no such'
 conf "db = $DB" 'queue = x'
 surfaced --config "$T/conf" --queue 5
-is "a wrong value that is overridden: exit status" $? 2
+is "a wrong value that is overridden: exit status" $? 64
 says "a wrong value that is overridden" 'conf:2: queue = x'
 surfaced --config "$T/nowhere" --check-config
-is "no such file: exit status" $? 2
+is "no such file: exit status" $? 64
 says "no such file" "$T/nowhere: No such file"
 surfaced --config "$T" --check-config
-is "a folder: exit status" $? 2
+is "a folder: exit status" $? 64
 says "a folder" 'directory'
 surfaced --config "$T/conf" --config "$T/conf"
 says "--config twice" '--config is given twice'

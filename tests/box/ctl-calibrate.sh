@@ -99,7 +99,7 @@ ctl verify s2 "$T/probe.ply"
 is "surfacectl too" "$CODE" 0
 ok "by it too" near "$(said .threshold)"
 is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'calibrate'")" \
-    'surfacectl|version 1'
+    "surfacectl:$(id -un)|version 1"
 
 # A threshold that nothing reaches: enrolment is judged by it too.
 "$BUILD/forge" "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold, low,

@@ -119,7 +119,7 @@ sqlite3 damaged.db "UPDATE templates SET model =
     CAST(substr(model, 1, 5000) || x'78787878' || substr(model, 5005) AS BLOB)"
 "$ctl" --db damaged.db check >out 2>err
 ok "check finds it" [ $? -eq 1 ]
-ok "check counts it" grep -q 'NOT ok: 1 templates, 1 bad' out
+ok "check counts it" grep -q 'NOT ok: 1 template, 1 bad' out
 ok "check says what" grep -q 'its model is damaged' out
 "$ctl" --db damaged.db check --json >out 2>err
 ok "check --json finds it" [ $? -eq 1 ]
@@ -129,4 +129,33 @@ refuse 65 'damaged' "$ctl" --db damaged.db verify alice good.ply
 ok "verify --json refuses" [ $? -eq 65 ]
 ok "verify --json says so" grep -q '"exit":.*65' out
 
+# ---- --json: a word for programs
+code() { # WORD COMMAND...
+    want=$1
+    shift
+    "$ctl" --json "$@" >out 2>err </dev/null
+    is "code of $*" "$(jq -r .error.code out)" "$want"
+}
+code usage frobnicate
+code usage --db f.db enroll alice
+code not_found --db f.db subject show nobody
+code not_found scan none.ply
+code exists simplify good.ply --tolerance 1 -o f.db.key
+printf '0 0 0\n1 1 1\n' >few.xyz
+code too_few_points --db f.db verify alice few.xyz
+echo nonsense >nonsense
+code malformed --db f.db enroll bob nonsense
+
+# ---- a file that is too large is not read first
+truncate -s 3G large.ply
+begin=$(date +%s%N)
+refuse 65 'large.ply: 3.2 GB, and at most 268.4 MB are read' "$ctl" compare good.ply large.ply
+ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
+
+# ---- one of something, and no minus zero
+"$ctl" --db f.db check >out
+ok "one template" grep -q ' 1 template, ' out
+"$ctl" --db f.db audit export -o log.jsonl >out
+"$ctl" scan good.ply >out
+ok "no -0: $(grep ^view out)" sh -c "! grep -q -e ' -0' out"
 finish

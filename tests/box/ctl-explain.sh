@@ -84,7 +84,7 @@ ok "no gap" jq_true '.gap.amount_quantiles[2].mm < 0.01 and .cells.amount_quanti
 rm explanation/explain.ply
 echo mine >kept
 ln -s ../kept explanation/explain.ply
-expect 1 "two people" "$ctl" explain a0.ply b0.ply
+expect 1 "two people" "$ctl" explain a0.ply b0.ply --force
 has out '^decision *no_match: the score is below the threshold'
 is "the files again" "$(files explanation)" "$pictures"
 ok "much lies between the cells" jq_true '.cells.share_beyond > 0.3' explanation/explain.json
@@ -122,24 +122,24 @@ fi
 "$ctl" --db faces.db init >/dev/null
 id=$("$ctl" --db faces.db enroll alice a0.ply | cut -d' ' -f1)
 "$ctl" --db faces.db enroll --force alice b0.ply >/dev/null
-expect 0 "a subject" "$ctl" --db faces.db explain alice a1.ply --out db --json
+expect 0 "a subject" "$ctl" --db faces.db explain alice a1.ply --out db --force --json
 is "the template that decides" "$(jq -r .template_id out)" "$id"
 is "as with the scan" "$(jq -cS '[.gap, .minimal]' out)" "$(jq -cS '[.gap, .minimal]' json/explain.json)"
-expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply --out db
+expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply --out db --force
 has out "$id"
 is "the events" "$(sqlite3 faces.db \
     "SELECT count(*) FROM events WHERE kind = 'explain' AND template_id = '$id' AND outcome = 'match'")" 2
 SURFACED_DB=faces.db
 export SURFACED_DB
-expect 0 "a subject of SURFACED_DB" "$ctl" explain alice a1.ply --out db --json
+expect 0 "a subject of SURFACED_DB" "$ctl" explain alice a1.ply --out db --force --json
 is "it is a template" "$(jq -r .template_id out)" "$id"
-expect 0 "a scan, for there is no such subject" "$ctl" explain a0.ply a1.ply --out db --json
+expect 0 "a scan, for there is no such subject" "$ctl" explain a0.ply a1.ply --out db --force --json
 is "it is none" "$(jq -r .template_id out)" null
-expect 66 "no scan either" "$ctl" explain nobody a1.ply --out db
+expect 66 "no scan either" "$ctl" explain nobody a1.ply --out db --force
 cp a0.ply alice
-expect 0 "the subject before the file" "$ctl" explain alice a1.ply --out db --json
+expect 0 "the subject before the file" "$ctl" explain alice a1.ply --out db --force --json
 is "so it is" "$(jq -r .template_id out)" "$id"
-expect 0 "the file" "$ctl" explain ./alice a1.ply --out db --json
+expect 0 "the file" "$ctl" explain ./alice a1.ply --out db --force --json
 is "as one says" "$(jq -r .template_id out)" null
 unset SURFACED_DB
 expect 66 "no such subject" "$ctl" --db faces.db explain bob a1.ply --out bob
@@ -149,15 +149,15 @@ ok "nothing is written then" [ ! -e bob ]
 
 # ---- what can go wrong
 mkdir bin
-expect 0 "no gnuplot" env PATH="$T/bin" "$ctl" explain a0.ply a1.ply
+expect 0 "no gnuplot" env PATH="$T/bin" "$ctl" explain a0.ply a1.ply --force
 has err 'no picture: gnuplot is not installed'
 is "the rest, and no older pictures" "$(files explanation)" "$all"
 printf '#!/bin/sh\necho half a picture\necho it broke >&2\nexit 1\n' >bin/gnuplot
 chmod +x bin/gnuplot
-expect 70 "a gnuplot that fails" env PATH="$T/bin:$PATH" "$ctl" explain a0.ply a1.ply
+expect 70 "a gnuplot that fails" env PATH="$T/bin:$PATH" "$ctl" explain a0.ply a1.ply --force
 has err 'it broke'
 is "no half a picture" "$(files explanation)" "$all"
-expect 74 "a disk that is full" sh -c "trap '' XFSZ; ulimit -f 40; exec '$ctl' explain a0.ply a1.ply"
+expect 74 "a disk that is full" sh -c "trap '' XFSZ; ulimit -f 40; exec '$ctl' explain a0.ply a1.ply --force"
 has err 'explain.ply: File too large'
 is "no half a cloud" "$(files explanation)" 'explain.json explain.txt'
 expect 74 "a file in the place of the directory" "$ctl" explain a0.ply a1.ply --out kept

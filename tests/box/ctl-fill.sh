@@ -86,6 +86,6 @@ expect 64 "an option of another command" "$ctl" fill holes.xyz --tolerance 1 --o
 expect 66 "no such scan" "$ctl" fill none.xyz --out none.ply
 head -n 50 whole.xyz >few.xyz
 expect 65 "too few points" "$ctl" fill few.xyz --out none.ply
-expect 74 "no such folder" "$ctl" fill holes.xyz --out none/none.ply
+expect 74 "no such folder" "$ctl" fill holes.xyz --out none/x/none.ply
 is "nothing is left behind" "$(files . | tr ' ' '\n' | grep -c 'none\|part')" 0
 finish

@@ -111,7 +111,7 @@ for force in '' --force; do
     for out in wall.xyz same.xyz ./wall.xyz; do
         # shellcheck disable=SC2086 # an option or none
         expect 65 "over the scan: $out $force" "$ctl" scan wall.xyz --face $out $force
-        has err 'reads: it is not replaced'
+        has err 'reads: it is never replaced'
     done
 done
 ok "it was not" cmp kept.xyz wall.xyz

@@ -95,7 +95,7 @@ if $as "$BUILD/surfaced" --version >/dev/null 2>&1 && $as test -x "$T"; then
     refused "a read-only folder" '^surfaced: .*/ro/faces.db: '
     # shellcheck disable=SC2086 # a command and its options
     $as "$BUILD/surfaced" --config /dev/null --db "$T/ro/faces.db" --check-config 2>"$T/err"
-    is "--check-config on it" $? 2
+    is "--check-config on it" $? 64
     chmod 755 "$T/ro"
     DB=$T/ro/faces.db UNDER=$as start_daemon --no-auth
     # Open connections stay; new ones cannot create their files any more.

@@ -93,7 +93,31 @@ refused "a blank in a name" 400 "${post}Content Length: 2\r\n\r\n{}"
 refused "a control character" 400 "${post}Transfer-Encoding: \013chunked\r\n\r\n$chunks"
 refused "a carriage return" 400 "${get}A: b\rTransfer-Encoding: chunked\r\n\r\n"
 
+# ---- to which host, and by whose token?
+refused "no host" 400 "GET /healthz HTTP/1.1\r\n\r\n"
+refused "two hosts" 400 "${get}Host: y\r\n\r\n"
+refused "the same host twice" 400 "${get}host: x\r\n\r\n"
+refused "a host and a path" 400 "GET /healthz HTTP/1.1\r\nHost: x/v1\r\n\r\n"
+refused "a host and another" 400 "GET /healthz HTTP/1.1\r\nHost: x y\r\n\r\n"
+refused "two tokens" 400 "${get}Authorization: Bearer x\r\nAuthorization: Bearer y\r\n\r\n"
+refused "the same token twice" 400 "${post}Authorization: Bearer x\r\nContent-Length: 2\r\nauthorization: Bearer x\r\n\r\n{}"
+for host in '' x:8787 127.0.0.1:1 '[::1]:8787' a-b.example; do
+    raw "GET /healthz HTTP/1.1\r\nHost: $host\r\nConnection: close\r\n\r\n"
+    is "Host '$host'" "$(statuses)" '200 '
+done
+raw "GET /healthz HTTP/1.0\r\n\r\n"
+is "no host in HTTP/1.0" "$(statuses)" '200 '
+
 # ---- paths and headers
+for id in . .. %%2e %%2E. ..%%3Fa; do
+    raw "DELETE /v1/subjects/$id HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    is_problem "the subject $id" 400
+    ok "$id: it is said why" grep -q 'and not \. or \.\.' "$T/body"
+done
+for id in . ..; do
+    req POST /v1/subjects -H "$JSON" --data "{\"subject\": \"$id\"}"
+    problem "the new subject $id" 400 malformed 'and not \. or \.\.'
+done
 for path in /../../etc/passwd /docs/..%%2f..%%2fetc/passwd //etc/passwd /docs/../../etc/passwd; do
     raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
     ok "$path: $(statuses)" grep -aq '^HTTP/1.1 404 ' "$T/answer"

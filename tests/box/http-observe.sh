@@ -129,7 +129,7 @@ fi
 # ---- the log
 stop_daemon
 ok "one line a request, with id, times and the token's id" grep -Eq \
-    "^ts=[^ ]+ level=info msg=\"request\" request_id=traced-1 method=POST route=/v1/subjects/\{subject\}/verify status=200 ms=[0-9.]+ queue_ms=[0-9.]+ parse_ms=[0-9.]+ prepare_ms=[0-9.]+ score_ms=[0-9.]+ align_ms=[0-9.]+ minimal_ms=[0-9.]+ token=$token_id\$" "$LOG"
+    "^ts=[^ ]+ level=info msg=\"request\" request_id=traced-1 method=POST route=/v1/subjects/\{subject\}/verify status=200 ms=[0-9.]+ queue_ms=[0-9.]+ parse_ms=[0-9.]+ prepare_ms=[0-9.]+ score_ms=[0-9.]+ align_ms=[0-9.]+ minimal_ms=[0-9.]+ client=127\.0\.0\.1 token=$token_id\$" "$LOG"
 tr ' ' '\n' <"$T/p.xyz" | grep -E '.{7}' >>"$T/private"
 printf '%s\n' "$AUTH" 0123456789abcdef-wrong 12.3456789 5e999 oops alice secretlabel \
     operator disparity decision 'level=error' al%22 >>"$T/private"

@@ -121,6 +121,8 @@ is "bodies without an example" "$(jq -c 'paths(objects | has("schema") and (has(
 each 401 '.open | not'
 ask GET /v1/subjects 401 -H 'Authorization: Bearer 0123456789abcdef'
 each 200 .open
+: >"$T/body"
+ask GET /openapi.json 304 -H 'If-None-Match: *'
 for scope in verify read; do
     AUTH=$(new_token "$scope" --scope "$scope")
     each 403 "(.open | not) and (.scopes | index(\"$scope\") | not)"

@@ -5,29 +5,29 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # ---- options
-start_fails "no database" 2 '--db'
-start_fails "an unknown option" 2 '--unknown' --db "$DB" --unknown
-start_fails "a word" 2 'word' --db "$DB" word
-start_fails "a missing value" 2 'missing' --db
-start_fails "an option twice" 2 '--db is given twice' --db "$DB" --db "$DB"
-start_fails "a flag twice" 2 'twice' --db "$DB" --no-auth --no-auth
+start_fails "no database" 64 '--db'
+start_fails "an unknown option" 64 '--unknown' --db "$DB" --unknown
+start_fails "a word" 64 'word' --db "$DB" word
+start_fails "a missing value" 64 'missing' --db
+start_fails "an option twice" 64 '--db is given twice' --db "$DB" --db "$DB"
+start_fails "a flag twice" 64 'twice' --db "$DB" --no-auth --no-auth
 for n in 0 -1 1x 257 '' 99999999999999999999; do
-    start_fails "--workers '$n'" 2 '--workers .*from 1 to' --db "$DB" --workers "$n"
+    start_fails "--workers '$n'" 64 '--workers .*from 1 to' --db "$DB" --workers "$n"
 done
 for n in 0 1073741825 1k; do
-    start_fails "--max-body $n" 2 '--max-body' --db "$DB" --max-body "$n"
+    start_fails "--max-body $n" 64 '--max-body' --db "$DB" --max-body "$n"
 done
-start_fails "--queue 0" 2 '--queue' --db "$DB" --queue 0
+start_fails "--queue 0" 64 '--queue' --db "$DB" --queue 0
 for a in 8787 127.0.0.1 127.0.0.1: 127.0.0.1:65536 127.0.0.1:x :1 '[::1' '[::1]' \
     example.org:1 1.2.3:1; do
-    start_fails "--listen $a" 2 'not an address' --db "$DB" --listen "$a"
+    start_fails "--listen $a" 64 'not an address' --db "$DB" --listen "$a"
 done
 for a in 0.0.0.0:0 192.0.2.1:0 '[::]:0' '[2001:db8::1]:0'; do
-    start_fails "--listen $a" 2 'loopback' --db "$DB" --listen "$a"
-    start_fails "--no-auth --listen $a" 2 '--no-auth' --db "$DB" --no-auth --listen "$a"
+    start_fails "--listen $a" 64 'loopback' --db "$DB" --listen "$a"
+    start_fails "--no-auth --listen $a" 64 '--no-auth' --db "$DB" --no-auth --listen "$a"
 done
-SURFACED_NO_AUTH=yes start_fails "SURFACED_NO_AUTH=yes" 2 'SURFACED_NO_AUTH' --db "$DB"
-SURFACED_WORKERS=x start_fails "SURFACED_WORKERS=x" 2 'SURFACED_WORKERS=x: not a number' --db "$DB"
+SURFACED_NO_AUTH=yes start_fails "SURFACED_NO_AUTH=yes" 64 'SURFACED_NO_AUTH' --db "$DB"
+SURFACED_WORKERS=x start_fails "SURFACED_WORKERS=x" 64 'SURFACED_WORKERS=x: not a number' --db "$DB"
 ok "no database was made" test ! -e "$DB"
 timeout 5 "$BUILD/surfaced" --help >"$T/out"
 is "--help" $? 0

@@ -277,4 +277,35 @@ is "as text" "$(field Content-Type)" "text/plain; version=0.0.4; charset=utf-8"
 ok "the log names the request" grep -Eq \
     'request_id=abc.DEF-1_2 method=GET route=/healthz status=200 ms=' "$LOG"
 ok "the log names no subject" sh -c "! grep -q alice '$LOG'"
+# ---- the description: kept by its ETag, compressed; and where to find it
+req GET /
+problem "the root" 404 no_such_route '/docs .* /openapi.json'
+req GET /openapi.json
+is "the description" "$STATUS $(field Content-Encoding)$(field Cache-Control) $(field Vary)" \
+    '200 no-cache Accept-Encoding'
+cp "$T/body" "$T/whole"
+tag=$(field ETag)
+for coding in gzip 'br, gzip;q=0.5' '*'; do
+    req GET /openapi.json -H "Accept-Encoding: $coding"
+    is "$coding" "$STATUS $(field Content-Encoding)" '200 gzip'
+    ok "$coding: the same" sh -c "gzip -dc '$T/body' | cmp -s - '$T/whole'"
+    ok "$coding: a fifth of it at most" test "$(($(wc -c <"$T/body") * 5))" -lt "$(wc -c <"$T/whole")"
+done
+packed=$(field ETag)
+ok "its tag is another" test "$packed" != "$tag"
+for coding in '' identity 'gzip;q=0' 'gzip; q=0.0, br' xgzip; do
+    req GET /openapi.json -H "Accept-Encoding: $coding"
+    is "'$coding': as it is" "$STATUS $(field Content-Encoding)" '200 '
+done
+for match in "$tag" "W/$tag" "\"other\", $packed" '*'; do
+    : >"$T/body" # which curl does not touch where there is none
+    req GET /openapi.json -H "If-None-Match: $match"
+    is "$match" "$STATUS $(field ETag) $(wc -c <"$T/body")" "304 $tag 0"
+done
+req GET /openapi.json -H 'If-None-Match: "other"'
+is "another tag" "$STATUS" 200
+req HEAD /openapi.json -H 'Accept-Encoding: gzip'
+is "HEAD" "$STATUS $(field ETag)" "200 $packed"
+req GET /healthz
+is "other responses are not kept" "$(field Cache-Control)$(field ETag)" no-store
 finish

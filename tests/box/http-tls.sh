@@ -49,18 +49,18 @@ refuse() {
 }
 timeout 20 "$BUILD/surfaced" --create --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
     --check-config >"$T/out" 2>&1
-is "--check-config, another certificate's key: exit status" $? 2
+is "--check-config, another certificate's key: exit status" $? 64
 ok "--check-config reports it" grep -q 'tls-cert .*two.key: not the key' "$T/out"
 any='--listen 0.0.0.0:0'
 # shellcheck disable=SC2086 # lists of options
 {
-    refuse "a certificate alone" 2 'go together' --tls-cert "$T/one.pem"
-    refuse "a key alone" 2 'go together' --tls-key "$T/one.key"
-    refuse "a client CA alone" 2 'of no use without' --tls-client-ca "$T/ca.pem"
-    refuse "TLS and --plaintext" 2 'contradicts' $tls --plaintext
-    refuse "plain beyond loopback" 2 'not a loopback .*--plaintext' $any
-    refuse "--no-auth beyond loopback" 2 'no-auth is for loopback' $any $tls --no-auth
-    refuse "with --plaintext" 2 'no-auth is for loopback' $any --plaintext --no-auth
+    refuse "a certificate alone" 64 'go together' --tls-cert "$T/one.pem"
+    refuse "a key alone" 64 'go together' --tls-key "$T/one.key"
+    refuse "a client CA alone" 64 'of no use without' --tls-client-ca "$T/ca.pem"
+    refuse "TLS and --plaintext" 64 'contradicts' $tls --plaintext
+    refuse "plain beyond loopback" 64 'not a loopback .*--plaintext' $any
+    refuse "--no-auth beyond loopback" 64 'no-auth is for loopback' $any $tls --no-auth
+    refuse "with --plaintext" 64 'no-auth is for loopback' $any --plaintext --no-auth
     l='--listen 127.0.0.1:0'
     refuse "no such certificate" 1 'cannot read .*/none' $l --tls-cert "$T/none" --tls-key "$T/one.key"
     refuse "another certificate's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"
@@ -209,6 +209,7 @@ is "its mode" "$(stat -c %a "$s")" 660
 URL=http://localhost
 req GET /v1/subjects/alice --unix-socket "$s"
 is "a request" "$STATUS" 200
+ok "the log has whence" grep -q 'route=/v1/subjects/{subject} status=200 .* client=unix' "$LOG"
 refuse "another process listens there" 1 'cannot listen on unix:.*in use' --listen "unix:$s"
 kill -9 "$PID"
 wait "$PID" 2>/dev/null
@@ -222,7 +223,7 @@ ok "it is removed at the end" test ! -e "$s"
 echo mine >"$s"
 refuse "a file is there" 1 'in use' --listen "unix:$s"
 is "the file stays" "$(cat "$s")" mine
-refuse "too long a path" 2 'not an address' --listen "unix:/$(printf '%0110d' 0)"
+refuse "too long a path" 64 'not an address' --listen "unix:/$(printf '%0110d' 0)"
 
 # ---- a socket that was passed
 UNDER="$BUILD/service $T/notes --socket" start_daemon --no-auth

@@ -42,8 +42,12 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enroll with a token" "$STATUS" 201
 send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 is "verify with it" "$STATUS" 200
-req GET /v1/subjects -H "authorization: bearer $AUTH"
+mine=$AUTH AUTH= # a request has one such header
+req GET /v1/subjects -H "authorization: bearer $mine"
 is "in lower case" "$STATUS" 200
+AUTH=$mine
+req GET /v1/subjects -H "authorization: bearer $mine"
+problem "two tokens" 400 malformed 'more than one Authorization'
 req GET /v1/subjects/a%20b
 problem "a malformed id, with a token" 400 invalid_parameter
 is "the actor in the audit log" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM events WHERE kind IN ('enroll', 'verify')")" \

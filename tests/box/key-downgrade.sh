@@ -248,5 +248,5 @@ start_daemon --no-auth
 stop_daemon
 ok "--create makes database and key" test -s "$DB" -a -s "$DB.key"
 conf 'create = 1'
-start_fails "no setting of the file" 2 'create' --config "$T/conf" --db "$T/none.db"
+start_fails "no setting of the file" 64 'create' --config "$T/conf" --db "$T/none.db"
 finish

@@ -93,7 +93,7 @@ ctl_exits 66 template reencode "$alice" 00000000000000000000000000000000
 verdicts >"$T/after"
 ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
 is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
-    WHERE kind = 'reencode' AND outcome = 'reencoded' AND actor = 'surfacectl'")" 2
+    WHERE kind = 'reencode' AND outcome = 'reencoded' AND actor LIKE 'surfacectl:%'")" 2
 ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"
 is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl")" \

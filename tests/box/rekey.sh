@@ -45,7 +45,7 @@ is "all is well" "$CODE $(said .templates)" "0 3"
 ctl subject list --key "$T/first"
 is "the old key opens nothing" $CODE 77
 is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'rekey'")" \
-    'surfacectl|file'
+    "surfacectl:$(id -un)|file"
 stop_daemon
 
 # ---- a daemon that has the key as a credential, which stays what it was

@@ -57,7 +57,7 @@ is "half a face" "$STATUS $(get .conclusive)" "200 false"
 
 # simplify FILE OPTION...: to $T/small.ply; sets CODE, the JSON is in $T/body.
 simplify() {
-    "$BUILD/surfacectl" simplify --json "$@" --out "$T/small.ply" >"$T/body" 2>"$T/err"
+    "$BUILD/surfacectl" simplify --json "$@" --force --out "$T/small.ply" >"$T/body" 2>"$T/err"
     CODE=$?
 }
 
@@ -72,7 +72,8 @@ is "as many points as reported" "$(sed -n 's/element vertex //p' "$T/small.ply")
 body "fewer than a third" '.share < 0.33'
 is "only its owner can read it" "$(stat -c %a "$T/small.ply")" 600
 kept=$(get .kept) mean=$(get .plain_mm)
-simplify "$T/small.ply" --tolerance 0.001
+cp "$T/small.ply" "$T/again.ply"
+simplify "$T/again.ply" --tolerance 0.001
 is "a scan like any other" "$CODE $(get .points)" "0 $kept"
 simplify "$T/a.ply" --tolerance "$mean" --mean
 is "by the mean" "$CODE" 0

@@ -248,8 +248,8 @@ static void test_events(void **state)
 
 static void test_bad_arguments(void **state)
 {
-    static const char *const subject[] = {"",    "a b",      "a/b", "../a",
-                                          "a\n", "\xc3\xa4", "a;b"};
+    static const char *const subject[] = {"",         "a b", "a/b", "../a", "a\n",
+                                          "\xc3\xa4", "a;b", ".",   ".."};
     static const char *const label[] = {"\x01", "a\nb",         "\xff",
                                         "\xc3", "\xed\xa0\x80", "\xc2\x85"};
     struct store *s = tempdb_fresh();

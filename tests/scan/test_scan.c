@@ -464,6 +464,49 @@ static void test_search_kept(void **state)
     assert_int_equal(found.faces, 7);
 }
 
+/* The same where the points stay as they are, and both gates refuse them. */
+static void test_as_is_kept(void **state)
+{
+    struct scan_search search = {.done = false};
+    const struct scan_options strict = {.axes = SCAN_AXES_SCANNER,
+                                        .enrolment = true,
+                                        .search = &search},
+                              loose = {.axes = SCAN_AXES_SCANNER, .search = &search},
+                              fresh = {.axes = SCAN_AXES_SCANNER};
+    struct scan_found before;
+    struct quality quality;
+    size_t bad = 0;
+
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        enum status st;
+
+        sample(6, 1, 1500);
+        for (size_t i = 0; i < n; i++) {
+            if (kind == 0) /* the model has no support */
+                pts[i].z = 12 * sin(pts[i].x / 12) * sin(pts[i].y / 15);
+            else if (kind == 1) /* a little, the wrong way up */
+                pts[i] = (struct dvec3){-pts[i].x, -pts[i].y, pts[i].z};
+        }
+        if (kind == 2)
+            pts[700].y = -1e9;
+        search = (struct scan_search){.done = false};
+        st = build(&fresh);
+        before = found;
+        quality = face.quality;
+        assert_int_not_equal(st, ST_OK);
+        take();
+        assert_int_not_equal(scan_build(&c, &strict, work, &face, &bad, &found), ST_OK);
+        take();
+        bad = 0;
+        assert_int_equal(scan_build(&c, &loose, work, &face, &bad, &found), st);
+        assert_memory_equal(&found, &before, sizeof found);
+        assert_memory_equal(&face.quality, &quality, sizeof quality);
+        assert_int_equal(face.surface.mesh.nv, 0);
+        assert_int_equal(bad, kind == 2 ? 700 : 0);
+    }
+}
+
 /* Nobody waits for the model any more. */
 static void test_stopped(void **state)
 {
@@ -532,10 +575,11 @@ int main(void)
         cmocka_unit_test(test_found),        cmocka_unit_test(test_half),
         cmocka_unit_test(test_half_profile), cmocka_unit_test(test_turn),
         cmocka_unit_test(test_elsewhere),    cmocka_unit_test(test_two),
-        cmocka_unit_test(test_search_kept),  cmocka_unit_test(test_shoulders),
-        cmocka_unit_test(test_cover),        cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_no_face),      cmocka_unit_test(test_range),
-        cmocka_unit_test(test_stopped),      cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_search_kept),  cmocka_unit_test(test_as_is_kept),
+        cmocka_unit_test(test_shoulders),    cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_mirrored),     cmocka_unit_test(test_no_face),
+        cmocka_unit_test(test_range),        cmocka_unit_test(test_stopped),
+        cmocka_unit_test(test_memory)};
 
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
